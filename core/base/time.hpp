@@ -1,0 +1,64 @@
+/// @file
+/// Points in time and lengths of time: integer nanoseconds of one monotonic clock.
+///
+/// Gyro samples and odometer pulses carry stamps of the same clock, so that they can be ordered.
+/// 64 bits of nanoseconds last 292 years.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace zerorate::core {
+
+/// A length of time; may be negative.
+class Duration {
+ public:
+  constexpr Duration() = default;
+  [[nodiscard]] static constexpr Duration nanoseconds(std::int64_t ns) { return Duration{ns}; }
+  [[nodiscard]] static constexpr Duration microseconds(std::int64_t us) {
+    return Duration{us * 1'000};
+  }
+  [[nodiscard]] static constexpr Duration milliseconds(std::int64_t ms) {
+    return Duration{ms * 1'000'000};
+  }
+  [[nodiscard]] static constexpr Duration seconds(std::int64_t s) {
+    return Duration{s * 1'000'000'000};
+  }
+
+  [[nodiscard]] constexpr std::int64_t ns() const { return ns_; }
+  /// Seconds in single precision, for filter arithmetic (24 bits: never for adding up time).
+  [[nodiscard]] constexpr float in_seconds() const { return static_cast<float>(ns_) * 1e-9F; }
+
+  constexpr auto operator<=>(const Duration&) const = default;
+  friend constexpr Duration operator+(Duration a, Duration b) { return Duration{a.ns_ + b.ns_}; }
+  friend constexpr Duration operator-(Duration a, Duration b) { return Duration{a.ns_ - b.ns_}; }
+  friend constexpr Duration operator*(Duration a, std::int64_t n) { return Duration{a.ns_ * n}; }
+  friend constexpr Duration operator/(Duration a, std::int64_t n) { return Duration{a.ns_ / n}; }
+  /// How many whole b fit into a, rounded towards zero.
+  friend constexpr std::int64_t operator/(Duration a, Duration b) { return a.ns_ / b.ns_; }
+
+ private:
+  constexpr explicit Duration(std::int64_t ns) : ns_(ns) {}
+  std::int64_t ns_ = 0;
+};
+
+/// A point in time on the monotonic clock. Two points cannot be added.
+class Instant {
+ public:
+  constexpr Instant() = default;
+  [[nodiscard]] static constexpr Instant from_ns(std::int64_t ns) { return Instant{ns}; }
+  [[nodiscard]] constexpr std::int64_t ns() const { return ns_; }
+
+  constexpr auto operator<=>(const Instant&) const = default;
+  friend constexpr Duration operator-(Instant a, Instant b) {
+    return Duration::nanoseconds(a.ns_ - b.ns_);
+  }
+  friend constexpr Instant operator+(Instant a, Duration d) { return Instant{a.ns_ + d.ns()}; }
+  friend constexpr Instant operator-(Instant a, Duration d) { return Instant{a.ns_ - d.ns()}; }
+
+ private:
+  constexpr explicit Instant(std::int64_t ns) : ns_(ns) {}
+  std::int64_t ns_ = 0;
+};
+
+}  // namespace zerorate::core

@@ -1,0 +1,59 @@
+#include "core/base/numeric.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace zerorate::core {
+namespace {
+
+TEST(SquareRoot, DigitsGiveTheSameBitsAsTheProcessor) {
+  std::mt19937 bits(20120416);
+  for (int i = 0; i < 200'000; ++i) {
+    const float x = std::bit_cast<float>(bits() & 0x7FFFFFFFU);
+    if (!is_finite(x) || x == 0.0F) continue;
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(detail::square_root_by_digits(x)),
+              std::bit_cast<std::uint32_t>(std::sqrt(x)))
+        << x;
+  }
+}
+
+TEST(SquareRoot, EdgesOfTheRangeAreExact) {
+  using Limits = std::numeric_limits<float>;
+  for (const float x : {Limits::denorm_min(), Limits::min(), Limits::max(), 1.0F, 2.0F, 4.0F,
+                        std::nextafter(1.0F, 0.0F), std::nextafter(4.0F, 5.0F)}) {
+    EXPECT_EQ(detail::square_root_by_digits(x), std::sqrt(x)) << x;
+    EXPECT_EQ(square_root(x), std::sqrt(x)) << x;
+  }
+  static_assert(square_root(9.0F) == 3.0F, "usable in constant expressions");
+}
+
+TEST(SquareRoot, WhatIsNoVarianceGivesZero) {
+  EXPECT_EQ(square_root(0.0F), 0.0F);
+  EXPECT_EQ(square_root(-1.0F), 0.0F);
+  EXPECT_EQ(square_root(std::numeric_limits<float>::quiet_NaN()), 0.0F);
+}
+
+TEST(DecayShare, IsOneMinusExpToSinglePrecisionOverTwelveDecades) {
+  for (double x = 1e-9; x < 1e3; x *= 1.07) {
+    const auto arg = static_cast<float>(x);
+    const double exact = -std::expm1(-static_cast<double>(arg));
+    EXPECT_NEAR(static_cast<double>(decay_share(arg)) / exact, 1.0, 4e-7) << x;
+  }
+  EXPECT_EQ(decay_share(0.0F), 0.0F);
+}
+
+TEST(IsFinite, KnowsNanAndInfinity) {
+  using Limits = std::numeric_limits<float>;
+  EXPECT_TRUE(is_finite(Limits::max()));
+  EXPECT_TRUE(is_finite(-0.0F));
+  EXPECT_FALSE(is_finite(Limits::infinity()));
+  EXPECT_FALSE(is_finite(-Limits::infinity()));
+  EXPECT_FALSE(is_finite(Limits::quiet_NaN()));
+}
+
+}  // namespace
+}  // namespace zerorate::core

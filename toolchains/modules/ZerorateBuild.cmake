@@ -1,0 +1,59 @@
+# How every target of the project is compiled, and the one way to declare a leaf of the house.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# Fixed-size kernels are smaller and faster at -O2 than at -Os or -O3 (docs/adr).
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+
+# Flags of all our own code. No contraction: fused multiply-add would make x86, Cortex-M0+ and M4F
+# disagree in the last bits, and replay is to be the firmware's equal.
+add_library(zerorate_flags INTERFACE)
+target_compile_options(zerorate_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wimplicit-fallthrough -Werror
+  -ffp-contract=off)
+target_include_directories(zerorate_flags INTERFACE "${PROJECT_SOURCE_DIR}")
+if(ZERORATE_SANITIZE)
+  target_compile_options(zerorate_flags INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(zerorate_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# Additional promises of code that is flashed: single precision only.
+add_library(zerorate_target_flags INTERFACE)
+target_link_libraries(zerorate_target_flags INTERFACE zerorate_flags)
+target_compile_options(zerorate_target_flags INTERFACE -Wdouble-promotion)
+
+# zerorate_leaf(NAME [HOSTED] [SOURCES files...] [DEPENDS targets...])
+#
+# Declares the folder's library as zerorate_NAME with the alias zerorate::NAME; one a leaf folder.
+# Without SOURCES it is a header-only (INTERFACE) library. HOSTED leaves may use an operating
+# system, double precision and exceptions; the others are compiled for the microcontrollers too.
+function(zerorate_leaf name)
+  cmake_parse_arguments(leaf "HOSTED" "" "SOURCES;DEPENDS" ${ARGN})
+  set(flags zerorate_target_flags)
+  if(leaf_HOSTED)
+    set(flags zerorate_flags)
+  endif()
+  if(leaf_SOURCES)
+    add_library(zerorate_${name} STATIC ${leaf_SOURCES})
+    target_link_libraries(zerorate_${name} PUBLIC ${flags} ${leaf_DEPENDS})
+  else()
+    add_library(zerorate_${name} INTERFACE)
+    target_link_libraries(zerorate_${name} INTERFACE ${flags} ${leaf_DEPENDS})
+  endif()
+  add_library(zerorate::${name} ALIAS zerorate_${name})
+endfunction()
