@@ -13,7 +13,8 @@ namespace {
 TEST(SquareRoot, DigitsGiveTheSameBitsAsTheProcessor) {
   std::mt19937 bits(20120416);
   for (int i = 0; i < 200'000; ++i) {
-    const float x = std::bit_cast<float>(bits() & 0x7FFFFFFFU);
+    const auto pattern = static_cast<std::uint32_t>(bits()) & 0x7FFFFFFFU;
+    const auto x = std::bit_cast<float>(pattern);
     if (!is_finite(x) || x == 0.0F) continue;
     ASSERT_EQ(std::bit_cast<std::uint32_t>(detail::square_root_by_digits(x)),
               std::bit_cast<std::uint32_t>(std::sqrt(x)))
