@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/complex.hpp"
+
 namespace zerorate::core {
 
 /// False for NaN and both infinities; a test of the bits, so that no compiler flag removes it.
@@ -69,23 +71,33 @@ namespace detail {
   return detail::square_root_by_digits(x);
 }
 
-/// 1 - exp(-x) for x >= 0 without cancellation: the share of a first-order lag that is gone after
-/// x time constants. Relative error below 4e-7. Taylor's series on x / 2^k, then k doublings
-/// a(2x) = a(x) (2 - a(x)), in which nothing cancels.
-[[nodiscard]] constexpr float decay_share(float x) {
-  if (x >= 32.0F) {
-    return 1.0F;
+/// 1 - exp(-x) without cancellation: the share of a first-order lag that is gone after x time
+/// constants. x real and not negative, or complex with such a real part: 1 - exp(-x) then belongs
+/// to a damped rotation. Taylor's series on x / 2^k, then k doublings a(2x) = a(x) (2 - a(x)), in
+/// which nothing cancels. Relative error below 4e-7 for real x.
+template <class Scalar>
+[[nodiscard]] constexpr Scalar decay_share(Scalar x) {
+  if (real_part(x) >= 32.0F) {
+    return Scalar{1.0F};
   }
   int doublings = 0;
-  while (x > 0.0625F) {
-    x *= 0.5F;
+  while (squared_magnitude(x) > 0.0625F * 0.0625F) {
+    x = 0.5F * x;
     ++doublings;
   }
-  float share = x * (1.0F - x * (1.0F / 2.0F) * (1.0F - x * (1.0F / 3.0F) * (1.0F - x * 0.25F)));
+  const Scalar one{1.0F};
+  Scalar share = x * (one - 0.5F * x * (one - (1.0F / 3.0F) * x * (one - 0.25F * x)));
   for (; doublings > 0; --doublings) {
-    share *= 2.0F - share;
+    share = share * (Scalar{2.0F} - share);
   }
   return share;
+}
+
+/// Halves round up. |x| below 2^31.
+[[nodiscard]] constexpr float nearest_integer(float x) {
+  const float shifted = x + 0.5F;
+  const auto truncated = static_cast<float>(static_cast<std::int32_t>(shifted));
+  return truncated > shifted ? truncated - 1.0F : truncated;
 }
 
 }  // namespace zerorate::core

@@ -1,0 +1,91 @@
+/// @file
+/// A mode: the smallest piece of slow noise, and what becomes of it over a span of ticks.
+///
+/// Every noise block of the project is a sum of modes. With F the mode's one-tick factor,
+///
+///     z[k+1] = F z[k] + w[k],   contribution to the bias: Re z,
+///
+/// F = phi real for a decaying mode (first-order Gauss-Markov), F = rho exp(i theta) for a rotating
+/// one (damped oscillation; w circular). docs/design/noise-modes.md derives what follows.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/complex.hpp"
+
+namespace zerorate::core {
+
+/// One mode at the filter's tick.
+/// @tparam Scalar float for a decaying mode, Complex for a rotating one
+template <class Scalar>
+struct Mode {
+  /// alpha = 1 - F, kept instead of F because F of a slow mode rounds to 1.
+  Scalar forgetting{};
+  /// Variance of Re w per tick [rad2/s2].
+  float noise_variance = 0.0F;
+  /// Variance of Re z when the filter starts [rad2/s2]: 0, or the stationary one.
+  float initial_variance = 0.0F;
+};
+
+using DecayingMode = Mode<float>;
+using RotatingMode = Mode<Complex>;
+
+/// What a mode does over m ticks, from z before the span to z' after it and to the running sum
+/// Z = z[1] + ... + z[m]:
+///
+///     z' = (1 - forgotten) z + n,   Z = (m - lag) z + N,   Var Re n = noise,
+///     E[N conj(n)] / 2 = sum_covariance,   Var Re N = sum_variance.
+///
+/// Nothing is stored as a difference of nearly equal numbers; all terms of a decaying mode are
+/// positive, so that single precision holds over any span.
+template <class Scalar>
+struct ModeSpan {
+  Scalar forgotten{};
+  Scalar lag{};    ///< sum over k = 1..m of (1 - F^k)
+  Scalar reach{};  ///< m - lag, accumulated separately: for fast modes the difference is nothing
+  Scalar sum_covariance{};
+  float noise = 0.0F;
+  float sum_variance = 0.0F;
+
+  constexpr bool operator==(const ModeSpan&) const = default;
+};
+
+/// The span of a single tick.
+template <class Scalar>
+[[nodiscard]] constexpr ModeSpan<Scalar> one_tick(const Mode<Scalar>& mode) {
+  return {.forgotten = mode.forgetting,
+          .lag = mode.forgetting,
+          .reach = Scalar{1.0F} - mode.forgetting,
+          .sum_covariance = Scalar{mode.noise_variance},
+          .noise = mode.noise_variance,
+          .sum_variance = mode.noise_variance};
+}
+
+/// The span `first` followed by the span `second` of the same mode.
+/// @param second_ticks the length of `second`
+template <class Scalar>
+[[nodiscard]] constexpr ModeSpan<Scalar> then(const ModeSpan<Scalar>& first,
+                                              const ModeSpan<Scalar>& second,
+                                              std::uint32_t second_ticks) {
+  const Scalar kept_first = Scalar{1.0F} - first.forgotten;
+  const Scalar kept_second = Scalar{1.0F} - second.forgotten;
+  const auto ticks = static_cast<float>(second_ticks);
+  return {.forgotten = first.forgotten + kept_first * second.forgotten,
+          .lag = first.lag + ticks * first.forgotten + kept_first * second.lag,
+          .reach = first.reach + kept_first * second.reach,
+          .sum_covariance = conjugate(kept_second) * first.sum_covariance +
+                            conjugate(kept_second) * second.reach * first.noise +
+                            second.sum_covariance,
+          .noise = squared_magnitude(kept_second) * first.noise + second.noise,
+          .sum_variance = first.sum_variance +
+                          2.0F * real_part(conjugate(second.reach) * first.sum_covariance) +
+                          squared_magnitude(second.reach) * first.noise + second.sum_variance};
+}
+
+/// Variance of Re z after the span, given the variance before it.
+template <class Scalar>
+[[nodiscard]] constexpr float variance_after(const ModeSpan<Scalar>& span, float variance) {
+  return squared_magnitude(Scalar{1.0F} - span.forgotten) * variance + span.noise;
+}
+
+}  // namespace zerorate::core

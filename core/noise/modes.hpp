@@ -1,0 +1,145 @@
+/// @file
+/// The slow noise of one sensor at one filter tick: a level that may walk at random, and modes.
+///
+/// The level is the constant bias; it is unknown when the filter starts (diffuse).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/assert.hpp"
+#include "core/base/time.hpp"
+#include "core/noise/mode.hpp"
+
+namespace zerorate::core {
+
+/// What R decaying modes, C rotating modes and the level do over a span of ticks. A plain value:
+/// spans compose (`then`), so any gap costs the logarithm of its length and no transcendental
+/// function (docs/adr/0005).
+template <std::size_t R, std::size_t C>
+struct Transition {
+  std::uint32_t ticks = 0;
+  ModeSpan<float> level{};  ///< never forgets: forgotten = lag = 0, reach = ticks
+  std::array<ModeSpan<float>, R> decaying{};
+  std::array<ModeSpan<Complex>, C> rotating{};
+
+  constexpr bool operator==(const Transition&) const = default;
+
+  /// Variance that the whole bias gains over the span [rad2/s2].
+  [[nodiscard]] constexpr float noise() const {
+    return total(&ModeSpan<float>::noise, &ModeSpan<Complex>::noise);
+  }
+  /// Variance that the sum of the bias over the span gains [rad2/s2 ticks2].
+  [[nodiscard]] constexpr float sum_variance() const {
+    return total(&ModeSpan<float>::sum_variance, &ModeSpan<Complex>::sum_variance);
+  }
+
+ private:
+  [[nodiscard]] constexpr float total(float ModeSpan<float>::*of_decaying,
+                                      float ModeSpan<Complex>::*of_rotating) const {
+    float sum = level.*of_decaying;
+    for (const auto& span : decaying) sum += span.*of_decaying;
+    for (const auto& span : rotating) sum += span.*of_rotating;
+    return sum;
+  }
+};
+
+/// The span `first` followed by `second`. Cost: about 25 R + 80 C floating-point operations.
+template <std::size_t R, std::size_t C>
+[[nodiscard]] constexpr Transition<R, C> then(const Transition<R, C>& first,
+                                              const Transition<R, C>& second) {
+  Transition<R, C> both;
+  both.ticks = first.ticks + second.ticks;
+  both.level = then(first.level, second.level, second.ticks);
+  for (std::size_t i = 0; i < R; ++i) {
+    both.decaying[i] = then(first.decaying[i], second.decaying[i], second.ticks);
+  }
+  for (std::size_t i = 0; i < C; ++i) {
+    both.rotating[i] = then(first.rotating[i], second.rotating[i], second.ticks);
+  }
+  return both;
+}
+
+/// The noise of a sensor at a filter tick; made by compose(). The coefficients that predictors
+/// share; they never change while a filter runs.
+template <std::size_t R, std::size_t C>
+struct Modes {
+  static constexpr std::size_t kStates = R + 2 * C;
+
+  Duration tick;
+  float walk_variance = 0.0F;  ///< what the level gains per tick [rad2/s2]
+  std::array<DecayingMode, R> decaying{};
+  std::array<RotatingMode, C> rotating{};
+
+  [[nodiscard]] constexpr Transition<R, C> one_tick() const {
+    Transition<R, C> step;
+    step.ticks = 1;
+    step.level = core::one_tick(DecayingMode{.noise_variance = walk_variance});
+    for (std::size_t i = 0; i < R; ++i) step.decaying[i] = core::one_tick(decaying[i]);
+    for (std::size_t i = 0; i < C; ++i) step.rotating[i] = core::one_tick(rotating[i]);
+    return step;
+  }
+
+  /// The span of any number of ticks, by repeated doubling: at most 2 log2(ticks) compositions.
+  [[nodiscard]] constexpr Transition<R, C> over(std::uint32_t ticks) const {
+    Transition<R, C> result{};
+    Transition<R, C> power = one_tick();
+    for (;;) {
+      if ((ticks & 1U) != 0) result = then(result, power);
+      ticks >>= 1U;
+      if (ticks == 0) return result;
+      power = then(power, power);
+    }
+  }
+};
+
+/// How a filter starts: with the noise at zero ("type II", as the paper simulates it), or with the
+/// noise at the variance that it has in a sensor that has been on for long.
+enum class Start : std::uint8_t { zero, stationary };
+
+/// Receives the modes of each block while compose() runs.
+template <std::size_t R, std::size_t C>
+class ModeWriter {
+ public:
+  constexpr ModeWriter(Modes<R, C>& modes, Start start) : modes_(modes), start_(start) {}
+
+  /// A mode with its stationary variance, which is its initial one if the filter starts so.
+  template <class Scalar>
+  constexpr void add(Scalar forgetting, float noise_variance, float stationary_variance) {
+    const Mode<Scalar> mode{
+        .forgetting = forgetting,
+        .noise_variance = noise_variance,
+        .initial_variance = start_ == Start::stationary ? stationary_variance : 0.0F};
+    place(mode);
+  }
+  constexpr void add_walk(float variance_per_tick) { modes_.walk_variance += variance_per_tick; }
+
+ private:
+  constexpr void place(const DecayingMode& mode) {
+    ZERORATE_ASSERT(decaying_ < R);
+    modes_.decaying[decaying_++] = mode;
+  }
+  constexpr void place(const RotatingMode& mode) {
+    ZERORATE_ASSERT(rotating_ < C);
+    modes_.rotating[rotating_++] = mode;
+  }
+
+  Modes<R, C>& modes_;
+  Start start_;
+  std::size_t decaying_ = 0;
+  std::size_t rotating_ = 0;
+};
+
+/// Composes noise blocks into the modes of a filter that ticks every `tick`. Each block is a plain
+/// struct with kDecaying, kRotating and contribute(tick, writer); the state count follows.
+template <class... Blocks>
+[[nodiscard]] constexpr auto compose(Duration tick, Start start, const Blocks&... blocks) {
+  Modes<(Blocks::kDecaying + ... + 0), (Blocks::kRotating + ... + 0)> modes;
+  modes.tick = tick;
+  ModeWriter writer{modes, start};
+  (blocks.contribute(tick, writer), ...);
+  return modes;
+}
+
+}  // namespace zerorate::core
