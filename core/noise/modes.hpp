@@ -61,6 +61,10 @@ template <std::size_t R, std::size_t C>
   return both;
 }
 
+/// How a filter starts: with the noise at zero ("type II", as the paper simulates it), or with the
+/// noise at the variance that it has in a sensor that has been on for long.
+enum class Start : std::uint8_t { zero, stationary };
+
 /// The noise of a sensor at a filter tick; made by compose(). The coefficients that predictors
 /// share; they never change while a filter runs.
 template <std::size_t R, std::size_t C>
@@ -68,6 +72,7 @@ struct Modes {
   static constexpr std::size_t kStates = R + 2 * C;
 
   Duration tick;
+  Start start = Start::stationary;
   float walk_variance = 0.0F;  ///< what the level gains per tick [rad2/s2]
   std::array<DecayingMode, R> decaying{};
   std::array<RotatingMode, C> rotating{};
@@ -94,15 +99,11 @@ struct Modes {
   }
 };
 
-/// How a filter starts: with the noise at zero ("type II", as the paper simulates it), or with the
-/// noise at the variance that it has in a sensor that has been on for long.
-enum class Start : std::uint8_t { zero, stationary };
-
 /// Receives the modes of each block while compose() runs.
 template <std::size_t R, std::size_t C>
 class ModeWriter {
  public:
-  constexpr ModeWriter(Modes<R, C>& modes, Start start) : modes_(modes), start_(start) {}
+  constexpr explicit ModeWriter(Modes<R, C>& modes) : modes_(modes) {}
 
   /// A mode with its stationary variance, which is its initial one if the filter starts so.
   template <class Scalar>
@@ -110,7 +111,7 @@ class ModeWriter {
     const Mode<Scalar> mode{
         .forgetting = forgetting,
         .noise_variance = noise_variance,
-        .initial_variance = start_ == Start::stationary ? stationary_variance : 0.0F};
+        .initial_variance = modes_.start == Start::stationary ? stationary_variance : 0.0F};
     place(mode);
   }
   constexpr void add_walk(float variance_per_tick) { modes_.walk_variance += variance_per_tick; }
@@ -126,7 +127,6 @@ class ModeWriter {
   }
 
   Modes<R, C>& modes_;
-  Start start_;
   std::size_t decaying_ = 0;
   std::size_t rotating_ = 0;
 };
@@ -137,7 +137,8 @@ template <class... Blocks>
 [[nodiscard]] constexpr auto compose(Duration tick, Start start, const Blocks&... blocks) {
   Modes<(Blocks::kDecaying + ... + 0), (Blocks::kRotating + ... + 0)> modes;
   modes.tick = tick;
-  ModeWriter writer{modes, start};
+  modes.start = start;
+  ModeWriter writer{modes};
   (blocks.contribute(tick, writer), ...);
   return modes;
 }

@@ -1,0 +1,34 @@
+/// @file
+/// The one interface of all bias predictors.
+#pragma once
+
+#include <concepts>
+
+#include "core/estimator/prediction.hpp"
+
+namespace zerorate::core {
+
+/// A predictor lives at the tick of its newest measurement. It is fed with the means of ticks at
+/// standstill and asked for any later tick; between stops nothing is computed.
+///
+/// - `begin_stop()`: a new standstill begins. Predictors without memory across stops start again.
+/// - `advance(span)`: time passes. Call it before each measurement with the span since the last.
+/// - `observe(rate, variance)`: the mean measured rate of this tick [rad/s] and its white variance.
+/// - `bias_rad_s(lead)`: the bias `lead` after the newest measurement; before the first, 0.
+/// - `predict(lead)`: the same with its variance, which costs more.
+/// - `predict_heading(lead, drive)`: the integral of the bias over the ticks of `drive`, which
+///   begins `lead` after the newest measurement.
+template <class P>
+concept BiasPredictor = requires(P predictor, const P& settled, const typename P::Span& span,
+                                 float rate_rad_s, float variance_rad2_s2) {
+  typename P::State;
+  { predictor.begin_stop() } -> std::same_as<void>;
+  { predictor.advance(span) } -> std::same_as<void>;
+  { predictor.observe(rate_rad_s, variance_rad2_s2) } -> std::same_as<Innovation>;
+  { settled.bias_rad_s(span) } -> std::same_as<float>;
+  { settled.predict(span) } -> std::same_as<Prediction>;
+  { settled.predict_heading(span, span) } -> std::same_as<HeadingPrediction>;
+  { settled.state() } -> std::same_as<const typename P::State&>;
+};
+
+}  // namespace zerorate::core

@@ -1,0 +1,91 @@
+/// @file
+/// The mean of the newest standstill: what everybody does today (the paper's eq. 9, "CM").
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/estimator/prediction.hpp"
+#include "core/estimator/weighted_window.hpp"
+#include "core/noise/modes.hpp"
+
+namespace zerorate::core {
+
+/// Cost: observe 6 operations, bias one division, an interval about 2 log2(count) compositions.
+template <std::size_t R, std::size_t C>
+class CalibrationMean {
+ public:
+  using Span = Transition<R, C>;
+
+  struct State {
+    bool restart = true;           ///< the next measurement is the first of a stop
+    std::uint32_t count = 0;       ///< measurements of the newest stop
+    std::uint32_t age = 0;         ///< ticks from the start to the newest measurement
+    float reference_rad_s = 0.0F;  ///< the stop's first measurement
+    float sum_rad_s = 0.0F;        ///< of the deviations from it
+    float lost_rad_s = 0.0F;       ///< what the sum rounded off (Kahan), given back next time
+    float white_variance_sum = 0.0F;
+  };
+  static_assert(std::is_trivially_copyable_v<State>);
+
+  /// @param modes the noise that the intervals are computed under; must outlive the predictor
+  constexpr explicit CalibrationMean(const Modes<R, C>& modes) : modes_(&modes) {}
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+
+  /// The next measurement starts a new mean; until then the old one stands.
+  constexpr void begin_stop() { state_.restart = true; }
+
+  constexpr void advance(const Span& span) { state_.age += span.ticks; }
+
+  constexpr Innovation observe(float rate_rad_s, float white_variance) {
+    if (!is_measurement(rate_rad_s, white_variance)) return {};
+    if (state_.restart) {
+      state_ = {.restart = false, .age = state_.age, .reference_rad_s = rate_rad_s};
+    }
+    const Innovation innovation{.accepted = true,
+                                .first = state_.count == 0,
+                                .residual_rad_s = state_.count == 0 ? 0.0F : rate_rad_s - mean()};
+    const float addend = (rate_rad_s - state_.reference_rad_s) - state_.lost_rad_s;
+    const float sum = state_.sum_rad_s + addend;
+    state_.lost_rad_s = (sum - state_.sum_rad_s) - addend;
+    state_.sum_rad_s = sum;
+    state_.white_variance_sum += white_variance;
+    ++state_.count;
+    return innovation;
+  }
+
+  [[nodiscard]] constexpr float bias_rad_s(const Span& /*lead*/) const { return mean(); }
+
+  [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
+    if (state_.count == 0) return {};
+    return {mean(), window(1.0F / count()).point_variance(lead)};
+  }
+
+  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
+                                                            const Span& drive) const {
+    if (state_.count == 0) return {};
+    const auto ticks = static_cast<float>(drive.ticks);
+    const float tick_s = modes_->tick.in_seconds();
+    return {mean() * ticks * tick_s,
+            window(ticks / count()).sum_variance(lead, drive) * tick_s * tick_s};
+  }
+
+ private:
+  [[nodiscard]] constexpr float count() const { return static_cast<float>(state_.count); }
+  [[nodiscard]] constexpr float mean() const {
+    return state_.count == 0 ? 0.0F : state_.reference_rad_s + state_.sum_rad_s / count();
+  }
+  [[nodiscard]] constexpr WeightedWindow<R, C> window(float weight) const {
+    WeightedWindow<R, C> window{*modes_, state_.age - state_.count};
+    window.add(modes_->over(state_.count), weight, state_.white_variance_sum / count());
+    return window;
+  }
+
+  const Modes<R, C>* modes_;
+  State state_{};
+};
+
+}  // namespace zerorate::core

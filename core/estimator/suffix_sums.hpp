@@ -1,0 +1,142 @@
+/// @file
+/// Sums of the newest j measurements for every j, in fixed memory for any number of measurements.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/assert.hpp"
+
+namespace zerorate::core {
+
+/// An exponential histogram: the newest kExact measurements one by one, then rings of kPerLevel
+/// blocks of 2, 4, 8, ... measurements. When a ring is full its two oldest blocks become one of the
+/// next ring.
+///
+/// The suffix that ends inside a block takes its share of that block's sum. At least
+/// kPerLevel - 1 blocks of every shorter length are newer, so the suffix mean is wrong by at most
+/// 1 / (4 (kPerLevel - 1)) of the difference between the means of the two parts of that one block;
+/// suffixes that end between blocks are exact, as are all of the newest kExact - 1.
+class SuffixSums {
+ public:
+  static constexpr std::size_t kExact = 64;
+  static constexpr std::size_t kPerLevel = 12;
+  static constexpr std::size_t kLevels = 22;  // 5e7 measurements; older ones stay in the last block
+
+  [[nodiscard]] constexpr std::uint32_t count() const { return count_; }
+
+  constexpr void clear() { *this = SuffixSums{}; }
+
+  /// Cost: amortised two additions; at worst one per level.
+  constexpr void push(float value) {
+    ++count_;
+    if (exact_used_ == kExact) {
+      // The two oldest leave together as a block of two.
+      push_block(0, exact_[oldest_exact_] + exact_[(oldest_exact_ + 1) % kExact]);
+      oldest_exact_ = static_cast<std::uint8_t>((oldest_exact_ + 2) % kExact);
+      exact_used_ = static_cast<std::uint8_t>(exact_used_ - 2);
+    }
+    exact_[(oldest_exact_ + exact_used_) % kExact] = value;
+    ++exact_used_;
+  }
+
+  /// Sum of the newest `length` measurements, length <= count(). Cost: one addition per block.
+  [[nodiscard]] constexpr float sum_of_newest(std::uint32_t length) const {
+    ZERORATE_ASSERT(length <= count_);
+    float sum = 0.0F;
+    std::uint32_t taken = 0;
+    for_each_newest_first([&](std::uint32_t size, float block_sum) {
+      const std::uint32_t wanted = length - taken;
+      if (wanted == 0) return false;
+      if (wanted < size) {
+        sum += block_sum * (static_cast<float>(wanted) / static_cast<float>(size));
+        taken = length;
+        return false;
+      }
+      sum += block_sum;
+      taken += size;
+      return true;
+    });
+    return sum;
+  }
+
+  /// Calls visit(size, sum) for each block until it returns false.
+  template <class Visitor>
+  constexpr void for_each_newest_first(Visitor visit) const {
+    for (std::size_t i = exact_used_; i-- > 0;) {
+      if (!visit(1U, exact_[(oldest_exact_ + i) % kExact])) return;
+    }
+    for (std::size_t level = 0; level < kLevels; ++level) {
+      for (std::size_t i = used_[level]; i-- > 0;) {
+        if (!visit(size_of_block(level, i), block(level, i))) return;
+      }
+    }
+  }
+
+  /// Calls visit(size, sum) for each block.
+  template <class Visitor>
+  constexpr void for_each_oldest_first(Visitor visit) const {
+    for (std::size_t level = kLevels; level-- > 0;) {
+      for (std::size_t i = 0; i < used_[level]; ++i) {
+        visit(size_of_block(level, i), block(level, i));
+      }
+    }
+    for (std::size_t i = 0; i < exact_used_; ++i) {
+      visit(1U, exact_[(oldest_exact_ + i) % kExact]);
+    }
+  }
+
+ private:
+  [[nodiscard]] constexpr float block(std::size_t level, std::size_t i) const {
+    return blocks_[level][(oldest_[level] + i) % kPerLevel];
+  }
+  constexpr float& block(std::size_t level, std::size_t i) {
+    return blocks_[level][(oldest_[level] + i) % kPerLevel];
+  }
+  /// 2^(level + 1), but the oldest of the last level has swallowed all that came before.
+  [[nodiscard]] constexpr std::uint32_t size_of_block(std::size_t level, std::size_t i) const {
+    const std::uint32_t size = 2U << level;
+    return level == kLevels - 1 && i == 0 ? size + swallowed_ : size;
+  }
+
+  constexpr void push_block(std::size_t level, float sum) {
+    // A loop, not a recursion: the target's stack use stays a constant.
+    for (; used_[level] == kPerLevel && level + 1 < kLevels; ++level) {
+      const float merged = block(level, 0) + block(level, 1);
+      drop_oldest(level);
+      drop_oldest(level);
+      append(level, sum);
+      sum = merged;
+    }
+    if (used_[level] == kPerLevel) swallow_oldest(level);
+    append(level, sum);
+  }
+
+  constexpr void append(std::size_t level, float sum) {
+    block(level, used_[level]) = sum;
+    ++used_[level];
+  }
+
+  constexpr void drop_oldest(std::size_t level) {
+    oldest_[level] = static_cast<std::uint8_t>((oldest_[level] + 1) % kPerLevel);
+    --used_[level];
+  }
+
+  constexpr void swallow_oldest(std::size_t last_level) {
+    block(last_level, 1) += block(last_level, 0);
+    swallowed_ += 2U << last_level;
+    drop_oldest(last_level);
+  }
+
+  std::array<float, kExact> exact_{};
+  std::array<std::array<float, kPerLevel>, kLevels> blocks_{};
+  std::array<std::uint8_t, kLevels> oldest_{};
+  std::array<std::uint8_t, kLevels> used_{};
+  std::uint32_t count_ = 0;
+  std::uint32_t swallowed_ = 0;
+  std::uint8_t oldest_exact_ = 0;
+  std::uint8_t exact_used_ = 0;
+};
+
+}  // namespace zerorate::core
