@@ -16,6 +16,21 @@ namespace zerorate::core {
   return (std::bit_cast<std::uint32_t>(x) & 0x7F800000U) != 0x7F800000U;
 }
 
+/// The nearest float to a 64-bit integer, ties to even, as every processor with a conversion
+/// instruction rounds it. The compiler's own routine for the Cortex-M0+ goes through double.
+[[nodiscard]] constexpr float to_float(std::int64_t x) {
+  const auto bits = static_cast<std::uint64_t>(x);
+  const std::uint64_t magnitude = x < 0 ? 0U - bits : bits;
+  const int excess_bits = 32 - std::countl_zero(magnitude);
+  const auto shift = static_cast<std::uint32_t>(excess_bits > 0 ? excess_bits : 0);
+  const auto top = static_cast<std::uint32_t>(magnitude >> shift);
+  // What is cut off survives as one sticky bit below the rounding position.
+  const std::uint32_t sticky = (std::uint64_t{top} << shift) != magnitude ? 1U : 0U;
+  const auto power_of_two = std::bit_cast<float>((127U + shift) << 23U);
+  const float rounded = static_cast<float>(top | sticky) * power_of_two;
+  return x < 0 ? -rounded : rounded;
+}
+
 namespace detail {
 /// Correctly rounded square root of a positive normal or subnormal number in integer arithmetic.
 /// Cost: 25 shift-and-subtract steps, about 200 instructions on a Cortex-M0+.

@@ -8,6 +8,8 @@
 #include <compare>
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
+
 namespace zerorate::core {
 
 /// A length of time; may be negative.
@@ -27,7 +29,7 @@ class Duration {
 
   [[nodiscard]] constexpr std::int64_t ns() const { return ns_; }
   /// Seconds in single precision, for filter arithmetic (24 bits: never for adding up time).
-  [[nodiscard]] constexpr float in_seconds() const { return static_cast<float>(ns_) * 1e-9F; }
+  [[nodiscard]] constexpr float in_seconds() const { return to_float(ns_) * 1e-9F; }
 
   constexpr auto operator<=>(const Duration&) const = default;
   friend constexpr Duration operator+(Duration a, Duration b) { return Duration{a.ns_ + b.ns_}; }

@@ -10,6 +10,7 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 # Fixed-size kernels are smaller and faster at -O2 than at -Os or -O3 (docs/adr).
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g")  # the sanitizers at -O0 take several times as long
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
@@ -32,16 +33,24 @@ if(ZERORATE_SANITIZE)
   target_link_options(zerorate_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
-# Additional promises of code that is flashed: single precision only.
+# Additional promises of code that is flashed: single precision only, no errno (with it a square root
+# is one instruction and a call into the C library), and small stack frames.
+set(ZERORATE_STACK_FRAME_CEILING 1024 CACHE STRING "Largest stack frame of a function on the target, bytes")
 add_library(zerorate_target_flags INTERFACE)
 target_link_libraries(zerorate_target_flags INTERFACE zerorate_flags)
-target_compile_options(zerorate_target_flags INTERFACE -Wdouble-promotion)
+target_compile_options(zerorate_target_flags INTERFACE -Wdouble-promotion -fno-math-errno)
+if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+  target_compile_options(zerorate_target_flags INTERFACE
+    -fstack-usage -Wstack-usage=${ZERORATE_STACK_FRAME_CEILING})
+endif()
 
 # zerorate_leaf(NAME [HOSTED] [SOURCES files...] [DEPENDS targets...])
 #
 # Declares the folder's library as zerorate_NAME with the alias zerorate::NAME; one a leaf folder.
 # Without SOURCES it is a header-only (INTERFACE) library. HOSTED leaves may use an operating
 # system, double precision and exceptions; the others are compiled for the microcontrollers too.
+# The folder's headers form a header set: the target all_verify_interface_header_sets compiles each
+# of them on its own, so that a template which nothing uses yet is still compiled for every processor.
 function(zerorate_leaf name)
   cmake_parse_arguments(leaf "HOSTED" "" "SOURCES;DEPENDS" ${ARGN})
   set(flags zerorate_target_flags)
@@ -54,6 +63,12 @@ function(zerorate_leaf name)
   else()
     add_library(zerorate_${name} INTERFACE)
     target_link_libraries(zerorate_${name} INTERFACE ${flags} ${leaf_DEPENDS})
+  endif()
+  file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.hpp")
+  if(headers)
+    target_sources(zerorate_${name} INTERFACE
+      FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${headers})
+    set_target_properties(zerorate_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   endif()
   add_library(zerorate::${name} ALIAS zerorate_${name})
 endfunction()

@@ -47,6 +47,28 @@ TEST(DecayShare, IsOneMinusExpToSinglePrecisionOverTwelveDecades) {
   EXPECT_EQ(decay_share(0.0F), 0.0F);
 }
 
+TEST(ToFloat, RoundsLikeTheProcessor) {
+  std::mt19937_64 bits(64);
+  for (int i = 0; i < 200'000; ++i) {
+    // All lengths from 1 to 64 bits, both signs.
+    const auto x = static_cast<std::int64_t>(bits()) >> (i % 64);
+    ASSERT_EQ(to_float(x), static_cast<float>(x)) << x;
+  }
+}
+
+TEST(ToFloat, TiesGoToTheEvenNeighbourAndTheEdgesAreExact) {
+  using Limits = std::numeric_limits<std::int64_t>;
+  constexpr std::int64_t kBase = std::int64_t{1} << 62;
+  constexpr std::int64_t kHalf = std::int64_t{1} << 38;  // half the distance of floats above kBase
+  for (const std::int64_t x :
+       {std::int64_t{0}, std::int64_t{-1}, Limits::min(), Limits::max(),
+        (std::int64_t{1} << 24) + 1, (std::int64_t{1} << 24) + 3, kBase + kHalf, kBase + kHalf + 1,
+        kBase + kHalf - 1, kBase + 3 * kHalf}) {
+    EXPECT_EQ(to_float(x), static_cast<float>(x)) << x;
+  }
+  static_assert(to_float(-3) == -3.0F, "usable in constant expressions");
+}
+
 TEST(IsFinite, KnowsNanAndInfinity) {
   using Limits = std::numeric_limits<float>;
   EXPECT_TRUE(is_finite(Limits::max()));

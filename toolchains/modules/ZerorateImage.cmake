@@ -1,0 +1,26 @@
+# How an image for a microcontroller is linked, and the gates that it passes or is not built.
+
+include_guard()
+find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
+find_program(ZERORATE_NM arm-none-eabi-nm REQUIRED)
+find_program(ZERORATE_SIZE arm-none-eabi-size REQUIRED)
+set(ZERORATE_IMAGE_GATE "${CMAKE_CURRENT_LIST_DIR}/../gates/image_gate.py")
+
+# zerorate_image(NAME LINKER_SCRIPT file SOURCES files... DEPENDS targets...)
+#
+# NAME.elf, linked against nothing but our own code and the compiler's arithmetic (libgcc): a call of
+# malloc, operator new, printf or abort is an undefined reference. The gate then reads the symbols of
+# the finished image, for what came in by another way.
+function(zerorate_image name)
+  cmake_parse_arguments(image "" "LINKER_SCRIPT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_path(ABSOLUTE_PATH image_LINKER_SCRIPT)
+  add_executable(${name} ${image_SOURCES})
+  set_target_properties(${name} PROPERTIES SUFFIX ".elf" LINK_DEPENDS "${image_LINKER_SCRIPT}")
+  target_link_libraries(${name} PRIVATE zerorate_target_flags ${image_DEPENDS} -lgcc)
+  target_link_options(${name} PRIVATE
+    -nostartfiles -nodefaultlibs "-T${image_LINKER_SCRIPT}"
+    -Wl,--gc-sections -Wl,--fatal-warnings "-Wl,-Map=$<TARGET_FILE:${name}>.map")
+  add_custom_command(TARGET ${name} POST_BUILD VERBATIM
+    COMMAND "${Python3_EXECUTABLE}" "${ZERORATE_IMAGE_GATE}" --nm "${ZERORATE_NM}"
+            --size "${ZERORATE_SIZE}" "$<TARGET_FILE:${name}>")
+endfunction()
