@@ -35,7 +35,7 @@ namespace detail {
 /// Correctly rounded square root of a positive normal or subnormal number in integer arithmetic.
 /// Cost: 25 shift-and-subtract steps, about 200 instructions on a Cortex-M0+.
 [[nodiscard]] constexpr float square_root_by_digits(float x) {
-  std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
+  const auto bits = std::bit_cast<std::uint32_t>(x);
   std::int32_t exponent = static_cast<std::int32_t>(bits >> 23U) - 127;
   std::uint32_t mantissa = bits & 0x7FFFFFU;
   if (exponent == -127) {  // subnormal: shift up to a leading one

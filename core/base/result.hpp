@@ -33,7 +33,9 @@ class [[nodiscard]] Result {
   using error_type = E;
 
   // Implicit on purpose, as in std::expected: `return value;` and `return Unexpected{error};`.
+  // NOLINTNEXTLINE(google-explicit-constructor)
   constexpr Result(T value) : value_(std::move(value)), has_value_(true) {}
+  // NOLINTNEXTLINE(google-explicit-constructor)
   constexpr Result(Unexpected<E> unexpected) : error_(unexpected.error()), has_value_(false) {}
 
   [[nodiscard]] constexpr bool has_value() const { return has_value_; }
@@ -76,6 +78,7 @@ class [[nodiscard]] Result<void, E> {
   using error_type = E;
 
   constexpr Result() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): as above
   constexpr Result(Unexpected<E> unexpected) : error_(unexpected.error()), has_value_(false) {}
 
   [[nodiscard]] constexpr bool has_value() const { return has_value_; }

@@ -1,4 +1,4 @@
-# How an image for a microcontroller is linked, and the gates that it passes or is not built.
+# How an image for a microcontroller is linked, and the gates without which its build fails.
 
 include_guard()
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)

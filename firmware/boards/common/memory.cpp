@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+// Pointers and sizes are what their interface is made of.
+// NOLINTBEGIN(cppcoreguidelines-pro-bounds-pointer-arithmetic)
 extern "C" {
 
 void* memset(void* target, int value, std::size_t size) {
@@ -32,3 +34,4 @@ void* memmove(void* target, const void* source, std::size_t size) {
 }
 
 }  // extern "C"
+// NOLINTEND(cppcoreguidelines-pro-bounds-pointer-arithmetic)
