@@ -1,0 +1,24 @@
+#include "firmware/model/catalogue.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/model/model_file.hpp"
+#include "firmware/model/nearest_name.hpp"
+
+namespace zerorate::model {
+
+SensorModel find_model(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const CatalogueEntry& entry : catalogue()) {
+    if (entry.name == name) {
+      return parse_model(entry.toml, "catalogue/" + std::string(name) + ".toml");
+    }
+    names.push_back(entry.name);
+  }
+  throw std::invalid_argument("no sensor model \"" + std::string(name) + "\" in the catalogue" +
+                              suggestion(name, names));
+}
+
+}  // namespace zerorate::model

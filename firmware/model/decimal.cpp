@@ -1,0 +1,46 @@
+#include "firmware/model/decimal.hpp"
+
+#include <boost/math/constants/constants.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
+namespace zerorate::model {
+namespace {
+
+using Quad = boost::multiprecision::cpp_bin_float_quad;
+
+Quad si_per_unit(FileUnit unit) {
+  using boost::math::constants::ln_two;
+  using boost::math::constants::pi;
+  const Quad degree = pi<Quad>() / 180;
+  switch (unit) {
+    case FileUnit::degree:
+      return degree;
+    case FileUnit::degree_per_hour_floor:
+      return degree / 3600 / sqrt(2 * ln_two<Quad>() / pi<Quad>());
+    case FileUnit::si:
+      break;
+  }
+  return 1;
+}
+
+}  // namespace
+
+double si_from_decimal(std::string_view decimal, FileUnit unit) {
+  return static_cast<double>(Quad(std::string(decimal)) * si_per_unit(unit));
+}
+
+std::string decimal_from_si(double si, FileUnit unit) {
+  const Quad exact = Quad(si) / si_per_unit(unit);
+  // "600", not "6e+02", up to a million.
+  const int integer_digits =
+      exact >= 1 && exact < 1'000'000 ? static_cast<int>(floor(log10(exact))) + 1 : 1;
+  // Decimals of 18 digits lie closer to each other than doubles do, so the loop ends.
+  for (int digits = integer_digits;; ++digits) {
+    std::string decimal = exact.str(digits);
+    if (si_from_decimal(decimal, unit) == si) {
+      return decimal;
+    }
+  }
+}
+
+}  // namespace zerorate::model

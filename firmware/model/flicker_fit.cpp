@@ -1,0 +1,90 @@
+#include "firmware/model/flicker_fit.hpp"
+
+#include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "firmware/model/nonnegative_least_squares.hpp"
+#include "firmware/model/validation.hpp"
+
+namespace zerorate::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kPi = std::numbers::pi;
+
+/// Frequencies in cycles per tick, evenly spaced on a logarithmic scale, both ends included.
+VectorXd frequency_grid(double lowest, double highest) {
+  constexpr double kPointsPerDecade = 24.0;
+  const double decades = std::log10(highest / lowest);
+  const auto points = static_cast<Index>(std::ceil(kPointsPerDecade * decades)) + 1;
+  const VectorXd exponents = VectorXd::LinSpaced(points, std::log10(lowest), std::log10(highest));
+  return exponents.unaryExpr([](double e) { return std::pow(10.0, e); });
+}
+
+/// The spectrum per sample, at f, of a lag of unit stationary variance:
+/// (1 - phi^2) / |1 - phi e^(-j 2 pi f)|^2 with phi = exp(-1/tau). The differences from one are
+/// computed as such, because phi of a slow lag is one to many digits.
+double lag_spectrum(double f, double tau_ticks) {
+  const double one_minus_phi = -std::expm1(-1.0 / tau_ticks);
+  const double one_minus_phi2 = -std::expm1(-2.0 / tau_ticks);
+  const double sine = std::sin(kPi * f);
+  return one_minus_phi2 /
+         (one_minus_phi * one_minus_phi + 4.0 * std::exp(-1.0 / tau_ticks) * sine * sine);
+}
+
+/// One over the spectrum of flicker with s_f = 1.
+double flicker_weight(double f, double order) {
+  return std::pow(2.0 * std::sin(kPi * f), 2.0 * order);
+}
+
+/// Column i: lag i over the wanted spectrum; last column: white noise over it.
+MatrixXd relative_spectra(const VectorXd& f, const VectorXd& tau_ticks, double order) {
+  MatrixXd spectra(f.size(), tau_ticks.size() + 1);
+  for (Index k = 0; k < f.size(); ++k) {
+    const double weight = flicker_weight(f(k), order);
+    for (Index i = 0; i < tau_ticks.size(); ++i) {
+      spectra(k, i) = weight * lag_spectrum(f(k), tau_ticks(i));
+    }
+    spectra(k, tau_ticks.size()) = weight;
+  }
+  return spectra;
+}
+
+}  // namespace
+
+FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
+  validate(flicker);
+  FlickerFit fit;
+  for (int i = 0; i < flicker.decades; ++i) {
+    fit.time_constants_s.push_back(flicker.shortest_time_constant_s * std::pow(10.0, i));
+  }
+  if (!(tick_s > 0.0 && tick_s < fit.time_constants_s.back())) {
+    throw std::invalid_argument(
+        "the filter's tick must be positive and shorter than the flicker's slowest lag");
+  }
+  const VectorXd tau_ticks =
+      Eigen::Map<const VectorXd>(fit.time_constants_s.data(), flicker.decades) / tick_s;
+  const VectorXd f = frequency_grid(1.0 / (2.0 * kPi * tau_ticks.maxCoeff()), 0.5);
+  const MatrixXd spectra = relative_spectra(f, tau_ticks, flicker.order);
+
+  // Slow lags of unit variance have a far higher spectrum than quick ones: level the columns.
+  const VectorXd scale = spectra.colwise().norm().cwiseInverse();
+  const VectorXd weights = scale.cwiseProduct(
+      nonnegative_least_squares(spectra * scale.asDiagonal(), VectorXd::Ones(f.size())));
+  const VectorXd ratio = spectra * weights;
+  fit.least_ratio = ratio.minCoeff();
+  fit.greatest_ratio = ratio.maxCoeff();
+
+  const double s_f = flicker.bias_instability_rad_s * std::pow(tick_s, flicker.order - 0.5);
+  const VectorXd variances = weights * (s_f * s_f);
+  fit.variances_rad2_s2.assign(variances.data(), variances.data() + flicker.decades);
+  fit.white_variance_rad2_s2 = variances(flicker.decades);
+  return fit;
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,34 @@
+/// @file
+/// From flicker noise to the first-order lags that stand for it in the filter.
+#pragma once
+
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+
+namespace zerorate::model {
+
+/// A sum of independent first-order lags and white noise, sampled once a tick of the filter.
+struct FlickerFit {
+  std::vector<double> time_constants_s;   ///< shortest first, a factor of ten apart
+  std::vector<double> variances_rad2_s2;  ///< stationary variance of each lag; 0 where not needed
+  double white_variance_rad2_s2 = 0.0;    ///< what the lags leave at the highest frequencies
+  /// Fitted over wanted spectrum, at its lowest and highest over the fitted band.
+  double least_ratio = 0.0;
+  double greatest_ratio = 0.0;
+};
+
+/// Fits the lags to flicker noise sampled every `tick_s` seconds, whose spectrum per sample is
+/// s_f^2 |2 sin(pi f)|^(-2d), s_f^2 = B^2 tick_s^(2d - 1) (paper, eq. 3; f in cycles per tick),
+/// by non-negative least squares of the relative error on a logarithmic grid from the slowest lag's
+/// corner, 1 / (2 pi tau_max), to f = 1/2.
+///
+/// The ripple is .94 to 1.06 for d = 1/2 as long as the quickest lag is about one tick or shorter.
+/// With a much longer one the band between its corner and f = 1/2 has to be covered by that lag's
+/// flank and white noise, and the ratios say how badly.
+///
+/// Throws std::invalid_argument unless tick_s is positive and shorter than the slowest lag, and
+/// `flicker` is valid (see validate()).
+[[nodiscard]] FlickerFit fit_flicker(const Flicker& flicker, double tick_s);
+
+}  // namespace zerorate::model

@@ -1,0 +1,37 @@
+/// @file
+/// Sensor models as TOML files, schema `zerorate.model/1`; see docs/reference/model-format.md.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "firmware/model/sensor_model.hpp"
+
+namespace zerorate::model {
+
+inline constexpr std::string_view kModelSchema = "zerorate.model/1";
+
+/// A model file that cannot be read; what() is `file:line:column: what was expected`.
+class ModelFileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a model from TOML text. `origin` is the file's name in messages. Strict: an unknown key
+/// or table, a wrong type, a missing key and an impossible value are ModelFileErrors, the first
+/// with the nearest known name.
+[[nodiscard]] SensorModel parse_model(std::string_view toml, std::string_view origin);
+
+/// Reads a model file. Throws ModelFileError; std::system_error where it cannot be opened.
+[[nodiscard]] SensorModel read_model(const std::filesystem::path& file);
+
+/// The model as TOML text, each number as the shortest decimal from which parse_model gives the
+/// same bits. Throws std::invalid_argument for a model that no file can hold (see validate()).
+[[nodiscard]] std::string format_model(const SensorModel& model);
+
+/// Writes format_model() to a file. Throws std::system_error where that fails.
+void write_model(const SensorModel& model, const std::filesystem::path& file);
+
+}  // namespace zerorate::model

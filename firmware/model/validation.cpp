@@ -1,0 +1,58 @@
+#include "firmware/model/validation.hpp"
+
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "firmware/model/model_fields.hpp"
+
+namespace zerorate::model {
+namespace {
+
+/// A visitor of model_fields.hpp that throws at the first number that breaks its rule.
+class Validator {
+ public:
+  explicit Validator(std::string_view prefix) : prefix_(prefix) {}
+
+  void number(std::string_view key, double si, FileUnit /*unit*/, const Rule& rule,
+              Presence /*presence*/) {
+    if (!rule.holds(si)) {
+      std::ostringstream message;
+      message << prefix_ << key << " is " << si << " in SI; expected " << rule.words;
+      throw std::invalid_argument(message.str());
+    }
+  }
+  void text(std::string_view /*key*/, const std::string& /*value*/, Presence /*presence*/) {}
+  void start(std::string_view /*key*/, core::Start /*value*/) {}
+
+  template <class Part>
+  void table(std::string_view key, const Part& part, Presence /*presence*/) {
+    Validator inside(std::string(key) + '.');
+    visit_fields(inside, part);
+  }
+  template <class Part>
+  void table(std::string_view key, const std::optional<Part>& part) {
+    if (part) {
+      table(key, *part, Presence::required);
+    }
+  }
+
+ private:
+  std::string prefix_;
+};
+
+}  // namespace
+
+void validate(const SensorModel& model) {
+  Validator validator("");
+  visit_fields(validator, model);
+}
+
+void validate(const Flicker& flicker) {
+  Validator validator("flicker.");
+  visit_fields(validator, flicker);
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,64 @@
+#include "firmware/model/catalogue.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <stdexcept>
+
+#include "firmware/model/flicker_fit.hpp"
+#include "firmware/model/model_file.hpp"
+#include "firmware/model/validation.hpp"
+
+namespace zerorate::model {
+namespace {
+
+constexpr double kDegPerHour = std::numbers::pi / 180.0 / 3600.0;
+
+TEST(Catalogue, HoldsTheSixSensors) {
+  std::vector<std::string_view> names;
+  for (const CatalogueEntry& entry : catalogue()) {
+    names.push_back(entry.name);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("adis16405", "adxrs453", "bmi088", "icm42688", "lsm6dso",
+                                          "paper"));
+}
+
+TEST(CatalogueEntries, AreValidAndNameTheSourceOfEveryFigure) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    SCOPED_TRACE(entry.name);
+    const SensorModel model = find_model(entry.name);
+    EXPECT_NO_THROW(validate(model));
+    EXPECT_FALSE(model.white.source.empty());
+    ASSERT_TRUE(model.flicker);
+    EXPECT_FALSE(model.flicker->source.empty());
+    EXPECT_EQ(parse_model(format_model(model), "again"), model);
+  }
+}
+
+TEST(CatalogueEntriesWithoutADataSheetFigure, SaySo) {
+  for (const std::string_view name : {"lsm6dso", "icm42688"}) {
+    EXPECT_THAT(find_model(name).flicker->source, testing::StartsWith("Estimated")) << name;
+  }
+  EXPECT_THAT(find_model("bmi088").flicker->source, testing::StartsWith("Not in the data sheet"));
+}
+
+TEST(CatalogueEntryOfThePaper, HasItsInnovationOf14DegreesPerHour) {
+  const SensorModel paper = find_model("paper");
+  EXPECT_NEAR(paper.flicker->bias_instability_rad_s / kDegPerHour, 14.0, 1e-7);
+  EXPECT_NEAR(paper.white.angle_random_walk_rad_per_sqrt_s / kDegPerHour, 45.0, 1e-9);
+  EXPECT_EQ(paper.node.start, core::Start::zero);
+}
+
+TEST(CatalogueLookUpOfAMisspeltName, SuggestsTheNearest) {
+  try {
+    (void)find_model("adis16504");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "no sensor model \"adis16504\" in the catalogue; did you mean \"adis16405\"?");
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::model

@@ -1,0 +1,204 @@
+#include "firmware/model/model_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace zerorate::model {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+
+constexpr const char* kFullFile = R"(schema = "zerorate.model/1"
+name = "A \"gyro\" at 25 °C"
+
+[white]
+angle_random_walk_dps_per_sqrt_hz = 0.05
+source = "table 1"
+
+[flicker]
+bias_instability_dph = 25.2
+order = 0.6
+decades = 5
+shortest_time_constant_s = 0.25
+source = "figure 2"
+
+[rate_random_walk]
+coefficient_dps_per_sqrt_s = 2.5e-05
+
+[gauss_markov]
+sigma_dps = 0.01
+time_constant_s = 600
+
+[harmonic]
+rms_dps = 0.002
+frequency_hz = 0.55
+coherence_time_s = 40
+
+[node]
+start = "zero"
+)";
+
+std::string message_of(const std::string& toml) {
+  try {
+    (void)parse_model(toml, "m.toml");
+  } catch (const ModelFileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// The full file with one piece of text replaced.
+std::string with(const std::string& piece, const std::string& replacement) {
+  std::string toml = kFullFile;
+  const std::size_t at = toml.find(piece);
+  EXPECT_NE(at, std::string::npos) << piece;
+  return toml.replace(at, piece.size(), replacement);
+}
+
+TEST(ModelFileWithEverything, IsReadInSiUnits) {
+  const SensorModel model = parse_model(kFullFile, "m.toml");
+  EXPECT_EQ(model.name, "A \"gyro\" at 25 °C");
+  EXPECT_DOUBLE_EQ(model.white.angle_random_walk_rad_per_sqrt_s, 0.05 * kDeg);
+  EXPECT_EQ(model.white.source, "table 1");
+  // 25.2 deg/h of Allan floor over .664.
+  EXPECT_NEAR(model.flicker->bias_instability_rad_s, 25.2 / 3600.0 * kDeg / 0.664282470268, 1e-14);
+  EXPECT_EQ(model.flicker->order, 0.6);
+  EXPECT_EQ(model.flicker->decades, 5);
+  EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.25);
+  EXPECT_DOUBLE_EQ(model.rate_random_walk->coefficient_rad_s_per_sqrt_s, 2.5e-5 * kDeg);
+  EXPECT_DOUBLE_EQ(model.gauss_markov->sigma_rad_s, 0.01 * kDeg);
+  EXPECT_EQ(model.gauss_markov->time_constant_s, 600.0);
+  EXPECT_DOUBLE_EQ(model.harmonic->rms_rad_s, 0.002 * kDeg);
+  EXPECT_EQ(model.harmonic->frequency_hz, 0.55);
+  EXPECT_EQ(model.harmonic->coherence_time_s, 40.0);
+  EXPECT_EQ(model.node.start, core::Start::zero);
+}
+
+TEST(ModelFileWithEverything, IsWrittenAsItWasRead) {
+  std::string toml = format_model(parse_model(kFullFile, "m.toml"));
+  EXPECT_EQ(toml, kFullFile);
+}
+
+TEST(ModelFileWithTheLeast, HasTheDefaults) {
+  const SensorModel model = parse_model(
+      "schema = 'zerorate.model/1'\nname = 'g'\nwhite.angle_random_walk_dps_per_sqrt_hz = 0\n"
+      "flicker.bias_instability_dph = 1_0\n",
+      "m.toml");
+  EXPECT_EQ(model.flicker->order, 0.5);
+  EXPECT_EQ(model.flicker->decades, 6);
+  EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.5);
+  EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg / 0.66428247026796);
+  EXPECT_FALSE(model.rate_random_walk || model.gauss_markov || model.harmonic);
+  EXPECT_EQ(model.node.start, core::Start::stationary);
+}
+
+TEST(ModelOfAnyNumbers, ComesBackBitForBit) {
+  std::mt19937_64 random(20120301);
+  std::uniform_real_distribution<double> exponent(-12.0, 6.0);
+  const auto draw = [&] { return std::pow(10.0, exponent(random)); };
+  for (int trial = 0; trial < 500; ++trial) {
+    SensorModel model;
+    model.name = "model " + std::to_string(trial);
+    model.white.angle_random_walk_rad_per_sqrt_s = draw();
+    model.flicker = Flicker{.bias_instability_rad_s = draw(),
+                            .order = std::generate_canonical<double, 53>(random),
+                            .decades = 1 + trial % 8,
+                            .shortest_time_constant_s = draw(),
+                            .source = "line\nbreak and \\"};
+    model.gauss_markov =
+        GaussMarkov{.sigma_rad_s = draw(), .time_constant_s = draw(), .source = {}};
+    model.node.start = trial % 2 == 0 ? core::Start::zero : core::Start::stationary;
+    const std::string toml = format_model(model);
+    ASSERT_EQ(parse_model(toml, "m.toml"), model) << toml;
+  }
+}
+
+TEST(ModelOnDisk, ComesBackBitForBit) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "zerorate_model_file_test.toml";
+  const SensorModel model = parse_model(kFullFile, "m.toml");
+  write_model(model, file);
+  EXPECT_EQ(read_model(file), model);
+  std::filesystem::remove(file);
+  EXPECT_THROW((void)read_model(file), std::system_error);
+  EXPECT_THROW(write_model(model, file / "under_no_folder.toml"), std::system_error);
+}
+
+TEST(ModelFileWithAnUnknownName, SuggestsTheNearestAndTellsThePlace) {
+  EXPECT_EQ(message_of(with("bias_instability_dph", "bias_instabilty_dph")),
+            "m.toml:9:1: unknown key \"bias_instabilty_dph\" in [flicker]; did you mean "
+            "\"bias_instability_dph\"?");
+  EXPECT_EQ(message_of(with("decades", "decade")),
+            "m.toml:11:1: unknown key \"decade\" in [flicker]; did you mean \"decades\"?");
+  EXPECT_EQ(message_of(with("[gauss_markov]", "[gaus_markov]")),
+            "m.toml:18:2: unknown table \"gaus_markov\"; did you mean \"gauss_markov\"?");
+  EXPECT_EQ(message_of(with("name =", "temperature = 3\nname =")),
+            "m.toml:2:1: unknown key \"temperature\"");
+}
+
+TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
+  EXPECT_EQ(message_of(with("sigma_dps = 0.01\n", "")),
+            "m.toml:18:1: missing \"sigma_dps\" in [gauss_markov]; expected a positive number");
+  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\n"),
+            "m.toml:1:1: missing \"white\"; expected a table");
+  EXPECT_THAT(message_of(""), testing::HasSubstr("missing \"schema\""));
+}
+
+TEST(ModelFileOfAnotherSchema, IsRefused) {
+  EXPECT_EQ(message_of(with("zerorate.model/1", "zerorate.model/2")),
+            "m.toml:1:10: \"schema\": expected \"zerorate.model/1\"");
+}
+
+TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
+  EXPECT_EQ(message_of(with("= 25.2", "= \"25.2\"")),
+            "m.toml:9:24: \"bias_instability_dph\" in [flicker]: expected a positive number");
+  EXPECT_EQ(message_of(with("decades = 5", "decades = 5.5")),
+            "m.toml:11:11: \"decades\" in [flicker]: expected a whole number from 1 to 8");
+  EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
+            "m.toml:6:10: \"source\" in [white]: expected text in quotes");
+  EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
+            "m.toml:28:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\nwhite = 3\n"),
+            "m.toml:3:9: \"white\": expected a table, [white]");
+}
+
+TEST(ModelFileWithAnImpossibleValue, TellsTheRule) {
+  EXPECT_EQ(
+      message_of(with("order = 0.6", "order = 1.0")),
+      "m.toml:10:9: \"order\" in [flicker]: expected a number between 0 and 1, both excluded");
+  for (const char* value : {"-0.01", "0", "nan", "inf", "true"}) {
+    EXPECT_EQ(message_of(with("sigma_dps = 0.01", std::string("sigma_dps = ") + value)),
+              "m.toml:19:13: \"sigma_dps\" in [gauss_markov]: expected a positive number")
+        << value;
+  }
+  EXPECT_THAT(message_of(with("decades = 5", "decades = 9")), testing::HasSubstr("from 1 to 8"));
+}
+
+TEST(ModelFileThatIsNotToml, TellsThePlace) {
+  EXPECT_THAT(message_of("schema = 'zerorate.model/1'\nname = = 3\n"),
+              testing::StartsWith("m.toml:2:8: "));
+}
+
+TEST(ModelThatNoFileCanHold, IsNotWritten) {
+  SensorModel model = parse_model(kFullFile, "m.toml");
+  model.flicker->order = std::numeric_limits<double>::quiet_NaN();
+  try {
+    (void)format_model(model);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "flicker.order is nan in SI; expected a number between 0 and 1, both excluded");
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::model
