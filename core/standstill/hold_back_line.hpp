@@ -1,0 +1,55 @@
+/// @file
+/// A short delay line: measurements wait until it is certain that no motion followed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/assert.hpp"
+#include "core/base/time.hpp"
+
+namespace zerorate::core {
+
+/// First in, first out, at most `Capacity` items in fixed memory.
+/// @tparam Item has a member `Instant end`, the time of its newest sample; items arrive in order
+template <class Item, std::size_t Capacity>
+class HoldBackLine {
+ public:
+  [[nodiscard]] constexpr std::size_t size() const { return used_; }
+  [[nodiscard]] constexpr bool is_full() const { return used_ == Capacity; }
+
+  constexpr void push(const Item& item) {
+    ZERORATE_ASSERT(!is_full());
+    items_[(oldest_ + used_) % Capacity] = item;
+    ++used_;
+  }
+
+  /// Forgets what turned out to belong to a drive: every item that ends after `since`.
+  /// @return how many
+  constexpr std::size_t discard_after(Instant since) {
+    std::size_t discarded = 0;
+    while (used_ > 0 && items_[(oldest_ + used_ - 1U) % Capacity].end > since) {
+      --used_;
+      ++discarded;
+    }
+    return discarded;
+  }
+
+  /// Calls take(item), oldest first, for every item that ends no later than `until`.
+  template <class Take>
+  constexpr void release_until(Instant until, Take take) {
+    while (used_ > 0 && items_[oldest_].end <= until) {
+      take(items_[oldest_]);
+      oldest_ = static_cast<std::uint16_t>((oldest_ + 1U) % Capacity);
+      --used_;
+    }
+  }
+
+ private:
+  std::array<Item, Capacity> items_{};
+  std::uint16_t oldest_ = 0;
+  std::uint16_t used_ = 0;
+};
+
+}  // namespace zerorate::core

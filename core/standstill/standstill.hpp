@@ -1,0 +1,73 @@
+/// @file
+/// Still or moving, from odometer pulses and a clock.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/time.hpp"
+
+namespace zerorate::core {
+
+enum class Motion : std::uint8_t {
+  moving,    ///< a pulse arrived less than the settle time ago
+  settling,  ///< no pulse for the settle time, but not yet for so long that a sample counts
+  still,     ///< samples are being released as calibration data
+};
+
+/// A wheel sensor is silent between two pulses, so "no pulse" is late at both ends of a stop: the
+/// body still rocks after the last pulse, and already turns before the first one. Hence two times:
+/// `settle` after a pulse nothing counts, and nothing counts until it is `hold_back` old and no
+/// pulse has followed (HoldBackLine).
+class Standstill {
+ public:
+  struct Params {
+    /// Larger: less rocking in the calibration data, shorter stops. Must exceed the time between
+    /// two pulses at the slowest speed that is to be called moving. Default 1 s.
+    Duration settle = Duration::seconds(1);
+    /// Larger: surer that a sample does not belong to the start of the next drive. Default 0.5 s.
+    Duration hold_back = Duration::milliseconds(500);
+  };
+  struct State {
+    Instant last_pulse;  ///< or the start: until the settle time has passed nothing is known
+    bool started = false;
+  };
+
+  constexpr explicit Standstill(const Params& params) : params_(params) {}
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+
+  /// The clock's first reading: the vehicle may have been moving just before.
+  constexpr void start(Instant now) {
+    if (state_.started) return;
+    state_ = {.last_pulse = now, .started = true};
+  }
+
+  /// Pulses may come late and out of order; the newest counts.
+  constexpr void pulse(Instant at) {
+    if (!state_.started || at > state_.last_pulse) state_ = {.last_pulse = at, .started = true};
+  }
+
+  /// Whether a sample of this time lies behind the settle time of every pulse so far.
+  [[nodiscard]] constexpr bool is_settled(Instant at) const {
+    return state_.started && at - state_.last_pulse >= params_.settle;
+  }
+
+  [[nodiscard]] constexpr Motion motion(Instant now) const {
+    if (!is_settled(now)) return Motion::moving;
+    return is_settled(now - params_.hold_back) ? Motion::still : Motion::settling;
+  }
+
+  /// What was measured after this instant may already belong to the drive whose pulse came at `at`.
+  [[nodiscard]] constexpr Instant suspect_since(Instant at) const { return at - params_.hold_back; }
+  /// What was measured until this instant is calibration data, if no pulse is known by now.
+  [[nodiscard]] constexpr Instant certain_until(Instant now) const {
+    return now - params_.hold_back;
+  }
+
+ private:
+  Params params_;
+  State state_;
+};
+
+}  // namespace zerorate::core

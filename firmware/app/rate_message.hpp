@@ -1,0 +1,54 @@
+/// @file
+/// What the node publishes for every sample of the gyro.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "core/standstill/standstill.hpp"
+
+namespace zerorate::app {
+
+/// The state of the node and of this sample. All false is good news but for `calibrated`.
+struct Health {
+  bool calibrated = false;          ///< a bias has been measured; without it nothing is corrected
+  bool sample_refused = false;      ///< not finite: no rate in this message
+  bool time_refused = false;        ///< not after the sample before: no rate in this message
+  bool saturated = false;           ///< an axis at full scale: the rate is a lower bound
+  bool model_inconsistent = false;  ///< innovations larger or smaller than the model allows
+  bool pulses_lost = false;         ///< the odometer input dropped edges since the last message
+
+  constexpr bool operator==(const Health&) const = default;
+};
+
+struct AxisRate {
+  core::AngularRate measured;
+  core::AngularRate corrected;  ///< measured - bias
+  core::AngularRate bias;
+  core::AngularRate sigma;  ///< standard deviation of the bias; infinite until calibrated
+
+  constexpr bool operator==(const AxisRate&) const = default;
+};
+
+struct RateMessage {
+  core::Instant time;
+  core::Motion motion = core::Motion::moving;
+  Health health;
+  std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
+
+  [[nodiscard]] constexpr bool has_rate() const {
+    return !health.sample_refused && !health.time_refused;
+  }
+  constexpr bool operator==(const RateMessage&) const = default;
+};
+
+/// Takes the node's messages. publish() must not block; a sink that is full drops and counts.
+template <class S>
+concept RateSink = requires(S sink, const RateMessage& message) {
+  { sink.publish(message) } -> std::same_as<void>;
+};
+
+}  // namespace zerorate::app
