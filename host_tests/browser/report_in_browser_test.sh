@@ -1,0 +1,48 @@
+#!/bin/bash
+# report_in_browser_test.sh REPORT_SAMPLE FOLDER
+#
+# Opens the sample report in a headless browser, light and on paper, and asks whether every chart
+# was painted and no script complained. Without chromium it says so and ends with 77 (skipped).
+set -euo pipefail
+sample=$1
+folder=$2
+
+browser=$(command -v chromium || command -v chromium-browser || true)
+if [[ -z $browser ]]; then
+  echo "skipped: no chromium"
+  exit 77
+fi
+
+mkdir -p "$folder"
+profile=$(mktemp -d "$folder/profile.XXXXXX")
+trap 'rm -rf "$profile"' EXIT
+report=$(realpath "$folder")/sample.html
+"$sample" "$report"
+
+open_report() {
+  timeout 60 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run \
+    --disable-background-networking --disable-component-update --disable-sync \
+    --enable-logging=stderr --user-data-dir="$profile" "$@" "file://$report" 2> "$folder/log"
+}
+
+fail() {
+  echo "FAILED: $1"
+  exit 1
+}
+
+open_report --window-size=1200,900 --dump-dom > "$folder/dom.html"
+if grep CONSOLE "$folder/log"; then fail "a script complained"; fi
+charts=$(grep -c '<figure class="chart"' "$report")
+painted=$(grep -c '<figure class="chart"[^>]* data-drawn="true"' "$folder/dom.html" || true)
+canvases=$(grep -o '<canvas' "$folder/dom.html" | wc -l)
+curves=$(grep -c 'data-chart="curves"' "$report")
+bars=$(grep -o '<svg[^>]* viewBox="' "$folder/dom.html" | wc -l)
+echo "$charts charts, $painted painted, $canvases canvases, $bars bar charts"
+((charts > 0 && painted == charts)) || fail "not every chart was painted"
+((canvases == curves)) || fail "expected $curves canvases"
+((bars == charts - curves)) || fail "expected $((charts - curves)) bar charts"
+
+open_report --no-pdf-header-footer --print-to-pdf="$folder/sample.pdf"
+if grep CONSOLE "$folder/log"; then fail "a script complained while printing"; fi
+[[ -s $folder/sample.pdf ]] || fail "nothing was printed"
+echo "passed"

@@ -1,0 +1,121 @@
+#include "host_tools/lib/report/report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+#include "host_tests/support/scratch_folder.hpp"
+
+namespace zerorate::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Report small_report() {
+  Report report("Title", "Lead.");
+  report.section("Result").paragraph("Text.").chart(
+      Chart{.title = "Bias", .series = {{.name = "b", .x = {0, 1}, .y = {1, 2}}}});
+  return report;
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+std::size_t count(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  return static_cast<std::size_t>(
+      std::distance(std::sregex_iterator(text.begin(), text.end(), expression), {}));
+}
+
+TEST(Report, LoadsNothingFromElsewhere) {
+  const std::string html = small_report().html();
+  EXPECT_EQ(
+      count(html, R"(<link|<iframe|\ssrc=|href="[^#]|@import|url\(|\bfetch\(|XMLHttpRequest)"), 0U);
+  EXPECT_THAT(html, HasSubstr("Content-Security-Policy\" content=\"default-src 'none'"));
+}
+
+TEST(Report, CarriesTheChartLibraryWithItsLicence) {
+  const std::string html = small_report().html();
+  EXPECT_THAT(html, HasSubstr("var uPlot="));
+  EXPECT_THAT(html, HasSubstr("Permission is hereby granted"));
+  // The library, our own scripts and the data of one chart.
+  EXPECT_EQ(count(html, "<script"), 3U);
+  EXPECT_EQ(count(html, "</script>"), 3U);
+}
+
+TEST(Report, ShowsMarkupInTextsAsText) {
+  Report report("<i>t</i>", "a & b");
+  report.section("<h>")
+      .paragraph("\"<p>\"")
+      .listing("a < b\nc")
+      .key_figures({{"<n>", "<v>", "it's"}});
+  const std::string html = report.provenance("<end>").html();
+  EXPECT_THAT(html, HasSubstr("<h1>&lt;i&gt;t&lt;/i&gt;</h1>"));
+  EXPECT_THAT(html, HasSubstr("<title>&lt;i&gt;t&lt;/i&gt;</title>"));
+  EXPECT_THAT(html, HasSubstr("a &amp; b"));
+  EXPECT_THAT(html, HasSubstr("<h2>&lt;h&gt;</h2>"));
+  EXPECT_THAT(html, HasSubstr("&quot;&lt;p&gt;&quot;"));
+  EXPECT_THAT(html, HasSubstr("<code>a &lt; b\nc</code>"));
+  EXPECT_THAT(html, HasSubstr("it&#39;s"));
+  EXPECT_THAT(html, HasSubstr("&lt;end&gt;"));
+}
+
+TEST(ReportWithManySections, OpensWithTheirTable) {
+  Report report("Title", "Lead.");
+  for (int i = 1; i <= 4; ++i) report.section("Part " + std::to_string(i));
+  EXPECT_THAT(report.html(), Not(HasSubstr("<nav")));
+  report.section("Part 5");
+  EXPECT_THAT(report.html(), HasSubstr("<li><a href=\"#section-5\">Part 5</a></li>"));
+  EXPECT_THAT(report.html(), HasSubstr("<section id=\"section-5\">\n<h2>Part 5</h2>"));
+}
+
+TEST(ReportSection, StaysValidWhileOthersAreAdded) {
+  Report report("Title", "Lead.");
+  Section& first = report.section("First");
+  for (int i = 0; i < 100; ++i) report.section("Further");
+  first.paragraph("late");
+  EXPECT_THAT(report.html(), HasSubstr("<h2>First</h2>\n<p>late</p>"));
+}
+
+TEST(WritingAReport, LeavesTheWholeFileAndNothingElse) {
+  const testing::ScratchFolder folder;
+  const auto path = folder.write("report.html", "an older report");
+  small_report().write(path);
+  EXPECT_EQ(text_of(path), small_report().html());
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WritingAReportIntoAFolderThatIsNotThere, NamesThePathAndTheReason) {
+  const testing::ScratchFolder folder;
+  const auto path = folder.path() / "missing" / "report.html";
+  try {
+    small_report().write(path);
+    FAIL() << "the report was written";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(),
+              "cannot write the report " + path.string() + ": No such file or directory");
+  }
+}
+
+TEST(WritingAReportOverAFolder, FailsAndLeavesNothingBehind) {
+  const testing::ScratchFolder folder;
+  const auto path = folder.path() / "taken";
+  std::filesystem::create_directory(path);
+  EXPECT_THROW(small_report().write(path), std::runtime_error);
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+}  // namespace
+}  // namespace zerorate::report

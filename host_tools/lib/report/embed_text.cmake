@@ -1,0 +1,25 @@
+# cmake -D OUTPUT=assets.cpp -D "ASSETS=kName=file|kOther=a.js,b.js" -P embed_text.cmake
+#
+# Writes the C++ file that defines each name of web_assets.hpp as the text of its files, one after
+# the other. A raw string literal: the compiler needs no tool for binary files, and ccache sees all.
+set(code "#include \"host_tools/lib/report/web_assets.hpp\"\n\nnamespace zerorate::report {\n")
+string(REPLACE "|" ";" ASSETS "${ASSETS}")
+foreach(asset IN LISTS ASSETS)
+  string(REGEX MATCH "^([A-Za-z]+)=(.+)$" matched "${asset}")
+  if(NOT matched)
+    message(FATAL_ERROR "expected name=file,file..., got: ${asset}")
+  endif()
+  set(name "${CMAKE_MATCH_1}")
+  string(REPLACE "," ";" files "${CMAKE_MATCH_2}")
+  string(APPEND code "const std::string_view ${name} = ")
+  foreach(file IN LISTS files)
+    file(READ "${file}" text)
+    string(FIND "${text}" ")embedded\"" end_mark)
+    if(NOT end_mark EQUAL -1)
+      message(FATAL_ERROR "${file} contains the end of the literal it is embedded in")
+    endif()
+    string(APPEND code "R\"embedded(${text})embedded\"\n")
+  endforeach()
+  string(APPEND code ";\n")
+endforeach()
+file(WRITE "${OUTPUT}" "${code}\n}  // namespace zerorate::report\n")
