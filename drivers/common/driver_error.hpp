@@ -1,0 +1,43 @@
+/// @file
+/// Why a driver could not do what it was asked.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/result.hpp"
+#include "hal/contract/bus_error.hpp"
+
+namespace zerorate::drivers {
+
+enum class DriverErrorCode : std::uint8_t {
+  bus_failed,          ///< the transaction failed; DriverError::bus says how
+  wrong_identity,      ///< another chip, none, or a stuck data line
+  not_ready,           ///< the chip needs time: call again later; or it was not started
+  configuration_lost,  ///< a register does not hold what was written to it
+  fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
+  corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
+};
+
+/// Fits in a register and is returned by value.
+struct DriverError {
+  DriverErrorCode code = DriverErrorCode::bus_failed;
+  hal::BusError bus = {};  ///< only meaningful if code is bus_failed
+  std::uint8_t reg = 0;    ///< the register that the failing step was about
+
+  constexpr bool operator==(const DriverError&) const = default;
+};
+static_assert(sizeof(DriverError) <= 4);
+
+/// The error of a transaction on the given register.
+[[nodiscard]] constexpr core::Unexpected<DriverError> bus_failed(hal::BusError error,
+                                                                 std::uint8_t reg) {
+  return core::Unexpected{DriverError{DriverErrorCode::bus_failed, error, reg}};
+}
+
+/// An error that the chip's answer shows, not the bus.
+[[nodiscard]] constexpr core::Unexpected<DriverError> refused(DriverErrorCode code,
+                                                              std::uint8_t reg) {
+  return core::Unexpected{DriverError{code, {}, reg}};
+}
+
+}  // namespace zerorate::drivers

@@ -1,0 +1,49 @@
+/// @file
+/// What the application asks of a gyro driver, whatever the chip and the bus.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "drivers/common/driver_error.hpp"
+
+namespace zerorate::drivers {
+
+/// One reading of a three-axis gyro.
+struct GyroSample {
+  core::Instant time;                     ///< of the node's monotonic clock
+  std::array<core::AngularRate, 3> rate;  ///< x, y, z of the chip; raw 0 is exactly 0
+  core::Temperature temperature;          ///< valid only if has_temperature
+  bool has_temperature = false;
+  std::uint8_t saturated_axes = 0;  ///< bit i: axis i is at or beyond full scale
+};
+
+/// A gyro that is polled. Never sleeps, retries or logs: the application owns time and counts.
+///
+/// - `start(now)`: identity, reset, configuration, read-back. Where the chip needs time it returns
+///   not_ready: call it again, with a later now, until it succeeds. Call it after
+///   configuration_lost too. Samples that the datasheet asks to discard after power-up never leave
+///   read().
+/// - `read(now, out)`: the samples available now, oldest first, 0 if none yet. In data-ready mode a
+///   sample is stamped now (pass the stamp of the data-ready edge where there is one); from a FIFO
+///   the newest in the chip is stamped now and the older ones back-dated by the sample period. What
+///   does not fit into out stays in the FIFO. An error loses the samples of that call.
+/// - `verify_next()`: re-reads one configuration register; call it once a tick.
+///   configuration_lost: the chip was reset or upset; start again.
+/// - `sample_period()`: the chip's own period, trimmed where the chip tells its trim.
+template <class Source>
+concept GyroSource = requires(Source& source, const Source& same, core::Instant now,
+                              std::span<GyroSample> out) {
+  { source.start(now) } -> std::same_as<core::Result<void, DriverError>>;
+  { source.read(now, out) } -> std::same_as<core::Result<std::size_t, DriverError>>;
+  { source.verify_next() } -> std::same_as<core::Result<void, DriverError>>;
+  { same.sample_period() } -> std::same_as<core::Duration>;
+};
+
+}  // namespace zerorate::drivers

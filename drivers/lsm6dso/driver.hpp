@@ -1,0 +1,250 @@
+/// @file
+/// Driver of the gyro in ST's LSM6DSO, over SPI or I2C, polled by data-ready or through the FIFO.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "drivers/common/configuration_table.hpp"
+#include "drivers/common/driver_error.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/register_access.hpp"
+#include "drivers/common/register_bus.hpp"
+#include "drivers/lsm6dso/codec.hpp"
+#include "drivers/lsm6dso/registers.hpp"
+
+namespace zerorate::drivers {
+
+namespace lsm6dso {
+
+enum class Mode : std::uint8_t {
+  data_ready,  ///< each read() gives the latest sample; INT1 rises when there is a new one
+  fifo,        ///< the chip keeps up to 512 samples; INT1 rises at the watermark
+};
+
+/// Chosen once, for the life of the driver.
+struct Settings {
+  FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 8.75 mdps at 250 deg/s
+  OutputDataRate rate = OutputDataRate::hz_104;
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
+};
+
+}  // namespace lsm6dso
+
+/// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 10 MHz.
+///
+/// Not thread-safe, not for interrupts. Stack: about 200 bytes in read().
+template <RegisterBus Bus>
+class Lsm6dso {
+ public:
+  constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
+      : bus_(bus),
+        settings_(settings),
+        lsb_(lsm6dso::lsb(settings.full_scale)),
+        period_(lsm6dso::decode_period(settings.rate, 0)),
+        configuration_(configuration(settings)) {}
+
+  /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
+  /// the chip has left reset (50 us), then configuration (33 transactions) and success. When it
+  /// runs, or after any other error, a call begins anew.
+  core::Result<void, DriverError> start(core::Instant now) {
+    const bool is_reset_pending = stage_ == Stage::resetting;
+    stage_ = Stage::off;
+    if (const auto known = check_identity(); !known) return known;
+    return is_reset_pending ? finish_start(now) : begin_reset();
+  }
+
+  /// Data-ready mode: two transactions if there is a sample, one if not. FIFO mode: two, and one
+  /// for every 16 samples. Samples of the first 70 ms and more after power-up are dropped (README).
+  /// Errors: not_ready before start() succeeded; fifo_overrun once for each gap; corrupt_data.
+  core::Result<std::size_t, DriverError> read(core::Instant now, std::span<GyroSample> out) {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, lsm6dso::kCtrl2G.address);
+    }
+    if (out.empty()) return std::size_t{0};
+    return settings_.mode == lsm6dso::Mode::fifo ? read_fifo(now, out) : read_latest(now, out[0]);
+  }
+
+  /// One transaction. Does not stop the driver: whether to start again is the application's choice.
+  core::Result<void, DriverError> verify_next() {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, lsm6dso::kCtrl2G.address);
+    }
+    return configuration_.verify_next(bus_);
+  }
+
+  /// Nominal until start() has read the chip's trim.
+  [[nodiscard]] constexpr core::Duration sample_period() const { return period_; }
+
+ private:
+  enum class Stage : std::uint8_t { off, resetting, running };
+  static constexpr std::size_t kBurstWords = 16;
+  static constexpr std::size_t kEntries = 11;
+
+  static constexpr ConfigurationTable<kEntries> configuration(const lsm6dso::Settings& settings) {
+    using namespace lsm6dso;
+    namespace b = lsm6dso::bits;
+    const bool is_fifo = settings.mode == Mode::fifo;
+    const auto batch = static_cast<std::uint8_t>(static_cast<unsigned>(settings.rate) << 4U);
+    const std::uint8_t fifo_mode = is_fifo ? b::kFifoModeContinuous : std::uint8_t{0};
+    constexpr std::uint8_t kFifoCtrl2Used = b::kFifoCtrl2StopOnWtm | b::kFifoCtrl2FifoComprRtEn |
+                                            b::kFifoCtrl2OdrChgEn | b::kFifoCtrl2Wtm8;
+    return ConfigurationTable<kEntries>{{{
+        // The whole register: its ones and zeros tell a line that is stuck either way.
+        configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
+        configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
+        configure(kCtrl4C, b::kCtrl4CSleepG | b::kCtrl4CLpf1SelG, 0),
+        // High-performance mode, and no high-pass filter: it would remove the bias we estimate.
+        configure(kCtrl7G, b::kCtrl7GGHmMode | b::kCtrl7GHpEnG, 0),
+        configure(kCtrl1Xl, b::kCtrl1XlOdrXl, 0),
+        configure(kInt1Ctrl, 0xFF, is_fifo ? b::kInt1FifoTh : b::kInt1DrdyG),
+        configure(kFifoCtrl1, 0xFF, settings.fifo_watermark),
+        configure(kFifoCtrl2, kFifoCtrl2Used, 0),
+        configure(kFifoCtrl3, b::kFifoCtrl3BdrGy | b::kFifoCtrl3BdrXl, batch),
+        configure(kFifoCtrl4,
+                  b::kFifoCtrl4DecTsBatch | b::kFifoCtrl4OdrTBatch | b::kFifoCtrl4FifoMode,
+                  fifo_mode),
+        configure(kCtrl2G, b::kCtrl2GAll, encode_ctrl2_g(settings.rate, settings.full_scale)),
+    }}};
+  }
+
+  core::Result<void, DriverError> check_identity() {
+    const auto identity = read_register(bus_, lsm6dso::kWhoAmI);
+    if (!identity) return core::Unexpected{identity.error()};
+    if (*identity != lsm6dso::kWhoAmI.reset) {
+      return refused(DriverErrorCode::wrong_identity, lsm6dso::kWhoAmI.address);
+    }
+    return {};
+  }
+
+  core::Result<void, DriverError> begin_reset() {
+    constexpr std::uint8_t kReset = lsm6dso::kCtrl3C.reset | lsm6dso::bits::kCtrl3CSwReset;
+    if (const auto done = write_register(bus_, lsm6dso::kCtrl3C, kReset); !done) return done;
+    stage_ = Stage::resetting;
+    return refused(DriverErrorCode::not_ready, lsm6dso::kCtrl3C.address);
+  }
+
+  core::Result<void, DriverError> finish_start(core::Instant now) {
+    const auto ctrl3 = read_register(bus_, lsm6dso::kCtrl3C);
+    if (!ctrl3) return core::Unexpected{ctrl3.error()};
+    if ((*ctrl3 & lsm6dso::bits::kCtrl3CSwReset) != 0) {
+      stage_ = Stage::resetting;
+      return refused(DriverErrorCode::not_ready, lsm6dso::kCtrl3C.address);
+    }
+    if (const auto done = configuration_.apply(bus_); !done) return done;
+    const auto trim = read_register(bus_, lsm6dso::kInternalFreqFine);
+    if (!trim) return core::Unexpected{trim.error()};
+    period_ = lsm6dso::decode_period(settings_.rate, static_cast<std::int8_t>(*trim));
+    settled_at_ = now + lsm6dso::settling_time(settings_.rate, period_);
+    last_stamp_ = now;
+    stage_ = Stage::running;
+    return {};
+  }
+
+  core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {
+    const auto status = read_register(bus_, lsm6dso::kStatusReg);
+    if (!status) return core::Unexpected{status.error()};
+    if ((*status & lsm6dso::bits::kStatusAlwaysZero) != 0) {
+      return refused(DriverErrorCode::corrupt_data, lsm6dso::kStatusReg.address);
+    }
+    if ((*status & lsm6dso::bits::kStatusGda) == 0) return std::size_t{0};
+    // Only now: reading the outputs clears data-ready, and a sample that came after the status was
+    // read would be thrown away with it.
+    std::array<std::uint8_t, 8> bytes{};
+    if (const auto done = read_registers(bus_, lsm6dso::kOutTempL, bytes); !done) {
+      return core::Unexpected{done.error()};
+    }
+    if (now < settled_at_) return std::size_t{0};
+    const auto temperature = lsm6dso::decode_temperature(lsm6dso::decode_int16(bytes[0], bytes[1]));
+    out = make_sample(now, std::span<const std::uint8_t, 6>{&bytes[2], 6}, temperature);
+    return std::size_t{1};
+  }
+
+  core::Result<std::size_t, DriverError> read_fifo(core::Instant now, std::span<GyroSample> out) {
+    const auto words = read_fifo_level();
+    if (!words) return core::Unexpected{words.error()};
+    if (*words == 0) return std::size_t{0};
+    std::array<std::uint8_t, 2> temperature{};
+    if (const auto done = read_registers(bus_, lsm6dso::kOutTempL, temperature); !done) {
+      return core::Unexpected{done.error()};
+    }
+    return drain(
+        now, *words, out,
+        lsm6dso::decode_temperature(lsm6dso::decode_int16(temperature[0], temperature[1])));
+  }
+
+  core::Result<std::uint16_t, DriverError> read_fifo_level() {
+    std::array<std::uint8_t, 2> bytes{};
+    if (const auto done = read_registers(bus_, lsm6dso::kFifoStatus1, bytes); !done) {
+      return core::Unexpected{done.error()};
+    }
+    const lsm6dso::FifoStatus status = lsm6dso::decode_fifo_status(bytes[0], bytes[1]);
+    if (!status.is_plausible) {
+      return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoStatus1.address);
+    }
+    if (status.is_overrun) {
+      return refused(DriverErrorCode::fifo_overrun, lsm6dso::kFifoStatus1.address);
+    }
+    return status.words;
+  }
+
+  /// Reads words until out is full or the FIFO is empty. Stamps never run backwards: where the chip
+  /// is faster than its trim says, the interval since the last stamp is divided evenly instead.
+  core::Result<std::size_t, DriverError> drain(core::Instant now, std::size_t words,
+                                               std::span<GyroSample> out,
+                                               core::Temperature temperature) {
+    const core::Duration even = (now - last_stamp_) / static_cast<std::int64_t>(words);
+    const core::Duration step = std::max(core::Duration{}, std::min(period_, even));
+    std::size_t count = 0;
+    while (words > 0 && count < out.size()) {
+      std::array<std::uint8_t, kBurstWords * lsm6dso::kFifoWordBytes> bytes{};
+      const std::size_t burst = std::min({kBurstWords, words, out.size() - count});
+      const auto used = std::span{bytes}.first(burst * lsm6dso::kFifoWordBytes);
+      if (const auto done = read_registers(bus_, lsm6dso::kFifoDataOutTag, used); !done) {
+        return core::Unexpected{done.error()};
+      }
+      for (auto rest = used; !rest.empty(); rest = rest.subspan(lsm6dso::kFifoWordBytes)) {
+        if (!lsm6dso::is_gyro_tag(rest[0])) {
+          return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoDataOutTag.address);
+        }
+        last_stamp_ = now - step * static_cast<std::int64_t>(--words);
+        if (last_stamp_ < settled_at_) continue;
+        out[count++] = make_sample(last_stamp_, rest.template subspan<1, 6>(), temperature);
+      }
+    }
+    return count;
+  }
+
+  [[nodiscard]] GyroSample make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
+                                       core::Temperature temperature) const {
+    GyroSample sample;
+    sample.time = time;
+    sample.temperature = temperature;
+    sample.has_temperature = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int16_t raw = lsm6dso::decode_int16(bytes[2 * axis], bytes[2 * axis + 1]);
+      sample.rate[axis] = lsm6dso::decode_rate(raw, lsb_);
+      if (lsm6dso::is_saturated(raw)) {
+        sample.saturated_axes |= static_cast<std::uint8_t>(1U << axis);
+      }
+    }
+    return sample;
+  }
+
+  Bus bus_;
+  lsm6dso::Settings settings_;
+  core::AngularRate lsb_;
+  core::Duration period_;
+  ConfigurationTable<kEntries> configuration_;
+  core::Instant settled_at_;
+  core::Instant last_stamp_;
+  Stage stage_ = Stage::off;
+};
+
+}  // namespace zerorate::drivers

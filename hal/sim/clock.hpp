@@ -1,0 +1,24 @@
+/// @file
+/// Time that passes only when it is told to.
+#pragma once
+
+#include "core/base/time.hpp"
+#include "hal/contract/monotonic_clock.hpp"
+
+namespace zerorate::hal::sim {
+
+/// A MonotonicClock; a time before the present one is ignored, so that it never runs backwards.
+class SimulatedClock {
+ public:
+  [[nodiscard]] core::Instant now() const { return now_; }
+  void advance(core::Duration time) { advance_to(now_ + time); }
+  void advance_to(core::Instant time) {
+    if (time > now_) now_ = time;
+  }
+
+ private:
+  core::Instant now_;
+};
+static_assert(MonotonicClock<SimulatedClock>);
+
+}  // namespace zerorate::hal::sim

@@ -1,0 +1,255 @@
+#include "hal/sim/lsm6dso.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace zerorate::hal::sim {
+namespace {
+
+// Written from the datasheet apart from the driver's tables, so that each checks the other.
+enum Address : std::uint8_t {
+  fifo_ctrl1 = 0x07,
+  fifo_ctrl2 = 0x08,
+  fifo_ctrl3 = 0x09,
+  fifo_ctrl4 = 0x0A,
+  int1_ctrl = 0x0D,
+  who_am_i = 0x0F,
+  ctrl2_g = 0x11,
+  ctrl3_c = 0x12,
+  ctrl9_xl = 0x18,
+  status_reg = 0x1E,
+  out_temp_l = 0x20,
+  outz_h_g = 0x27,
+  fifo_status1 = 0x3A,
+  fifo_status2 = 0x3B,
+  internal_freq_fine = 0x63,
+  fifo_data_out_tag = 0x78,
+  fifo_data_out_z_h = 0x7E,
+};
+
+constexpr core::Duration kResetTime = core::Duration::microseconds(50);
+constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(70);
+constexpr double kTransientDps =
+    20.0;  // of our choosing: large enough to be noticed if let through
+
+// The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
+bool is_writable(std::uint8_t address) {
+  return address == 0x01 || address == 0x02 || (address >= 0x07 && address <= 0x0E) ||
+         (address >= 0x10 && address <= 0x19) || (address >= 0x56 && address <= 0x5F) ||
+         address == 0x62 || (address >= 0x6F && address <= 0x75);
+}
+
+bool is_read_only(std::uint8_t address) {
+  return address == who_am_i || (address >= 0x1A && address <= 0x1E) ||
+         (address >= 0x20 && address <= 0x2D) || (address >= 0x35 && address <= 0x37) ||
+         (address >= 0x39 && address <= 0x3B) || (address >= 0x40 && address <= 0x43) ||
+         address == internal_freq_fine || address >= fifo_data_out_tag;
+}
+
+double dps_per_lsb(std::uint8_t ctrl2) {
+  if ((ctrl2 & 0x02U) != 0) return 0.004375;
+  constexpr std::array kByRange{0.00875, 0.0175, 0.035, 0.07};
+  return kByRange[(ctrl2 >> 2U) & 3U];
+}
+
+std::int16_t saturate(double lsb) {
+  using Limits = std::numeric_limits<std::int16_t>;
+  return static_cast<std::int16_t>(
+      std::clamp(std::round(lsb), double{Limits::min()}, double{Limits::max()}));
+}
+
+std::uint8_t byte_of(std::int16_t value, bool high) {
+  const auto bits = static_cast<std::uint16_t>(value);
+  return static_cast<std::uint8_t>(high ? bits >> 8U : bits & 0xFFU);
+}
+
+}  // namespace
+
+SimulatedLsm6dso::SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim)
+    : clock_(&clock), trim_(trim) {
+  reset_registers();
+}
+
+void SimulatedLsm6dso::reset_registers() {
+  registers_.fill(0);
+  registers_[0x02] = 0x3F;
+  registers_[who_am_i] = 0x6C;
+  registers_[ctrl3_c] = 0x04;
+  registers_[ctrl9_xl] = 0xE0;
+  registers_[internal_freq_fine] = static_cast<std::uint8_t>(trim_);
+  outputs_ = {};
+  fifo_.clear();
+  is_fifo_overrun_ = false;
+  is_fifo_overrun_latched_ = false;
+  time_slot_ = 0;
+  drive_int1();
+}
+
+void SimulatedLsm6dso::cycle_power() {
+  reset_registers();
+}
+
+void SimulatedLsm6dso::upset(std::uint8_t address, std::uint8_t flipped_bits) {
+  registers_.at(address) ^= flipped_bits;
+}
+
+bool SimulatedLsm6dso::is_resetting() const {
+  return clock_->now() < reset_until_;
+}
+
+bool SimulatedLsm6dso::is_powered() const {
+  return !is_resetting() && (registers_[ctrl2_g] & 0xF0U) != 0;
+}
+
+core::Duration SimulatedLsm6dso::sample_period() const {
+  const unsigned code = registers_[ctrl2_g] >> 4U;
+  if (code == 0) return {};
+  const double rate_hz = 6667.0 * (1.0 + 0.0015 * trim_) / std::exp2(10.0 - code);
+  return core::Duration::nanoseconds(std::llround(1e9 / rate_hz));
+}
+
+std::int16_t SimulatedLsm6dso::quantize(core::AngularRate rate) const {
+  double rate_dps = static_cast<double>(rate.in(core::rad_per_s)) * 180.0 / std::numbers::pi;
+  const core::Duration age = clock_->now() - powered_at_;
+  if (age < kTurnOnTime) {
+    rate_dps += kTransientDps *
+                (1.0 - static_cast<double>(age.ns()) / static_cast<double>(kTurnOnTime.ns()));
+  }
+  return saturate(rate_dps / dps_per_lsb(registers_[ctrl2_g]));
+}
+
+void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
+                               core::Temperature temperature) {
+  if (!is_powered()) return;
+  outputs_[0].value = saturate((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
+  for (std::size_t axis = 0; axis < 3; ++axis) outputs_[axis + 1].value = quantize(rate[axis]);
+  registers_[status_reg] = 0x06;  // GDA, TDA
+  push_fifo_word();
+  drive_int1();
+}
+
+std::size_t SimulatedLsm6dso::watermark() const {
+  return registers_[fifo_ctrl1] + 256U * (registers_[fifo_ctrl2] & 0x01U);
+}
+
+std::size_t SimulatedLsm6dso::fifo_capacity() const {
+  const bool stops_on_watermark = (registers_[fifo_ctrl2] & 0x80U) != 0;
+  return stops_on_watermark ? watermark() : kFifoCapacity;
+}
+
+void SimulatedLsm6dso::push_fifo_word() {
+  constexpr unsigned kFifoMode = 1;
+  constexpr unsigned kContinuous = 6;
+  const unsigned mode = registers_[fifo_ctrl4] & 0x07U;
+  const bool is_batched = (registers_[fifo_ctrl3] & 0xF0U) != 0;
+  if (!is_batched || (mode != kFifoMode && mode != kContinuous)) return;
+  if (fifo_.size() >= fifo_capacity()) {
+    is_fifo_overrun_ = true;
+    is_fifo_overrun_latched_ = true;
+    if (mode == kFifoMode) return;
+    fifo_.pop_front();
+  }
+  constexpr unsigned kGyro = 1;
+  unsigned tag = (kGyro << 3U) | (static_cast<unsigned>(time_slot_) << 1U);
+  tag |= static_cast<unsigned>(std::popcount(tag)) & 1U;  // parity: an even number of ones
+  time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
+  FifoWord word{static_cast<std::uint8_t>(tag)};
+  for (std::size_t i = 0; i < 6; ++i) {
+    word[i + 1] = byte_of(outputs_[1 + i / 2].value, i % 2 == 1);
+  }
+  fifo_.push_back(word);
+}
+
+std::uint8_t SimulatedLsm6dso::read_output(std::uint8_t address) {
+  const std::size_t offset = static_cast<std::size_t>(address) - out_temp_l;
+  Output& output = outputs_[offset / 2];
+  const bool is_high = offset % 2 == 1;
+  const bool is_blocked = (registers_[ctrl3_c] & 0x40U) != 0;
+  const std::int16_t value = output.held.value_or(output.value);
+  if (is_high) {
+    output.held.reset();
+    const bool is_temperature = offset < 2;
+    registers_[status_reg] &= is_temperature ? 0xFBU : 0xFDU;  // TDA, GDA
+  } else if (is_blocked) {
+    output.held = value;
+  }
+  return byte_of(value, is_high);
+}
+
+std::uint8_t SimulatedLsm6dso::read_fifo_byte(std::uint8_t address) {
+  if (fifo_.empty()) return 0;
+  const std::uint8_t byte = fifo_.front()[static_cast<std::size_t>(address) - fifo_data_out_tag];
+  if (address == fifo_data_out_z_h) {
+    fifo_.pop_front();
+    is_fifo_overrun_ = false;
+  }
+  return byte;
+}
+
+std::uint8_t SimulatedLsm6dso::read_fifo_status2() {
+  const std::size_t words = fifo_.size();
+  unsigned status = static_cast<unsigned>(words >> 8U) & 3U;
+  if (watermark() > 0 && words >= watermark()) status |= 0x80U;
+  if (is_fifo_overrun_) status |= 0x40U;
+  if (words + 1 >= fifo_capacity()) status |= 0x20U;
+  if (is_fifo_overrun_latched_) status |= 0x08U;
+  is_fifo_overrun_latched_ = false;
+  return static_cast<std::uint8_t>(status);
+}
+
+std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
+  address &= 0x7FU;
+  std::uint8_t value = registers_[address];
+  if (address >= out_temp_l && address <= outz_h_g) {
+    value = read_output(address);
+  } else if (address >= fifo_data_out_tag && address <= fifo_data_out_z_h) {
+    value = read_fifo_byte(address);
+  } else if (address == fifo_status1) {
+    value = static_cast<std::uint8_t>(fifo_.size() & 0xFFU);
+  } else if (address == fifo_status2) {
+    value = read_fifo_status2();
+  } else if (address == ctrl3_c && is_resetting()) {
+    value |= 0x01U;
+  }
+  drive_int1();
+  return value;
+}
+
+void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) {
+  address &= 0x7FU;
+  if (is_resetting() || is_read_only(address)) return;
+  if (!is_writable(address)) {
+    ++reserved_writes_;
+    return;
+  }
+  if (address == ctrl3_c && (value & 0x01U) != 0) {
+    reset_registers();
+    reset_until_ = clock_->now() + kResetTime;
+    return;
+  }
+  if (address == ctrl2_g && !is_powered()) powered_at_ = clock_->now();
+  registers_[address] = value;
+  const bool is_bypass = (registers_[fifo_ctrl4] & 0x07U) == 0;
+  if (address == fifo_ctrl4 && is_bypass) fifo_.clear();
+  drive_int1();
+}
+
+std::uint8_t SimulatedLsm6dso::next_address(std::uint8_t address) const {
+  const bool increments = (registers_[ctrl3_c] & 0x04U) != 0;
+  if (!increments) return address;
+  if (address == fifo_data_out_z_h) return fifo_data_out_tag;  // bursts of words
+  return static_cast<std::uint8_t>((address + 1U) & 0x7FU);
+}
+
+void SimulatedLsm6dso::drive_int1() {
+  const unsigned routed = registers_[int1_ctrl];
+  const bool is_ready = (registers_[status_reg] & 0x02U) != 0 && (routed & 0x02U) != 0;
+  const bool is_at_watermark =
+      watermark() > 0 && fifo_.size() >= watermark() && (routed & 0x08U) != 0;
+  int1_.drive(is_ready || is_at_watermark, clock_->now());
+}
+
+}  // namespace zerorate::hal::sim

@@ -1,0 +1,94 @@
+/// @file
+/// An LSM6DSO at the level of its registers, fed with physical values.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/data_ready_pin.hpp"
+#include "hal/sim/register_chip.hpp"
+
+namespace zerorate::hal::sim {
+
+/// The gyro half of the chip (ST DS12140): identity, reset values, software reset, power-up
+/// transient, rounding and saturation, block data update, data-ready, FIFO with tags, watermark and
+/// overrun, temperature, oscillator trim, INT1.
+///
+/// Not modelled: accelerometer, low-pass and high-pass filters, FIFO compression, batching at less
+/// than the output rate, batched temperature and time stamps, the FIFO modes with triggers (they
+/// behave as bypass), embedded functions.
+///
+/// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
+/// the clock, so that a recording of any rate can be sent through it. For a chip that samples by
+/// itself, advance the clock by sample_period() before each call.
+class SimulatedLsm6dso {
+ public:
+  /// @param clock the simulation's time; must outlive the chip
+  /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.15 % faster for each count
+  explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0);
+
+  /// One conversion: rounds to the LSB, saturates at 16 bits, raises data-ready, fills the FIFO.
+  /// Does nothing while the gyro is powered down or in reset.
+  void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
+
+  [[nodiscard]] bool is_powered() const;
+  /// Nominal period of the configured rate, trim included; zero when powered down.
+  [[nodiscard]] core::Duration sample_period() const;
+  [[nodiscard]] DataReadyPin& int1() { return int1_; }
+  /// Writes to addresses that the datasheet reserves ("may cause permanent damage").
+  [[nodiscard]] std::size_t reserved_writes() const { return reserved_writes_; }
+
+  /// Interrupted supply: everything is as after power-on.
+  void cycle_power();
+  /// An upset, as from radiation or a glitch: flips bits of one register without a bus.
+  void upset(std::uint8_t address, std::uint8_t flipped_bits);
+
+  // The bus's side (RegisterChip).
+  std::uint8_t read_register(std::uint8_t address);
+  void write_register(std::uint8_t address, std::uint8_t value);
+  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
+
+ private:
+  static constexpr std::size_t kFifoCapacity = 512;  // 3 kbyte of data, six bytes a word
+  using FifoWord = std::array<std::uint8_t, 7>;
+
+  /// A 16-bit output; with block data update, reading the low byte holds the pair until the high
+  /// byte is read.
+  struct Output {
+    std::int16_t value = 0;
+    std::optional<std::int16_t> held;
+  };
+
+  void reset_registers();
+  [[nodiscard]] bool is_resetting() const;
+  [[nodiscard]] std::int16_t quantize(core::AngularRate rate) const;
+  std::uint8_t read_output(std::uint8_t address);
+  std::uint8_t read_fifo_byte(std::uint8_t address);
+  std::uint8_t read_fifo_status2();
+  void push_fifo_word();
+  [[nodiscard]] std::size_t watermark() const;
+  [[nodiscard]] std::size_t fifo_capacity() const;
+  void drive_int1();
+
+  const SimulatedClock* clock_;
+  std::int8_t trim_;
+  std::array<std::uint8_t, 128> registers_{};
+  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
+  std::deque<FifoWord> fifo_;
+  bool is_fifo_overrun_ = false;          // FIFO_OVR_IA
+  bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
+  std::uint8_t time_slot_ = 0;            // TAG_CNT
+  core::Instant reset_until_;
+  core::Instant powered_at_;
+  std::size_t reserved_writes_ = 0;
+  DataReadyPin int1_;
+};
+static_assert(RegisterChip<SimulatedLsm6dso>);
+
+}  // namespace zerorate::hal::sim

@@ -1,0 +1,103 @@
+/// @file
+/// A back end that fails on demand. For tests only, never in firmware.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/base/result.hpp"
+#include "hal/contract/i2c_bus.hpp"
+#include "hal/contract/spi_device.hpp"
+
+namespace zerorate::hal::testing {
+
+/// What goes wrong with the transactions `first` to `first + calls - 1`, counted from 0.
+struct Fault {
+  enum class Kind : std::uint8_t {
+    refused,       ///< the error is reported and nothing reaches the device
+    after_effect,  ///< the device does all of it, and then the error is reported
+    flipped_bit,   ///< success is reported, with one bit of the first byte read inverted
+    stuck_high,    ///< success is reported, every byte read is 0xFF, nothing reaches the device
+    stuck_low,     ///< the same with 0x00
+  };
+  static constexpr std::size_t kForEver = std::numeric_limits<std::size_t>::max();
+
+  Kind kind = Kind::refused;
+  std::size_t first = 0;
+  std::size_t calls = 1;
+  BusError error = BusError::io;  ///< for refused and after_effect
+  std::uint8_t bit = 0;           ///< for flipped_bit
+
+  [[nodiscard]] bool hits(std::size_t call) const { return call >= first && call - first < calls; }
+};
+
+/// Wraps any SpiDevice or I2cBus; without faults it changes nothing.
+template <class BackEnd>
+class FaultInjector {
+ public:
+  explicit FaultInjector(BackEnd& back_end) : back_end_(&back_end) {}
+
+  void inject(const Fault& fault) { faults_.push_back(fault); }
+  void clear() { faults_.clear(); }
+  /// How many transactions there were: the number of the next one.
+  [[nodiscard]] std::size_t calls() const { return calls_; }
+
+  core::Result<void, BusError> transaction(
+      std::span<const Operation> operations) requires SpiDevice<BackEnd> {
+    return run(operations, [&] { return back_end_->transaction(operations); });
+  }
+
+  core::Result<void, BusError> transaction(
+      I2cAddress address, std::span<const Operation> operations) requires I2cBus<BackEnd> {
+    return run(operations, [&] { return back_end_->transaction(address, operations); });
+  }
+
+ private:
+  template <class Forward>
+  core::Result<void, BusError> run(std::span<const Operation> operations, Forward forward) {
+    const std::size_t call = calls_++;
+    for (const Fault& fault : faults_) {
+      if (fault.hits(call)) return fail(fault, operations, forward);
+    }
+    return forward();
+  }
+
+  template <class Forward>
+  core::Result<void, BusError> fail(const Fault& fault, std::span<const Operation> operations,
+                                    Forward forward) {
+    using enum Fault::Kind;
+    if (fault.kind == refused) return core::Unexpected{fault.error};
+    if (fault.kind == stuck_high || fault.kind == stuck_low) {
+      fill(operations, fault.kind == stuck_high ? 0xFF : 0x00);
+      return {};
+    }
+    const auto done = forward();
+    if (!done) return done;
+    if (fault.kind == after_effect) return core::Unexpected{fault.error};
+    flip(operations, fault.bit);
+    return {};
+  }
+
+  static void fill(std::span<const Operation> operations, std::uint8_t value) {
+    for (const Operation& operation : operations) {
+      for (std::uint8_t& byte : operation.buffer()) byte = value;
+    }
+  }
+
+  static void flip(std::span<const Operation> operations, std::uint8_t bit) {
+    for (const Operation& operation : operations) {
+      if (operation.buffer().empty()) continue;
+      operation.buffer()[0] ^= static_cast<std::uint8_t>(1U << bit);
+      return;
+    }
+  }
+
+  BackEnd* back_end_;
+  std::vector<Fault> faults_;
+  std::size_t calls_ = 0;
+};
+
+}  // namespace zerorate::hal::testing
