@@ -110,7 +110,7 @@ void Findings::examine_time(Row& row, std::uint64_t line) {
   }
   const std::int64_t interval_ns = interval(latest_time_ns_, row.time_ns);
   const std::int64_t median_ns = median_.value_ns();
-  if (median_ns > 0 && interval_ns / kGapPeriods > median_ns) {
+  if (median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns) {
     row.findings.add(Finding::gap);
   }
   if (interval_ns > longest_interval_ns_) {

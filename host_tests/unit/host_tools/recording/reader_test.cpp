@@ -110,16 +110,17 @@ TEST_F(GzipRecording, IsKnownByItsContentAndMayHaveSeveralMembers) {
 
 TEST_F(GzipRecording, LongerThanAllBuffersIsReadWholeWithGrowingProgress) {
   std::string text = "t_s,rate_radps\n";
-  constexpr int kRows = 300'000;
-  for (int i = 0; i < kRows; ++i) {
-    text += std::to_string(i) + "e-2," + std::to_string((i * 7919) % 100'003) + "\n";
+  constexpr std::int64_t kRows = 300'000;
+  const auto rate = [](std::int64_t row) { return (row * 7'919) % 100'003; };
+  for (std::int64_t i = 0; i < kRows; ++i) {
+    text += std::to_string(i) + "e-2," + std::to_string(rate(i)) + "\n";
   }
   Reader reader{pack("long.csv.gz", {text})};
   double progress = 0.0;
-  int rows = 0;
+  std::int64_t rows = 0;
   for (Row row; reader.next(row); ++rows) {
-    ASSERT_EQ(row.time_ns, rows * std::int64_t{10'000'000});
-    ASSERT_EQ(row.rate_rad_s[0], static_cast<float>((rows * 7919) % 100'003));
+    ASSERT_EQ(row.time_ns, rows * 10'000'000);
+    ASSERT_EQ(row.rate_rad_s[0], static_cast<float>(rate(rows)));
     ASSERT_GE(reader.fraction_read().value(), progress);
     progress = reader.fraction_read().value();
   }
