@@ -1,0 +1,176 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// Reads a file to its end and gives the error that stopped it.
+Error error_of(const std::filesystem::path& path, std::uint64_t* rows = nullptr) {
+  std::uint64_t count = 0;
+  try {
+    Reader reader{path};
+    for (Row row; reader.next(row);) {
+      ++count;
+    }
+  } catch (const Error& error) {
+    if (rows != nullptr) {
+      *rows = count;
+    }
+    return error;
+  }
+  ADD_FAILURE() << path << " was read without an error, rows: " << count;
+  return Error{{}, "nothing", "an error", ""};
+}
+
+struct BadText {
+  const char* name;
+  std::string text;
+  std::uint64_t line;
+  std::uint64_t column;  ///< 0: the line as a whole
+  const char* found;
+  const char* expected;
+};
+
+void PrintTo(const BadText& bad, std::ostream* out) {
+  *out << bad.name;
+}
+
+class BadTextFile : public ::testing::TestWithParam<BadText> {};
+
+TEST_P(BadTextFile, IsReportedWithItsPlaceAndWhatWasExpected) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path = folder.write("run.csv", GetParam().text);
+  const Error error = error_of(path);
+  EXPECT_EQ(error.place().file, path.string());
+  EXPECT_EQ(error.place().line, GetParam().line);
+  EXPECT_EQ(error.place().column, GetParam().column);
+  EXPECT_THAT(error.found(), HasSubstr(GetParam().found));
+  EXPECT_THAT(error.expected(), HasSubstr(GetParam().expected));
+  EXPECT_FALSE(error.mend().empty());
+  EXPECT_THAT(error.what(), StartsWith(path.string() + ":"));
+}
+
+const std::string kHeader = "t_s,gx_dps,gy_dps,gz_dps\n";
+
+INSTANTIATE_TEST_SUITE_P(
+    File, BadTextFile,
+    ::testing::Values(
+        BadText{"empty", "", 0, 0, "an empty file", "a header line"},
+        BadText{"only_comments", "# a\n\n# b\n", 3, 0, "only comments", "a header line"},
+        BadText{"header_only", kHeader, 1, 0, "no samples", "at least one sample"},
+        BadText{"no_header", "0,1,2,3\n", 1, 0, "numbers in the first line", "a header line"},
+        BadText{"binary", std::string("\x7F\x45LF\0\1\2,\n", 10), 1, 5, "binary data", "a CSV"},
+        BadText{"utf16", std::string("\xFF\xFEt\0_\0s\0\n\0", 10), 1, 4, "binary data", "UTF-8"},
+        BadText{"semicolons", "t_s;gx_dps\n0;1\n", 1, 4, "semicolons or tabs", "commas"},
+        BadText{"endless_line", std::string(2'000'000, 'x'), 1, 0, "longer than 1 MiB", "a CSV"}),
+    [](const auto& tested) { return tested.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Header, BadTextFile,
+    ::testing::Values(
+        BadText{"no_time", "gx_dps,gy_dps,gz_dps\n", 1, 0, "gx_dps", "t_s or time_s"},
+        BadText{"time_in_ms", "t_ms,rate_dps\n", 1, 1, "t_ms", "t_s or time_s (seconds)"},
+        BadText{"no_rate", "t_s,vx_mps\n", 1, 0, "t_s,vx_mps", "gx_dps,gy_dps,gz_dps or rate_dps"},
+        BadText{"unknown_unit", "t_s,gx_deg/s,gy_deg/s,gz_deg/s\n", 1, 5, "gx_deg/s", "gx_radps"},
+        BadText{"other_case", "t_s,Gyro_X\n", 1, 5, "Gyro_X", "gx_dps"},
+        BadText{"missing_axis", "t_s,gx_dps,gz_dps\n", 1, 0, "not all three", "rate_dps"},
+        BadText{"both_units", "t_s,rate_dps,rate_radps\n", 1, 14, "both rate_dps and rate_radps",
+                "in one unit"},
+        BadText{"mixed_units", "t_s,gx_dps,gy_radps,gz_dps\n", 1, 12, "both gx_dps and gy_radps",
+                "in one unit"},
+        BadText{"one_and_three", "t_s,gx_dps,gy_dps,gz_dps,rate_dps\n", 1, 26,
+                "both gx_dps and rate_dps", "once"},
+        BadText{"axis_twice", "t_s,gx_dps,gx_dps\n", 1, 12, "both gx_dps and gx_dps", "once"},
+        BadText{"time_twice", "t_s,time_s,rate_dps\n", 1, 5, "both t_s and time_s", "one of them"},
+        BadText{"temperature_twice", "t_s,rate_dps,temp_c,temperature_c\n", 1, 21,
+                "both temp_c and temperature_c", "one of them"}),
+    [](const auto& tested) { return tested.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Row, BadTextFile,
+    ::testing::Values(
+        BadText{"text", kHeader + "0,1,2,3\n0.01,1,abc,3\n", 3, 8, "\"abc\" as gy_dps", "a number"},
+        BadText{"number_and_text", kHeader + "0,1,2,3.5x\n", 2, 7, "3.5x", "a number"},
+        BadText{"lost_time", kHeader + ",1,2,3\n", 2, 1, "\"\" as t_s", "a time in seconds"},
+        BadText{"nan_time", kHeader + "nan,1,2,3\n", 2, 1, "nan", "a time in seconds"},
+        BadText{"clock_time", kHeader + "12:30:00,1,2,3\n", 2, 1, "12:30:00", "a time in seconds"},
+        BadText{"time_in_ns", kHeader + "1700000000123456789,1,2,3\n", 2, 1, "1700000000123456789",
+                "at most 9223372036"},
+        BadText{"too_few", kHeader + "0,1,2,3\n1,2\n", 3, 0, "2 fields", "4 as in the header"},
+        BadText{"too_many", kHeader + "0,1,2,3,4\n", 2, 0, "5 fields", "4 as in the header"},
+        BadText{"decimal_comma", "t_s,rate_dps\n0,01,0,35\n", 2, 0, "4 fields", "2 as in"},
+        BadText{"empty_line", kHeader + "0,1,2,3\n\n1,1,2,3\n", 3, 0, "an empty line",
+                "one sample"},
+        BadText{"broken_count", "t_s,rate_dps,odometer_pulses\n0,1,1.5\n", 2, 5, "1.5",
+                "a whole number"},
+        BadText{"lost_count", "t_s,rate_dps,odometer_pulses\n0,1,\n", 2, 5, "\"\"",
+                "a whole number"},
+        BadText{"other_still", "t_s,rate_dps,still\n0,1,2\n", 2, 5, "\"2\" as still", "1 (still)"},
+        BadText{"bytes", "t_s,rate_dps\n0,\x01\xFF\n", 2, 3, "\"\\x01\\xFF\"", "a number"}),
+    [](const auto& tested) { return tested.param.name; });
+
+TEST(MessageForTextInANumber, NamesFileLineColumnFoundExpectedAndMend) {
+  const Error error{{"run.csv", 17, 6}, "\"abc\" as gx_dps", "a number", "Write nan."};
+  EXPECT_STREQ(error.what(),
+               "run.csv:17:6: found \"abc\" as gx_dps; expected a number. Write nan.");
+}
+
+TEST(FileThatIsNotThere, IsReportedByName) {
+  EXPECT_THAT(error_of("/nonexistent/run.csv").what(),
+              StartsWith("/nonexistent/run.csv: found No such file or directory"));
+}
+
+TEST(DirectoryInsteadOfAFile, IsReportedAsOne) {
+  const zerorate::testing::ScratchFolder folder;
+  EXPECT_EQ(error_of(folder.path()).found(), "a directory");
+}
+
+/// A gzip file of some 100 kB, as bytes.
+std::string gzip_bytes() {
+  const zerorate::testing::ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "run.csv.gz";
+  gzFile file = gzopen(path.c_str(), "wb");
+  gzputs(file, "t_s,rate_dps\n");
+  for (int i = 0; i < 50'000; ++i) {
+    gzprintf(file, "%d,%d\n", i, (i * 7919) % 10'007);
+  }
+  gzclose(file);
+  std::ifstream in{path, std::ios::binary};
+  return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+TEST(GzipCutAnywhere, GivesTheWholeLinesBeforeTheCutAndThenAnError) {
+  const zerorate::testing::ScratchFolder folder;
+  const std::string whole = gzip_bytes();
+  for (const std::size_t size : {std::size_t{2}, std::size_t{9}, std::size_t{30}, whole.size() / 2,
+                                 whole.size() - 8, whole.size() - 1}) {
+    std::uint64_t rows = 0;
+    const Error error = error_of(folder.write("cut.csv.gz", whole.substr(0, size)), &rows);
+    EXPECT_THAT(error.found(), HasSubstr("in the middle of its gzip stream")) << size;
+    EXPECT_EQ(error.place().line, rows == 0 ? 1 : rows + 2) << size;
+    EXPECT_EQ(rows > 20'000, size >= whole.size() / 2) << size;
+  }
+}
+
+TEST(GzipWithAWrongByte, IsReportedAsDamaged) {
+  const zerorate::testing::ScratchFolder folder;
+  std::string checksum_wrong = gzip_bytes();
+  checksum_wrong[checksum_wrong.size() - 6] ^= 1;
+  EXPECT_THAT(error_of(folder.write("a.gz", checksum_wrong)).found(), HasSubstr("damaged gzip"));
+  EXPECT_THAT(error_of(folder.write("b.gz", gzip_bytes() + "rubbish")).found(),
+              HasSubstr("damaged gzip"));
+}
+
+}  // namespace
+}  // namespace zerorate::recording

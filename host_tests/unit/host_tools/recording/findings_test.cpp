@@ -1,0 +1,133 @@
+#include "host_tools/lib/recording/findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+/// What is read from a text: every row, and the findings at its end.
+struct Reading {
+  std::vector<Row> rows;
+  Findings findings;
+};
+
+Reading read(std::string_view text) {
+  const zerorate::testing::ScratchFolder folder;
+  Reader reader{folder.write("run.csv", text)};
+  Reading reading;
+  for (Row row; reader.next(row);) {
+    reading.rows.push_back(row);
+  }
+  reading.findings = reader.findings();
+  return reading;
+}
+
+TEST(LostRates, AreDeliveredFlaggedAndCounted) {
+  const Reading reading =
+      read("t_s,gx_dps,gy_dps,gz_dps\n0,1,nan,3\n1,1,,3\n2,1,2,-inf\n3,1,2,3\n");
+  ASSERT_EQ(reading.rows.size(), 4);
+  EXPECT_TRUE(std::isnan(reading.rows[0].rate_rad_s[1]));
+  EXPECT_TRUE(std::isnan(reading.rows[1].rate_rad_s[1]));
+  EXPECT_TRUE(std::isinf(reading.rows[2].rate_rad_s[2]));
+  EXPECT_TRUE(reading.rows[3].findings.empty());
+  EXPECT_EQ(reading.findings.count(Finding::rate_lost), 3);
+  EXPECT_EQ(reading.findings.first_line(Finding::rate_lost), 2);
+  EXPECT_EQ(reading.findings.rows(), 4);
+}
+
+TEST(LostTemperature, DoesNotSpoilTheRate) {
+  const Reading reading = read("t_s,rate_dps,temp_c\n0,1,25\n1,1,\n");
+  EXPECT_TRUE(reading.rows[1].findings.has(Finding::temperature_lost));
+  EXPECT_FALSE(reading.rows[1].findings.has(Finding::rate_lost));
+}
+
+TEST(RawCountsNamedAsDegrees, AreFlaggedAsImplausible) {
+  const Reading reading = read("t_s,rate_dps\n0,3999\n1,32786\n");
+  EXPECT_TRUE(reading.rows[0].findings.empty());
+  EXPECT_TRUE(reading.rows[1].findings.has(Finding::rate_implausible));
+}
+
+TEST(TimeRunningBackwards, IsFlaggedUntilItPassesTheLatestTime) {
+  const Reading reading = read("t_s,rate_dps\n0,1\n1,1\n2,1\n0.5,1\n2,1\n3,1\n");
+  EXPECT_TRUE(reading.rows[3].findings.has(Finding::time_backwards));
+  EXPECT_EQ(reading.rows[3].time_ns, 500'000'000) << "not mended";
+  EXPECT_TRUE(reading.rows[4].findings.has(Finding::time_duplicate));
+  EXPECT_TRUE(reading.rows[5].findings.empty());
+  EXPECT_EQ(reading.findings.count(Finding::time_backwards), 1);
+  EXPECT_EQ(reading.findings.first_line(Finding::time_duplicate), 6);
+}
+
+TEST(GapOfAnHour, IsFlaggedAndMeasured) {
+  const Reading reading = read("t_s,rate_dps\n0,1\n0.01,1\n0.02,1\n3600.02,1\n3600.03,1\n");
+  EXPECT_TRUE(reading.rows[3].findings.has(Finding::gap));
+  EXPECT_EQ(reading.findings.count(Finding::gap), 1);
+  EXPECT_EQ(reading.findings.longest_interval_ns(), 3'600'000'000'000);
+  EXPECT_EQ(reading.findings.longest_interval_line(), 5);
+  EXPECT_EQ(reading.findings.median_interval_ns(), 10'000'000);
+}
+
+TEST(IntervalOfTenMedians, IsNoGapAndOneNanosecondMoreIs) {
+  const Reading reading =
+      read("t_s,rate_dps\n0,1\n0.01,1\n0.02,1\n0.12,1\n0.13,1\n0.230000001,1\n");
+  EXPECT_FALSE(reading.rows[3].findings.has(Finding::gap));
+  EXPECT_TRUE(reading.rows[5].findings.has(Finding::gap));
+}
+
+TEST(TimesAtBothEndsOfTheClock, DoNotOverflow) {
+  const Reading reading = read("t_s,rate_dps\n-9223372036,1\n9223372036,1\n");
+  EXPECT_EQ(reading.findings.longest_interval_ns(), std::numeric_limits<std::int64_t>::max());
+}
+
+TEST(OdometerRunningBackwards, IsFlagged) {
+  const Reading reading = read("t_s,rate_dps,odometer_pulses\n0,1,7\n1,1,7\n2,1,0\n3,1,1\n");
+  EXPECT_TRUE(reading.rows[2].findings.has(Finding::odometer_backwards));
+  EXPECT_EQ(reading.findings.count(Finding::odometer_backwards), 1);
+}
+
+TEST(EqualIntervals, HaveTheirExactMedian) {
+  IntervalMedian median;
+  EXPECT_EQ(median.value_ns(), 0);
+  for (int i = 0; i < 1'000; ++i) {
+    median.add(10'070'493);
+  }
+  EXPECT_EQ(median.value_ns(), 10'070'493);
+}
+
+// The median's bin is one sixteenth of an octave's lower edge wide: 6.25 % at most.
+TEST(RandomIntervals, HaveAMedianWithinABinOfTheSortedOne) {
+  std::mt19937_64 random{2};
+  std::lognormal_distribution<double> interval_ns{15.0, 2.0};
+  IntervalMedian median;
+  std::vector<std::int64_t> seen;
+  for (int i = 0; i < 3'000; ++i) {
+    seen.push_back(std::max<std::int64_t>(1, std::llround(interval_ns(random))));
+    median.add(seen.back());
+    std::vector<std::int64_t> sorted = seen;
+    const auto middle = sorted.begin() + (static_cast<std::ptrdiff_t>(sorted.size()) - 1) / 2;
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    ASSERT_NEAR(static_cast<double>(median.value_ns()), static_cast<double>(*middle),
+                0.0626 * static_cast<double>(*middle) + 1.0);
+  }
+}
+
+TEST(EveryFinding, HasADescriptionOfItsOwn) {
+  std::vector<std::string_view> descriptions;
+  for (std::size_t i = 0; i < kFindingCount; ++i) {
+    descriptions.push_back(description(static_cast<Finding>(i)));
+  }
+  std::sort(descriptions.begin(), descriptions.end());
+  EXPECT_EQ(std::unique(descriptions.begin(), descriptions.end()), descriptions.end());
+  EXPECT_EQ(std::count(descriptions.begin(), descriptions.end(), "unknown finding"), 0);
+}
+
+}  // namespace
+}  // namespace zerorate::recording

@@ -1,0 +1,151 @@
+#include "host_tools/lib/recording/writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in{path, std::ios::binary};
+  return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator{folder}, {}));
+}
+
+class WrittenRecording : public ::testing::TestWithParam<std::tuple<const char*, Columns>> {
+ protected:
+  zerorate::testing::ScratchFolder folder_;
+};
+
+TEST_P(WrittenRecording, ComesBackBitForBit) {
+  const auto& [name, columns] = GetParam();
+  std::mt19937_64 random{7};
+  std::normal_distribution<float> normal;
+  std::vector<Row> written;
+  for (int i = 0; i < 20'000; ++i) {
+    const float scale = std::exp(10.0F * normal(random));
+    Row row{static_cast<std::int64_t>(random() >> 2U), {}, 0.0F, i, random() % 2 == 0, {}};
+    for (float& rate : row.rate_rad_s) {
+      rate = scale * normal(random);
+    }
+    row.temperature_degc = 25.0F + 30.0F * normal(random);
+    written.push_back(row);
+  }
+  written[1].rate_rad_s[0] = std::nanf("");
+  written[2].rate_rad_s[0] = INFINITY;
+  Writer writer{folder_.path() / name, columns};
+  for (const Row& row : written) {
+    writer.write(row);
+  }
+  writer.finish();
+
+  Reader reader{folder_.path() / name};
+  EXPECT_EQ(reader.columns(), columns);
+  for (const Row& expected : written) {
+    Row row;
+    ASSERT_TRUE(reader.next(row));
+    EXPECT_EQ(row.time_ns, expected.time_ns);
+    for (std::size_t axis = 0; axis < columns.axis_count; ++axis) {
+      if (std::isnan(expected.rate_rad_s[axis])) {
+        EXPECT_TRUE(std::isnan(row.rate_rad_s[axis]));
+      } else {
+        ASSERT_EQ(row.rate_rad_s[axis], expected.rate_rad_s[axis]) << "line " << reader.line();
+      }
+    }
+    if (columns.temperature) {
+      EXPECT_EQ(row.temperature_degc, expected.temperature_degc);
+    }
+    EXPECT_EQ(row.odometer_pulses, columns.odometer ? expected.odometer_pulses : 0);
+    EXPECT_EQ(row.still, columns.still && expected.still);
+  }
+  Row row;
+  EXPECT_FALSE(reader.next(row));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, WrittenRecording,
+    ::testing::Combine(::testing::Values("run.csv", "run.csv.gz"),
+                       ::testing::Values(Columns{3, RateUnit::deg_per_s, true, true, true},
+                                         Columns{3, RateUnit::rad_per_s, false, true, false},
+                                         Columns{1, RateUnit::deg_per_s, true, false, false},
+                                         Columns{1, RateUnit::rad_per_s, false, false, true})));
+
+TEST(RewrittenText, IsTheSameText) {
+  const zerorate::testing::ScratchFolder folder;
+  const std::string text =
+      "t_s,gx_dps,gy_dps,gz_dps,temp_c\n0,-0.05,-0.3,0.7,25.5182\n0.01,0.35,1e-07,123.456,-18\n";
+  Reader reader{folder.write("in.csv", text)};
+  Writer writer{folder.path() / "out.csv", reader.columns()};
+  for (Row row; reader.next(row);) {
+    writer.write(row);
+  }
+  writer.finish();
+  EXPECT_EQ(bytes_of(folder.path() / "out.csv"), text);
+}
+
+TEST(SameRowsWrittenTwice, GiveTheSameGzipBytes) {
+  const zerorate::testing::ScratchFolder folder;
+  for (const char* name : {"a.csv.gz", "b.csv.gz"}) {
+    Writer writer{folder.path() / name, {}};
+    writer.write({});
+    writer.finish();
+  }
+  EXPECT_EQ(bytes_of(folder.path() / "a.csv.gz"), bytes_of(folder.path() / "b.csv.gz"));
+  EXPECT_EQ(bytes_of(folder.path() / "a.csv.gz").substr(0, 2), "\x1F\x8B");
+}
+
+TEST(WriterThatIsNotFinished, LeavesTheFolderAsItWas) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path = folder.write("run.csv", "older");
+  {
+    Writer writer{path, {}};
+    writer.write({});
+    EXPECT_EQ(files_in(folder.path()), 2);
+  }
+  EXPECT_EQ(files_in(folder.path()), 1);
+  EXPECT_EQ(bytes_of(path), "older");
+}
+
+TEST(WriterThroughASymbolicLink, ReplacesTheFileAndKeepsTheLink) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto file = folder.write("run.csv", "older");
+  std::filesystem::create_symlink(file, folder.path() / "link.csv");
+  Writer writer{folder.path() / "link.csv", {1, RateUnit::deg_per_s, false, false, false}};
+  writer.write({});
+  writer.finish();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link.csv"));
+  EXPECT_EQ(bytes_of(file), "t_s,rate_dps\n0,0\n");
+}
+
+TEST(WriterToAFolderThatIsNotThere, SaysSo) {
+  try {
+    Writer writer{"/nonexistent/run.csv", {}};
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("No such file or directory"));
+    EXPECT_EQ(error.place().file, "/nonexistent/run.csv");
+  }
+}
+
+TEST(WriterToADeviceOrDirectory, IsRefused) {
+  const zerorate::testing::ScratchFolder folder;
+  EXPECT_THROW((Writer{"/dev/null", {}}), Error);
+  EXPECT_THROW((Writer{folder.path(), {}}), Error);
+}
+
+}  // namespace
+}  // namespace zerorate::recording

@@ -1,0 +1,127 @@
+#include "host_tools/lib/recording/byte_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <system_error>
+
+namespace zerorate::recording {
+namespace {
+
+constexpr std::size_t kInputBytes = std::size_t{256} * 1024;
+constexpr int kAnyWindowGzipOnly = 15 + 16;  // zlib.h, inflateInit2
+
+Error unreadable(const std::string& name, const Place& here) {
+  return Error{here, std::generic_category().message(errno), "a file that can be read",
+               fmt::format("Check the name and the permissions of {}.", name)};
+}
+
+}  // namespace
+
+void ByteSource::Closer::operator()(std::FILE* file) const {
+  if (file != stdin) {
+    static_cast<void>(std::fclose(file));  // opened for reading: nothing can be lost
+  }
+}
+
+ByteSource::ByteSource(const std::filesystem::path& path)
+    : name_(path == "-" ? "standard input" : path.string()), input_(kInputBytes) {
+  const Place here{name_};
+  std::error_code ignored;
+  if (path != "-" && std::filesystem::is_directory(path, ignored)) {
+    throw Error{here, "a directory", "a CSV or CSV.gz file", "Name a file inside it."};
+  }
+  file_.reset(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
+  if (!file_) {
+    throw unreadable(name_, here);
+  }
+  if (path != "-" && std::filesystem::is_regular_file(path, ignored)) {
+    size_ = std::filesystem::file_size(path, ignored);
+  }
+  constexpr unsigned char kGzipMagic[] = {0x1F, 0x8B};
+  if (refill(here) && stream_.avail_in >= 2 &&
+      std::equal(kGzipMagic, kGzipMagic + 2, input_.begin())) {
+    begin_inflating();
+  }
+}
+
+ByteSource::~ByteSource() {
+  if (inflating_) {
+    inflateEnd(&stream_);
+  }
+}
+
+void ByteSource::begin_inflating() {
+  if (inflateInit2(&stream_, kAnyWindowGzipOnly) != Z_OK) {
+    throw std::bad_alloc{};
+  }
+  inflating_ = true;
+}
+
+bool ByteSource::refill(const Place& here) {
+  const std::size_t count = std::fread(input_.data(), 1, input_.size(), file_.get());
+  if (count == 0 && std::ferror(file_.get()) != 0) {
+    throw unreadable(name_, here);
+  }
+  taken_ += count;
+  stream_.next_in = input_.data();
+  stream_.avail_in = static_cast<uInt>(count);
+  return count != 0;
+}
+
+std::size_t ByteSource::read(std::span<char> out, const Place& here) {
+  return inflating_ ? inflate_into(out, here) : copy_into(out, here);
+}
+
+std::size_t ByteSource::copy_into(std::span<char> out, const Place& here) {
+  if (stream_.avail_in == 0 && !refill(here)) {
+    return 0;
+  }
+  const std::size_t count = std::min<std::size_t>(out.size(), stream_.avail_in);
+  std::memcpy(out.data(), stream_.next_in, count);
+  stream_.next_in += count;
+  stream_.avail_in -= static_cast<uInt>(count);
+  return count;
+}
+
+std::size_t ByteSource::inflate_into(std::span<char> out, const Place& here) {
+  stream_.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream_.avail_out = static_cast<uInt>(out.size());
+  while (true) {
+    if (between_members_) {
+      if (stream_.avail_in == 0 && !refill(here)) {
+        return 0;
+      }
+      inflateReset(&stream_);
+      between_members_ = false;
+    }
+    // Before any refill: zlib may still hold output for input that it has already taken.
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    between_members_ = status == Z_STREAM_END;
+    if (stream_.avail_out < out.size()) {
+      return out.size() - stream_.avail_out;
+    }
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
+      throw Error{here,
+                  fmt::format("damaged gzip data ({})", stream_.msg ? stream_.msg : "no detail"),
+                  "an intact gzip file", "Copy the file again; `gzip -t` checks it."};
+    }
+    if (!between_members_ && stream_.avail_in == 0 && !refill(here)) {
+      throw Error{here, "the end of the file in the middle of its gzip stream", "a whole gzip file",
+                  "Copy the file again; `gzip -t` checks it."};
+    }
+  }
+}
+
+std::optional<double> ByteSource::fraction_read() const {
+  if (size_ == 0) {
+    return std::nullopt;
+  }
+  const std::uint64_t used = taken_ - stream_.avail_in;
+  return std::min(1.0, static_cast<double>(used) / static_cast<double>(size_));
+}
+
+}  // namespace zerorate::recording

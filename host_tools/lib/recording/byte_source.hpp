@@ -1,0 +1,62 @@
+/// @file
+/// The bytes of a file, unpacked if they are gzip, in constant memory.
+#pragma once
+
+#include <zlib.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/recording/error.hpp"
+
+namespace zerorate::recording {
+
+/// Reads a file or standard input. gzip is known by its first two bytes, not by the file's name.
+/// A gzip stream that ends early or fails its checksum is an error, never the end of the file;
+/// this is why it does not use gzread, which hands a cut file out as a short one.
+class ByteSource {
+ public:
+  /// "-" is standard input. Throws Error for what cannot be opened or is a directory.
+  explicit ByteSource(const std::filesystem::path& path);
+  ~ByteSource();
+  ByteSource(const ByteSource&) = delete;
+  ByteSource& operator=(const ByteSource&) = delete;
+
+  /// Writes at least one and at most out.size() bytes to the front of `out`.
+  /// @param here  where the caller stands, for the error message
+  /// @return how many; 0 at the end of the file. Throws Error.
+  [[nodiscard]] std::size_t read(std::span<char> out, const Place& here);
+
+  /// How much of the file, as it lies on the disk, has been taken: 0 to 1; nullopt for pipes.
+  [[nodiscard]] std::optional<double> fraction_read() const;
+
+  /// The path as given, or "standard input".
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const;
+  };
+
+  bool refill(const Place& here);
+  void begin_inflating();
+  std::size_t inflate_into(std::span<char> out, const Place& here);
+  std::size_t copy_into(std::span<char> out, const Place& here);
+
+  std::string name_;
+  std::unique_ptr<std::FILE, Closer> file_;
+  std::vector<unsigned char> input_;
+  std::uint64_t size_ = 0;  ///< bytes on the disk; 0 for pipes
+  std::uint64_t taken_ = 0;
+  z_stream stream_{};  ///< its next_in and avail_in are the rest of input_, also for plain files
+  bool inflating_ = false;
+  bool between_members_ = false;  ///< a gzip file may be several streams one after the other
+};
+
+}  // namespace zerorate::recording

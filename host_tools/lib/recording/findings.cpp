@@ -1,0 +1,135 @@
+#include "host_tools/lib/recording/findings.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "host_tools/lib/recording/row.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+constexpr float kImplausibleRateRadS = static_cast<float>(4000.0 * std::numbers::pi / 180.0);
+
+void examine_rates(Row& row, const Columns& columns) {
+  for (std::size_t axis = 0; axis < columns.axis_count; ++axis) {
+    if (!std::isfinite(row.rate_rad_s[axis])) {
+      row.findings.add(Finding::rate_lost);
+    } else if (std::abs(row.rate_rad_s[axis]) > kImplausibleRateRadS) {
+      row.findings.add(Finding::rate_implausible);
+    }
+  }
+}
+
+/// later - earlier for later > earlier; the longest interval where 64 bits are not enough.
+std::int64_t interval(std::int64_t earlier, std::int64_t later) {
+  const auto difference = static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+  constexpr auto kLongest = std::numeric_limits<std::int64_t>::max();
+  return difference > static_cast<std::uint64_t>(kLongest) ? kLongest
+                                                           : static_cast<std::int64_t>(difference);
+}
+
+}  // namespace
+
+std::string_view description(Finding finding) {
+  switch (finding) {
+    case Finding::rate_lost:
+      return "rate is empty, nan or infinite";
+    case Finding::rate_implausible:
+      return "rate beyond 4000 deg/s (raw counts, or the wrong unit?)";
+    case Finding::temperature_lost:
+      return "temperature is empty, nan or infinite";
+    case Finding::time_backwards:
+      return "time runs backwards";
+    case Finding::time_duplicate:
+      return "time stamp occurs twice";
+    case Finding::gap:
+      return "gap of more than 10 median periods";
+    case Finding::odometer_backwards:
+      return "odometer count runs backwards";
+    case Finding::line_unterminated:
+      return "last line has no line end (file cut off?)";
+  }
+  return "unknown finding";
+}
+
+void IntervalMedian::add(std::int64_t interval_ns) {
+  const auto ns = static_cast<std::uint64_t>(interval_ns);
+  const auto octave = static_cast<unsigned>(std::bit_width(ns)) - 1U;
+  const std::uint64_t step = octave >= 4 ? ns >> (octave - 4) : ns << (4 - octave);
+  const std::size_t bin = octave * kBinsPerOctave + (step - kBinsPerOctave);
+  ++bins_[bin].count;
+  bins_[bin].sum_ns += ns;
+  if (bin < median_bin_) {
+    ++below_median_bin_;
+  }
+  ++total_;
+  const std::uint64_t rank = (total_ - 1) / 2;
+  while (below_median_bin_ > rank) {
+    --median_bin_;
+    below_median_bin_ -= bins_[median_bin_].count;
+  }
+  while (below_median_bin_ + bins_[median_bin_].count <= rank) {
+    below_median_bin_ += bins_[median_bin_].count;
+    ++median_bin_;
+  }
+}
+
+std::int64_t IntervalMedian::value_ns() const {
+  const Bin& bin = bins_[median_bin_];
+  return bin.count == 0 ? 0 : static_cast<std::int64_t>(bin.sum_ns / bin.count);
+}
+
+void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
+  examine_rates(row, columns);
+  if (columns.temperature && !std::isfinite(row.temperature_degc)) {
+    row.findings.add(Finding::temperature_lost);
+  }
+  if (rows_ == 0) {
+    latest_time_ns_ = row.time_ns;
+  } else {
+    examine_time(row, line);
+    if (row.odometer_pulses < last_odometer_pulses_) {
+      row.findings.add(Finding::odometer_backwards);
+    }
+  }
+  last_odometer_pulses_ = row.odometer_pulses;
+  ++rows_;
+  count(row.findings, line);
+}
+
+void Findings::examine_time(Row& row, std::uint64_t line) {
+  if (row.time_ns < latest_time_ns_) {
+    row.findings.add(Finding::time_backwards);
+    return;
+  }
+  if (row.time_ns == latest_time_ns_) {
+    row.findings.add(Finding::time_duplicate);
+    return;
+  }
+  const std::int64_t interval_ns = interval(latest_time_ns_, row.time_ns);
+  const std::int64_t median_ns = median_.value_ns();
+  if (median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns) {
+    row.findings.add(Finding::gap);
+  }
+  if (interval_ns > longest_interval_ns_) {
+    longest_interval_ns_ = interval_ns;
+    longest_interval_line_ = line;
+  }
+  median_.add(interval_ns);
+  latest_time_ns_ = row.time_ns;
+}
+
+void Findings::count(const FindingSet& set, std::uint64_t line) {
+  if (set.empty()) {
+    return;
+  }
+  for (std::size_t i = 0; i < kFindingCount; ++i) {
+    if (set.has(static_cast<Finding>(i)) && ++counts_[i] == 1) {
+      first_lines_[i] = line;
+    }
+  }
+}
+
+}  // namespace zerorate::recording

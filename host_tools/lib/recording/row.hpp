@@ -1,0 +1,48 @@
+/// @file
+/// What a recording holds: which columns, and one row of them in SI units.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "host_tools/lib/recording/findings.hpp"
+
+namespace zerorate::recording {
+
+inline constexpr std::size_t kMaxAxes = 3;
+
+/// The unit of the rates in the file. In a Row they are always rad/s.
+enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
+
+/// What one unit of the file is in rad/s.
+[[nodiscard]] double rad_per_s_in(RateUnit unit);
+
+/// A number of the file in SI units: converted in double precision and rounded once.
+[[nodiscard]] inline float to_si(double number, double si_per_unit) {
+  return static_cast<float>(number * si_per_unit);
+}
+
+/// Which columns a recording has, besides the time.
+struct Columns {
+  std::size_t axis_count = kMaxAxes;  ///< 3 (gx, gy, gz) or 1 (rate)
+  RateUnit rate_unit = RateUnit::deg_per_s;
+  bool temperature = false;
+  bool odometer = false;
+  bool still = false;
+
+  bool operator==(const Columns&) const = default;
+};
+
+/// One sample of a recording. What Columns says is absent keeps the value given here.
+struct Row {
+  std::int64_t time_ns = 0;                     ///< the file's clock, exact
+  std::array<float, kMaxAxes> rate_rad_s = {};  ///< the first Columns::axis_count are used
+  float temperature_degc = std::numeric_limits<float>::quiet_NaN();
+  std::int64_t odometer_pulses = 0;  ///< counted since some moment before the recording
+  bool still = false;
+  FindingSet findings;  ///< what is odd about this row; set by the reader, ignored by the writer
+};
+
+}  // namespace zerorate::recording

@@ -1,0 +1,125 @@
+#include "host_tools/lib/recording/writer.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "host_tools/lib/recording/header.hpp"
+#include "host_tools/lib/recording/number.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+constexpr std::size_t kTextBytes = std::size_t{64} * 1024;
+
+/// The file that is to be replaced: the target of a symbolic link, not the link.
+std::filesystem::path resolved(const std::filesystem::path& path) {
+  std::error_code absent;
+  const std::filesystem::path target = std::filesystem::canonical(path, absent);
+  if (absent) {
+    return path;
+  }
+  if (!std::filesystem::is_regular_file(target)) {
+    throw Error{{path.string()},
+                "a directory or a device",
+                "the name of a file to write",
+                "Choose another name."};
+  }
+  return target;
+}
+
+}  // namespace
+
+Writer::Writer(const std::filesystem::path& path, const Columns& columns)
+    : path_(resolved(path)),
+      partial_(fmt::format("{}.{}.partial", path_.string(), getpid())),
+      columns_(columns) {
+  const bool compress = path.extension() == ".gz";
+  file_.reset(gzopen(partial_.c_str(), compress ? "wbx6" : "wbxT"));  // T: zlib copies as it is
+  if (!file_) {
+    throw cannot("create");
+  }
+  text_.reserve(kTextBytes + 256);
+  text_.append(header_line(columns_)).append("\n");
+}
+
+Writer::~Writer() {
+  if (file_) {
+    file_.reset();
+    std::error_code ignored;
+    std::filesystem::remove(partial_, ignored);
+  }
+}
+
+void Writer::write(const Row& row) {
+  append_seconds(text_, row.time_ns);
+  for (std::size_t axis = 0; axis < columns_.axis_count; ++axis) {
+    append_measured(row.rate_rad_s[axis], rad_per_s_in(columns_.rate_unit));
+  }
+  if (columns_.temperature) {
+    append_measured(row.temperature_degc, 1.0);
+  }
+  if (columns_.odometer) {
+    fmt::format_to(std::back_inserter(text_), ",{}", row.odometer_pulses);
+  }
+  if (columns_.still) {
+    fmt::format_to(std::back_inserter(text_), ",{:d}", row.still);
+  }
+  text_ += '\n';
+  if (text_.size() >= kTextBytes) {
+    flush();
+  }
+}
+
+/// The fewest digits, from six, that the reader turns into the same float again. Found by trying:
+/// a rate in deg/s is not a float, so the shortest form of a float is not its shortest form.
+void Writer::append_measured(float value, double si_per_unit) {
+  const double in_file = static_cast<double>(value) / si_per_unit;
+  const std::size_t begin = text_.size();
+  for (int digits = 6; digits <= 17; ++digits) {
+    text_.resize(begin);
+    fmt::format_to(std::back_inserter(text_), ",{:.{}g}", in_file, digits);
+    const auto read = parse_real(std::string_view{text_}.substr(begin + 1));
+    if (!std::isfinite(in_file) || to_si(*read, si_per_unit) == value) {
+      return;
+    }
+  }
+}
+
+void Writer::flush() {
+  if (!text_.empty() &&
+      gzwrite(file_.get(), text_.data(), static_cast<unsigned>(text_.size())) == 0) {
+    throw cannot("write");
+  }
+  text_.clear();
+}
+
+void Writer::finish() {
+  flush();
+  const int status = gzclose(file_.release());
+  std::error_code fault;
+  if (status == Z_OK) {
+    std::filesystem::rename(partial_, path_, fault);
+  }
+  if (status != Z_OK || fault) {
+    const Error error = cannot("complete");
+    std::error_code ignored;
+    std::filesystem::remove(partial_, ignored);
+    throw error;
+  }
+}
+
+Error Writer::cannot(const char* action) const {
+  return Error{{path_.string()},
+               fmt::format("that it cannot {} the file ({})", action,
+                           std::generic_category().message(errno)),
+               "a file name in a folder with space and permission to write",
+               "Check the folder, the disk and the permissions."};
+}
+
+}  // namespace zerorate::recording

@@ -1,0 +1,54 @@
+/// @file
+/// The writer of recordings.
+#pragma once
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/recording/row.hpp"
+
+namespace zerorate::recording {
+
+/// Writes a recording: gzip if the name ends in .gz, plain CSV otherwise. The file appears under
+/// its name, replacing an older one, when finish() has succeeded; until then it is
+/// NAME.<pid>.partial, and without finish() nothing stays.
+///
+/// What Reader reads back is equal to what was written, bit for bit (a NaN as some NaN; findings
+/// are not written): times with all their nanoseconds, every other number with as few digits as
+/// that takes.
+class Writer {
+ public:
+  /// Throws Error if the file cannot be made.
+  Writer(const std::filesystem::path& path, const Columns& columns);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// Appends a row; Row::findings is ignored. Throws Error, as when the disk is full.
+  void write(const Row& row);
+
+  /// Completes the file and gives it its name. No write() may follow. Throws Error.
+  void finish();
+
+ private:
+  struct Closer {
+    void operator()(gzFile file) const { static_cast<void>(gzclose(file)); }
+  };
+
+  void flush();
+  void append_measured(float value, double si_per_unit);
+  [[nodiscard]] Error cannot(const char* action) const;
+
+  std::filesystem::path path_;
+  std::filesystem::path partial_;
+  Columns columns_;
+  std::unique_ptr<gzFile_s, Closer> file_;
+  std::string text_;
+};
+
+}  // namespace zerorate::recording
