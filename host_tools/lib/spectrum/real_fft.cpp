@@ -1,0 +1,87 @@
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+#include <kissfft/kissfft.hh>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+namespace zerorate::spectrum {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Without the NaN rules of std::complex's operator*.
+Complex product(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+// The real sequence read as n/2 complex numbers; std::complex guarantees the layout.
+Complex* as_pairs(double* values) {
+  return reinterpret_cast<Complex*>(values);
+}
+
+bool has_only_small_factors(std::size_t n) {
+  for (const std::size_t factor : {2U, 3U, 5U}) {
+    while (n % factor == 0) n /= factor;
+  }
+  return n == 1;
+}
+
+}  // namespace
+
+std::size_t fast_length_below(std::size_t n) {
+  std::size_t length = n - n % 2;
+  while (length > 2 && !has_only_small_factors(length)) length -= 2;
+  return length;
+}
+
+struct RealFft::Tables {
+  explicit Tables(std::size_t half) : forward(half, false), inverse(half, true), twiddles(half) {
+    const double step = std::numbers::pi / static_cast<double>(half);
+    for (std::size_t k = 0; k < half; ++k) {
+      twiddles[k] = std::polar(1.0, step * static_cast<double>(k));
+    }
+  }
+  kissfft<double> forward;
+  kissfft<double> inverse;
+  std::vector<Complex> twiddles;  // exp(+2 pi i k / n)
+};
+
+RealFft::RealFft(std::size_t length) : length_(length) {
+  if (length < 2 || length % 2 != 0) {
+    throw std::invalid_argument("RealFft: the length must be even and at least 2");
+  }
+  tables_ = std::make_unique<Tables>(length / 2);
+}
+RealFft::~RealFft() = default;
+RealFft::RealFft(RealFft&&) noexcept = default;
+RealFft& RealFft::operator=(RealFft&&) noexcept = default;
+
+void RealFft::forward(std::span<const double> values, std::span<Complex> bins) const {
+  if (values.size() != length_ || bins.size() != this->bins()) {
+    throw std::invalid_argument("RealFft::forward: wrong number of values or bins");
+  }
+  tables_->forward.transform_real(values.data(), bins.data());
+  bins.back() = bins.front().imag();  // kissfft packs the two real bins into the first
+  bins.front() = bins.front().real();
+}
+
+void RealFft::inverse(std::span<const Complex> bins, std::span<double> values) const {
+  if (values.size() != length_ || bins.size() != this->bins()) {
+    throw std::invalid_argument("RealFft::inverse: wrong number of bins or values");
+  }
+  const std::size_t half = length_ / 2;
+  const double scale = 1.0 / static_cast<double>(length_);
+  std::vector<Complex> pairs(half);
+  pairs[0] = {scale * (bins.front().real() + bins.back().real()),
+              scale * (bins.front().real() - bins.back().real())};
+  for (std::size_t k = 1; k < half; ++k) {
+    // Spectra of the even and of the odd samples, even + i odd is the spectrum of the pairs.
+    const Complex even = bins[k] + std::conj(bins[half - k]);
+    const Complex odd = product(bins[k] - std::conj(bins[half - k]), tables_->twiddles[k]);
+    pairs[k] = {scale * (even.real() - odd.imag()), scale * (even.imag() + odd.real())};
+  }
+  tables_->inverse.transform(pairs.data(), as_pairs(values.data()));
+}
+
+}  // namespace zerorate::spectrum
