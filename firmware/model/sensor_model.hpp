@@ -17,7 +17,7 @@ namespace zerorate::model {
 struct WhiteNoise {
   /// N in rad/s/sqrt(Hz). Averaging over T seconds leaves the variance N^2 / T.
   double angle_random_walk_rad_per_sqrt_s = 0.0;
-  std::string source;  ///< where the figures come from, for humans
+  std::string source{};  ///< where the figures come from, for humans
 
   bool operator==(const WhiteNoise&) const = default;
 };
@@ -40,7 +40,7 @@ struct Flicker {
   int decades = 6;
   /// Smaller models quicker flicker, which drowns in the white noise first.
   double shortest_time_constant_s = 0.5;
-  std::string source;
+  std::string source{};
 
   bool operator==(const Flicker&) const = default;
 };
@@ -48,7 +48,7 @@ struct Flicker {
 /// Rate random walk: S(nu) = K^2 / (2 pi nu)^2.
 struct RateRandomWalk {
   double coefficient_rad_s_per_sqrt_s = 0.0;  ///< K; the variance grows by K^2 a second
-  std::string source;
+  std::string source{};
 
   bool operator==(const RateRandomWalk&) const = default;
 };
@@ -57,7 +57,7 @@ struct RateRandomWalk {
 struct GaussMarkov {
   double sigma_rad_s = 0.0;
   double time_constant_s = 0.0;
-  std::string source;
+  std::string source{};
 
   bool operator==(const GaussMarkov&) const = default;
 };
@@ -67,7 +67,7 @@ struct Harmonic {
   double rms_rad_s = 0.0;
   double frequency_hz = 0.0;
   double coherence_time_s = 0.0;
-  std::string source;
+  std::string source{};
 
   bool operator==(const Harmonic&) const = default;
 };
@@ -82,7 +82,7 @@ struct Node {
 /// The noise model of one gyro axis. The constant part of the bias is not in it: nothing is known
 /// about it before the first standstill.
 struct SensorModel {
-  std::string name;
+  std::string name{};
   WhiteNoise white;
   std::optional<Flicker> flicker;
   std::optional<RateRandomWalk> rate_random_walk;

@@ -21,8 +21,7 @@ Flicker flicker_of_order(double order) {
   return {.bias_instability_rad_s = 1e-4,
           .order = order,
           .decades = 6,
-          .shortest_time_constant_s = 1.0,
-          .source = {}};
+          .shortest_time_constant_s = 1.0};
 }
 
 /// Oracle: the spectrum per tick of the fitted sum, straight from its transfer functions.

@@ -114,8 +114,7 @@ TEST(ModelOfAnyNumbers, ComesBackBitForBit) {
                             .decades = 1 + trial % 8,
                             .shortest_time_constant_s = draw(),
                             .source = "line\nbreak and \\"};
-    model.gauss_markov =
-        GaussMarkov{.sigma_rad_s = draw(), .time_constant_s = draw(), .source = {}};
+    model.gauss_markov = GaussMarkov{.sigma_rad_s = draw(), .time_constant_s = draw()};
     model.node.start = trial % 2 == 0 ? core::Start::zero : core::Start::stationary;
     const std::string toml = format_model(model);
     ASSERT_EQ(parse_model(toml, "m.toml"), model) << toml;

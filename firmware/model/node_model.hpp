@@ -1,0 +1,77 @@
+/// @file
+/// From a sensor model and two rates to the coefficients that run on the node.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/time.hpp"
+#include "core/noise/modes.hpp"
+#include "firmware/model/sensor_model.hpp"
+
+namespace zerorate::model {
+
+/// Modes that no model exceeds: eight flicker decades and a Gauss-Markov process; one harmonic.
+inline constexpr std::size_t kMostDecaying = 9;
+inline constexpr std::size_t kMostRotating = 1;
+
+/// The noise of one axis as the node needs it.
+template <std::size_t R, std::size_t C>
+struct NodeModel {
+  core::Modes<R, C> modes;              ///< the slow noise, at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;  ///< of one sensor sample, r in S(f) = r + ...
+};
+
+namespace detail {
+/// Modes of one kind that do something, moved to the front; how many there are.
+template <class Mode, std::size_t N>
+[[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes) {
+  std::size_t active = 0;
+  for (const Mode mode : modes) {
+    if (mode.noise_variance > 0.0F) {
+      modes[active++] = mode;
+    }
+  }
+  return active;
+}
+}  // namespace detail
+
+/// The model at its full size, unused modes being zero.
+///
+/// White noise of a sample is N^2 / sample_period and the share of the flicker fit that is white at
+/// the tick, so that the mean over a tick has N^2 / filter_tick and that share.
+/// Throws std::invalid_argument for an impossible model (see validate()), unless
+/// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
+/// nothing white is left (a filter needs some: it never trusts a single sample completely).
+[[nodiscard]] NodeModel<kMostDecaying, kMostRotating> make_full_node_model(
+    const SensorModel& model, core::Duration sample_period, core::Duration filter_tick);
+
+/// The same in a node with R decaying and C rotating modes. Lags that the flicker fit gave no
+/// weight take no place. Also throws std::invalid_argument where the model needs more modes.
+template <std::size_t R, std::size_t C>
+[[nodiscard]] NodeModel<R, C> make_node_model(const SensorModel& model,
+                                              core::Duration sample_period,
+                                              core::Duration filter_tick) {
+  auto full = make_full_node_model(model, sample_period, filter_tick);
+  const std::size_t decaying = detail::move_active_to_front(full.modes.decaying);
+  const std::size_t rotating = detail::move_active_to_front(full.modes.rotating);
+  if (decaying > R || rotating > C) {
+    throw std::invalid_argument("the model \"" + model.name + "\" needs " +
+                                std::to_string(decaying) + " decaying and " +
+                                std::to_string(rotating) + " rotating modes; this node has " +
+                                std::to_string(R) + " and " + std::to_string(C));
+  }
+  NodeModel<R, C> fitting;
+  fitting.modes.tick = full.modes.tick;
+  fitting.modes.start = full.modes.start;
+  fitting.modes.walk_variance = full.modes.walk_variance;
+  std::copy_n(full.modes.decaying.begin(), decaying, fitting.modes.decaying.begin());
+  std::copy_n(full.modes.rotating.begin(), rotating, fitting.modes.rotating.begin());
+  fitting.white_variance_rad2_s2 = full.white_variance_rad2_s2;
+  return fitting;
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,163 @@
+#include "firmware/model/node_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+#include "firmware/model/catalogue.hpp"
+#include "firmware/model/model_file.hpp"
+
+namespace zerorate::model {
+namespace {
+
+using core::Duration;
+constexpr double kPi = std::numbers::pi;
+constexpr Duration kSample = Duration::milliseconds(10);
+constexpr Duration kTick = Duration::milliseconds(200);
+constexpr double kTickS = 0.2;
+constexpr double kSampleS = 0.01;
+
+SensorModel white_only(double angle_random_walk) {
+  SensorModel model;
+  model.name = "test";
+  model.white.angle_random_walk_rad_per_sqrt_s = angle_random_walk;
+  return model;
+}
+
+/// The physical two-sided spectrum (per Hz) that the model file's documentation promises.
+double physical_spectrum(const SensorModel& model, double nu_hz) {
+  const double w = 2.0 * kPi * nu_hz;
+  double s = std::pow(model.white.angle_random_walk_rad_per_sqrt_s, 2);
+  if (model.flicker) {
+    s += std::pow(model.flicker->bias_instability_rad_s, 2) *
+         std::pow(w, -2.0 * model.flicker->order);
+  }
+  if (model.rate_random_walk) {
+    s += std::pow(model.rate_random_walk->coefficient_rad_s_per_sqrt_s / w, 2);
+  }
+  if (model.gauss_markov) {
+    const double tau = model.gauss_markov->time_constant_s;
+    s += 2.0 * std::pow(model.gauss_markov->sigma_rad_s, 2) * tau / (1.0 + std::pow(w * tau, 2));
+  }
+  if (model.harmonic) {
+    for (const double line : {-1.0, 1.0}) {
+      const double tau = model.harmonic->coherence_time_s;
+      const double away = (w + line * 2.0 * kPi * model.harmonic->frequency_hz) * tau;
+      s += std::pow(model.harmonic->rms_rad_s, 2) * tau / (1.0 + away * away);
+    }
+  }
+  return s;
+}
+
+/// The spectrum of what the node's filter believes in, from its coefficients.
+template <std::size_t R, std::size_t C>
+double believed_spectrum(const NodeModel<R, C>& node, double nu_hz) {
+  using Complex = std::complex<double>;
+  const double w = 2.0 * kPi * nu_hz * kTickS;
+  const auto gain = [](Complex factor, double at) {
+    return 1.0 / std::norm(1.0 - factor * std::polar(1.0, -at));
+  };
+  double per_tick = static_cast<double>(node.white_variance_rad2_s2) * kSampleS / kTickS;
+  per_tick += static_cast<double>(node.modes.walk_variance) * gain(1.0, w);
+  for (const auto& mode : node.modes.decaying) {
+    per_tick += static_cast<double>(mode.noise_variance) *
+                gain(1.0 - static_cast<double>(mode.forgetting), w);
+  }
+  for (const auto& mode : node.modes.rotating) {
+    const Complex factor(1.0 - static_cast<double>(mode.forgetting.re),
+                         -static_cast<double>(mode.forgetting.im));
+    per_tick += static_cast<double>(mode.noise_variance) *
+                (gain(factor, w) + gain(std::conj(factor), w)) / 2.0;
+  }
+  return per_tick * kTickS;
+}
+
+void expect_same_spectrum(const SensorModel& model, double lowest_hz, double tolerance) {
+  const auto node = make_node_model<kMostDecaying, kMostRotating>(model, kSample, kTick);
+  // Sampling folds and a tick's mean smooths: compare well below the tick's 2.5 Hz.
+  for (double nu = lowest_hz; nu < 0.08; nu *= 1.1) {
+    EXPECT_NEAR(believed_spectrum(node, nu) / physical_spectrum(model, nu), 1.0, tolerance)
+        << nu << " Hz";
+  }
+}
+
+TEST(NodeModelOfWhiteNoise, HasItsVariancePerSample) {
+  const auto node = make_node_model<0, 0>(white_only(1e-3), kSample, kTick);
+  EXPECT_FLOAT_EQ(node.white_variance_rad2_s2, 1e-6F / 0.01F);
+  EXPECT_EQ(node.modes.tick, kTick);
+}
+
+TEST(NodeModelOfEachNoise, HasThePhysicalSpectrum) {
+  SensorModel flicker = white_only(1e-5);
+  flicker.flicker = Flicker{.bias_instability_rad_s = 1e-4, .order = 0.6};
+  expect_same_spectrum(flicker, 1e-4, 0.07);  // the flicker fit's ripple
+
+  SensorModel walk = white_only(1e-5);
+  walk.rate_random_walk = RateRandomWalk{.coefficient_rad_s_per_sqrt_s = 1e-5};
+  expect_same_spectrum(walk, 1e-4, 0.002);
+
+  SensorModel markov = white_only(1e-5);
+  markov.gauss_markov = GaussMarkov{.sigma_rad_s = 1e-4, .time_constant_s = 50.0};
+  expect_same_spectrum(markov, 1e-4, 0.002);
+
+  SensorModel line = white_only(1e-5);
+  line.harmonic = Harmonic{.rms_rad_s = 1e-4, .frequency_hz = 0.03, .coherence_time_s = 100.0};
+  expect_same_spectrum(line, 1e-3, 0.002);
+}
+
+TEST(NodeModelOfTheCatalogue, FitsANodeOfSixDecades) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    const SensorModel model = find_model(entry.name);
+    const auto node = make_node_model<6, 0>(model, kSample, Duration::milliseconds(100));
+    EXPECT_GT(node.white_variance_rad2_s2, 0.0F) << entry.name;
+    EXPECT_EQ(node.modes.start, model.node.start);
+  }
+}
+
+TEST(NodeModelThatStartsAtZero, HasNoInitialVariance) {
+  SensorModel model = find_model("adis16405");
+  const auto stationary = make_node_model<6, 0>(model, kSample, kTick);
+  model.node.start = core::Start::zero;
+  const auto zero = make_node_model<6, 0>(model, kSample, kTick);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(zero.modes.decaying[i].initial_variance, 0.0F);
+    EXPECT_EQ(zero.modes.decaying[i].noise_variance, stationary.modes.decaying[i].noise_variance);
+  }
+  EXPECT_GT(stationary.modes.decaying[5].initial_variance, 0.0F);
+}
+
+TEST(NodeModelTooLargeForTheNode, IsRefusedWithBothSizes) {
+  SensorModel model = find_model("adis16405");
+  model.gauss_markov = GaussMarkov{.sigma_rad_s = 1e-4, .time_constant_s = 50.0};
+  EXPECT_NO_THROW((void)(make_node_model<7, 0>(model, kSample, kTick)));
+  try {
+    (void)make_node_model<6, 0>(model, kSample, kTick);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "the model \"Analog Devices ADIS16405\" needs 7 decaying and 0 rotating modes; "
+                 "this node has 6 and 0");
+  }
+}
+
+TEST(NodeModelOfImpossibleInput, IsRefused) {
+  const SensorModel model = find_model("adis16405");
+  const auto make = [](const SensorModel& m, Duration sample, Duration tick) {
+    (void)make_full_node_model(m, sample, tick);
+  };
+  EXPECT_THROW(make(model, Duration{}, kTick), std::invalid_argument);
+  EXPECT_THROW(make(model, kTick, kSample), std::invalid_argument);
+  EXPECT_THROW(make(white_only(0.0), kSample, kTick), std::invalid_argument);
+  EXPECT_THROW(make(white_only(-1.0), kSample, kTick), std::invalid_argument);
+  EXPECT_THROW(make(white_only(1e-30), kSample, kTick), std::invalid_argument);
+  EXPECT_THROW(make(white_only(1e30), kSample, kTick), std::invalid_argument);
+  SensorModel loud = model;
+  loud.gauss_markov = GaussMarkov{.sigma_rad_s = 1e25, .time_constant_s = 1.0};
+  EXPECT_THROW(make(loud, kSample, kTick), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace zerorate::model
