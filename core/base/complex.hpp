@@ -11,6 +11,7 @@ struct Complex {
 
   constexpr Complex() = default;
   // Implicit on purpose: a real number is a complex one, and formulas are written once for both.
+  // NOLINTNEXTLINE(google-explicit-constructor)
   constexpr Complex(float real, float imaginary = 0.0F) : re(real), im(imaginary) {}
 
   constexpr bool operator==(const Complex&) const = default;

@@ -111,9 +111,9 @@ template <class Scalar>
 /// Natural logarithm of a positive normal number, relative error below 3e-7 away from 1 and
 /// absolute error below 1e-7 near it: the exponent from the bits, the rest by the series of atanh.
 [[nodiscard]] constexpr float natural_log(float x) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
+  const auto bits = std::bit_cast<std::uint32_t>(x);
   int exponent = static_cast<int>(bits >> 23U) - 127;
-  float mantissa = std::bit_cast<float>((bits & 0x7FFFFFU) | 0x3F800000U);
+  auto mantissa = std::bit_cast<float>((bits & 0x7FFFFFU) | 0x3F800000U);
   if (mantissa > 1.41421356F) {
     mantissa *= 0.5F;
     ++exponent;

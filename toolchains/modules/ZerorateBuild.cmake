@@ -36,7 +36,7 @@ endif()
 
 # Additional promises of code that is flashed: single precision only, no errno (with it a square root
 # is one instruction and a call into the C library), and small stack frames.
-set(ZERORATE_STACK_FRAME_CEILING 1024 CACHE STRING "Largest stack frame of a function on the target, bytes")
+set(ZERORATE_STACK_FRAME_CEILING 1536 CACHE STRING "Largest stack frame of a function on the target, bytes")
 add_library(zerorate_target_flags INTERFACE)
 target_link_libraries(zerorate_target_flags INTERFACE zerorate_flags)
 target_compile_options(zerorate_target_flags INTERFACE -Wdouble-promotion -fno-math-errno)

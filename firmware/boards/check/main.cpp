@@ -7,17 +7,25 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "core/estimator/bias_predictor.hpp"
+#include "core/estimator/calibration_mean.hpp"
+#include "core/estimator/kalman_predictor.hpp"
+#include "core/estimator/moving_average.hpp"
+#include "core/noise/flicker.hpp"
+#include "core/noise/gauss_markov.hpp"
+#include "core/noise/harmonic.hpp"
+#include "core/noise/modes.hpp"
+#include "core/noise/random_walk.hpp"
 
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): firmware's state is static
 namespace {
 
 using namespace zerorate;
 
 // The outside world: what comes in is unknown to the compiler, and what goes out is seen.
-// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 volatile std::int64_t clock_ns;
 volatile float gyro_deg_per_s;
 volatile float report;
-// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 enum class Refusal : std::uint8_t { not_finite };
 
@@ -38,8 +46,55 @@ void exercise_base() {
   report = core::decay_share(elapsed.in_seconds());
 }
 
+constexpr auto kTick = core::Duration::milliseconds(10);
+
+/// A sensor with every noise block that there is; the figures are of no importance.
+core::Modes<7, 1> sensor_noise() {
+  const float sigma_rad_s = gyro_deg_per_s * core::kRadPerDeg;
+  core::FlickerDecades<6> flicker;
+  flicker.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F, 1e3F, 1e4F};
+  flicker.variance_rad2_s2.fill(sigma_rad_s * sigma_rad_s);
+  return core::compose(kTick, core::Start::stationary, flicker,
+                       core::GaussMarkov{.sigma_rad_s = sigma_rad_s, .time_constant_s = 3.0F},
+                       core::Harmonic{.rms_rad_s = sigma_rad_s, .frequency_hz = 7.0F},
+                       core::RandomWalk{.coefficient_rad_s_sqrt_s = sigma_rad_s});
+}
+
+// Static, as in firmware: estimators and spans are never put on the stack.
+constinit core::Modes<7, 1> noise{.tick = kTick};
+constinit core::Transition<7, 1> tick;
+constinit core::Transition<7, 1> drive;
+constinit core::KalmanPredictor<7, 1> kalman{core::Modes<7, 1>{.tick = kTick}};
+constinit core::MovingAverage<7, 1> moving_average{noise};
+constinit core::CalibrationMean<7, 1> calibration_mean{noise};
+
+/// One stop and the drive after it. Not inlined: each predictor shows its own stack frames.
+template <core::BiasPredictor Predictor>
+[[gnu::noinline]] void exercise(Predictor& predictor) {
+  predictor.begin_stop();
+  predictor.advance(tick);
+  report = predictor.observe(gyro_deg_per_s * core::kRadPerDeg, 1e-6F).residual_rad_s;
+  report = predictor.bias_rad_s(tick);
+  report = predictor.predict(tick).sigma_rad_s();
+  report = predictor.predict_heading(tick, drive).sigma_rad();
+}
+
+void exercise_estimators() {
+  noise = sensor_noise();
+  tick = noise.one_tick();
+  drive = noise.over(static_cast<std::uint32_t>(clock_ns));
+  kalman = core::KalmanPredictor<7, 1>{noise};
+  exercise(kalman);
+  exercise(moving_average);
+  exercise(calibration_mean);
+}
+
 }  // namespace
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 extern "C" [[noreturn]] int main() {
-  while (true) exercise_base();
+  while (true) {
+    exercise_base();
+    exercise_estimators();
+  }
 }

@@ -1,4 +1,4 @@
-// One frame of 2 KiB, twice the ceiling.
+// One frame of 2 KiB, more than the ceiling.
 volatile unsigned char number;
 
 extern "C" int main() {
