@@ -2,6 +2,7 @@
 
 #include <boost/math/constants/constants.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
 
 namespace zerorate::model {
 namespace {
@@ -11,7 +12,7 @@ using Quad = boost::multiprecision::cpp_bin_float_quad;
 Quad si_per_unit(FileUnit unit) {
   using boost::math::constants::ln_two;
   using boost::math::constants::pi;
-  const Quad degree = pi<Quad>() / 180;
+  Quad degree = pi<Quad>() / 180;
   switch (unit) {
     case FileUnit::degree:
       return degree;
@@ -32,8 +33,9 @@ double si_from_decimal(std::string_view decimal, FileUnit unit) {
 std::string decimal_from_si(double si, FileUnit unit) {
   const Quad exact = Quad(si) / si_per_unit(unit);
   // "600", not "6e+02", up to a million.
+  const auto shown = static_cast<double>(exact);
   const int integer_digits =
-      exact >= 1 && exact < 1'000'000 ? static_cast<int>(floor(log10(exact))) + 1 : 1;
+      shown >= 1.0 && shown < 1e6 ? static_cast<int>(std::log10(shown)) + 1 : 1;
   // Decimals of 18 digits lie closer to each other than doubles do, so the loop ends.
   for (int digits = integer_digits;; ++digits) {
     std::string decimal = exact.str(digits);

@@ -82,7 +82,7 @@ FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
 
   const double s_f = flicker.bias_instability_rad_s * std::pow(tick_s, flicker.order - 0.5);
   const VectorXd variances = weights * (s_f * s_f);
-  fit.variances_rad2_s2.assign(variances.data(), variances.data() + flicker.decades);
+  fit.variances_rad2_s2.assign(variances.begin(), variances.end() - 1);
   fit.white_variance_rad2_s2 = variances(flicker.decades);
   return fit;
 }

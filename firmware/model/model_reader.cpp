@@ -1,12 +1,13 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -18,6 +19,19 @@
 
 namespace zerorate::model {
 namespace {
+
+bool is_decimal_of(std::string_view text, double value) {
+  double read = std::numeric_limits<double>::quiet_NaN();
+  const char* const end = std::to_address(text.end());
+  const auto [stop, error] = std::from_chars(text.data(), end, read);
+  return error == std::errc{} && stop == end && read == value;
+}
+
+std::string shortest_decimal(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), std::to_address(digits.end()), value);
+  return {digits.data(), end};
+}
 
 /// The text that is being read, for messages and for the digits of its numbers.
 class Document {
@@ -35,23 +49,20 @@ class Document {
     throw ModelFileError(out.str());
   }
 
-  /// The decimal that stands at `node`. toml++ keeps the double only; its shortest decimal stands
-  /// in for notations that are not plain decimals (hexadecimal integers, digit separators).
+  /// The decimal that stands at `node`. toml++ keeps the double only; its shortest decimal
+  /// stands in for notations that are not plain decimals (hexadecimal integers, digit separators).
   [[nodiscard]] std::string decimal(const toml::node& node, double value) const {
     const toml::source_position begin = node.source().begin;
     if (begin.line >= 1 && begin.line <= lines_.size()) {
-      const std::string& line = lines_[begin.line - 1];
-      const char* first = line.data() + std::min<std::size_t>(begin.column - 1, line.size());
-      const char* last = line.data() + line.size();
-      double same = std::numeric_limits<double>::quiet_NaN();
-      const auto [end, error] = std::from_chars(first, last, same);
-      if (error == std::errc{} && same == value) {
-        return {first, end};
+      const std::string_view line = lines_[begin.line - 1];
+      const std::string_view rest =
+          line.substr(std::min<std::size_t>(begin.column - 1, line.size()));
+      const std::string_view text = rest.substr(0, rest.find_first_not_of("+-.0123456789eE"));
+      if (is_decimal_of(text, value)) {
+        return std::string(text);
       }
     }
-    std::array<char, 32> digits{};
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-    return {digits.data(), end};
+    return shortest_decimal(value);
   }
 
  private:
@@ -160,7 +171,8 @@ class TableReader {
     }
   }
 
-  double checked_number(const toml::node& node, std::string_view key, const Rule& rule) const {
+  [[nodiscard]] double checked_number(const toml::node& node, std::string_view key,
+                                      const Rule& rule) const {
     const std::optional<double> value = node.value<double>();
     if (!node.is_number() || !value || !rule.holds(*value)) {
       expected(node, key, rule.words);
@@ -168,7 +180,7 @@ class TableReader {
     return *value;
   }
 
-  std::string string(const toml::node& node, std::string_view key) const {
+  [[nodiscard]] std::string string(const toml::node& node, std::string_view key) const {
     if (!node.is_string()) {
       expected(node, key, "text in quotes");
     }
