@@ -1,0 +1,355 @@
+/// @file
+/// The node: samples and odometer pulses in, bias-corrected rate with its interval out.
+///
+/// This is the one step function of the project. The MCU image, the Linux daemon, a replay on a PC
+/// and the likelihood that identifies a model all call GyroNode::step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/base/result.hpp"
+#include "core/estimator/calibration_mean.hpp"
+#include "core/estimator/kalman_predictor.hpp"
+#include "core/estimator/moving_average.hpp"
+#include "core/estimator/tick_average.hpp"
+#include "core/monitor/innovation_monitor.hpp"
+#include "core/standstill/hold_back_line.hpp"
+#include "core/standstill/standstill.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "firmware/app/rate_message.hpp"
+
+namespace zerorate::app {
+
+enum class Predictor : std::uint8_t { kalman, moving_average, calibration_mean };
+inline constexpr std::size_t kPredictors = 3;
+
+/// Why parameters cannot be used.
+enum class ParamsError : std::uint8_t {
+  tick_not_positive,
+  tick_shorter_than_sample,
+  white_variance_not_positive,
+  negative_time,
+  hold_back_too_long,  ///< more than GyroNode::kHeldTicks ticks: slow the filter or shorten it
+};
+
+/// What a node is built from. R decaying and C rotating modes as in core::Modes.
+template <std::size_t R, std::size_t C>
+struct NodeParams {
+  core::Modes<R, C> modes;              ///< the slow noise at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;  ///< of one sensor sample
+  core::Duration sample_period;         ///< nominal; the stamps of the samples decide
+  core::Standstill::Params standstill;
+  Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
+};
+
+/// One sensor with three axes. Chip-free and board-free; no heap; one thread (the caller's).
+/// Cost per sample: a few additions; per tick: see the predictors.
+template <std::size_t R, std::size_t C>
+class GyroNode {
+ public:
+  static constexpr std::size_t kAxes = 3;
+  static constexpr std::size_t kHeldTicks = 64;
+  using Params = NodeParams<R, C>;
+  using Span = core::Transition<R, C>;
+  using HoldBack = core::HoldBackLine<core::TickMean<kAxes>, kHeldTicks>;
+
+  struct AxisState {
+    typename core::KalmanPredictor<R, C>::State kalman;
+    typename core::MovingAverage<R, C>::State moving_average;
+    typename core::CalibrationMean<R, C>::State calibration_mean;
+    core::InnovationMonitor::State monitor;
+  };
+  /// Everything the node remembers; restored into a node with the same parameters it continues
+  /// bit for bit.
+  struct State {
+    core::Instant newest_sample;
+    bool has_sample = false;
+    bool stop_open = false;            ///< measurements now belong to the stop of the last one
+    bool pulses_lost = false;          ///< not yet published
+    std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
+    Span lead;                         ///< from there to the tick being filled
+    core::Standstill::State standstill;
+    typename core::TickAverage<kAxes>::State average;
+    HoldBack held;
+    std::array<AxisState, kAxes> axes;
+  };
+  static_assert(std::is_trivially_copyable_v<State>);
+
+  [[nodiscard]] static constexpr core::Result<void, ParamsError> check(const Params& params);
+
+  /// @param params must pass check() and outlive the node
+  constexpr explicit GyroNode(const Params& params)
+      : params_(params),
+        one_tick_(params.modes.one_tick()),
+        standstill_(params.standstill),
+        average_(params.modes.tick, params.sample_period),
+        axes_{Axis{params.modes}, Axis{params.modes}, Axis{params.modes}} {
+    ZERORATE_ASSERT(check(params).has_value());
+  }
+
+  /// An odometer pulse. Before step() with a sample that is not older.
+  constexpr void pulse(core::Instant at) {
+    standstill_.pulse(at);
+    held_.discard_after(standstill_.suspect_since(at));
+    average_.clear();
+    stop_open_ = false;
+  }
+
+  /// The odometer input dropped edges; that it was moving is known, how fast is not.
+  constexpr void report_lost_pulses(core::Instant now) {
+    pulses_lost_ = true;
+    pulse(now);
+  }
+
+  /// One sample. Samples must come in the order of their time stamps; one that is not newer than
+  /// the one before, or not finite, is refused with a flag and changes nothing.
+  constexpr RateMessage step(const drivers::GyroSample& sample);
+
+  /// The bias that a predictor expects at the newest sample.
+  [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
+    return core::rad_per_s(
+        axes_[axis].visit(which, [&](const auto& p) { return p.bias_rad_s(lead_); }));
+  }
+  /// The same with its variance.
+  [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
+    return axes_[axis].visit(which, [&](const auto& p) { return p.predict(lead_); });
+  }
+  /// The integral of the bias from one time to a later one, neither before the newest measurement,
+  /// as far as it was predictable then; times count in whole ticks.
+  [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
+                                                                  core::Instant from,
+                                                                  core::Instant to) const {
+    const std::uint32_t first = std::max(average_.tick_of(from), measured_ticks_);
+    const std::uint32_t last = std::max(average_.tick_of(to), first);
+    const Span lead = params_.modes.over(first - measured_ticks_);
+    const Span drive = params_.modes.over(last - first);
+    return axes_[axis].visit(which, [&](const auto& p) { return p.predict_heading(lead, drive); });
+  }
+
+  [[nodiscard]] constexpr core::Motion motion() const { return standstill_.motion(newest_sample_); }
+  /// The filter's tick of the newest sample, counted from the first one.
+  [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
+  /// Ticks up to and with the newest one that has been learnt from.
+  [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return measured_ticks_; }
+
+  [[nodiscard]] constexpr State state() const;
+  constexpr void restore(const State& state);
+
+ private:
+  struct Axis {
+    core::KalmanPredictor<R, C> kalman;
+    core::MovingAverage<R, C> moving_average;
+    core::CalibrationMean<R, C> calibration_mean;
+    core::InnovationMonitor monitor;
+
+    constexpr explicit Axis(const core::Modes<R, C>& modes)
+        : kalman(modes), moving_average(modes), calibration_mean(modes) {}
+
+    template <class Action>
+    constexpr auto visit(Predictor which, Action action) const {
+      switch (which) {
+        case Predictor::moving_average:
+          return action(moving_average);
+        case Predictor::calibration_mean:
+          return action(calibration_mean);
+        case Predictor::kalman:
+          break;
+      }
+      return action(kalman);
+    }
+
+    constexpr void begin_stop() {
+      kalman.begin_stop();
+      moving_average.begin_stop();
+      calibration_mean.begin_stop();
+    }
+    constexpr void observe(const Span& since_last, float rate_rad_s, float white_variance) {
+      kalman.advance(since_last);
+      moving_average.advance(since_last);
+      calibration_mean.advance(since_last);
+      monitor.observe(kalman.observe(rate_rad_s, white_variance));
+      (void)moving_average.observe(rate_rad_s, white_variance);
+      (void)calibration_mean.observe(rate_rad_s, white_variance);
+    }
+  };
+
+  [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
+  constexpr void take_in(const drivers::GyroSample& sample);
+  constexpr void learn(const core::TickMean<kAxes>& mean);
+  constexpr void update_lead();
+  constexpr void predict_tick();
+  [[nodiscard]] constexpr AxisRate corrected(std::size_t axis, core::AngularRate measured) const;
+
+  const Params& params_;
+  Span one_tick_;
+  core::Standstill standstill_;
+  core::TickAverage<kAxes> average_;
+  HoldBack held_;
+  std::array<Axis, kAxes> axes_;
+  std::array<core::Prediction, kAxes> predicted_{};  ///< by the published predictor, for this tick
+  Span lead_{};
+  std::uint32_t measured_ticks_ = 0;
+  core::Instant newest_sample_;
+  bool has_sample_ = false;
+  bool stop_open_ = false;
+  bool pulses_lost_ = false;
+};
+
+template <std::size_t R, std::size_t C>
+constexpr core::Result<void, ParamsError> GyroNode<R, C>::check(const Params& params) {
+  using core::Unexpected;
+  constexpr core::Duration kZero;
+  if (params.modes.tick <= kZero || params.sample_period <= kZero) {
+    return Unexpected{ParamsError::tick_not_positive};
+  }
+  if (params.modes.tick < params.sample_period) {
+    return Unexpected{ParamsError::tick_shorter_than_sample};
+  }
+  if (!core::is_measurement(0.0F, params.white_variance_rad2_s2)) {
+    return Unexpected{ParamsError::white_variance_not_positive};
+  }
+  if (params.standstill.settle < kZero || params.standstill.hold_back < kZero) {
+    return Unexpected{ParamsError::negative_time};
+  }
+  // The line holds every tick that has not ended a hold-back ago: those and the one being closed.
+  if (params.standstill.hold_back / params.modes.tick + 2 > std::int64_t{kHeldTicks}) {
+    return Unexpected{ParamsError::hold_back_too_long};
+  }
+  return {};
+}
+
+template <std::size_t R, std::size_t C>
+constexpr RateMessage GyroNode<R, C>::step(const drivers::GyroSample& sample) {
+  RateMessage message{.time = sample.time};
+  const bool refused = is_refused(sample, message.health);
+  if (!refused) take_in(sample);
+
+  message.motion = motion();
+  message.health.calibrated = measured_ticks_ > 0;
+  message.health.saturated = sample.saturated_axes != 0;
+  message.health.pulses_lost = pulses_lost_;
+  pulses_lost_ = false;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    message.health.model_inconsistent |= !axes_[i].monitor.is_consistent();
+    message.axes[i] = corrected(i, refused ? core::AngularRate{} : sample.rate[i]);
+  }
+  return message;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr bool GyroNode<R, C>::is_refused(const drivers::GyroSample& sample, Health& health) const {
+  health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), [](auto rate) {
+    return core::is_finite(rate.in(core::rad_per_s));
+  });
+  health.time_refused =
+      (has_sample_ && sample.time <= newest_sample_) || !average_.can_take(sample.time);
+  return health.sample_refused || health.time_refused;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::take_in(const drivers::GyroSample& sample) {
+  newest_sample_ = sample.time;
+  standstill_.start(sample.time);
+  const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
+  has_sample_ = true;
+  if (new_tick && !average_.is_empty()) held_.push(average_.close());
+  average_.enter(sample.time);
+  if (standstill_.is_settled(sample.time) && sample.saturated_axes == 0) {
+    average_.add(sample.time,
+                 {sample.rate[0].in(core::rad_per_s), sample.rate[1].in(core::rad_per_s),
+                  sample.rate[2].in(core::rad_per_s)});
+  }
+  bool learnt = false;
+  held_.release_until(standstill_.certain_until(sample.time),
+                      [&](const core::TickMean<kAxes>& mean) {
+                        learn(mean);
+                        learnt = true;
+                      });
+  if (new_tick || learnt) predict_tick();
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::learn(const core::TickMean<kAxes>& mean) {
+  const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
+  const Span since_last = ticks == 1 ? one_tick_ : params_.modes.over(ticks);
+  const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (!stop_open_) axes_[i].begin_stop();
+    axes_[i].observe(since_last, mean.rate_rad_s[i], white_variance);
+  }
+  stop_open_ = true;
+  measured_ticks_ = mean.tick + 1;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::predict_tick() {
+  update_lead();
+  for (std::size_t i = 0; i < kAxes; ++i) predicted_[i] = predict(params_.published, i);
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::update_lead() {
+  const std::uint32_t ticks = average_.tick() + 1 - measured_ticks_;
+  if (ticks == lead_.ticks) return;
+  // One more tick is one composition. Every 1024 the span is made afresh by doubling, so that the
+  // roundings of a long drive do not add up.
+  constexpr std::uint32_t kAfresh = 1024;
+  lead_ = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead_, one_tick_)
+                                                           : params_.modes.over(ticks);
+}
+
+template <std::size_t R, std::size_t C>
+constexpr AxisRate GyroNode<R, C>::corrected(std::size_t axis, core::AngularRate measured) const {
+  const core::AngularRate bias = core::rad_per_s(predicted_[axis].bias_rad_s);
+  return {.measured = measured,
+          .corrected = measured - bias,
+          .bias = bias,
+          .sigma = core::rad_per_s(predicted_[axis].sigma_rad_s())};
+}
+
+template <std::size_t R, std::size_t C>
+constexpr typename GyroNode<R, C>::State GyroNode<R, C>::state() const {
+  State state{.newest_sample = newest_sample_,
+              .has_sample = has_sample_,
+              .stop_open = stop_open_,
+              .pulses_lost = pulses_lost_,
+              .measured_ticks = measured_ticks_,
+              .lead = lead_,
+              .standstill = standstill_.state(),
+              .average = average_.state(),
+              .held = held_,
+              .axes = {}};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    state.axes[i] = {.kalman = axes_[i].kalman.state(),
+                     .moving_average = axes_[i].moving_average.state(),
+                     .calibration_mean = axes_[i].calibration_mean.state(),
+                     .monitor = axes_[i].monitor.state()};
+  }
+  return state;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::restore(const State& state) {
+  newest_sample_ = state.newest_sample;
+  has_sample_ = state.has_sample;
+  stop_open_ = state.stop_open;
+  pulses_lost_ = state.pulses_lost;
+  measured_ticks_ = state.measured_ticks;
+  lead_ = state.lead;
+  standstill_.restore(state.standstill);
+  average_.restore(state.average);
+  held_ = state.held;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    axes_[i].kalman.restore(state.axes[i].kalman);
+    axes_[i].moving_average.restore(state.axes[i].moving_average);
+    axes_[i].calibration_mean.restore(state.axes[i].calibration_mean);
+    axes_[i].monitor.restore(state.axes[i].monitor);
+  }
+  if (has_sample_) predict_tick();
+}
+
+}  // namespace zerorate::app

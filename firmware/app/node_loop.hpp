@@ -1,0 +1,145 @@
+/// @file
+/// The loop around the node: the only place that owns time, retries and counts.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/base/time.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/app/rate_message.hpp"
+#include "hal/contract/data_ready.hpp"
+#include "hal/contract/monotonic_clock.hpp"
+#include "hal/contract/pulse_input.hpp"
+
+namespace zerorate::app {
+
+/// What happened since the start; every fault is counted, none is hidden. Counters wrap.
+struct LoopCounters {
+  std::uint32_t samples = 0;
+  std::uint32_t pulses = 0;
+  std::uint32_t pulses_lost = 0;
+  std::uint32_t odometer_errors = 0;
+  std::uint32_t starts = 0;        ///< successful starts of the gyro
+  std::uint32_t start_errors = 0;  ///< failed ones, without those that asked for more time
+  std::uint32_t read_errors = 0;
+  std::uint32_t overruns = 0;  ///< of them: samples lost in the chip
+  std::uint32_t configurations_lost = 0;
+  drivers::DriverError last_error{};
+};
+
+/// Binds a node to its hardware. Call poll() from the main loop, at least once a sample
+/// (data-ready) or once a FIFO period; it never blocks longer than its bus transactions.
+template <class Node, drivers::GyroSource Gyro, hal::PulseInput Odometer, hal::DataReady Ready,
+          hal::MonotonicClock Clock, RateSink Sink>
+class NodeLoop {
+ public:
+  /// All of them must outlive the loop.
+  constexpr NodeLoop(Node& node, Gyro& gyro, Odometer& odometer, Ready& ready, Clock& clock,
+                     Sink& sink)
+      : node_(node), gyro_(gyro), odometer_(odometer), ready_(ready), clock_(clock), sink_(sink) {}
+
+  [[nodiscard]] constexpr const LoopCounters& counters() const { return counters_; }
+  [[nodiscard]] constexpr bool is_running() const { return running_; }
+
+  constexpr void poll() {
+    const core::Instant now = clock_.now();
+    take_pulses(now);
+    if (running_) {
+      take_samples(now);
+    } else if (now >= retry_at_) {
+      start(now);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBatch = 16;
+  static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
+  static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
+
+  constexpr void take_pulses(core::Instant now) {
+    std::array<core::Instant, kBatch> stamps{};
+    for (;;) {
+      const auto batch = odometer_.read_pulses(stamps);
+      if (!batch) {
+        // Nobody knows what was missed: the vehicle counts as moving.
+        ++counters_.odometer_errors;
+        node_.report_lost_pulses(now);
+        return;
+      }
+      for (std::size_t i = 0; i < batch->count; ++i) node_.pulse(stamps[i]);
+      counters_.pulses += static_cast<std::uint32_t>(batch->count);
+      if (batch->lost > 0) {
+        counters_.pulses_lost += batch->lost;
+        node_.report_lost_pulses(now);
+      }
+      if (batch->count < kBatch) return;
+    }
+  }
+
+  constexpr void take_samples(core::Instant now) {
+    const core::Instant stamp = ready_.take_edge().value_or(now);
+    std::array<drivers::GyroSample, kBatch> samples{};
+    const auto count = gyro_.read(stamp, samples);
+    if (!count) {
+      ++counters_.read_errors;
+      if (count.error().code == drivers::DriverErrorCode::fifo_overrun) {
+        ++counters_.overruns;  // the chip goes on by itself
+        counters_.last_error = count.error();
+      } else {
+        fail(count.error(), now);
+      }
+      return;
+    }
+    for (std::size_t i = 0; i < *count; ++i) sink_.publish(node_.step(samples[i]));
+    counters_.samples += static_cast<std::uint32_t>(*count);
+    if (*count > 0) verify(now);
+  }
+
+  constexpr void verify(core::Instant now) {
+    if (const auto verified = gyro_.verify_next(); !verified) {
+      if (verified.error().code == drivers::DriverErrorCode::configuration_lost) {
+        ++counters_.configurations_lost;
+      } else {
+        ++counters_.read_errors;
+      }
+      fail(verified.error(), now);
+    }
+  }
+
+  constexpr void start(core::Instant now) {
+    const auto started = gyro_.start(now);
+    if (started) {
+      ++counters_.starts;
+      running_ = true;
+      retry_after_ = kFirstRetry;
+    } else if (started.error().code != drivers::DriverErrorCode::not_ready) {
+      ++counters_.start_errors;
+      fail(started.error(), now);
+    }
+  }
+
+  /// Starts the gyro again after a pause that doubles from failure to failure.
+  constexpr void fail(drivers::DriverError error, core::Instant now) {
+    counters_.last_error = error;
+    running_ = false;
+    retry_at_ = now + retry_after_;
+    retry_after_ = std::min(retry_after_ * 2, kLongestRetry);
+  }
+
+  Node& node_;
+  Gyro& gyro_;
+  Odometer& odometer_;
+  Ready& ready_;
+  Clock& clock_;
+  Sink& sink_;
+  LoopCounters counters_;
+  bool running_ = false;
+  core::Instant retry_at_;
+  core::Duration retry_after_ = kFirstRetry;
+};
+
+}  // namespace zerorate::app

@@ -1,0 +1,64 @@
+/// @file
+/// How well a predictor did over the drives of a replay.
+#pragma once
+
+#include <cstddef>
+
+#include "core/estimator/prediction.hpp"
+
+namespace zerorate::evaluate {
+
+/// Sums over one drive of one axis and predictor.
+class Drive {
+ public:
+  /// @param error_rad_s corrected rate minus true rate; @param elapsed_s since the sample before
+  void add(double error_rad_s, double elapsed_s) {
+    integrated_rad_ += error_rad_s * elapsed_s;
+    squares_rad2_s2_ += error_rad_s * error_rad_s;
+    elapsed_s_ += elapsed_s;
+    ++samples_;
+  }
+
+  [[nodiscard]] std::size_t samples() const { return samples_; }
+  [[nodiscard]] double elapsed_s() const { return elapsed_s_; }
+  /// The heading drift of the drive: the paper's integrated error (IE) times the sample period.
+  [[nodiscard]] double integrated_rad() const { return integrated_rad_; }
+  [[nodiscard]] double squares_rad2_s2() const { return squares_rad2_s2_; }
+
+ private:
+  double integrated_rad_ = 0.0;
+  double squares_rad2_s2_ = 0.0;
+  double elapsed_s_ = 0.0;
+  std::size_t samples_ = 0;
+};
+
+/// Sums over the drives of one axis and predictor. Without drives every figure is NaN.
+class DriveScores {
+ public:
+  /// @param predicted the predictor's heading interval for this drive, without white noise
+  /// @param white_variance_rad2_s2 of one sample: the angle random walk adds to the interval
+  void add(const Drive& drive, const core::HeadingPrediction& predicted,
+           double white_variance_rad2_s2);
+
+  [[nodiscard]] std::size_t drives() const { return drives_; }
+  [[nodiscard]] double heading_drift_rms_rad() const;
+  [[nodiscard]] double mean_integrated_rad() const;
+  /// Mean over the drives of the paper's root sum of squared errors (RSSE) [rad/s].
+  [[nodiscard]] double mean_rsse_rad_s() const;
+  /// Share of the drives whose drift lies within 1.96 predicted standard deviations.
+  [[nodiscard]] double coverage95() const;
+  /// Mean predicted standard deviation over the root mean square of the drift: 1 is honest.
+  [[nodiscard]] double sigma_over_rms() const;
+
+ private:
+  [[nodiscard]] double mean(double sum) const { return sum / static_cast<double>(drives_); }
+
+  std::size_t drives_ = 0;
+  std::size_t covered_ = 0;
+  double squares_rad2_ = 0.0;
+  double integrated_rad_ = 0.0;
+  double rsse_rad_s_ = 0.0;
+  double sigma_rad_ = 0.0;
+};
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,87 @@
+/// @file
+/// The two ways by which a replayed sample reaches the node.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "drivers/common/register_bus.hpp"
+#include "drivers/lsm6dso/driver.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/app/node_loop.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/odometer.hpp"
+#include "hal/sim/spi.hpp"
+
+namespace zerorate::evaluate {
+
+/// Hands samples and pulses to the node as they are.
+template <class Node>
+class DirectFeed {
+ public:
+  explicit DirectFeed(Node& node) : node_(node) {}
+
+  app::RateMessage feed(const drivers::GyroSample& sample, std::span<const core::Instant> pulses) {
+    for (const core::Instant pulse : pulses) node_.pulse(pulse);
+    return node_.step(sample);
+  }
+  [[nodiscard]] app::LoopCounters counters() const { return {}; }
+
+ private:
+  Node& node_;
+};
+
+/// Sends them through the simulated chip, the SPI bus, the driver and the node's loop.
+template <class Node>
+class ChipFeed {
+ public:
+  /// Powers the chip on so long before the first sample that its start-up is over by then.
+  ChipFeed(Node& node, core::Instant first_sample)
+      : chip_(clock_),
+        device_(chip_),
+        gyro_(drivers::SpiRegisters{device_}),
+        loop_(node, gyro_, odometer_, chip_.int1(), clock_, sink_) {
+    clock_.advance_to(first_sample - kStartUp);
+    while (clock_.now() + kPoll < first_sample) {
+      clock_.advance(kPoll);
+      loop_.poll();
+    }
+  }
+
+  app::RateMessage feed(const drivers::GyroSample& sample, std::span<const core::Instant> pulses) {
+    clock_.advance_to(sample.time);
+    for (const core::Instant pulse : pulses) odometer_.pulse(pulse);
+    chip_.measure(sample.rate, sample.temperature);
+    sink_.message.reset();
+    loop_.poll();
+    // A sample that the driver dropped (a fault, a restart) leaves its time without a rate.
+    return sink_.message.value_or(
+        app::RateMessage{.time = sample.time, .health = {.sample_refused = true}});
+  }
+  [[nodiscard]] app::LoopCounters counters() const { return loop_.counters(); }
+
+ private:
+  static constexpr core::Duration kStartUp = core::Duration::milliseconds(500);
+  static constexpr core::Duration kPoll = core::Duration::milliseconds(1);
+
+  struct LatestMessage {
+    std::optional<app::RateMessage> message;
+    void publish(const app::RateMessage& published) { message = published; }
+  };
+  using Device = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
+  using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<Device>>;
+
+  hal::sim::SimulatedClock clock_;
+  hal::sim::SimulatedLsm6dso chip_;
+  hal::sim::SimulatedOdometer odometer_;
+  Device device_;
+  Gyro gyro_;
+  LatestMessage sink_;
+  app::NodeLoop<Node, Gyro, hal::sim::SimulatedOdometer, hal::sim::DataReadyPin,
+                hal::sim::SimulatedClock, LatestMessage>
+      loop_;
+};
+
+}  // namespace zerorate::evaluate

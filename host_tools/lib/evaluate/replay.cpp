@@ -1,0 +1,282 @@
+#include "host_tools/lib/evaluate/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "firmware/model/node_model.hpp"
+#include "host_tools/lib/evaluate/feed.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
+
+namespace zerorate::evaluate {
+namespace {
+
+/// The first rows are read ahead, because the sensor's rate has to be known before the first step.
+class BufferedRows {
+ public:
+  explicit BufferedRows(recording::Reader& reader) : reader_(reader) {
+    recording::Row row;
+    while (ahead_.size() < kAhead && reader_.next(row)) ahead_.push_back(row);
+  }
+
+  bool next(recording::Row& row) {
+    if (ahead_.empty()) return reader_.next(row);
+    row = ahead_.front();
+    ahead_.pop_front();
+    return true;
+  }
+
+  [[nodiscard]] std::int64_t first_time_ns() const { return ahead_.front().time_ns; }
+
+  /// The median time between rows, which jitter and gaps leave alone.
+  [[nodiscard]] core::Duration sample_period() const {
+    std::vector<std::int64_t> steps_ns;
+    for (std::size_t i = 1; i < ahead_.size(); ++i) {
+      const std::int64_t step = ahead_[i].time_ns - ahead_[i - 1].time_ns;
+      if (step > 0) steps_ns.push_back(step);
+    }
+    if (steps_ns.empty()) {
+      throw std::invalid_argument(
+          "the recording has fewer than two rows in time order: its sample rate cannot be told");
+    }
+    const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+    std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+    return core::Duration::nanoseconds(*middle);
+  }
+
+ private:
+  static constexpr std::size_t kAhead = 2000;
+
+  recording::Reader& reader_;
+  std::deque<recording::Row> ahead_;
+};
+
+core::Duration filter_tick(const ReplayOptions& options, core::Duration sample_period) {
+  constexpr double kDefaultHz = 10.0;
+  const double rate_hz = options.filter_rate_hz.value_or(kDefaultHz);
+  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
+    throw std::invalid_argument("the filter rate must be positive, in Hz");
+  }
+  const auto tick = core::Duration::nanoseconds(std::llround(1e9 / rate_hz));
+  if (tick >= sample_period) return tick;
+  if (options.filter_rate_hz) {
+    throw std::invalid_argument("the filter rate is above the recording's sample rate of " +
+                                std::to_string(1e9 / static_cast<double>(sample_period.ns())) +
+                                " Hz: lower --filter-rate");
+  }
+  return sample_period;
+}
+
+std::string_view explain(app::ParamsError error) {
+  switch (error) {
+    case app::ParamsError::tick_not_positive:
+    case app::ParamsError::tick_shorter_than_sample:
+      return "the filter tick must be positive and not shorter than the sample period";
+    case app::ParamsError::white_variance_not_positive:
+      return "the model's white noise must be positive";
+    case app::ParamsError::negative_time:
+      return "settle time and hold-back must not be negative";
+    case app::ParamsError::hold_back_too_long:
+      return "the hold-back is longer than the node can hold at this filter rate: lower the rate";
+  }
+  return "unknown";
+}
+
+/// The replay of one recording through one node type.
+template <std::size_t R, std::size_t C>
+class Run {
+ public:
+  using Node = app::GyroNode<R, C>;
+
+  Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
+      const ReplayObserver& observer, ReplayResult& result)
+      : rows_(rows),
+        reader_(reader),
+        observer_(observer),
+        result_(result),
+        shift_(kStart - core::Instant::from_ns(rows.first_time_ns())),
+        params_(make_params(options, result)),
+        odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period)),
+        node_(params_) {}
+
+  template <class Feed>
+  void to_the_end(Feed feed) {
+    recording::Row row;
+    while (rows_.next(row)) {
+      const core::Instant at = core::Instant::from_ns(row.time_ns) + shift_;
+      pulses_.clear();
+      const bool moving = odometer_->pulses_until(at, row, pulses_);
+      if (drive_open_ && !moving) close_drive(at);
+      const app::RateMessage message = feed.feed(sample_of(row, at), pulses_);
+      take(row, moving, message);
+      ++result_.rows;
+      if (observer_.on_progress && result_.rows % kProgressRows == 0) {
+        observer_.on_progress(reader_.fraction_read());
+      }
+    }
+    if (drive_open_) close_drive(newest_);
+    result_.loop = feed.counters();
+    result_.findings = reader_.findings();
+  }
+
+  Node& node() { return node_; }
+  static constexpr core::Instant start() { return kStart; }
+
+ private:
+  /// Every replay begins at this time of the node's clock, whatever the recording's.
+  static constexpr core::Instant kStart = core::Instant::from_ns(1'000'000'000);
+  static constexpr std::uint64_t kProgressRows = 4096;
+  static constexpr std::size_t kAxes = Node::kAxes;
+
+  static typename Node::Params make_params(const ReplayOptions& options,
+                                           const ReplayResult& result) {
+    const auto model =
+        model::make_node_model<R, C>(options.model, result.sample_period, result.filter_tick);
+    const typename Node::Params params{.modes = model.modes,
+                                       .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+                                       .sample_period = result.sample_period,
+                                       .standstill = options.standstill,
+                                       .published = options.published};
+    if (const auto checked = Node::check(params); !checked) {
+      throw std::invalid_argument(std::string(explain(checked.error())));
+    }
+    return params;
+  }
+
+  /// A recording of one axis drives all three, so that no axis reads an impossible silence.
+  drivers::GyroSample sample_of(const recording::Row& row, core::Instant at) const {
+    drivers::GyroSample sample{.time = at};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      sample.rate[i] = core::rad_per_s(row.rate_rad_s[i < result_.axis_count ? i : 0]);
+    }
+    sample.has_temperature = std::isfinite(row.temperature_degc);
+    if (sample.has_temperature) {
+      sample.temperature = core::Temperature::from_degc(row.temperature_degc);
+    }
+    return sample;
+  }
+
+  void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
+    const std::array<float, 3> truth =
+        observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
+    if (message.health.saturated) ++result_.samples_saturated;
+    if (!message.has_rate()) {
+      ++result_.samples_refused;
+    } else {
+      if (moving && message.health.calibrated) add_to_drive(message, truth);
+      newest_ = message.time;
+    }
+    if (observer_.on_sample) {
+      observer_.on_sample({result_.rows, row.time_ns, moving, message, truth});
+    }
+  }
+
+  void add_to_drive(const app::RateMessage& message, const std::array<float, 3>& truth) {
+    if (!drive_open_) {
+      drive_open_ = true;
+      drive_start_ = message.time;
+      drives_ = {};
+    }
+    if (const std::uint32_t tick = node_.tick(); tick != biases_tick_ || biases_stale_) {
+      predict_biases();
+      biases_tick_ = tick;
+      biases_stale_ = false;
+    }
+    const double elapsed_s = static_cast<double>((message.time - newest_).ns()) * 1e-9;
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      const double rate = double{message.axes[i].measured.in(core::rad_per_s)} - double{truth[i]};
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        drives_[i][p].add(rate - biases_[i][p], elapsed_s);
+      }
+    }
+  }
+
+  void predict_biases() {
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        biases_[i][p] = double{node_.bias(kAllPredictors[p], i).in(core::rad_per_s)};
+      }
+    }
+  }
+
+  /// Before the node sees the first sample of the stop: its newest measurement is still the one
+  /// before the drive.
+  void close_drive(core::Instant end) {
+    drive_open_ = false;
+    biases_stale_ = true;
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        const auto heading = node_.predict_heading(kAllPredictors[p], i, drive_start_, end);
+        result_.scores[i][p].add(drives_[i][p], heading, double{params_.white_variance_rad2_s2});
+      }
+    }
+  }
+
+  BufferedRows& rows_;
+  const recording::Reader& reader_;
+  const ReplayObserver& observer_;
+  ReplayResult& result_;
+  core::Duration shift_;
+  typename Node::Params params_;
+  std::unique_ptr<Odometer> odometer_;
+  Node node_;
+  std::vector<core::Instant> pulses_;
+  core::Instant newest_ = kStart;
+  bool drive_open_ = false;
+  core::Instant drive_start_;
+  std::array<std::array<Drive, app::kPredictors>, kAxes> drives_;
+  std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
+  std::uint32_t biases_tick_ = 0;
+  bool biases_stale_ = true;
+};
+
+template <std::size_t R, std::size_t C>
+void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
+         const ReplayObserver& observer, ReplayResult& result) {
+  // The node is some kilobytes: kept off the stack, as firmware keeps it static.
+  const auto run = std::make_unique<Run<R, C>>(rows, reader, options, observer, result);
+  using Node = typename Run<R, C>::Node;
+  if (options.through == Through::chip) {
+    run->to_the_end(ChipFeed<Node>{run->node(), run->start()});
+  } else {
+    run->to_the_end(DirectFeed<Node>{run->node()});
+  }
+}
+
+}  // namespace
+
+std::string_view name(app::Predictor predictor) {
+  switch (predictor) {
+    case app::Predictor::kalman:
+      return "kalman";
+    case app::Predictor::moving_average:
+      return "moving_average";
+    case app::Predictor::calibration_mean:
+      return "calibration_mean";
+  }
+  return "unknown";
+}
+
+ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
+                    const ReplayObserver& observer) {
+  BufferedRows rows{reader};
+  ReplayResult result;
+  result.axis_count = reader.columns().axis_count;
+  result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
+  result.sample_period = rows.sample_period();
+  result.filter_tick = filter_tick(options, result.sample_period);
+  // Most models are six flicker decades; the larger node takes every other one.
+  const bool is_plain = !options.model.gauss_markov && !options.model.harmonic &&
+                        (!options.model.flicker || options.model.flicker->decades <= 6);
+  if (is_plain) {
+    run<6, 0>(rows, reader, options, observer, result);
+  } else {
+    run<model::kMostDecaying, model::kMostRotating>(rows, reader, options, observer, result);
+  }
+  return result;
+}
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,81 @@
+/// @file
+/// A recording through the firmware: the node's own step function, optionally behind the simulated
+/// chip and the real driver.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "core/base/time.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/app/node_loop.hpp"
+#include "firmware/app/rate_message.hpp"
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/evaluate/drive_scores.hpp"
+#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::evaluate {
+
+inline constexpr std::array kAllPredictors = {
+    app::Predictor::kalman, app::Predictor::moving_average, app::Predictor::calibration_mean};
+[[nodiscard]] std::string_view name(app::Predictor predictor);
+
+/// How a sample reaches the node.
+enum class Through : std::uint8_t {
+  source,  ///< handed over directly
+  chip,    ///< converted by a simulated LSM6DSO, read by its driver, stepped by the node's loop
+};
+
+struct ReplayOptions {
+  model::SensorModel model;
+  /// Filter ticks per second; nullopt: 10, or the sensor's rate if that is lower.
+  std::optional<double> filter_rate_hz;
+  std::optional<ScheduleParams> schedule;
+  Through through = Through::source;
+  app::Predictor published = app::Predictor::kalman;
+  core::Standstill::Params standstill;
+};
+
+/// What one row of the recording became.
+struct ReplayedSample {
+  std::uint64_t row;     ///< of the recording, from 0
+  std::int64_t time_ns;  ///< as the recording has it; the node's clock is shifted
+  bool moving;           ///< as the recording or the schedule has it
+  const app::RateMessage& message;
+  std::array<float, 3> true_rate_rad_s;
+};
+
+struct ReplayObserver {
+  /// The true rate at a row (counted from 0) [rad/s]; unset: zero, the sensor was at rest.
+  std::function<std::array<float, 3>(std::uint64_t row)> true_rate;
+  std::function<void(const ReplayedSample&)> on_sample;
+  /// Called now and then with the share of the recording that is done, if known.
+  std::function<void(std::optional<double>)> on_progress;
+};
+
+struct ReplayResult {
+  std::size_t axis_count = 3;
+  core::Duration sample_period;  ///< the median of the first rows
+  core::Duration filter_tick;
+  std::uint64_t rows = 0;
+  std::uint64_t samples_refused = 0;  ///< by the node: not finite, or out of time order
+  std::uint64_t samples_saturated = 0;
+  recording::Findings findings;
+  app::LoopCounters loop;  ///< of the chip's loop; zero if through source
+  /// Whether the true rate was known, so that the scores mean something.
+  bool truth_known = false;
+  std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< by axis and predictor
+};
+
+/// Replays to the end of the recording in constant memory. Throws recording::Error and
+/// std::invalid_argument. Truth is known if the observer gives it or the options have a schedule,
+/// which says that the sensor was at rest.
+[[nodiscard]] ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
+                                  const ReplayObserver& observer = {});
+
+}  // namespace zerorate::evaluate
