@@ -1,10 +1,11 @@
 #!/bin/bash
-# report_in_browser_test.sh REPORT_SAMPLE FOLDER
+# report_in_browser_test.sh PROGRAM FOLDER
 #
-# Opens the sample report in a headless browser, light and on paper, and asks whether every chart
-# was painted and no script complained. Without chromium it says so and ends with 77 (skipped).
+# Opens the report that PROGRAM writes in a headless browser, on screen and on paper, and asks
+# whether every chart was painted and no script complained. Without chromium it says so and ends
+# with 77 (skipped).
 set -euo pipefail
-sample=$1
+program=$1
 folder=$2
 
 browser=$(command -v chromium || command -v chromium-browser || true)
@@ -16,8 +17,8 @@ fi
 mkdir -p "$folder"
 profile=$(mktemp -d "$folder/profile.XXXXXX")
 trap 'rm -rf "$profile"' EXIT
-report=$(realpath "$folder")/sample.html
-"$sample" "$report"
+report=$(realpath "$folder")/report.html
+"$program" "$report"
 
 open_report() {
   timeout 60 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run \
@@ -42,7 +43,7 @@ echo "$charts charts, $painted painted, $canvases canvases, $bars bar charts"
 ((canvases == curves)) || fail "expected $curves canvases"
 ((bars == charts - curves)) || fail "expected $((charts - curves)) bar charts"
 
-open_report --no-pdf-header-footer --print-to-pdf="$folder/sample.pdf"
+open_report --no-pdf-header-footer --print-to-pdf="$folder/report.pdf"
 if grep CONSOLE "$folder/log"; then fail "a script complained while printing"; fi
-[[ -s $folder/sample.pdf ]] || fail "nothing was printed"
+[[ -s $folder/report.pdf ]] || fail "nothing was printed"
 echo "passed"

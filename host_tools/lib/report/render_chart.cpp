@@ -131,7 +131,6 @@ json series_json(const Series& series, const Chart& chart, std::size_t position,
                  {"ink", ink_name(series.colour, position)},
                  {"dashed", series.dashed},
                  {"marks", series.marks},
-                 {"count", series.x.size()},
                  {"x", rounded(x, kept, kDigitsOfX)},
                  {"y", rounded(y, kept, kDigitsOfY)}};
   if (!lo.empty()) {
@@ -174,18 +173,42 @@ std::string spoken(std::string_view kind, const std::string& title, const Axis& 
   return fmt::format("{}: {}. {} over {}. Shown: {}.", kind, title, axis_title(y), over, names);
 }
 
+/// Says so where a chart does not hold all its points, since zooming in would show it otherwise.
+std::string thinning_note(const Chart& chart, const json& series) {
+  std::size_t all = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    all += chart.series[i].x.size() - first_shown(chart.series[i], chart.x.scale);
+    kept += series[i]["x"].size();
+  }
+  if (kept == all) return "";
+  return fmt::format(
+      " ({} of {} points: the first, last, least and greatest of every pixel column)",
+      format_number(static_cast<double>(kept), 0), format_number(static_cast<double>(all), 0));
+}
+
+/// The texts around a chart.
+struct Figure {
+  std::string_view kind;
+  std::string title;
+  std::string caption;
+  std::string spoken;
+  std::string note;
+};
+
 /// The frame that web/*.js fills: legend and plot are drawn, the table is made when it is opened.
-std::string figure_html(std::string_view kind, const std::string& title, const std::string& caption,
-                        const std::string& label, const json& data) {
+std::string figure_html(const Figure& figure, const json& data) {
   return fmt::format(
       "<figure class=\"chart\" data-chart=\"{}\">\n"
       "<figcaption><strong>{}</strong> {}</figcaption>\n"
       "<div class=\"legend\"></div>\n"
       "<div class=\"plot\" role=\"img\" aria-label=\"{}\"></div>\n"
-      "<details><summary>Figures as a table</summary><div class=\"table\"></div></details>\n"
+      "<details><summary>Figures as a table{}</summary>"
+      "<div class=\"table\" tabindex=\"0\"></div></details>\n"
       "<script type=\"application/json\">{}</script>\n"
       "</figure>\n",
-      kind, escape_html(title), escape_html(caption), escape_html(label), script_json(data));
+      figure.kind, escape_html(figure.title), escape_html(figure.caption),
+      escape_html(figure.spoken), figure.note, script_json(data));
 }
 
 }  // namespace
@@ -201,13 +224,17 @@ std::string render(const Chart& chart) {
   for (const Interval& interval : chart.shaded) {
     shaded.push_back({rounded(interval.from, kDigitsOfX), rounded(interval.to, kDigitsOfX)});
   }
-  return figure_html("curves", chart.title, chart.caption,
-                     spoken("Line chart", chart.title, chart.y, axis_title(chart.x), chart.series),
-                     {{"x", axis_json(chart.x)},
-                      {"y", axis_json(chart.y)},
-                      {"series", series},
-                      {"shaded", shaded},
-                      {"shadedName", chart.shaded_name}});
+  return figure_html(
+      {.kind = "curves",
+       .title = chart.title,
+       .caption = chart.caption,
+       .spoken = spoken("Line chart", chart.title, chart.y, axis_title(chart.x), chart.series),
+       .note = thinning_note(chart, series)},
+      {{"x", axis_json(chart.x)},
+       {"y", axis_json(chart.y)},
+       {"series", series},
+       {"shaded", shaded},
+       {"shadedName", chart.shaded_name}});
 }
 
 std::string render(const BarChart& chart) {
@@ -225,8 +252,13 @@ std::string render(const BarChart& chart) {
     data["reference"] = {{"name", chart.reference->name},
                          {"value", rounded(chart.reference->value, kDigitsOfY)}};
   }
-  return figure_html("bars", chart.title, chart.caption,
-                     spoken("Bar chart", chart.title, chart.y, "categories", chart.groups), data);
+  return figure_html(
+      {.kind = "bars",
+       .title = chart.title,
+       .caption = chart.caption,
+       .spoken = spoken("Bar chart", chart.title, chart.y, "categories", chart.groups),
+       .note = ""},
+      data);
 }
 
 }  // namespace zerorate::report

@@ -20,8 +20,8 @@ function barGeometry(data, { width, height }) {
   const labels = formatTicks(ticks, spacing);
   const left = 12 + TEXT_WIDTH * Math.max(...labels.map((label) => label.length));
   const slot = (width - left) / data.categories.length;
-  const tilted = Math.max(...data.categories.map((name) => name.length)) * TEXT_WIDTH > slot - 8;
-  const longest = Math.max(...data.categories.map((name) => name.length));
+  const longest = Math.max(0, ...data.categories.map((name) => name.length));
+  const tilted = longest * TEXT_WIDTH > slot - 8;
   const foot = tilted ? 14 + 0.6 * TEXT_WIDTH * longest : 26;
   const top = 8;
   const bottom = height - foot;

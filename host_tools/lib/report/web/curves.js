@@ -47,7 +47,13 @@ function scaleOptions(axis, share) {
   };
 }
 
-function magnitudeTicks(least, greatest) {
+// Within one decade a logarithmic axis is close to a linear one, and 1, 2, 5 may all lie outside.
+function isNarrow(least, greatest) {
+  return greatest < 10 * least;
+}
+
+function magnitudeTicks(least, greatest, count) {
+  if (isNarrow(least, greatest)) return linearTicks(least, greatest, count).ticks;
   const ticks = [];
   for (let e = Math.floor(Math.log10(least)); 10 ** e <= greatest; e += 1) {
     for (let m = 1; m < 10; m += 1) {
@@ -60,9 +66,9 @@ function magnitudeTicks(least, greatest) {
 
 // Which ticks of a logarithmic axis are labelled: whole decades, thinned where they are many, or
 // 1, 2 and 5 where there are few.
-function labelledMagnitudes(ticks, pixels, pixelsPerLabel) {
-  const decades = Math.log10(ticks[ticks.length - 1] / ticks[0]);
-  const perDecade = pixels / decades;
+function labelledMagnitudes(ticks, { min, max }, pixels, pixelsPerLabel) {
+  if (isNarrow(min, max)) return ticks;
+  const perDecade = pixels / Math.log10(max / min);
   const step = Math.ceil(pixelsPerLabel / perDecade);
   return ticks.map((tick) => {
     const exponent = Math.floor(Math.log10(tick) + 1e-9);
@@ -74,10 +80,13 @@ function labelledMagnitudes(ticks, pixels, pixelsPerLabel) {
 }
 
 function logarithmicTicks(isX, zoom) {
+  const pixelsPerLabel = isX ? 52 : 26;
   const pixels = (plot) => (isX ? plot.bbox.width : plot.bbox.height) / uPlot.pxRatio / zoom;
+  const scale = (plot) => plot.scales[isX ? "x" : "y"];
   return {
-    splits: (_plot, _axis, least, greatest) => magnitudeTicks(least, greatest),
-    filter: (plot, ticks) => labelledMagnitudes(ticks, pixels(plot), isX ? 52 : 26),
+    splits: (plot, _axis, least, greatest) =>
+      magnitudeTicks(least, greatest, pixels(plot) / (1.5 * pixelsPerLabel)),
+    filter: (plot, ticks) => labelledMagnitudes(ticks, scale(plot), pixels(plot), pixelsPerLabel),
     values: (_plot, ticks) => ticks.map(formatMagnitude),
   };
 }

@@ -36,8 +36,8 @@ function formatTicks(ticks, spacing) {
 function formatMagnitude(tick) {
   if (tick === null) return "";
   const exponent = Math.floor(Math.log10(tick) + 1e-9);
-  if (exponent >= -3 && exponent <= 4) return typeset(String(Number(tick.toPrecision(1))));
-  const mantissa = Math.round(tick / 10 ** exponent);
+  if (exponent >= -3 && exponent <= 4) return typeset(String(Number(tick.toPrecision(5))));
+  const mantissa = Number((tick / 10 ** exponent).toPrecision(3));
   return mantissa === 1 ? powerOfTen(exponent) : `${mantissa} × ${powerOfTen(exponent)}`;
 }
 
