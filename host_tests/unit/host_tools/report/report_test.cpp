@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 #include "host_tests/support/scratch_folder.hpp"
 
@@ -33,16 +33,21 @@ std::size_t files_in(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
 }
 
-std::size_t count(const std::string& text, const std::string& pattern) {
-  const std::regex expression(pattern);
-  return static_cast<std::size_t>(
-      std::distance(std::sregex_iterator(text.begin(), text.end(), expression), {}));
+std::size_t count(const std::string& text, std::string_view part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++found;
+  }
+  return found;
 }
 
 TEST(Report, LoadsNothingFromElsewhere) {
   const std::string html = small_report().html();
-  EXPECT_EQ(
-      count(html, R"(<link|<iframe|\ssrc=|href="[^#]|@import|url\(|\bfetch\(|XMLHttpRequest)"), 0U);
+  for (const char* load :
+       {"<link", "<iframe", " src=", "@import", "url(", "fetch(", "XMLHttpRequest"}) {
+    EXPECT_EQ(count(html, load), 0U) << load;
+  }
+  EXPECT_EQ(count(html, "href="), count(html, "href=\"#"));
   EXPECT_THAT(html, HasSubstr("Content-Security-Policy\" content=\"default-src 'none'"));
 }
 

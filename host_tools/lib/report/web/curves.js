@@ -55,8 +55,9 @@ function isNarrow(least, greatest) {
 function magnitudeTicks(least, greatest, count) {
   if (isNarrow(least, greatest)) return linearTicks(least, greatest, count).ticks;
   const ticks = [];
+  const finest = Math.log10(greatest / least) > 1.2 * count ? 1 : 9; // lines too close are a grey haze
   for (let e = Math.floor(Math.log10(least)); 10 ** e <= greatest; e += 1) {
-    for (let m = 1; m < 10; m += 1) {
+    for (let m = 1; m <= finest; m += 1) {
       const tick = Number(`${m}e${e}`);
       if (tick >= least && tick <= greatest) ticks.push(tick);
     }
@@ -87,7 +88,7 @@ function logarithmicTicks(isX, zoom) {
     splits: (plot, _axis, least, greatest) =>
       magnitudeTicks(least, greatest, pixels(plot) / (1.5 * pixelsPerLabel)),
     filter: (plot, ticks) => labelledMagnitudes(ticks, scale(plot), pixels(plot), pixelsPerLabel),
-    values: (_plot, ticks) => ticks.map(formatMagnitude),
+    values: (_plot, ticks) => formatMagnitudes(ticks),
   };
 }
 
@@ -223,7 +224,7 @@ function plotOptions({ data, figure }, layout, { width, height, zoom }) {
     width: width * zoom,
     height: height * zoom,
     legend: { show: false },
-    padding: [8 * zoom, 10 * zoom, 0, 0],
+    padding: [8 * zoom, 24 * zoom, 0, 0],
     scales: { x: scaleOptions(data.x, hasDots ? 0.02 : 0), y: scaleOptions(data.y, 0.05) },
     axes: [axisOptions(data.x, true, zoom), axisOptions(data.y, false, zoom)],
     series: layout.series,

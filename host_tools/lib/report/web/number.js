@@ -32,11 +32,15 @@ function formatTicks(ticks, spacing) {
   return ticks.map((tick) => typeset((Math.round(tick / spacing) * spacing).toFixed(decimals)));
 }
 
-// A tick of a logarithmic axis.
-function formatMagnitude(tick) {
-  if (tick === null) return "";
+// All ticks of a logarithmic axis, null for those without a label: plain, or all as powers of ten.
+function formatMagnitudes(ticks) {
+  const isPlain = (tick) => tick === null || (tick > 0.99e-3 && tick < 1e5);
+  const format = ticks.every(isPlain) ? (tick) => typeset(String(Number(tick.toPrecision(5)))) : formatPower;
+  return ticks.map((tick) => (tick === null ? "" : format(tick)));
+}
+
+function formatPower(tick) {
   const exponent = Math.floor(Math.log10(tick) + 1e-9);
-  if (exponent >= -3 && exponent <= 4) return typeset(String(Number(tick.toPrecision(5))));
   const mantissa = Number((tick / 10 ** exponent).toPrecision(3));
   return mantissa === 1 ? powerOfTen(exponent) : `${mantissa} × ${powerOfTen(exponent)}`;
 }
