@@ -4,19 +4,24 @@
 
 namespace zerorate::evaluate {
 
-void DriveScores::add(const Drive& drive, const core::HeadingPrediction& predicted,
-                      double white_variance_rad2_s2) {
-  constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
+DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicted,
+                     double white_variance_rad2_s2) {
   const auto samples = static_cast<double>(drive.samples());
   const double sample_s = drive.elapsed_s() / samples;
   const double white_rad2 = white_variance_rad2_s2 * sample_s * sample_s * samples;
-  const double sigma = std::sqrt(double{predicted.variance_rad2} + white_rad2);
+  return {.drift_rad = drive.integrated_rad(),
+          .sigma_rad = std::sqrt(double{predicted.variance_rad2} + white_rad2),
+          .rsse_rad_s = std::sqrt(drive.squares_rad2_s2())};
+}
+
+void DriveScores::add(const DriveOutcome& outcome) {
+  constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
   ++drives_;
-  if (std::abs(drive.integrated_rad()) <= k95Percent * sigma) ++covered_;
-  squares_rad2_ += drive.integrated_rad() * drive.integrated_rad();
-  integrated_rad_ += drive.integrated_rad();
-  rsse_rad_s_ += std::sqrt(drive.squares_rad2_s2());
-  sigma_rad_ += sigma;
+  if (std::abs(outcome.drift_rad) <= k95Percent * outcome.sigma_rad) ++covered_;
+  squares_rad2_ += outcome.drift_rad * outcome.drift_rad;
+  integrated_rad_ += outcome.drift_rad;
+  rsse_rad_s_ += outcome.rsse_rad_s;
+  sigma_rad_ += outcome.sigma_rad;
 }
 
 double DriveScores::heading_drift_rms_rad() const {

@@ -32,13 +32,22 @@ class Drive {
   std::size_t samples_ = 0;
 };
 
+/// What a drive came to, against what was predicted.
+struct DriveOutcome {
+  double drift_rad = 0.0;   ///< integrated corrected rate minus the true turn
+  double sigma_rad = 0.0;   ///< predicted standard deviation of the drift, white noise included
+  double rsse_rad_s = 0.0;  ///< root sum of squared errors (the paper's RSSE)
+};
+
+/// @param predicted the predictor's heading interval for this drive, without white noise
+/// @param white_variance_rad2_s2 of one sample: the angle random walk adds to the interval
+[[nodiscard]] DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicted,
+                                   double white_variance_rad2_s2);
+
 /// Sums over the drives of one axis and predictor. Without drives every figure is NaN.
 class DriveScores {
  public:
-  /// @param predicted the predictor's heading interval for this drive, without white noise
-  /// @param white_variance_rad2_s2 of one sample: the angle random walk adds to the interval
-  void add(const Drive& drive, const core::HeadingPrediction& predicted,
-           double white_variance_rad2_s2);
+  void add(const DriveOutcome& outcome);
 
   [[nodiscard]] std::size_t drives() const { return drives_; }
   [[nodiscard]] double heading_drift_rms_rad() const;

@@ -55,7 +55,7 @@ class BufferedRows {
 };
 
 core::Duration filter_tick(const ReplayOptions& options, core::Duration sample_period) {
-  constexpr double kDefaultHz = 10.0;
+  constexpr double kDefaultHz = 2.0;
   const double rate_hz = options.filter_rate_hz.value_or(kDefaultHz);
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
     throw std::invalid_argument("the filter rate must be positive, in Hz");
@@ -209,8 +209,14 @@ class Run {
     biases_stale_ = true;
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
-        const auto heading = node_.predict_heading(kAllPredictors[p], i, drive_start_, end);
-        result_.scores[i][p].add(drives_[i][p], heading, double{params_.white_variance_rad2_s2});
+        const app::Predictor predictor = kAllPredictors[p];
+        const DriveOutcome drive =
+            outcome(drives_[i][p], node_.predict_heading(predictor, i, drive_start_, end),
+                    double{params_.white_variance_rad2_s2});
+        result_.scores[i][p].add(drive);
+        if (observer_.on_drive) {
+          observer_.on_drive({i, predictor, (drive_start_ - shift_).ns(), drive});
+        }
       }
     }
   }

@@ -33,7 +33,8 @@ enum class Through : std::uint8_t {
 
 struct ReplayOptions {
   model::SensorModel model;
-  /// Filter ticks per second; nullopt: 10, or the sensor's rate if that is lower.
+  /// Filter ticks per second; nullopt: 2, or the sensor's rate if that is lower.
+  /// Shorter ticks than the model's shortest flicker decade only cost time.
   std::optional<double> filter_rate_hz;
   std::optional<ScheduleParams> schedule;
   Through through = Through::source;
@@ -50,10 +51,19 @@ struct ReplayedSample {
   std::array<float, 3> true_rate_rad_s;
 };
 
+/// One predictor's outcome over one drive of one axis.
+struct ReplayedDrive {
+  std::size_t axis;
+  app::Predictor predictor;
+  std::int64_t start_ns;  ///< as the recording has it
+  DriveOutcome outcome;
+};
+
 struct ReplayObserver {
   /// The true rate at a row (counted from 0) [rad/s]; unset: zero, the sensor was at rest.
   std::function<std::array<float, 3>(std::uint64_t row)> true_rate;
   std::function<void(const ReplayedSample&)> on_sample;
+  std::function<void(const ReplayedDrive&)> on_drive;
   /// Called now and then with the share of the recording that is done, if known.
   std::function<void(std::optional<double>)> on_progress;
 };

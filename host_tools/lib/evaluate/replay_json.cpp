@@ -1,0 +1,67 @@
+#include "host_tools/lib/evaluate/replay_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace zerorate::evaluate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+Json figure(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json scores_json(const DriveScores& scores, const DriveScores& baseline) {
+  return {{"drives", scores.drives()},
+          {"heading_drift_rms_deg", figure(scores.heading_drift_rms_rad() * kDegPerRad)},
+          {"ratio_to_calibration_mean",
+           figure(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
+          {"coverage95", figure(scores.coverage95())},
+          {"sigma_over_rms", figure(scores.sigma_over_rms())},
+          {"rsse_dps", figure(scores.mean_rsse_rad_s() * kDegPerRad)},
+          {"ie_deg", figure(scores.mean_integrated_rad() * kDegPerRad)}};
+}
+
+Json findings_json(const recording::Findings& findings) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
+    const auto finding = static_cast<recording::Finding>(i);
+    if (findings.count(finding) == 0) continue;
+    json[std::string(recording::description(finding))] = {
+        {"rows", findings.count(finding)}, {"first_line", findings.first_line(finding)}};
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string axis_name(const ReplayResult& result, std::size_t axis) {
+  return result.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);
+}
+
+std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& axes) {
+  Json json{{"schema", "zerorate.replay/1"},
+            {"rows", result.rows},
+            {"samples_refused", result.samples_refused},
+            {"samples_saturated", result.samples_saturated},
+            {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
+            {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
+            {"truth_known", result.truth_known},
+            {"findings", findings_json(result.findings)},
+            {"axes", Json::object()}};
+  for (const std::size_t axis : axes) {
+    Json predictors = Json::object();
+    const auto& scores = result.scores[axis];
+    for (std::size_t p = 0; p < app::kPredictors; ++p) {
+      predictors[std::string(name(kAllPredictors[p]))] = scores_json(scores[p], scores.back());
+    }
+    json["axes"][axis_name(result, axis)]["predictors"] = std::move(predictors);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,68 @@
+/// @file
+/// What a replay did, kept for drawing: a bounded number of points, and one entry a stop or drive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/lib/evaluate/replay.hpp"
+
+namespace zerorate::evaluate {
+
+/// Means over stretches of one axis; rates in deg/s.
+struct TracePoint {
+  double time_s = 0.0;  ///< middle of the stretch
+  double measured_dps = 0.0;
+  double corrected_dps = 0.0;
+  double error_dps =
+      0.0;                ///< measured minus true rate: the bias, with the white noise that is left
+  double bias_dps = 0.0;  ///< predicted
+  double sigma_dps = 0.0;
+  bool calibrated = false;
+};
+
+/// One closed drive of the traced axis.
+struct TracedDrive {
+  double start_s = 0.0;
+  std::array<DriveOutcome, app::kPredictors> outcomes{};
+};
+
+/// Follows one axis of a replay. Holds at most kMostPoints stretches: when they are full, pairs of
+/// them are merged and later stretches are twice as long.
+class ReplayTrace {
+ public:
+  static constexpr std::size_t kMostPoints = 8192;
+
+  explicit ReplayTrace(std::size_t axis) : axis_(axis) {}
+
+  void add(const ReplayedSample& sample);
+  void add(const ReplayedDrive& drive);
+  /// After the replay: takes the last, shorter stretch in.
+  void finish() { close_stretch(); }
+
+  [[nodiscard]] std::size_t axis() const { return axis_; }
+  [[nodiscard]] const std::vector<TracePoint>& points() const { return points_; }
+  [[nodiscard]] const std::vector<TracedDrive>& drives() const { return drives_; }
+  /// Standstills, in seconds of the recording.
+  struct Interval {
+    double from_s;
+    double to_s;
+  };
+  [[nodiscard]] const std::vector<Interval>& stops() const { return stops_; }
+
+ private:
+  void close_stretch();
+  void merge_pairs();
+
+  std::size_t axis_;
+  std::size_t stretch_ = 1;  ///< samples a point
+  std::size_t filled_ = 0;
+  TracePoint sum_;
+  std::vector<TracePoint> points_;
+  std::vector<TracedDrive> drives_;
+  std::vector<Interval> stops_;
+  bool in_stop_ = false;
+};
+
+}  // namespace zerorate::evaluate
