@@ -1,0 +1,23 @@
+/// @file
+/// The sub-commands of `zerorate`: each adds itself to the command line and returns what runs it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace zerorate::cli {
+
+/// What a shell learns of the end of a command.
+enum ExitCode : int { success = 0, finding = 1, usage = 2, bad_data = 3 };
+
+/// A sub-command and what runs it once the command line is parsed.
+struct Command {
+  CLI::App* app;
+  std::function<ExitCode()> run;
+};
+
+[[nodiscard]] Command add_replay(CLI::App& app);
+[[nodiscard]] Command add_demo(CLI::App& app);
+[[nodiscard]] Command add_model(CLI::App& app);
+
+}  // namespace zerorate::cli

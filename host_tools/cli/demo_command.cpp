@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include "firmware/model/catalogue.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/replay_report.hpp"
+#include "host_tools/lib/evaluate/simulated_drive.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+constexpr std::size_t kYaw = 2;
+
+struct Options {
+  std::string recording;
+  ReplayFlags flags;
+  std::string directory = "zerorate-demo";
+  double hours = 2.0;
+  std::uint64_t seed = 1;
+};
+
+/// A replay that leaves its results in the demo's directory.
+void replay_and_report(const Options& options, const std::string& recording,
+                       const evaluate::ReplayOptions& replay_options,
+                       evaluate::ReplayObserver observer, const evaluate::RestRecord& rest,
+                       const evaluate::ReplayReportText& text) {
+  const std::filesystem::path directory = options.directory;
+  recording::Reader reader{recording};
+  const auto axes = chosen_axes(options.flags, reader.columns().axis_count);
+  evaluate::ReplayTrace trace{axes.back()};
+  observer.on_sample = [&](const evaluate::ReplayedSample& sample) { trace.add(sample); };
+  observer.on_drive = [&](const evaluate::ReplayedDrive& drive) { trace.add(drive); };
+  evaluate::ReplayResult result;
+  {
+    ProgressBar progress{"replaying"};
+    observer.on_progress = [&](std::optional<double> share) { progress.update(share); };
+    result = evaluate::replay(reader, replay_options, observer);
+  }
+  trace.finish();
+  write_text(directory / "replay.json", evaluate::to_json(result, axes));
+  const auto report = directory / "report.html";
+  evaluate::make_report(result, axes, trace, rest, replay_options.model, text).write(report);
+  print_result(result, axes);
+  fmt::print("\n{}\n\nThe report with charts: {}\nThe figures as JSON:   {}\n",
+             evaluate::summary(result, axes.back()), std::filesystem::absolute(report).string(),
+             std::filesystem::absolute(directory / "replay.json").string());
+}
+
+ExitCode run_simulated(Options& options) {
+  const auto recording = std::filesystem::path(options.directory) / "drive.csv.gz";
+  evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  fmt::print("Simulating a drive of {:g} h with {} ...\n", options.hours,
+             replay_options.model.name);
+  const auto drive = evaluate::simulate_drive(
+      {.model = replay_options.model, .duration_s = options.hours * 3600.0, .seed = options.seed});
+  drive.write(recording);
+  fmt::print("Replaying {} through the simulated chip, its driver and the node ...\n\n",
+             std::filesystem::absolute(recording).string());
+  replay_and_report(
+      options, recording.string(), replay_options,
+      {.true_rate = [&](std::uint64_t row) { return drive.true_rate_rad_s(row); }},
+      {.rate_rad_s = drive.rest_rate_rad_s(kYaw),
+       .sample_period_s = drive.sample_period_s(),
+       .caption = "The simulated sensor as it would read if the vehicle had not moved, against the "
+                  "model that the node runs."},
+      {.title = "zerorate: a simulated drive",
+       .lead =
+           fmt::format("A vehicle drove and stopped for {:g} hours. Its gyro ({}) was read through "
+                       "the simulated chip and the real driver; at each stop the node measured "
+                       "the bias, and predicted it while the vehicle drove.",
+                       options.hours, replay_options.model.name),
+       .provenance = fmt::format("zerorate {}, zerorate demo --hours {:g} --seed {}",
+                                 ZERORATE_VERSION, options.hours, options.seed)});
+  return success;
+}
+
+ExitCode run_recorded(const Options& options) {
+  const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  const bool at_rest = replay_options.schedule.has_value();
+  evaluate::RestRecording rest;
+  if (at_rest)
+    rest = evaluate::read_at_rest(options.recording, chosen_axes(options.flags, 3).back());
+  replay_and_report(
+      options, options.recording, replay_options, {},
+      {.rate_rad_s = rest.rate_rad_s,
+       .sample_period_s = rest.sample_period_s,
+       .caption = "The recording against the model that the node runs. Where they part, "
+                  "the model lacks something."},
+      {.title = "zerorate: " + std::filesystem::path(options.recording).filename().string(),
+       .lead = fmt::format("The recording went through the node's firmware with the "
+                           "model of {}.",
+                           replay_options.model.name),
+       .provenance = "zerorate " ZERORATE_VERSION ", zerorate demo " + options.recording});
+  return success;
+}
+
+ExitCode run(Options& options) {
+  std::filesystem::create_directories(options.directory);
+  return options.recording.empty() ? run_simulated(options) : run_recorded(options);
+}
+
+}  // namespace
+
+Command add_demo(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "demo", "Simulate a drive, or take a recording, and show what the node makes of it");
+  const auto options = std::make_shared<Options>();
+  command->add_option("RECORDING", options->recording,
+                      "CSV or CSV.gz file; none: a simulated drive");
+  add_replay_flags(*command, options->flags);
+  command->add_option("--directory", options->directory, "where report and data go")
+      ->capture_default_str();
+  command->add_option("--hours", options->hours, "length of the simulated drive [h]")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "another seed, another drive")
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  zerorate demo\n"
+      "  zerorate demo rest.csv.gz --schedule still=30,drive=120,seed=1");
+  return {command, [command, options] {
+            // The simulated drive goes through the chip whose model it uses.
+            if (options->recording.empty()) {
+              if (command->count("--model") == 0) options->flags.model = "lsm6dso";
+              if (command->count("--through") == 0) options->flags.through = "chip";
+            }
+            return run(*options);
+          }};
+}
+
+}  // namespace zerorate::cli

@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <system_error>
+
+#include "firmware/model/model_file.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/lib/recording/error.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+ExitCode complain(const char* what, ExitCode code) {
+  fmt::print(stderr, "zerorate: {}\n", what);
+  return code;
+}
+
+/// The one place where exceptions become messages and exit codes.
+ExitCode run_guarded(const Command& command) {
+  try {
+    return command.run();
+  } catch (const recording::Error& error) {
+    return complain(error.what(), bad_data);
+  } catch (const model::ModelFileError& error) {
+    return complain(error.what(), bad_data);
+  } catch (const std::system_error& error) {
+    return complain(error.what(), bad_data);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), usage);
+  } catch (const std::exception& error) {
+    return complain(error.what(), bad_data);
+  }
+}
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app{"zerorate: bias prediction for MEMS gyroscopes, from recordings", "zerorate"};
+  app.set_version_flag("--version", "zerorate " ZERORATE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 done with a finding, 2 wrong usage, 3 data that cannot be used.\n"
+      "'zerorate COMMAND --help' shows the options and examples of a command.");
+  const std::array commands = {add_replay(app), add_demo(app), add_model(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? success : usage;
+  }
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return run_guarded(command);
+  }
+  return usage;
+}
+
+}  // namespace
+}  // namespace zerorate::cli
+
+int main(int argc, char** argv) {
+  return zerorate::cli::run(argc, argv);
+}

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/evaluate/corrected_writer.hpp"
+#include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/replay_report.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+struct Options {
+  std::string recording;
+  ReplayFlags flags;
+  std::string json;
+  std::string out;
+  std::string report;
+};
+
+ExitCode run(const Options& options) {
+  const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  recording::Reader reader{options.recording};
+  const auto axes = chosen_axes(options.flags, reader.columns().axis_count);
+
+  std::unique_ptr<evaluate::CorrectedWriter> corrected;
+  if (!options.out.empty()) {
+    corrected =
+        std::make_unique<evaluate::CorrectedWriter>(options.out, reader.columns().axis_count);
+  }
+  evaluate::ReplayTrace trace{axes.back()};
+  const bool traced = !options.report.empty();
+  evaluate::ReplayObserver observer;
+  if (corrected || traced) {
+    observer.on_sample = [&](const evaluate::ReplayedSample& sample) {
+      if (corrected) corrected->write(sample);
+      if (traced) trace.add(sample);
+    };
+  }
+  observer.on_drive = [&](const evaluate::ReplayedDrive& drive) {
+    if (traced) trace.add(drive);
+  };
+  evaluate::ReplayResult result;
+  {
+    ProgressBar progress{"replaying"};
+    observer.on_progress = [&](std::optional<double> share) { progress.update(share); };
+    result = evaluate::replay(reader, replay_options, observer);
+  }
+  if (corrected) corrected->finish();
+  if (traced) {
+    trace.finish();
+    evaluate::make_report(
+        result, axes, trace, {}, replay_options.model,
+        {.title = "Replay of " + options.recording,
+         .lead = "The recording went through the node's firmware with the model " +
+                 replay_options.model.name + ".",
+         .provenance = "zerorate " ZERORATE_VERSION ", zerorate replay"})
+        .write(options.report);
+  }
+  if (!options.json.empty()) write_text(options.json, evaluate::to_json(result, axes));
+  if (options.json != "-") print_result(result, axes);
+  return success;
+}
+
+}  // namespace
+
+Command add_replay(CLI::App& app) {
+  auto* command = app.add_subcommand("replay", "Run a recording through the node's firmware");
+  const auto options = std::make_shared<Options>();
+  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
+      ->required();
+  add_replay_flags(*command, options->flags);
+  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
+  command->add_option("--out", options->out, "write the corrected rate, bias and sigma as CSV");
+  command->add_option("--report", options->report, "write a report with charts as HTML");
+  command->footer(
+      "Examples:\n"
+      "  zerorate replay rest.csv.gz --schedule still=60,drive=300,seed=1\n"
+      "  zerorate replay drive.csv --model lsm6dso --out corrected.csv --report drive.html\n"
+      "  zerorate replay rest.csv --arw 0.004 --bias-instability 5 --schedule still=30,drive=120 "
+      "--json -\n"
+      "The format of recordings is described in docs/reference/recording-format.md.");
+  return {command, [options] { return run(*options); }};
+}
+
+}  // namespace zerorate::cli

@@ -1,0 +1,177 @@
+#include "host_tools/cli/replay_options.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <stdexcept>
+#include <system_error>
+
+#include "firmware/model/catalogue.hpp"
+#include "firmware/model/model_file.hpp"
+#include "firmware/model/validation.hpp"
+#include "host_tools/lib/evaluate/replay_json.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+core::Duration seconds(double value, const char* option) {
+  if (!(value >= 0.0) || value > 1e6) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected seconds from 0 to 1e6, found {}", option, value));
+  }
+  return core::Duration::nanoseconds(std::llround(value * 1e9));
+}
+
+/// A file if there is one of that name, else an entry of the catalogue.
+model::SensorModel load_model(const std::string& name) {
+  const bool is_file = std::filesystem::exists(name) || name.ends_with(".toml");
+  return is_file ? model::read_model(name) : model::find_model(name);
+}
+
+model::SensorModel chosen_model(const ReplayFlags& flags) {
+  if (flags.arw_dps_rt_hz.has_value() != flags.bias_instability_dph.has_value()) {
+    throw std::invalid_argument("--arw and --bias-instability belong together: give both");
+  }
+  if (!flags.arw_dps_rt_hz) return load_model(flags.model);
+  // IEEE Std 952: the floor of the Allan deviation is sqrt(2 ln 2 / pi) B.
+  const double floor_per_b = std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi);
+  model::SensorModel model;
+  model.name = "from the command line";
+  model.white.angle_random_walk_rad_per_sqrt_s = *flags.arw_dps_rt_hz * kRadPerDeg;
+  model.flicker = model::Flicker{.bias_instability_rad_s = *flags.bias_instability_dph / 3600.0 *
+                                                           kRadPerDeg / floor_per_b};
+  model::validate(model);
+  return model;
+}
+
+app::Predictor predictor_called(const std::string& name) {
+  for (const app::Predictor predictor : evaluate::kAllPredictors) {
+    if (evaluate::name(predictor) == name) return predictor;
+  }
+  throw std::invalid_argument("--predictor: expected kalman, moving_average or calibration_mean");
+}
+
+void print_notes(const evaluate::ReplayResult& result) {
+  for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
+    const auto finding = static_cast<recording::Finding>(i);
+    if (const auto count = result.findings.count(finding); count > 0) {
+      fmt::print("  note: {} in {} rows, first in line {}\n", recording::description(finding),
+                 count, result.findings.first_line(finding));
+    }
+  }
+  if (result.samples_refused > 0) {
+    fmt::print("  note: the node refused {} samples\n", result.samples_refused);
+  }
+  if (result.samples_saturated > 0) {
+    fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
+  }
+}
+
+}  // namespace
+
+void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
+  app.add_option("--axis", flags.axis, "x, y, z or all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->capture_default_str();
+  auto* model = app.add_option("--model", flags.model,
+                               "sensor model: a TOML file or a name from 'zerorate model list'");
+  model->capture_default_str();
+  app.add_option(
+         "--arw", flags.arw_dps_rt_hz,
+         "angle random walk [deg/s/sqrt(Hz)], two-sided as in IEEE Std 952, instead of --model")
+      ->excludes(model);
+  app.add_option("--bias-instability", flags.bias_instability_dph,
+                 "floor of the Allan deviation [deg/h], instead of --model")
+      ->excludes(model);
+  app.add_option("--schedule", flags.schedule,
+                 "stops and drives for a recording at rest, exponential lengths around means in "
+                 "seconds: still=60,drive=300,seed=1");
+  app.add_option("--through", flags.through,
+                 "chip: by a simulated LSM6DSO and its driver; source: straight into the node")
+      ->check(CLI::IsMember({"chip", "source"}))
+      ->capture_default_str();
+  app.add_option("--predictor", flags.predictor,
+                 "whose bias corrects the published rate: kalman, moving_average, calibration_mean")
+      ->capture_default_str();
+  app.add_option(
+      "--filter-rate", flags.filter_rate_hz,
+      "ticks of the predictors per second [Hz]; default 2, or the sensor's rate if lower");
+  app.add_option("--settle", flags.settle_s,
+                 "rest after the last odometer pulse before a stop counts [s]")
+      ->capture_default_str();
+  app.add_option("--hold-back", flags.hold_back_s,
+                 "how long a sample waits for a late pulse before it counts [s]")
+      ->capture_default_str();
+}
+
+evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
+  evaluate::ReplayOptions options;
+  options.model = chosen_model(flags);
+  options.filter_rate_hz = flags.filter_rate_hz;
+  if (!flags.schedule.empty()) options.schedule = evaluate::parse_schedule(flags.schedule);
+  options.through = flags.through == "chip" ? evaluate::Through::chip : evaluate::Through::source;
+  options.published = predictor_called(flags.predictor);
+  options.standstill = {.settle = seconds(flags.settle_s, "--settle"),
+                        .hold_back = seconds(flags.hold_back_s, "--hold-back")};
+  return options;
+}
+
+std::vector<std::size_t> chosen_axes(const ReplayFlags& flags, std::size_t axis_count) {
+  if (flags.axis == "all") {
+    return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
+  }
+  const auto axis = static_cast<std::size_t>(flags.axis[0] - 'x');
+  if (axis >= axis_count) {
+    throw std::invalid_argument("--axis " + flags.axis + ": the recording has one axis; use all");
+  }
+  return {axis};
+}
+
+void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  constexpr double kDegPerRad = 1.0 / kRadPerDeg;
+  fmt::print("{} samples every {:.6g} s, filter ticks of {:.6g} s\n", result.rows,
+             static_cast<double>(result.sample_period.ns()) * 1e-9,
+             static_cast<double>(result.filter_tick.ns()) * 1e-9);
+  print_notes(result);
+  if (!result.truth_known) {
+    fmt::print(
+        "  note: the true rate is not known, so nothing is scored; --schedule says that the "
+        "sensor was at rest\n");
+    return;
+  }
+  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>12}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
+             "drives", "drift deg rms", "ratio to CM", "coverage 95", "sigma/rms", "RSSE deg/s",
+             "IE deg");
+  for (const std::size_t axis : axes) {
+    const auto& baseline = result.scores[axis].back();
+    for (const app::Predictor predictor : evaluate::kAllPredictors) {
+      const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
+      fmt::print("{:<5}{:<18}{:>7}{:>16.4f}{:>12.3f}{:>13.3f}{:>11.2f}{:>12.3f}{:>11.4f}\n",
+                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
+                 scores.heading_drift_rms_rad() * kDegPerRad,
+                 scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
+                 scores.coverage95(), scores.sigma_over_rms(),
+                 scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
+    }
+  }
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  if (path == "-") {
+    fmt::print("{}", text);
+    return;
+  }
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file)
+    throw std::system_error(errno, std::generic_category(), "cannot write " + path.string());
+}
+
+}  // namespace zerorate::cli

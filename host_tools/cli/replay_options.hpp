@@ -1,0 +1,44 @@
+/// @file
+/// The options that `replay` and `demo` share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/evaluate/replay.hpp"
+
+namespace zerorate::cli {
+
+/// As typed; read into evaluate::ReplayOptions by to_replay_options().
+struct ReplayFlags {
+  std::string axis = "all";
+  std::string model = "adis16405";
+  std::optional<double> arw_dps_rt_hz;
+  std::optional<double> bias_instability_dph;
+  std::string schedule;
+  std::string through = "source";
+  std::string predictor = "kalman";
+  std::optional<double> filter_rate_hz;
+  double settle_s = 1.0;
+  double hold_back_s = 0.5;
+};
+
+void add_replay_flags(CLI::App& app, ReplayFlags& flags);
+
+/// Throws std::invalid_argument, model::ModelFileError.
+[[nodiscard]] evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags);
+
+/// Indices of the axes that --axis names in a recording with so many.
+[[nodiscard]] std::vector<std::size_t> chosen_axes(const ReplayFlags& flags,
+                                                   std::size_t axis_count);
+
+/// What the node published and what it was worth, as text for a terminal.
+void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes);
+
+/// Writes a text to a file, or to the standard output for "-".
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace zerorate::cli

@@ -1,0 +1,76 @@
+#include "host_tools/lib/evaluate/simulated_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/units.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/recording/writer.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::evaluate {
+namespace {
+
+std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double bias_rad_s) {
+  std::vector<simulate::Effect> effects{
+      simulate::ConstantBias{.bias_rad_s = bias_rad_s},
+      simulate::WhiteNoise{.angle_random_walk_rad_rt_s =
+                               model.white.angle_random_walk_rad_per_sqrt_s}};
+  if (model.flicker) {
+    effects.emplace_back(
+        simulate::FlickerNoise{.bias_instability_rad_s = model.flicker->bias_instability_rad_s,
+                               .order = model.flicker->order});
+  }
+  return effects;
+}
+
+}  // namespace
+
+std::array<float, 3> SimulatedDrive::true_rate_rad_s(std::uint64_t row) const {
+  const auto& rate = motion_.rate_rad_s[row];
+  return {static_cast<float>(rate[0]), static_cast<float>(rate[1]), static_cast<float>(rate[2])};
+}
+
+void SimulatedDrive::write(const std::filesystem::path& path) const {
+  recording::Writer writer{path, {.odometer = true}};
+  recording::Row row;
+  for (std::size_t k = 0; k < motion_.size(); ++k) {
+    row.time_ns = std::llround(static_cast<double>(k) * motion_.sample_period_s * 1e9);
+    for (std::size_t i = 0; i < row.rate_rad_s.size(); ++i) {
+      row.rate_rad_s[i] = static_cast<float>(motion_.rate_rad_s[k][i] + rest_rate_rad_s_[i][k]);
+    }
+    row.odometer_pulses = motion_.odometer_pulses[k];
+    writer.write(row);
+  }
+  writer.finish();
+}
+
+SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
+  const simulate::RandomStream stream{params.seed};
+  const double period_s = 1.0 / params.sample_rate_hz;
+  auto motion = simulate::simulate_vehicle({.duration_s = params.duration_s}, period_s, stream);
+  std::array<std::vector<double>, 3> rest;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const auto axis_stream = stream.substream("gyro").substream(i);
+    const double bias_rad_s = double{core::kRadPerDeg} * axis_stream.normal(0);
+    const auto effects = effects_of(params.model, bias_rad_s);
+    rest[i] = simulate::simulate({motion.size(), period_s}, effects, axis_stream).rate_rad_s;
+  }
+  return {std::move(motion), std::move(rest)};
+}
+
+RestRecording read_at_rest(const std::filesystem::path& path, std::size_t axis) {
+  recording::Reader reader{path};
+  const std::size_t column = std::min(axis, reader.columns().axis_count - 1);
+  RestRecording rest;
+  for (recording::Row row; reader.next(row);) {
+    if (!row.findings.has(recording::Finding::rate_lost)) {
+      rest.rate_rad_s.push_back(double{row.rate_rad_s[column]});
+    }
+  }
+  rest.sample_period_s = static_cast<double>(reader.findings().median_interval_ns()) * 1e-9;
+  return rest;
+}
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,55 @@
+/// @file
+/// A drive whose truth is known: a vehicle and a gyro on it, as a recording.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
+
+namespace zerorate::evaluate {
+
+struct SimulatedDriveParams {
+  model::SensorModel model;  ///< its white noise and 1/f noise are simulated
+  double duration_s = 7200.0;
+  double sample_rate_hz = 104.0;
+  std::uint64_t seed = 1;
+};
+
+class SimulatedDrive {
+ public:
+  SimulatedDrive(simulate::VehicleMotion motion, std::array<std::vector<double>, 3> rest_rate_rad_s)
+      : motion_(std::move(motion)), rest_rate_rad_s_(std::move(rest_rate_rad_s)) {}
+
+  [[nodiscard]] double sample_period_s() const { return motion_.sample_period_s; }
+  [[nodiscard]] std::array<float, 3> true_rate_rad_s(std::uint64_t row) const;
+  /// What the gyro would have read without any motion: bias and noise.
+  [[nodiscard]] std::span<const double> rest_rate_rad_s(std::size_t axis) const {
+    return rest_rate_rad_s_[axis];
+  }
+  /// As a recording with odometer pulses. Throws recording::Error.
+  void write(const std::filesystem::path& path) const;
+
+ private:
+  simulate::VehicleMotion motion_;
+  std::array<std::vector<double>, 3> rest_rate_rad_s_;
+};
+
+/// Each axis has its own noise and a constant bias of the order of 1 deg/s.
+[[nodiscard]] SimulatedDrive simulate_drive(const SimulatedDriveParams& params);
+
+/// One axis of a recording made at rest, complete in memory.
+struct RestRecording {
+  std::vector<double> rate_rad_s;
+  double sample_period_s = 0.0;  ///< the median
+};
+
+/// Leaves out the rows whose rate is lost. Throws recording::Error.
+[[nodiscard]] RestRecording read_at_rest(const std::filesystem::path& path, std::size_t axis);
+
+}  // namespace zerorate::evaluate
