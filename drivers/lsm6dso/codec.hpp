@@ -73,7 +73,7 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
   return raw >= kFullScaleRaw || raw <= -kFullScaleRaw;
 }
 
-/// 256 LSB a degree, 0 at 25 degC (DS12140, table 4).
+/// 256 LSB a degree, 0 at 25 degC (DS12140, temperature sensor characteristics).
 [[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
   return core::Temperature::from_degc(25.0F + static_cast<float>(raw) * (1.0F / 256.0F));
 }

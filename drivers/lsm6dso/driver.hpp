@@ -39,7 +39,8 @@ struct Settings {
 
 /// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 10 MHz.
 ///
-/// Not thread-safe, not for interrupts. Stack: about 200 bytes in read().
+/// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(),
+/// without the back end's.
 template <RegisterBus Bus>
 class Lsm6dso {
  public:

@@ -10,7 +10,7 @@
 
 namespace zerorate::drivers::lsm6dso {
 
-/// 7-bit address by the level of pin SDO/SA0 (DS12140, section 5.1).
+/// 7-bit address by the level of pin SDO/SA0 (DS12140, I2C interface).
 inline constexpr hal::I2cAddress kAddressSa0Low{0x6A};
 inline constexpr hal::I2cAddress kAddressSa0High{0x6B};
 

@@ -68,11 +68,6 @@ std::uint8_t byte_of(std::int16_t value, bool high) {
 
 }  // namespace
 
-SimulatedLsm6dso::SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim)
-    : clock_(&clock), trim_(trim) {
-  reset_registers();
-}
-
 void SimulatedLsm6dso::reset_registers() {
   registers_.fill(0);
   registers_[0x02] = 0x3F;

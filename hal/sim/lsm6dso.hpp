@@ -31,7 +31,10 @@ class SimulatedLsm6dso {
  public:
   /// @param clock the simulation's time; must outlive the chip
   /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.15 % faster for each count
-  explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0);
+  explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0)
+      : clock_(&clock), trim_(trim), reset_until_(clock.now()) {
+    reset_registers();
+  }
 
   /// One conversion: rounds to the LSB, saturates at 16 bits, raises data-ready, fills the FIFO.
   /// Does nothing while the gyro is powered down or in reset.

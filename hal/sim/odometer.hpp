@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 
 #include "core/base/assert.hpp"
@@ -23,7 +24,7 @@ class SimulatedOdometer {
 
   /// One pulse; stamps may not decrease.
   void pulse(core::Instant time) {
-    ZERORATE_ASSERT(time >= latest_);
+    ZERORATE_ASSERT(!latest_ || time >= *latest_);
     latest_ = time;
     if (queue_.size() < queue_size_) {
       queue_.push_back(time);
@@ -43,7 +44,7 @@ class SimulatedOdometer {
  private:
   std::size_t queue_size_;
   std::deque<core::Instant> queue_;
-  core::Instant latest_;
+  std::optional<core::Instant> latest_;
   std::uint32_t lost_ = 0;
 };
 static_assert(PulseInput<SimulatedOdometer>);

@@ -25,21 +25,27 @@ TEST(SimulatedClock, NeverRunsBackwards) {
   EXPECT_EQ(clock.now(), at_ms(7));
 }
 
+TEST(SimulatedClock, MayBeginBeforeTimeZero) {
+  SimulatedClock clock{at_ms(-500)};
+  clock.advance(core::Duration::milliseconds(100));
+  EXPECT_EQ(clock.now(), at_ms(-400));
+}
+
 TEST(SimulatedOdometer, HandsOverEachPulseOnceAndInOrder) {
   SimulatedOdometer odometer;
-  for (int ms = 1; ms <= 5; ++ms) odometer.pulse(at_ms(ms));
+  for (const int ms : {-2, -1, 0, 1, 2}) odometer.pulse(at_ms(ms));
 
   std::array<core::Instant, 3> stamps{};
   const auto first = odometer.read_pulses(stamps);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->count, 3U);
-  EXPECT_EQ(stamps, (std::array{at_ms(1), at_ms(2), at_ms(3)}));
+  EXPECT_EQ(stamps, (std::array{at_ms(-2), at_ms(-1), at_ms(0)}));
 
   const auto second = odometer.read_pulses(stamps);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->count, 2U);
-  EXPECT_EQ(stamps[0], at_ms(4));
-  EXPECT_EQ(stamps[1], at_ms(5));
+  EXPECT_EQ(stamps[0], at_ms(1));
+  EXPECT_EQ(stamps[1], at_ms(2));
 
   EXPECT_EQ(odometer.read_pulses(stamps)->count, 0U);
 }

@@ -135,6 +135,19 @@ TYPED_TEST(Lsm6dsoSamples, RaiseTheInterruptPinAtTheTimeOfTheConversion) {
   EXPECT_FALSE(rig.chip.int1().level());
 }
 
+TYPED_TEST(Lsm6dsoSamples, MayCarryTimesBeforeZero) {
+  for (const Settings& settings : kModes) {
+    Rig<TypeParam> rig{settings, 0, core::Instant{} - core::Duration::seconds(10)};
+    ASSERT_TRUE(rig.start_and_settle());
+    std::array<GyroSample, 4> out{};
+    for (int i = 0; i < 2; ++i) rig.sample(kTurning);
+    const std::size_t count = rig.read(out).value_or(0);
+    ASSERT_GE(count, 1U);
+    EXPECT_EQ(out[count - 1].time, rig.clock.now());
+    EXPECT_LT(rig.clock.now(), core::Instant{});
+  }
+}
+
 TYPED_TEST(Lsm6dsoSamples, AreNotReadIntoAnEmptyBuffer) {
   Rig<TypeParam> rig;
   ASSERT_TRUE(rig.start_and_settle());

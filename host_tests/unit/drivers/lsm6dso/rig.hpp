@@ -37,8 +37,8 @@ struct OverI2c {
 
 template <class Wiring>
 struct Rig {
-  explicit Rig(lsm6dso::Settings settings = {}, std::int8_t trim = 0)
-      : chip(clock, trim), driver(Wiring::registers(faults), settings) {}
+  explicit Rig(lsm6dso::Settings settings = {}, std::int8_t trim = 0, core::Instant begin = {})
+      : clock(begin), chip(clock, trim), driver(Wiring::registers(faults), settings) {}
 
   /// Calls start() until it gives something else than not_ready, at most ten times.
   core::Result<void, DriverError> start() {
