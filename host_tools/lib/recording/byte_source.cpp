@@ -14,8 +14,10 @@ namespace {
 constexpr std::size_t kInputBytes = std::size_t{256} * 1024;
 constexpr int kAnyWindowGzipOnly = 15 + 16;  // zlib.h, inflateInit2
 
-Error unreadable(const std::string& name, const Place& here) {
-  return Error{here, std::generic_category().message(errno), "a file that can be read",
+Error unreadable(const std::string& name, std::uint64_t line) {
+  return Error{{name, line},
+               std::generic_category().message(errno),
+               "a file that can be read",
                fmt::format("Check the name and the permissions of {}.", name)};
 }
 
@@ -29,20 +31,19 @@ void ByteSource::Closer::operator()(std::FILE* file) const {
 
 ByteSource::ByteSource(const std::filesystem::path& path)
     : name_(path == "-" ? "standard input" : path.string()), input_(kInputBytes) {
-  const Place here{name_};
   std::error_code ignored;
   if (path != "-" && std::filesystem::is_directory(path, ignored)) {
-    throw Error{here, "a directory", "a CSV or CSV.gz file", "Name a file inside it."};
+    throw Error{{name_}, "a directory", "a CSV or CSV.gz file", "Name a file inside it."};
   }
   file_.reset(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
   if (!file_) {
-    throw unreadable(name_, here);
+    throw unreadable(name_, 0);
   }
   if (path != "-" && std::filesystem::is_regular_file(path, ignored)) {
     size_ = std::filesystem::file_size(path, ignored);
   }
   constexpr unsigned char kGzipMagic[] = {0x1F, 0x8B};
-  if (refill(here) && stream_.avail_in >= 2 &&
+  if (refill(0) && stream_.avail_in >= 2 &&
       std::equal(kGzipMagic, kGzipMagic + 2, input_.begin())) {
     begin_inflating();
   }
@@ -61,10 +62,10 @@ void ByteSource::begin_inflating() {
   inflating_ = true;
 }
 
-bool ByteSource::refill(const Place& here) {
+bool ByteSource::refill(std::uint64_t line) {
   const std::size_t count = std::fread(input_.data(), 1, input_.size(), file_.get());
   if (count == 0 && std::ferror(file_.get()) != 0) {
-    throw unreadable(name_, here);
+    throw unreadable(name_, line);
   }
   taken_ += count;
   stream_.next_in = input_.data();
@@ -72,12 +73,12 @@ bool ByteSource::refill(const Place& here) {
   return count != 0;
 }
 
-std::size_t ByteSource::read(std::span<char> out, const Place& here) {
-  return inflating_ ? inflate_into(out, here) : copy_into(out, here);
+std::size_t ByteSource::read(std::span<char> out, std::uint64_t line) {
+  return inflating_ ? inflate_into(out, line) : copy_into(out, line);
 }
 
-std::size_t ByteSource::copy_into(std::span<char> out, const Place& here) {
-  if (stream_.avail_in == 0 && !refill(here)) {
+std::size_t ByteSource::copy_into(std::span<char> out, std::uint64_t line) {
+  if (stream_.avail_in == 0 && !refill(line)) {
     return 0;
   }
   const std::size_t count = std::min<std::size_t>(out.size(), stream_.avail_in);
@@ -87,12 +88,12 @@ std::size_t ByteSource::copy_into(std::span<char> out, const Place& here) {
   return count;
 }
 
-std::size_t ByteSource::inflate_into(std::span<char> out, const Place& here) {
+std::size_t ByteSource::inflate_into(std::span<char> out, std::uint64_t line) {
   stream_.next_out = reinterpret_cast<Bytef*>(out.data());
   stream_.avail_out = static_cast<uInt>(out.size());
   while (true) {
     if (between_members_) {
-      if (stream_.avail_in == 0 && !refill(here)) {
+      if (stream_.avail_in == 0 && !refill(line)) {
         return 0;
       }
       inflateReset(&stream_);
@@ -105,12 +106,15 @@ std::size_t ByteSource::inflate_into(std::span<char> out, const Place& here) {
       return out.size() - stream_.avail_out;
     }
     if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
-      throw Error{here,
+      throw Error{{name_, line},
                   fmt::format("damaged gzip data ({})", stream_.msg ? stream_.msg : "no detail"),
-                  "an intact gzip file", "Copy the file again; `gzip -t` checks it."};
+                  "an intact gzip file",
+                  "Copy the file again; `gzip -t` checks it."};
     }
-    if (!between_members_ && stream_.avail_in == 0 && !refill(here)) {
-      throw Error{here, "the end of the file in the middle of its gzip stream", "a whole gzip file",
+    if (!between_members_ && stream_.avail_in == 0 && !refill(line)) {
+      throw Error{{name_, line},
+                  "the end of the file in the middle of its gzip stream",
+                  "a whole gzip file",
                   "Copy the file again; `gzip -t` checks it."};
     }
   }

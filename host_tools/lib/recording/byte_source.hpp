@@ -29,9 +29,9 @@ class ByteSource {
   ByteSource& operator=(const ByteSource&) = delete;
 
   /// Writes at least one and at most out.size() bytes to the front of `out`.
-  /// @param here  where the caller stands, for the error message
+  /// @param line  where the caller stands in the text, for the error message; 0 for nowhere
   /// @return how many; 0 at the end of the file. Throws Error.
-  [[nodiscard]] std::size_t read(std::span<char> out, const Place& here);
+  [[nodiscard]] std::size_t read(std::span<char> out, std::uint64_t line);
 
   /// How much of the file, as it lies on the disk, has been taken: 0 to 1; nullopt for pipes.
   [[nodiscard]] std::optional<double> fraction_read() const;
@@ -44,10 +44,10 @@ class ByteSource {
     void operator()(std::FILE* file) const;
   };
 
-  bool refill(const Place& here);
+  bool refill(std::uint64_t line);
   void begin_inflating();
-  std::size_t inflate_into(std::span<char> out, const Place& here);
-  std::size_t copy_into(std::span<char> out, const Place& here);
+  std::size_t inflate_into(std::span<char> out, std::uint64_t line);
+  std::size_t copy_into(std::span<char> out, std::uint64_t line);
 
   std::string name_;
   std::unique_ptr<std::FILE, Closer> file_;

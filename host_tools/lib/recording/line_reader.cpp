@@ -57,12 +57,13 @@ bool LineReader::fill() {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  const Place here{source_.name(), line_ + 1};
   if (end_ == buffer_.size()) {
-    throw Error{here, "a line longer than 1 MiB", "a CSV file with one sample a line",
+    throw Error{{source_.name(), line_ + 1},
+                "a line longer than 1 MiB",
+                "a CSV file with one sample a line",
                 "Check that this is the right file."};
   }
-  const std::size_t count = source_.read(std::span{buffer_}.subspan(end_), here);
+  const std::size_t count = source_.read(std::span{buffer_}.subspan(end_), line_ + 1);
   end_ += count;
   return count != 0;
 }

@@ -37,11 +37,13 @@ bool Reader::next(Row& row) {
 }
 
 void Reader::expect_no_more_rows() {
-  const Place first_empty = lines_.place();
+  const std::uint64_t first_empty = lines_.line();
   std::string_view line;
   while (lines_.next(line)) {
     if (!line.empty()) {
-      throw Error{first_empty, "an empty line between the samples", "one sample a line",
+      throw Error{{lines_.place().file, first_empty},
+                  "an empty line between the samples",
+                  "one sample a line",
                   "Remove the line."};
     }
   }

@@ -20,7 +20,7 @@ constexpr std::size_t kTextBytes = std::size_t{64} * 1024;
 /// The file that is to be replaced: the target of a symbolic link, not the link.
 std::filesystem::path resolved(const std::filesystem::path& path) {
   std::error_code absent;
-  const std::filesystem::path target = std::filesystem::canonical(path, absent);
+  std::filesystem::path target = std::filesystem::canonical(path, absent);
   if (absent) {
     return path;
   }
@@ -33,6 +33,10 @@ std::filesystem::path resolved(const std::filesystem::path& path) {
   return target;
 }
 
+std::error_code last_fault() {
+  return {errno, std::generic_category()};
+}
+
 }  // namespace
 
 Writer::Writer(const std::filesystem::path& path, const Columns& columns)
@@ -42,14 +46,14 @@ Writer::Writer(const std::filesystem::path& path, const Columns& columns)
   const bool compress = path.extension() == ".gz";
   file_.reset(gzopen(partial_.c_str(), compress ? "wbx6" : "wbxT"));  // T: zlib copies as it is
   if (!file_) {
-    throw cannot("create");
+    throw cannot("create", last_fault());
   }
   text_.reserve(kTextBytes + 256);
   text_.append(header_line(columns_)).append("\n");
 }
 
 Writer::~Writer() {
-  if (file_) {
+  if (!is_finished_) {
     file_.reset();
     std::error_code ignored;
     std::filesystem::remove(partial_, ignored);
@@ -94,30 +98,27 @@ void Writer::append_measured(float value, double si_per_unit) {
 void Writer::flush() {
   if (!text_.empty() &&
       gzwrite(file_.get(), text_.data(), static_cast<unsigned>(text_.size())) == 0) {
-    throw cannot("write");
+    throw cannot("write", last_fault());
   }
   text_.clear();
 }
 
 void Writer::finish() {
   flush();
-  const int status = gzclose(file_.release());
+  if (gzclose(file_.release()) != Z_OK) {
+    throw cannot("complete", last_fault());
+  }
   std::error_code fault;
-  if (status == Z_OK) {
-    std::filesystem::rename(partial_, path_, fault);
+  std::filesystem::rename(partial_, path_, fault);
+  if (fault) {
+    throw cannot("replace", fault);
   }
-  if (status != Z_OK || fault) {
-    const Error error = cannot("complete");
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
-    throw error;
-  }
+  is_finished_ = true;
 }
 
-Error Writer::cannot(const char* action) const {
+Error Writer::cannot(std::string_view action, const std::error_code& fault) const {
   return Error{{path_.string()},
-               fmt::format("that it cannot {} the file ({})", action,
-                           std::generic_category().message(errno)),
+               fmt::format("that it cannot {} the file ({})", action, fault.message()),
                "a file name in a folder with space and permission to write",
                "Check the folder, the disk and the permissions."};
 }

@@ -4,10 +4,11 @@
 
 #include <zlib.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/row.hpp"
@@ -42,13 +43,14 @@ class Writer {
 
   void flush();
   void append_measured(float value, double si_per_unit);
-  [[nodiscard]] Error cannot(const char* action) const;
+  [[nodiscard]] Error cannot(std::string_view action, const std::error_code& fault) const;
 
   std::filesystem::path path_;
   std::filesystem::path partial_;
   Columns columns_;
   std::unique_ptr<gzFile_s, Closer> file_;
-  std::string text_;
+  std::string text_;  ///< formatted but not yet given to zlib
+  bool is_finished_ = false;
 };
 
 }  // namespace zerorate::recording

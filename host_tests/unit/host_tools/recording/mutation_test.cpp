@@ -79,7 +79,7 @@ TEST_P(MutatedFile, GivesRowsOrAnErrorThatNamesFileAndLine) {
   const std::string valid = valid_bytes(GetParam());
   ASSERT_TRUE(reads_or_explains(folder.write(GetParam(), valid)));
   std::mt19937_64 random{20'240'501};
-  constexpr int kMutations = 3'000;
+  constexpr int kMutations = 2'000;
   int read = 0;
   for (int i = 0; i < kMutations && !HasFailure(); ++i) {
     SCOPED_TRACE(i);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -132,6 +133,22 @@ class RecordingWithoutExtras : public Files {};
 
 TEST_F(RecordingWithoutExtras, HasNoIgnoredColumns) {
   EXPECT_THAT(Reader{folder_.write("run.csv", "t_s,rate_dps\n0,1\n")}.ignored_columns(), IsEmpty());
+}
+
+class StandardInput : public Files {};
+
+TEST_F(StandardInput, IsReadAsMinusWithoutAShareOfTheWhole) {
+  const auto path = pack("run.csv.gz", {"t_s,rate_dps\n0,1\n1,x\n"});
+  ASSERT_NE(std::freopen(path.c_str(), "rb", stdin), nullptr);
+  Reader reader{"-"};
+  Row row;
+  EXPECT_TRUE(reader.next(row));
+  EXPECT_EQ(reader.fraction_read(), std::nullopt);
+  try {
+    EXPECT_FALSE(reader.next(row));
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith("standard input:3:3: found \"x\""));
+  }
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -145,6 +147,43 @@ TEST(WriterToADeviceOrDirectory, IsRefused) {
   const zerorate::testing::ScratchFolder folder;
   EXPECT_THROW((Writer{"/dev/null", {}}), Error);
   EXPECT_THROW((Writer{folder.path(), {}}), Error);
+}
+
+/// No file of this process can grow beyond a size while this lives: a full disk, for a test.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : previous_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &previous_);
+    const rlimit limit{bytes, previous_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &previous_);
+    std::signal(SIGXFSZ, previous_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit previous_{};
+  void (*previous_handler_)(int);
+};
+
+void write_rows(const std::filesystem::path& path, int count) {
+  Writer writer{path, {}};
+  for (int i = 0; i < count; ++i) {
+    writer.write({});
+  }
+  writer.finish();
+}
+
+TEST(WriterToAFullDisk, ThrowsAndLeavesNothing) {
+  const zerorate::testing::ScratchFolder folder;
+  const FileSizeLimit limit{4'096};
+  for (const int rows : {1'000, 100'000}) {  // noticed by finish(), and by write()
+    EXPECT_THROW(write_rows(folder.path() / "run.csv", rows), Error) << rows;
+    EXPECT_EQ(files_in(folder.path()), 0) << rows;
+  }
 }
 
 }  // namespace
