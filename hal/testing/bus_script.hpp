@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -123,7 +124,7 @@ class BusScript {
     return "a write of" + hexadecimal(operation.bytes);
   }
   static std::string hexadecimal(std::span<const std::uint8_t> bytes) {
-    constexpr const char* kDigits = "0123456789ABCDEF";
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
     std::string text;
     for (const std::uint8_t byte : bytes) {
       text += {' ', kDigits[byte >> 4U], kDigits[byte & 0xFU]};

@@ -29,8 +29,8 @@ set_tests_properties(style.bad_format_is_refused PROPERTIES LABELS style
 if(NOT ZERORATE_TIDY)
   return()
 endif()
-# The negative control, then one test a file. Headers are checked as files of their own (with the
-# compile command of the source file that is nearest by name), so a source file reports only itself.
+# The negative control, then one test for each source file with its header, and for each header that
+# has no source file (with the compile command of the file that is nearest by name).
 file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/untidy.cpp" "int* nowhere() { return 0; }\n")
 add_test(NAME style.untidy_code_is_refused
   COMMAND clang-tidy --quiet --config-file=${PROJECT_SOURCE_DIR}/.clang-tidy
@@ -38,8 +38,14 @@ add_test(NAME style.untidy_code_is_refused
 set_tests_properties(style.untidy_code_is_refused PROPERTIES LABELS style
   PASS_REGULAR_EXPRESSION "error: use nullptr")
 foreach(file ${tidy_files})
-  add_test(NAME tidy.${file} 
-    COMMAND clang-tidy --quiet --header-filter=^$ -p "${CMAKE_BINARY_DIR}" "${file}"
+  cmake_path(REPLACE_EXTENSION file LAST_ONLY hpp OUTPUT_VARIABLE header)
+  cmake_path(REPLACE_EXTENSION file LAST_ONLY cpp OUTPUT_VARIABLE source)
+  if(file STREQUAL header AND source IN_LIST tidy_files)
+    continue()
+  endif()
+  add_test(NAME tidy.${file}
+    COMMAND clang-tidy --quiet "--header-filter=/${header}$" --extra-arg=-Wno-double-promotion
+            -p "${CMAKE_BINARY_DIR}" "${file}"
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
   set_tests_properties(tidy.${file} PROPERTIES LABELS style TIMEOUT 300)
 endforeach()
