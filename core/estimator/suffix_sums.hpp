@@ -26,7 +26,13 @@ class SuffixSums {
 
   [[nodiscard]] constexpr std::uint32_t count() const { return count_; }
 
-  constexpr void clear() { *this = SuffixSums{}; }
+  /// Forgets all measurements; the numbers stay in their places, unused.
+  constexpr void clear() {
+    used_ = {};
+    exact_used_ = 0;
+    count_ = 0;
+    swallowed_ = 0;
+  }
 
   /// Cost: amortised two additions; at worst one per level.
   constexpr void push(float value) {

@@ -82,6 +82,19 @@ template <class Scalar>
                           squared_magnitude(second.reach) * first.noise + second.sum_variance};
 }
 
+/// The span of any number of ticks, by repeated doubling: at most 2 log2(ticks) compositions.
+template <class Scalar>
+[[nodiscard]] constexpr ModeSpan<Scalar> over(const Mode<Scalar>& mode, std::uint32_t ticks) {
+  ModeSpan<Scalar> result{};
+  ModeSpan<Scalar> power = one_tick(mode);
+  for (std::uint32_t power_ticks = 1;; power_ticks *= 2) {
+    if ((ticks & 1U) != 0) result = then(result, power, power_ticks);
+    ticks >>= 1U;
+    if (ticks == 0) return result;
+    power = then(power, power, power_ticks);
+  }
+}
+
 /// Variance of Re z after the span, given the variance before it.
 template <class Scalar>
 [[nodiscard]] constexpr float variance_after(const ModeSpan<Scalar>& span, float variance) {

@@ -77,25 +77,17 @@ struct Modes {
   std::array<DecayingMode, R> decaying{};
   std::array<RotatingMode, C> rotating{};
 
-  [[nodiscard]] constexpr Transition<R, C> one_tick() const {
-    Transition<R, C> step;
-    step.ticks = 1;
-    step.level = core::one_tick(DecayingMode{.noise_variance = walk_variance});
-    for (std::size_t i = 0; i < R; ++i) step.decaying[i] = core::one_tick(decaying[i]);
-    for (std::size_t i = 0; i < C; ++i) step.rotating[i] = core::one_tick(rotating[i]);
-    return step;
-  }
+  [[nodiscard]] constexpr Transition<R, C> one_tick() const { return over(1); }
 
-  /// The span of any number of ticks, by repeated doubling: at most 2 log2(ticks) compositions.
+  /// The span of any number of ticks. Cost: 2 log2(ticks) times that of `then`; mode by mode, so
+  /// that the stack holds one span besides the result.
   [[nodiscard]] constexpr Transition<R, C> over(std::uint32_t ticks) const {
-    Transition<R, C> result{};
-    Transition<R, C> power = one_tick();
-    for (;;) {
-      if ((ticks & 1U) != 0) result = then(result, power);
-      ticks >>= 1U;
-      if (ticks == 0) return result;
-      power = then(power, power);
-    }
+    Transition<R, C> span;
+    span.ticks = ticks;
+    span.level = core::over(DecayingMode{.noise_variance = walk_variance}, ticks);
+    for (std::size_t i = 0; i < R; ++i) span.decaying[i] = core::over(decaying[i], ticks);
+    for (std::size_t i = 0; i < C; ++i) span.rotating[i] = core::over(rotating[i], ticks);
+    return span;
   }
 };
 

@@ -38,6 +38,9 @@ template <class Node, drivers::GyroSource Gyro, hal::PulseInput Odometer, hal::D
 class NodeLoop {
  public:
   /// All of them must outlive the loop.
+  /// @param ready stamps the newest sample; with a FIFO, whose edge is older than its newest
+  /// sample,
+  ///        bind a pin that gives no edges
   constexpr NodeLoop(Node& node, Gyro& gyro, Odometer& odometer, Ready& ready, Clock& clock,
                      Sink& sink)
       : node_(node), gyro_(gyro), odometer_(odometer), ready_(ready), clock_(clock), sink_(sink) {}
@@ -50,6 +53,7 @@ class NodeLoop {
     take_pulses(now);
     if (running_) {
       take_samples(now);
+      if (running_ && now >= verify_at_) verify(now);
     } else if (now >= retry_at_) {
       start(now);
     }
@@ -96,10 +100,11 @@ class NodeLoop {
     }
     for (std::size_t i = 0; i < *count; ++i) sink_.publish(node_.step(samples[i]));
     counters_.samples += static_cast<std::uint32_t>(*count);
-    if (*count > 0) verify(now);
   }
 
+  /// Once a sample period, whether samples come or not: a chip that lost its power is silent.
   constexpr void verify(core::Instant now) {
+    verify_at_ = now + gyro_.sample_period();
     if (const auto verified = gyro_.verify_next(); !verified) {
       if (verified.error().code == drivers::DriverErrorCode::configuration_lost) {
         ++counters_.configurations_lost;
@@ -138,6 +143,7 @@ class NodeLoop {
   Sink& sink_;
   LoopCounters counters_;
   bool running_ = false;
+  core::Instant verify_at_;
   core::Instant retry_at_;
   core::Duration retry_after_ = kFirstRetry;
 };

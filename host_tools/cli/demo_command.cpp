@@ -72,7 +72,7 @@ ExitCode run_simulated(Options& options) {
                   "model that the node runs."},
       {.title = "zerorate: a simulated drive",
        .lead =
-           fmt::format("A vehicle drove and stopped for {:g} hours. Its gyro ({}) was read through "
+           fmt::format("A vehicle drove and stopped, {:g} h in all. Its gyro ({}) was read through "
                        "the simulated chip and the real driver; at each stop the node measured "
                        "the bias, and predicted it while the vehicle drove.",
                        options.hours, replay_options.model.name),

@@ -16,6 +16,10 @@
 #include "core/noise/harmonic.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/random_walk.hpp"
+#include "drivers/common/register_bus.hpp"
+#include "drivers/lsm6dso/driver.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/app/node_loop.hpp"
 
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): firmware's state is static
 namespace {
@@ -89,6 +93,54 @@ void exercise_estimators() {
   exercise(calibration_mean);
 }
 
+// A whole node, as a board's main would bind it, on hardware that is not there.
+
+struct SomeClock {
+  [[nodiscard]] core::Instant now() const { return core::Instant::from_ns(clock_ns); }
+};
+struct SomePin {
+  std::optional<core::Instant> take_edge() { return core::Instant::from_ns(clock_ns); }
+};
+struct SomeOdometer {
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(std::span<core::Instant> stamps) {
+    stamps[0] = core::Instant::from_ns(clock_ns);
+    return hal::PulseBatch{.count = 1};
+  }
+};
+struct SomeSpi {
+  core::Result<void, hal::BusError> transaction(std::span<const hal::Operation> operations) {
+    for (const hal::Operation& operation : operations) {
+      for (std::uint8_t& byte : operation.buffer()) byte = static_cast<std::uint8_t>(clock_ns);
+    }
+    return {};
+  }
+};
+struct SomeSink {
+  void publish(const app::RateMessage& message) {
+    report = message.axes[2].corrected.in(core::deg_per_s);
+  }
+};
+
+using Node = app::GyroNode<7, 1>;
+using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<SomeSpi>>;
+
+constinit SomeClock clock;
+constinit SomePin data_ready;
+constinit SomeOdometer odometer;
+constinit SomeSpi spi;
+constinit SomeSink sink;
+constexpr Node::Params kParams{.modes = {.tick = kTick},
+                               .white_variance_rad2_s2 = 1e-6F,
+                               .sample_period = core::Duration::milliseconds(10),
+                               .standstill = {.hold_back = core::Duration::milliseconds(200)}};
+void exercise_node() {
+  // Made on the first call: a board has run its clocks by then.
+  static Node node{kParams};
+  static Gyro gyro{drivers::SpiRegisters{spi}};
+  static app::NodeLoop loop{node, gyro, odometer, data_ready, clock, sink};
+  loop.poll();
+}
+
 }  // namespace
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
@@ -96,5 +148,6 @@ extern "C" [[noreturn]] int main() {
   while (true) {
     exercise_base();
     exercise_estimators();
+    exercise_node();
   }
 }

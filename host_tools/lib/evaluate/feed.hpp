@@ -39,11 +39,11 @@ class ChipFeed {
  public:
   /// Powers the chip on so long before the first sample that its start-up is over by then.
   ChipFeed(Node& node, core::Instant first_sample)
-      : chip_(clock_),
+      : clock_(first_sample - kStartUp),
+        chip_(clock_),
         device_(chip_),
         gyro_(drivers::SpiRegisters{device_}),
         loop_(node, gyro_, odometer_, chip_.int1(), clock_, sink_) {
-    clock_.advance_to(first_sample - kStartUp);
     while (clock_.now() + kPoll < first_sample) {
       clock_.advance(kPoll);
       loop_.poll();

@@ -84,7 +84,8 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
                                const RandomStream& stream) {
   Draws draws(stream.substream("vehicle"));
   VehicleMotion motion{.sample_period_s = sample_period_s, .rate_rad_s = {}, .odometer_pulses = {}};
-  double next_drive_s = draws.exponential(params.mean_stop_s);
+  // A trip begins with some time at the kerb.
+  double next_drive_s = params.mean_stop_s + draws.exponential(params.mean_stop_s);
   SimulatedDrive drive(params, -1e9, 0.0, draws);
   double distance_m = 0.0;
   const auto samples = static_cast<std::size_t>(params.duration_s / sample_period_s);
