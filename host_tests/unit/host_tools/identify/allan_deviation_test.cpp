@@ -118,9 +118,7 @@ TEST(AveragingFactors, GrowFromOneToAThirdWithoutRepetition) {
 }
 
 TEST(PowerLaw, IsRecognisedFromAThousandAverages) {
-  const auto identified = [](Effect effect) {
-    return identify_power_law(noise(1000, {effect}));
-  };
+  const auto identified = [](Effect effect) { return identify_power_law(noise(1000, {effect})); };
   EXPECT_EQ(identified(simulate::WhiteNoise{1.0}), PowerLaw::rate_white);
   EXPECT_EQ(identified(simulate::FlickerNoise{1.0}), PowerLaw::rate_flicker);
   EXPECT_EQ(identified(simulate::RateRandomWalk{1.0}), PowerLaw::rate_random_walk);

@@ -99,9 +99,7 @@ TEST(CorrelatedNoise, DecaysExponentially) {
 
 TEST(DeterministicEffects, HaveTheirClosedForms) {
   const double t = 30 * 0.5;
-  const auto at_30 = [](Effect effect) {
-    return simulated(100, 0.5, {effect}).rate_rad_s[30];
-  };
+  const auto at_30 = [](Effect effect) { return simulated(100, 0.5, {effect}).rate_rad_s[30]; };
   EXPECT_DOUBLE_EQ(at_30(ConstantBias{0.2}), 0.2);
   EXPECT_DOUBLE_EQ(at_30(RateRamp{0.2}), 0.2 * t);
   EXPECT_DOUBLE_EQ(at_30(WarmUpTransient{2.0, 7.0}), 2.0 * std::exp(-t / 7.0));
