@@ -36,6 +36,8 @@ class HoldBackLine {
     return discarded;
   }
 
+  constexpr void clear() { used_ = 0; }
+
   /// Calls take(item), oldest first, for every item that ends no later than `until`.
   template <class Take>
   constexpr void release_until(Instant until, Take take) {

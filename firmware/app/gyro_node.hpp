@@ -93,16 +93,19 @@ class GyroNode {
 
   /// An odometer pulse. Before step() with a sample that is not older.
   constexpr void pulse(core::Instant at) {
-    standstill_.pulse(at);
+    // What is certain by now belongs to the stop that ends here; learnt later it would be taken for
+    // a stop of its own, and the predictors without memory would start again from it.
+    if (learn_until(standstill_.suspect_since(at))) predict_tick();
     held_.discard_after(standstill_.suspect_since(at));
-    average_.clear();
-    stop_open_ = false;
+    end_stop(at);
   }
 
-  /// The odometer input dropped edges; that it was moving is known, how fast is not.
+  /// The odometer input dropped edges; that it was moving is known, but not since when: nothing
+  /// that is held back is certain any more.
   constexpr void report_lost_pulses(core::Instant now) {
     pulses_lost_ = true;
-    pulse(now);
+    held_.clear();
+    end_stop(now);
   }
 
   /// One sample. Samples must come in the order of their time stamps; one that is not newer than
@@ -179,7 +182,9 @@ class GyroNode {
 
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
   constexpr void take_in(const drivers::GyroSample& sample);
+  constexpr bool learn_until(core::Instant certain);
   constexpr void learn(const core::TickMean<kAxes>& mean);
+  constexpr void end_stop(core::Instant pulse);
   constexpr void update_lead();
   constexpr void predict_tick();
   [[nodiscard]] constexpr AxisRate corrected(std::size_t axis, core::AngularRate measured) const;
@@ -263,13 +268,24 @@ constexpr void GyroNode<R, C>::take_in(const drivers::GyroSample& sample) {
                  {sample.rate[0].in(core::rad_per_s), sample.rate[1].in(core::rad_per_s),
                   sample.rate[2].in(core::rad_per_s)});
   }
-  bool learnt = false;
-  held_.release_until(standstill_.certain_until(sample.time),
-                      [&](const core::TickMean<kAxes>& mean) {
-                        learn(mean);
-                        learnt = true;
-                      });
+  const bool learnt = learn_until(standstill_.certain_until(sample.time));
   if (new_tick || learnt) predict_tick();
+}
+
+/// Learns from the ticks that are held back and end no later than this; says whether there were
+/// any.
+template <std::size_t R, std::size_t C>
+constexpr bool GyroNode<R, C>::learn_until(core::Instant certain) {
+  const std::size_t held = held_.size();
+  held_.release_until(certain, [this](const core::TickMean<kAxes>& mean) { learn(mean); });
+  return held_.size() < held;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::end_stop(core::Instant pulse) {
+  standstill_.pulse(pulse);
+  average_.clear();
+  stop_open_ = false;
 }
 
 template <std::size_t R, std::size_t C>

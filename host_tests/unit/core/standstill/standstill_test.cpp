@@ -63,6 +63,16 @@ TEST(HoldBackLine, DiscardsOnlyWhatMayBelongToTheDrive) {
   EXPECT_EQ(last, 4);
 }
 
+TEST(HoldBackLine, IsEmptyAfterClear) {
+  HoldBackLine<Item, 4> line;
+  for (int i = 0; i < 3; ++i) line.push({i, at_ms(100 * i)});
+  line.clear();
+  EXPECT_EQ(line.size(), 0U);
+  line.push({7, at_ms(900)});
+  line.release_until(at_ms(900), [](const Item& item) { EXPECT_EQ(item.number, 7); });
+  EXPECT_EQ(line.size(), 0U);
+}
+
 TEST(HoldBackLineOverflow, IsAProgrammerError) {
   HoldBackLine<Item, 1> line;
   line.push({});
