@@ -1,0 +1,96 @@
+#include "host_tools/lib/identify/whittle_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using simulate::Effect;
+
+// Over 4200 recordings of nine seeds with d = .7 the 95 % intervals of the order held .939; the
+// worst seed alone, 20120416, held .912 of 800.
+constexpr std::uint64_t kSeed = 5;
+constexpr std::size_t kRuns = 200;
+constexpr std::size_t kSamples = 20'000;
+constexpr double kWhiteVariance = 1.0;
+constexpr double kInnovationVariance = 0.09;  // white over flicker 3.3, as in the paper's sensor
+
+std::vector<double> recording(std::size_t run, double flicker_variance, double order) {
+  const std::vector<Effect> effects{simulate::WhiteNoise{std::sqrt(kWhiteVariance)},
+                                    simulate::FlickerNoise{std::sqrt(flicker_variance), order}};
+  return simulate::simulate(simulate::Signal(kSamples, 1.0), effects,
+                            simulate::RandomStream(kSeed, run))
+      .rate_rad_s;
+}
+
+/// Bias in standard errors of the mean, and coverage of 95 % intervals, of one parameter.
+struct Recovery {
+  void add(const Estimate& estimate, double truth) {
+    error += estimate.value - truth;
+    stated += estimate.standard_error;
+    held += std::abs(estimate.value - truth) < 1.96 * estimate.standard_error ? 1.0 : 0.0;
+  }
+  void expect_honest(const char* what, double truth) const {
+    const double of_the_mean = stated / kRuns / std::sqrt(double{kRuns});
+    EXPECT_NEAR(error / kRuns, 0.0, 4.0 * of_the_mean + 0.01 * truth) << what;
+    // Three standard deviations of a share of 200 at .95: .046.
+    EXPECT_NEAR(held / kRuns, 0.95, 3.0 * std::sqrt(0.95 * 0.05 / kRuns)) << what;
+  }
+  double error = 0.0;
+  double stated = 0.0;
+  double held = 0.0;
+};
+
+TEST(WhiteFlickerFit, RecoversStrengthsAndOrderWithHonestErrors) {
+  for (const double order : {0.5, 0.7}) {
+    std::array<Recovery, 3> recovery;
+    for (std::size_t run = 0; run < kRuns; ++run) {
+      const WhiteFlickerFit fit = fit_white_flicker(recording(run, kInnovationVariance, order));
+      ASSERT_TRUE(fit.flicker.has_value());
+      recovery[0].add(fit.white_variance, kWhiteVariance);
+      recovery[1].add(fit.flicker->innovation_variance, kInnovationVariance);
+      recovery[2].add(fit.flicker->order, order);
+    }
+    recovery[0].expect_honest("white variance", kWhiteVariance);
+    recovery[1].expect_honest("innovation variance", kInnovationVariance);
+    recovery[2].expect_honest("order", order);
+  }
+}
+
+TEST(WhiteFlickerFit, RecoversStrengthsWhereTheOrderIsGiven) {
+  std::array<Recovery, 2> recovery;
+  for (std::size_t run = 0; run < kRuns; ++run) {
+    const WhiteFlickerFit fit =
+        fit_white_flicker(recording(run, kInnovationVariance, 0.5), {.order = 0.5});
+    ASSERT_TRUE(fit.flicker.has_value());
+    EXPECT_EQ(fit.flicker->order.standard_error, 0.0);
+    recovery[0].add(fit.white_variance, kWhiteVariance);
+    recovery[1].add(fit.flicker->innovation_variance, kInnovationVariance);
+  }
+  recovery[0].expect_honest("white variance", kWhiteVariance);
+  recovery[1].expect_honest("innovation variance", kInnovationVariance);
+}
+
+// At a significance of .05, 200 clean recordings give 10 +- 3.1 alarms if the p-value is exact and
+// fewer if it is conservative: at most four standard deviations more.
+TEST(WhiteFlickerFit, InventsNoFlickerInWhiteNoise) {
+  for (const std::optional<double> order : {std::optional<double>{}, std::optional<double>{0.5}}) {
+    double alarms = 0.0;
+    for (std::size_t run = 0; run < kRuns; ++run) {
+      const WhiteFlickerFit fit =
+          fit_white_flicker(recording(run, 0.0, 0.5), {.order = order, .significance = 0.05});
+      alarms += fit.flicker ? 1.0 : 0.0;
+    }
+    EXPECT_LE(alarms, 0.05 * kRuns + 4.0 * std::sqrt(0.05 * 0.95 * kRuns)) << order.has_value();
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::identify

@@ -1,0 +1,204 @@
+#include "host_tools/lib/identify/whittle_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/quadrature/tanh_sinh.hpp>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/lib/spectrum/cosine_transform.hpp"
+#include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+constexpr std::size_t kFewestSamples = 64;
+constexpr std::size_t kSingleBins = 32;  // coefficients that stand alone, with their exact ratio
+constexpr double kBinGrowth = 1.03;
+constexpr double kLowestOrder = 0.05;
+constexpr double kHighestOrder = 1.0;
+constexpr double kLowestLogRatio = -20.0;  // of flicker to white variance: as good as none
+constexpr double kHighestLogRatio = 12.0;
+constexpr int kMinimumBits = 18;
+
+/// Neighbouring coefficients of nearly the same density.
+struct Bin {
+  double cycles_per_sample;
+  double mean_square;
+  double count;
+};
+
+std::vector<Bin> binned_coefficients(std::span<const double> rate) {
+  const std::vector<double> coefficients = spectrum::cosine_transform(rate);
+  std::vector<Bin> bins;
+  std::size_t first = 1;
+  while (first < coefficients.size()) {
+    const auto grown = static_cast<std::size_t>(static_cast<double>(first) * kBinGrowth);
+    const std::size_t end = first <= kSingleBins
+                                ? first + 1
+                                : std::min(std::max(grown, first + 1), coefficients.size());
+    double sum = 0.0;
+    for (std::size_t k = first; k < end; ++k) sum += coefficients[k] * coefficients[k];
+    const auto count = static_cast<double>(end - first);
+    const double centre = 0.5 * static_cast<double>(first + end - 1);
+    bins.push_back({centre / static_cast<double>(2 * coefficients.size()), sum / count, count});
+    first = end;
+  }
+  return bins;
+}
+
+/// Density of flicker noise of unit innovation variance in each bin.
+std::vector<double> flicker_shape(std::span<const Bin> bins, double order) {
+  std::vector<double> shape(bins.size());
+  for (std::size_t b = 0; b < bins.size(); ++b) {
+    shape[b] = spectrum::fractional_density(order, bins[b].cycles_per_sample);
+    if (b < kSingleBins) shape[b] *= dct_power_ratio(order, b + 1);
+  }
+  return shape;
+}
+
+/// The scale-free half of the likelihood: white variance r, flicker variance ratio * r.
+struct Profile {
+  double minus_two_log_likelihood;
+  double white_variance;  ///< the best for the given ratio
+};
+
+Profile profile(std::span<const Bin> bins, std::span<const double> shape, double ratio) {
+  double logs = 0.0;
+  double scaled = 0.0;
+  double count = 0.0;
+  for (std::size_t b = 0; b < bins.size(); ++b) {
+    const double relative = 1.0 + ratio * shape[b];
+    logs += bins[b].count * std::log(relative);
+    scaled += bins[b].count * bins[b].mean_square / relative;
+    count += bins[b].count;
+  }
+  const double white = scaled / count;
+  return {logs + count * (std::log(white) + 1.0), white};
+}
+
+struct Minimum {
+  double at;
+  double value;
+};
+
+/// The lowest point of a smooth function: a scan, then Brent's method around its best step.
+template <class Function>
+Minimum minimise(const Function& function, double low, double high, int steps) {
+  const double step = (high - low) / steps;
+  Minimum best{low, std::numeric_limits<double>::infinity()};
+  for (int i = 0; i <= steps; ++i) {
+    const double at = low + step * i;
+    const double value = function(at);
+    if (value < best.value) best = {at, value};
+  }
+  const auto [at, value] = boost::math::tools::brent_find_minima(
+      function, std::max(low, best.at - step), std::min(high, best.at + step), kMinimumBits);
+  return value < best.value ? Minimum{at, value} : best;
+}
+
+Minimum best_log_ratio(std::span<const Bin> bins, std::span<const double> shape) {
+  const auto objective = [&](double log_ratio) {
+    return profile(bins, shape, std::exp(log_ratio)).minus_two_log_likelihood;
+  };
+  return minimise(objective, kLowestLogRatio, kHighestLogRatio, 32);
+}
+
+double best_order(std::span<const Bin> bins) {
+  const auto objective = [&](double order) {
+    return best_log_ratio(bins, flicker_shape(bins, order)).value;
+  };
+  return minimise(objective, kLowestOrder, kHighestOrder, 10).at;
+}
+
+/// Covariance of (r, s_f^2, d) by the expected information, 1/2 sum n_b dS dS' / S^2; the last row
+/// and column are zero where d is known.
+Eigen::Matrix3d covariance(std::span<const Bin> bins, std::span<const double> shape, double white,
+                           double flicker, bool order_is_free) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (std::size_t b = 0; b < bins.size(); ++b) {
+    const double sine = 2.0 * std::sin(std::numbers::pi * bins[b].cycles_per_sample);
+    const double order_slope = -2.0 * flicker * shape[b] * std::log(sine);
+    const double density = white + flicker * shape[b];
+    const Eigen::Vector3d slope = Eigen::Vector3d(1.0, shape[b], order_slope) / density;
+    information += 0.5 * bins[b].count * slope * slope.transpose();
+  }
+  const Eigen::Index free = order_is_free ? 3 : 2;
+  // Scaled to a unit diagonal first: the three parameters differ by many orders of magnitude.
+  const Eigen::VectorXd scale = information.diagonal().head(free).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation =
+      scale.asDiagonal() * information.topLeftCorner(free, free) * scale.asDiagonal();
+  Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
+  result.topLeftCorner(free, free) =
+      scale.asDiagonal() * correlation.inverse() * scale.asDiagonal();
+  return result;
+}
+
+double p_value_of(double likelihood_ratio, bool order_is_free) {
+  if (likelihood_ratio <= 0.0) return 1.0;
+  const boost::math::chi_squared distribution(order_is_free ? 2.0 : 1.0);
+  const double tail = boost::math::cdf(boost::math::complement(distribution, likelihood_ratio));
+  return order_is_free ? tail : 0.5 * tail;
+}
+
+}  // namespace
+
+double dct_power_ratio(double order, std::size_t index) {
+  const double p = std::numbers::pi * static_cast<double>(index);
+  if (order <= 0.0) return 1.0;
+  // The covariance up to a constant, which no coefficient but c_0 sees: -log(u) / pi at d = 1/2.
+  const double half_slope = std::tgamma(2.0 * order) * std::cos(std::numbers::pi * order);
+  const auto covariance = [&](double u) {
+    if (std::abs(order - 0.5) < 1e-9) return -std::log(u) / std::numbers::pi;
+    return std::expm1((2.0 * order - 1.0) * std::log(u)) / (2.0 * half_slope);
+  };
+  const auto integrand = [&](double u) {
+    return covariance(u) * ((1.0 - u) * std::cos(p * u) - std::sin(p * u) / p);
+  };
+  thread_local boost::math::quadrature::tanh_sinh<double> quadrature;  // its tables grow on use
+  const double integral = quadrature.integrate(integrand, 0.0, 1.0, 1e-6);
+  return 2.0 * integral * std::pow(p, 2.0 * order);
+}
+
+WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
+                                  const WhiteFlickerOptions& options) {
+  if (rate.size() < kFewestSamples) {
+    throw std::invalid_argument("fit_white_flicker: fewer than 64 samples");
+  }
+  const bool constant = std::ranges::adjacent_find(rate, std::not_equal_to{}) == rate.end();
+  const std::vector<Bin> bins =
+      binned_coefficients(rate.first(spectrum::fast_length_below(rate.size())));
+  const double order = options.order ? *options.order : best_order(bins);
+  const std::vector<double> shape = flicker_shape(bins, order);
+  const Profile white_alone = profile(bins, shape, 0.0);
+  if (constant || !std::isfinite(white_alone.white_variance)) {
+    throw std::invalid_argument("fit_white_flicker: the record is constant or not finite");
+  }
+  const Minimum best = best_log_ratio(bins, shape);
+
+  WhiteFlickerFit fit{};
+  fit.likelihood_ratio = std::max(0.0, white_alone.minus_two_log_likelihood - best.value);
+  fit.p_value = p_value_of(fit.likelihood_ratio, !options.order);
+  if (fit.p_value > options.significance) {
+    const auto count = static_cast<double>(rate.size() - 1);
+    fit.white_variance = {white_alone.white_variance,
+                          white_alone.white_variance * std::sqrt(2.0 / count)};
+    return fit;
+  }
+  const double ratio = std::exp(best.at);
+  const double white = profile(bins, shape, ratio).white_variance;
+  const Eigen::Matrix3d errors = covariance(bins, shape, white, ratio * white, !options.order);
+  fit.white_variance = {white, std::sqrt(errors(0, 0))};
+  fit.flicker =
+      FlickerEstimate{{ratio * white, std::sqrt(errors(1, 1))}, {order, std::sqrt(errors(2, 2))}};
+  return fit;
+}
+
+}  // namespace zerorate::identify

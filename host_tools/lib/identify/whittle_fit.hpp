@@ -1,0 +1,54 @@
+/// @file
+/// White and flicker noise of a recording by the Whittle likelihood: quick, and the start of the
+/// exact likelihood through the node's filter.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "host_tools/lib/identify/estimate.hpp"
+
+namespace zerorate::identify {
+
+struct FlickerEstimate {
+  Estimate innovation_variance;  ///< s_f^2, (unit of the rate)^2; see spectrum/noise_strength.hpp
+  Estimate order;                ///< d; standard error 0 where it was given
+};
+
+struct WhiteFlickerFit {
+  Estimate white_variance;  ///< r, (unit of the rate)^2 a sample
+  /// Nothing when the recording does not show flicker noise at the asked significance; the white
+  /// variance is that of white noise alone then.
+  std::optional<FlickerEstimate> flicker;
+  double likelihood_ratio;  ///< 2 log of likelihood with over without flicker noise
+  double p_value;           ///< of a ratio this large under white noise alone
+};
+
+struct WhiteFlickerOptions {
+  std::optional<double>
+      order{};  ///< d in (0, 1) where it is known; estimated in [.05, 1] otherwise
+  double significance = 0.01;
+};
+
+/// Fits S(f) = r + s_f^2 |2 sin(pi f)|^(-2d) to the orthonormal DCT-II coefficients c_k, k >= 1, of
+/// the record: -2 log L = sum log S_k + c_k^2 / S_k, f = k / (2n). The mean is free: c_0 is left
+/// out. The DCT is exact for white noise and a random walk and leaks little in between, see
+/// dct_power_ratio. Coefficients are gathered in narrow bins, so that the time is that of the
+/// transform, O(n log n), and some 10 ms.
+/// The standard errors are those of the expected information. The p-value takes the ratio as chi
+/// squared with two degrees of freedom when d is free, and as half of chi squared with one when it
+/// is given, since the strength 0 lies at the edge of its range.
+/// @param rate evenly spaced, at least 64 samples, not constant; throws std::invalid_argument
+///        otherwise. All but the last few are used (spectrum::fast_length_below).
+[[nodiscard]] WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
+                                                const WhiteFlickerOptions& options = {});
+
+/// The variance of DCT coefficient k of a long record of noise of order d over its nominal value
+/// S(k / (2n)): 1 for d = 0 and d = 1, about 1 - .2 / k at d = 1/2.
+/// From the covariance K(u) of |omega|^(-2d), in units of the record's length:
+/// (pi k)^(2d) 2 int_0^1 K(u) [(1 - u) cos(pi k u) - sin(pi k u) / (pi k)] du.
+/// @param order in [0, 1]  @param index k >= 1
+[[nodiscard]] double dct_power_ratio(double order, std::size_t index);
+
+}  // namespace zerorate::identify
