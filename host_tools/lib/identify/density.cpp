@@ -48,9 +48,9 @@ std::vector<double> summed_powers(std::span<const double> rate, std::span<const 
 std::vector<DensityPoint> densities(std::span<const double> rate, double sample_period_s,
                                     std::span<const double> window, std::size_t step) {
   const std::vector<double> powers = summed_powers(rate, window, step);
-  const auto segments = static_cast<double>((rate.size() - window.size()) / step + 1);
+  const std::size_t segments = (rate.size() - window.size()) / step + 1;
   const double window_power = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-  const double scale = 2.0 * sample_period_s / (segments * window_power);
+  const double scale = 2.0 * sample_period_s / (static_cast<double>(segments) * window_power);
   const double spacing_hz = 1.0 / (sample_period_s * static_cast<double>(window.size()));
   std::vector<DensityPoint> points(powers.size());
   for (std::size_t j = 0; j < points.size(); ++j) {
