@@ -14,7 +14,9 @@ set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g")  # the sanitizers at -O0 take several times 
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  # Relative paths, so that a second clone finds what the first one compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
+      "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${CCACHE_PROGRAM}")
 endif()
 
 option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
