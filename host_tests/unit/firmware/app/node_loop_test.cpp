@@ -1,0 +1,284 @@
+#include "firmware/app/node_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "drivers/lsm6dso/registers.hpp"
+#include "hal/sim/odometer.hpp"
+#include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/unit/drivers/lsm6dso/rig.hpp"
+#include "host_tests/unit/firmware/app/node_rig.hpp"
+
+namespace zerorate::app {
+namespace {
+
+using core::Duration;
+using drivers::DriverErrorCode;
+using hal::testing::Fault;
+
+constexpr Duration kMillisecond = Duration::milliseconds(1);
+
+/// Keeps what was published in memory that was reserved before.
+struct Published {
+  Published() { messages.reserve(100'000); }
+  void publish(const RateMessage& message) { messages.push_back(message); }
+  std::vector<RateMessage> messages;
+};
+
+/// An odometer that can fail.
+struct FailingOdometer {
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(std::span<core::Instant> stamps) {
+    if (fails) return core::Unexpected{hal::BusError::io};
+    return working.read_pulses(stamps);
+  }
+  hal::sim::SimulatedOdometer working;
+  bool fails = false;
+};
+
+/// A node's loop on the simulated chip, over SPI, with faults.
+struct LoopRig {
+  using Chip = drivers::Rig<drivers::OverSpi>;
+  using Loop = NodeLoop<testing::Node, decltype(Chip::driver), FailingOdometer,
+                        hal::sim::DataReadyPin, hal::sim::SimulatedClock, Published>;
+
+  explicit LoopRig(drivers::lsm6dso::Settings settings = {}) : hardware(settings) {}
+
+  /// The chip measures, the loop polls.
+  void sample(float rate_rad_s = 0.01F) {
+    hardware.sample({core::rad_per_s(rate_rad_s), core::rad_per_s(-rate_rad_s), {}});
+    loop.poll();
+  }
+  void samples(int count, float rate_rad_s = 0.01F) {
+    for (int i = 0; i < count; ++i) sample(rate_rad_s);
+  }
+  /// Polls every millisecond, without samples.
+  void wait(Duration time) {
+    for (Duration waited; waited < time; waited = waited + kMillisecond) {
+      hardware.clock.advance(kMillisecond);
+      loop.poll();
+    }
+  }
+  /// Starts, and lets the start-up time of the chip pass.
+  void start() {
+    wait(Duration::milliseconds(3));
+    samples(20, 0.0F);
+    published.messages.clear();
+  }
+  /// The bus fails from the next transaction on.
+  void break_bus(std::size_t transactions) {
+    hardware.faults.inject({.first = hardware.faults.calls(), .calls = transactions});
+  }
+  [[nodiscard]] const LoopCounters& counters() const { return loop.counters(); }
+
+  Chip hardware;
+  FailingOdometer odometer;
+  Published published;
+  testing::Node::Params params = testing::node_params();
+  testing::Node node{params};
+  Loop loop{node, hardware.driver, odometer, hardware.chip.int1(), hardware.clock, published};
+};
+
+TEST(NodeLoopWithHealthyHardware, StartsOnceAndPublishesEverySample) {
+  LoopRig rig;
+  EXPECT_FALSE(rig.loop.is_running());
+  rig.start();
+  EXPECT_TRUE(rig.loop.is_running());
+  const std::uint32_t samples_before = rig.counters().samples;
+  rig.samples(1000);
+  EXPECT_EQ(rig.published.messages.size(), 1000U);
+  EXPECT_EQ(rig.counters().samples - samples_before, 1000U);
+  EXPECT_EQ(rig.counters().starts, 1U);
+  EXPECT_EQ(rig.counters().start_errors, 0U);
+  EXPECT_EQ(rig.counters().read_errors, 0U);
+  EXPECT_EQ(rig.counters().configurations_lost, 0U);
+  EXPECT_TRUE(rig.published.messages.back().health.calibrated);
+}
+
+TEST(NodeLoopPolledWithoutASample, PublishesNothing) {
+  LoopRig rig;
+  rig.start();
+  rig.wait(Duration::milliseconds(50));
+  EXPECT_TRUE(rig.published.messages.empty());
+  EXPECT_EQ(rig.counters().read_errors, 0U);
+}
+
+TEST(NodeLoopPolledLate, StampsTheSampleWithItsDataReadyEdge) {
+  LoopRig rig;
+  rig.start();
+  rig.hardware.sample({});
+  const core::Instant edge = rig.hardware.clock.now();
+  rig.hardware.clock.advance(Duration::milliseconds(4));
+  rig.loop.poll();
+  ASSERT_EQ(rig.published.messages.size(), 1U);
+  EXPECT_EQ(rig.published.messages[0].time, edge);
+}
+
+TEST(NodeLoopWhoseChipDoesNotAnswer, TriesAgainAfterPausesThatDoubleUpToASecond) {
+  LoopRig rig;
+  rig.break_bus(Fault::kForEver);
+  std::vector<std::int64_t> attempts_ms;
+  for (std::int64_t ms = 0; ms < 6'000; ++ms) {
+    const std::uint32_t before = rig.counters().start_errors;
+    rig.loop.poll();
+    if (rig.counters().start_errors > before) attempts_ms.push_back(ms);
+    rig.hardware.clock.advance(kMillisecond);
+  }
+  // 10, 20, 40, ... 640 ms, then 1 s.
+  EXPECT_EQ(attempts_ms, (std::vector<std::int64_t>{0, 10, 30, 70, 150, 310, 630, 1270, 2270, 3270,
+                                                    4270, 5270}));
+  EXPECT_EQ(rig.counters().starts, 0U);
+  EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::bus_failed);
+  rig.hardware.faults.clear();
+  rig.wait(Duration::seconds(2));
+  EXPECT_TRUE(rig.loop.is_running());
+  EXPECT_EQ(rig.counters().starts, 1U);
+}
+
+TEST(NodeLoopAfterABusError, StartsTheChipAgainAndGoesOn) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  rig.break_bus(1);
+  rig.sample();
+  EXPECT_FALSE(rig.loop.is_running());
+  EXPECT_EQ(rig.counters().read_errors, 1U);
+  EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::bus_failed);
+  EXPECT_EQ(rig.counters().last_error.bus, hal::BusError::io);
+  rig.wait(Duration::milliseconds(20));
+  EXPECT_TRUE(rig.loop.is_running());
+  EXPECT_EQ(rig.counters().starts, 2U);
+  const std::size_t published = rig.published.messages.size();
+  rig.samples(500);
+  EXPECT_GT(rig.published.messages.size(), published + 480U);  // less the start-up time
+  EXPECT_EQ(rig.counters().read_errors, 1U);
+}
+
+TEST(NodeLoopAfterASuccessfulRestart, BeginsItsPausesAnew) {
+  LoopRig rig;
+  rig.start();
+  for (int fault = 0; fault < 8; ++fault) {
+    rig.break_bus(1);
+    rig.sample();
+    EXPECT_FALSE(rig.loop.is_running());
+    rig.wait(Duration::milliseconds(15));
+    EXPECT_TRUE(rig.loop.is_running()) << fault;
+    rig.samples(20);
+  }
+  EXPECT_EQ(rig.counters().starts, 9U);
+}
+
+TEST(NodeLoopWhoseChipWasUpset, FindsTheChangedRegisterAndRestoresIt) {
+  LoopRig rig;
+  rig.start();
+  rig.hardware.chip.upset(drivers::lsm6dso::kCtrl2G.address, 0x04);  // 500 deg/s instead of 250
+  rig.samples(12);  // the table has eleven entries, one is verified with each sample
+  EXPECT_EQ(rig.counters().configurations_lost, 1U);
+  EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::configuration_lost);
+  rig.wait(Duration::milliseconds(20));
+  EXPECT_EQ(rig.counters().starts, 2U);
+  rig.samples(20);
+  rig.published.messages.clear();
+  rig.sample(0.5F);
+  ASSERT_EQ(rig.published.messages.size(), 1U);
+  const float lsb = core::deg_per_s(8.75e-3F).in(core::rad_per_s);
+  EXPECT_NEAR(rig.published.messages[0].axes[0].measured.in(core::rad_per_s), 0.5F, 0.51F * lsb);
+}
+
+TEST(NodeLoopWhoseChipLostItsSupply, StartsItAgainAndKeepsTheBias) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(2000);
+  const auto before = rig.node.state();
+  rig.hardware.chip.cycle_power();
+  // A chip that is powered down raises no data-ready: the loop polls, nothing comes.
+  rig.wait(Duration::milliseconds(500));
+  rig.samples(1);
+  rig.wait(Duration::milliseconds(50));
+  rig.samples(100);
+  EXPECT_TRUE(rig.loop.is_running());
+  EXPECT_EQ(rig.counters().starts, 2U);
+  EXPECT_GE(rig.node.measured_ticks(), before.measured_ticks);
+  EXPECT_TRUE(rig.published.messages.back().health.calibrated);
+}
+
+TEST(NodeLoopWithAFifoThatOverran, CountsItAndReadsOn) {
+  LoopRig rig{{.mode = drivers::lsm6dso::Mode::fifo}};
+  rig.start();
+  for (int i = 0; i < 600; ++i) rig.hardware.sample({});  // 512 fit
+  rig.loop.poll();
+  EXPECT_EQ(rig.counters().overruns, 1U);
+  EXPECT_EQ(rig.counters().read_errors, 1U);
+  EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::fifo_overrun);
+  EXPECT_TRUE(rig.loop.is_running());
+  EXPECT_EQ(rig.counters().starts, 1U);
+  const std::uint32_t samples = rig.counters().samples;
+  rig.wait(Duration::milliseconds(100));
+  EXPECT_EQ(rig.counters().samples - samples, 512U);
+}
+
+TEST(NodeLoopWithPulses, HandsThemAllToTheNodeAndCountsThem) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  EXPECT_NE(rig.published.messages.back().motion, core::Motion::moving);
+  for (int i = 0; i < 40; ++i) rig.odometer.working.pulse(rig.hardware.clock.now());  // 2.5 batches
+  rig.sample();
+  EXPECT_EQ(rig.counters().pulses, 40U);
+  EXPECT_EQ(rig.counters().pulses_lost, 0U);
+  EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
+  EXPECT_FALSE(rig.published.messages.back().health.pulses_lost);
+}
+
+TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulsesAndCountsAsMoving) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  for (int i = 0; i < 70; ++i) rig.odometer.working.pulse(rig.hardware.clock.now());  // 64 fit
+  rig.sample();
+  EXPECT_EQ(rig.counters().pulses, 64U);
+  EXPECT_EQ(rig.counters().pulses_lost, 6U);
+  EXPECT_TRUE(rig.published.messages.back().health.pulses_lost);
+  EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
+}
+
+TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  const std::uint32_t learnt = rig.node.measured_ticks();
+  rig.odometer.fails = true;
+  const std::uint32_t errors_before = rig.counters().odometer_errors;
+  rig.samples(300);
+  EXPECT_EQ(rig.counters().odometer_errors - errors_before, 300U);
+  EXPECT_EQ(rig.node.measured_ticks(), learnt);
+  EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
+  EXPECT_TRUE(rig.published.messages.back().health.pulses_lost);
+  rig.odometer.fails = false;
+  rig.samples(500);
+  EXPECT_GT(rig.node.measured_ticks(), learnt);
+}
+
+TEST(NodeLoopOverAWholeDrive, NeverAllocatesInNodeLoopAndDriver) {
+  LoopRig rig;
+  rig.start();
+  const support::AllocationCounter all;
+  std::size_t by_the_simulation = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const bool moves = i >= 2000 && i < 4000;
+    const support::AllocationCounter simulation;
+    rig.hardware.sample({core::rad_per_s(moves ? 0.3F : 0.01F), {}, {}});
+    if (moves) rig.odometer.working.pulse(rig.hardware.clock.now());
+    by_the_simulation += simulation.count();
+    rig.loop.poll();
+  }
+  EXPECT_EQ(rig.published.messages.size(), 6000U);
+  EXPECT_GT(rig.counters().pulses, 0U);
+  EXPECT_EQ(all.count() - by_the_simulation, 0U);
+}
+
+}  // namespace
+}  // namespace zerorate::app
