@@ -18,6 +18,7 @@ class Odometer {
   virtual ~Odometer() = default;
 
   /// Appends the pulses of this row, in order, and says whether the vehicle moves at it.
+  /// @param at never decreases from row to row
   virtual bool pulses_until(core::Instant at, const recording::Row& row,
                             std::vector<core::Instant>& pulses) = 0;
 };

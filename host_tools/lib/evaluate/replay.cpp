@@ -107,9 +107,12 @@ class Run {
     recording::Row row;
     while (rows_.next(row)) {
       const core::Instant at = core::Instant::from_ns(row.time_ns) + shift_;
+      // A row whose time runs backwards is refused by the node, but what it counted was real: the
+      // odometer's time stands still until the recording has caught up.
+      latest_ = std::max(latest_, at);
       pulses_.clear();
-      const bool moving = odometer_->pulses_until(at, row, pulses_);
-      if (drive_open_ && !moving) close_drive(at);
+      const bool moving = odometer_->pulses_until(latest_, row, pulses_);
+      if (drive_open_ && !moving) close_drive(latest_);
       const app::RateMessage message = feed.feed(sample_of(row, at), pulses_);
       take(row, moving, message);
       ++result_.rows;
@@ -230,7 +233,8 @@ class Run {
   std::unique_ptr<Odometer> odometer_;
   Node node_;
   std::vector<core::Instant> pulses_;
-  core::Instant newest_ = kStart;
+  core::Instant latest_ = kStart;  ///< time of the recording so far
+  core::Instant newest_ = kStart;  ///< sample with a rate
   bool drive_open_ = false;
   core::Instant drive_start_;
   std::array<std::array<Drive, app::kPredictors>, kAxes> drives_;
