@@ -1,5 +1,6 @@
 #include "host_tools/lib/experiments/node_predictors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/estimator/bias_predictor.hpp"
@@ -19,13 +20,19 @@ constexpr std::size_t kMostDecades = 8;
 using Node = model::NodeModel<kMostDecades, 0>;
 using Span = core::Transition<kMostDecades, 0>;
 
+/// The node's filter never trusts a sample completely. Where neither the noise nor the fit of the
+/// lags leaves anything white, a hundredth of s_f stands in.
+double white_variance(const reference::FractionalNoise& noise) {
+  return std::max(noise.white_variance, 1e-4 * noise.innovation_variance);
+}
+
 Node make_node(const DecadeNoise& decades) {
   const auto& noise = decades.noise;
   const double period_s = decades.sample_period_s;
   const model::SensorModel sensor{
       .name = "fractional noise",
       .white = {.angle_random_walk_rad_per_sqrt_s =
-                    spectrum::angle_random_walk(noise.white_variance, period_s)},
+                    spectrum::angle_random_walk(white_variance(noise), period_s)},
       .flicker = model::Flicker{.bias_instability_rad_s = spectrum::bias_instability(
                                     noise.innovation_variance, noise.order, period_s),
                                 .order = noise.order,

@@ -15,51 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using reference::FractionalNoise;
 
-/// Sets of eq. 3, each from a stream of its own.
-SetSource simulated_sets(const FractionalNoise& noise, std::uint64_t seed) {
-  const simulate::RandomStream stream{seed};
-  return [noise, stream](std::size_t first, MatrixXd& block) {
-    const auto samples = static_cast<std::size_t>(block.rows());
-    std::vector<double> white(samples);
-    for (Index run = 0; run < block.cols(); ++run) {
-      const auto own = stream.substream(first + static_cast<std::size_t>(run));
-      const auto driving = own.substream("flicker_noise");
-      const std::span<double> values{block.col(run).data(), samples};
-      spectrum::integrate_fractionally(
-          noise.order,
-          [&](std::ptrdiff_t begin, std::span<double> part) { driving.fill_normal(begin, part); },
-          0, values);
-      own.substream("white_noise").fill_normal(0, white);
-      for (std::size_t k = 0; k < samples; ++k) {
-        values[k] = std::sqrt(noise.innovation_variance) * values[k] +
-                    std::sqrt(noise.white_variance) * white[k];
-      }
-    }
-  };
-}
-
 DecadeNoise decade_noise(const SimulationOptions& options, core::Start start) {
   return {.noise = options.noise, .decades = options.decades, .start = start};
-}
-
-Predictors table1_predictors(const SimulationOptions& options) {
-  const auto& noise = options.noise;
-  const auto& lengths = options.lengths;
-  const DecadeNoise zero = decade_noise(options, core::Start::zero);
-  const DecadeNoise stationary = decade_noise(options, core::Start::stationary);
-  Predictors predictors;
-  predictors.push_back(make_full_state("full-state Kalman (paper)", noise, lengths));
-  predictors.push_back(
-      make_optimum("optimum, b unknown", noise, reference::Bias::diffuse, lengths));
-  predictors.push_back(make_optimum("optimum, b known", noise, reference::Bias::known, lengths));
-  predictors.push_back(make_decade_kalman("decade Kalman, zero start", zero, lengths));
-  predictors.push_back(make_decade_kalman("decade Kalman, stationary start", stationary, lengths));
-  predictors.push_back(
-      make_autoregression("AR(4), least squares", AutoregressionFit::least_squares, 4, lengths));
-  predictors.push_back(make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, lengths));
-  predictors.push_back(make_moving_average("moving average", zero, lengths));
-  predictors.push_back(make_calibration_mean("calibration mean", zero, lengths));
-  return predictors;
 }
 
 /// What a linear predictor answers to each sample alone is its weights.
@@ -68,6 +25,7 @@ MatrixXd weights_of(const Predictor& predictor, const Lengths& lengths) {
   return predictor.predict(MatrixXd::Identity(n, n)).bias;
 }
 
+/// The last predictor is the yardstick.
 std::vector<std::optional<Expectation>> expect(const Predictors& predictors,
                                                const SimulationOptions& options,
                                                const Progress& progress) {
@@ -98,9 +56,52 @@ Progress part_of(const Progress& progress, double from, double to) {
 
 }  // namespace
 
+SetSource simulated_sets(const FractionalNoise& noise, std::uint64_t seed) {
+  const simulate::RandomStream stream{seed};  // each set has a substream of its own
+  return [noise, stream](std::size_t first, MatrixXd& block) {
+    const auto samples = static_cast<std::size_t>(block.rows());
+    std::vector<double> white(samples);
+    for (Index run = 0; run < block.cols(); ++run) {
+      const auto own = stream.substream(first + static_cast<std::size_t>(run));
+      const auto driving = own.substream("flicker_noise");
+      const std::span<double> values{block.col(run).data(), samples};
+      spectrum::integrate_fractionally(
+          noise.order,
+          [&](std::ptrdiff_t begin, std::span<double> part) { driving.fill_normal(begin, part); },
+          0, values);
+      own.substream("white_noise").fill_normal(0, white);
+      for (std::size_t k = 0; k < samples; ++k) {
+        values[k] = std::sqrt(noise.innovation_variance) * values[k] +
+                    std::sqrt(noise.white_variance) * white[k];
+      }
+    }
+  };
+}
+
+Predictors simulated_predictors(const SimulationOptions& options) {
+  const auto& noise = options.noise;
+  const auto& lengths = options.lengths;
+  const DecadeNoise zero = decade_noise(options, core::Start::zero);
+  const DecadeNoise stationary = decade_noise(options, core::Start::stationary);
+  Predictors predictors;
+  predictors.push_back(make_full_state("full-state Kalman (paper)", noise, lengths));
+  predictors.push_back(
+      make_optimum("optimum, b unknown", noise, reference::Bias::diffuse, lengths));
+  predictors.push_back(make_decade_kalman("decade Kalman, zero start", zero, lengths));
+  predictors.push_back(make_decade_kalman("decade Kalman, stationary start", stationary, lengths));
+  predictors.push_back(
+      make_autoregression("AR(4), least squares", AutoregressionFit::least_squares, 4, lengths));
+  predictors.push_back(make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, lengths));
+  predictors.push_back(make_moving_average("moving average", zero, lengths));
+  predictors.push_back(make_calibration_mean("calibration mean", zero, lengths));
+  return predictors;
+}
+
 std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
                                                const Progress& progress) {
-  const Predictors predictors = table1_predictors(options);
+  Predictors predictors = simulated_predictors(options);
+  predictors.insert(predictors.begin() + 2, make_optimum("optimum, b known", options.noise,
+                                                         reference::Bias::known, options.lengths));
   const auto expected = expect(predictors, options, part_of(progress, 0.1, 0.4));
   const Scores scores = run_contest(predictors, options.lengths, options.runs,
                                     simulated_sets(options.noise, options.seed), options.threads,
@@ -131,7 +132,8 @@ std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
         run_contest(predictors, own.lengths, own.runs, simulated_sets(own.noise, own.seed),
                     own.threads, part_of(progress, position / count, (position + 1.0) / count));
     standings.push_back({order, make_standing(predictors[0]->name(), scores[0], scores[1]),
-                         make_standing(predictors[1]->name(), scores[1], scores[1])});
+                         make_standing(predictors[1]->name(), scores[1], scores[1]),
+                         expect(predictors, own, {}).front().value()});
   }
   return standings;
 }

@@ -24,12 +24,18 @@ struct SimulationOptions {
 };
 
 /// What is expected of a linear predictor under the simulated model, without chance: from its
-/// weights and the exact covariance.
+/// weights and the exact covariance. The yardstick is that of the measured ratios.
 struct Expectation {
   double std_ie = 0.0;
-  double ie_ratio = 0.0;    ///< to the calibration mean
-  double rsse_ratio = 0.0;  ///< of root mean squares, to the calibration mean
+  double ie_ratio = 0.0;    ///< to the yardstick
+  double rsse_ratio = 0.0;  ///< of root mean squares over all sets, to the yardstick
 };
+
+/// The sets that the experiment runs on.
+[[nodiscard]] SetSource simulated_sets(const reference::FractionalNoise& noise, std::uint64_t seed);
+
+/// Those who take part and do not need to know the bias; the calibration mean is the last.
+[[nodiscard]] Predictors simulated_predictors(const SimulationOptions& options);
 
 struct SimulatedStanding {
   Standing measured;
@@ -47,8 +53,10 @@ struct OrderStanding {
   double order;
   Standing decade_kalman;  ///< ratios are to the optimum
   Standing optimum;
+  Expectation expected;  ///< of the decade filter, ratios to the optimum
 };
 
+/// The future work "possibly with different choices of d" of the paper's section VI.
 [[nodiscard]] std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
                                                         const SimulationOptions& options,
                                                         const Progress& progress);
