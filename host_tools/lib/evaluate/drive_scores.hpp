@@ -56,7 +56,8 @@ class DriveScores {
   [[nodiscard]] double mean_rsse_rad_s() const;
   /// Share of the drives whose drift lies within 1.96 predicted standard deviations.
   [[nodiscard]] double coverage95() const;
-  /// Mean predicted standard deviation over the root mean square of the drift: 1 is honest.
+  /// Mean predicted standard deviation over the root mean square of the drift. Honest is 1 for
+  /// drives of equal length, less if lengths differ (.7 to .8 for exponential ones).
   [[nodiscard]] double sigma_over_rms() const;
 
  private:

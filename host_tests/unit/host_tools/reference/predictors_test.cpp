@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/lib/reference/best_linear_predictor.hpp"
+#include "host_tools/lib/reference/full_state_filter.hpp"
+#include "host_tools/lib/reference/plug_in_predictor.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+
+namespace zerorate::reference {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kSamples = 120;
+constexpr std::size_t kLeads = 80;
+
+constexpr FractionalNoise kPaper{.order = 0.5, .innovation_variance = 6.25};
+constexpr FractionalNoise kWithWhite{
+    .order = 0.7, .innovation_variance = 2.0, .white_variance = 5.0};
+
+// Any numbers do: the predictors are linear, and their agreement is an identity.
+VectorXd any_data() {
+  VectorXd data(kSamples);
+  simulate::RandomStream{3}.fill_normal(0, {data.data(), kSamples});
+  return data.array() + 17.0;
+}
+
+struct Forecast {
+  VectorXd values{kLeads};
+  VectorXd variance{kLeads};
+};
+
+// Sample by sample, as the paper writes it.
+Forecast by_recursion(const FractionalNoise& noise, const VectorXd& data,
+                      const FullStateFilter::Mean& mean) {
+  FullStateFilter filter{noise, mean, kSamples + kLeads};
+  for (const double value : data) {
+    filter.advance();
+    filter.observe(value);
+  }
+  Forecast forecast;
+  for (std::size_t j = 0; j < kLeads; ++j) {
+    filter.advance();
+    forecast.values(static_cast<Eigen::Index>(j)) = filter.bias();
+    forecast.variance(static_cast<Eigen::Index>(j)) = filter.bias_variance();
+  }
+  return forecast;
+}
+
+void expect_equal(const LinearPredictor& predictor, const VectorXd& data, const Forecast& expected,
+                  double tolerance) {
+  EXPECT_LT((predictor.weights * data - expected.values).cwiseAbs().maxCoeff(), tolerance);
+  EXPECT_LT((predictor.variance - expected.variance).cwiseAbs().maxCoeff(), tolerance);
+}
+
+TEST(FullStateFilter, WeighsThePastByEquationSix) {
+  // x_1 .. x_3 are observed without noise; x_4 is then predicted by eq. 6 alone.
+  const double d = 0.5;
+  FullStateFilter filter{kPaper, {}, 4};
+  for (const double x : {1.0, -2.0, 5.0}) {
+    filter.advance();
+    filter.observe(x);
+  }
+  filter.advance();
+  const auto f = [d](double lag) {
+    return -std::tgamma(lag - d) / (std::tgamma(lag + 1.0) * std::tgamma(-d));
+  };
+  EXPECT_NEAR(filter.bias(), f(3) * 1.0 + f(2) * -2.0 + f(1) * 5.0, 1e-12);
+  EXPECT_NEAR(filter.innovation_variance(), kPaper.innovation_variance, 1e-12);
+}
+
+TEST(FullStateFilter, RefusesToGrowBeyondItsCapacity) {
+  FullStateFilter filter{kPaper, {}, 1};
+  filter.advance();
+  EXPECT_THROW(filter.advance(), std::length_error);
+}
+
+TEST(FullStateFilter, AfterWaitingEqualsTheOneThatWaited) {
+  FullStateFilter waited{kWithWhite, {}, 30};
+  for (int k = 0; k < 20; ++k) waited.advance();
+  FullStateFilter jumped = FullStateFilter::after_waiting(kWithWhite, 20, 30);
+  for (FullStateFilter* filter : {&waited, &jumped}) {
+    filter->advance();
+    filter->observe(3.0);
+    filter->advance();
+  }
+  EXPECT_NEAR(jumped.bias(), waited.bias(), 1e-10);
+  EXPECT_NEAR(jumped.bias_variance(), waited.bias_variance(), 1e-10);
+}
+
+TEST(PlugInPredictor, EqualsTheRecursionOfThePaper) {
+  const VectorXd data = any_data();
+  for (const FractionalNoise& noise : {kPaper, kWithWhite}) {
+    expect_equal(make_plug_in_predictor(noise, kSamples, kLeads), data,
+                 by_recursion(noise, data, {.value = data.mean()}), 1e-9);
+  }
+}
+
+TEST(PlugInPredictor, StatesLessThanItsErrorBecauseItTakesTheMeanAsCertain) {
+  const LinearPredictor predictor = make_plug_in_predictor(kPaper, kSamples, kLeads);
+  const VectorXd truth = error_variance(kPaper, predictor.weights);
+  EXPECT_GT(truth(kLeads - 1), 1.04 * predictor.variance(kLeads - 1));
+}
+
+TEST(BestLinearPredictor, EqualsTheRecursionWithAnUnknownMean) {
+  const VectorXd data = any_data();
+  const double nearly_unknown = 1e7;  // relative error about C / 1e7, rounding about 1e7 epsilon
+  for (const FractionalNoise& noise : {kPaper, kWithWhite}) {
+    expect_equal(make_best_linear_predictor(noise, Bias::diffuse, kSamples, kLeads), data,
+                 by_recursion(noise, data, {.variance = nearly_unknown}), 2e-5);
+  }
+}
+
+TEST(BestLinearPredictor, EqualsTheRecursionWithTheMeanThatItIsGiven) {
+  const VectorXd data = any_data();
+  expect_equal(make_best_linear_predictor(kWithWhite, Bias::known, kSamples, kLeads), data,
+               by_recursion(kWithWhite, data, {}), 1e-9);
+}
+
+TEST(BestLinearPredictor, StatesItsTrueErrorAndFollowsAShiftOfTheBias) {
+  const LinearPredictor best =
+      make_best_linear_predictor(kWithWhite, Bias::diffuse, kSamples, kLeads);
+  EXPECT_LT((error_variance(kWithWhite, best.weights) - best.variance).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((best.weights.rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-10);
+}
+
+TEST(BestLinearPredictor, BeatsAnyOtherUnbiasedOneAtEveryLead) {
+  const LinearPredictor best = make_best_linear_predictor(kPaper, Bias::diffuse, kSamples, kLeads);
+  const LinearPredictor plug_in = make_plug_in_predictor(kPaper, kSamples, kLeads);
+  const MatrixXd mean = MatrixXd::Constant(kLeads, kSamples, 1.0 / kSamples);
+  for (const MatrixXd& other : {plug_in.weights, mean}) {
+    const VectorXd excess = error_variance(kPaper, other) - best.variance;
+    EXPECT_GT(excess.minCoeff(), -1e-10);
+  }
+}
+
+TEST(Covariance, IsTheProductOfTheIntegrationMatrices) {
+  const VectorXd psi = impulse_response(0.3, 50);
+  MatrixXd integration = MatrixXd::Zero(50, 50);
+  for (Eigen::Index j = 0; j < 50; ++j) {
+    for (Eigen::Index i = j; i < 50; ++i) integration(i, j) = psi(i - j);
+  }
+  const MatrixXd expected = 4.0 * integration * integration.transpose();
+  EXPECT_LT(
+      (covariance({.order = 0.3, .innovation_variance = 4.0}, 50) - expected).cwiseAbs().maxCoeff(),
+      1e-12);
+}
+
+TEST(IntegratedErrorVariance, OfTheMeanOfWhiteNoiseIsTheClosedForm) {
+  // m values and m times the mean of n values: m r + m^2 r / n.
+  const MatrixXd mean = MatrixXd::Constant(30, 20, 1.0 / 20.0);
+  const FractionalNoise white{.innovation_variance = 0.0, .white_variance = 3.0};
+  EXPECT_NEAR(integrated_error_variance(white, mean), 30.0 * 3.0 + 900.0 * 3.0 / 20.0, 1e-10);
+}
+
+}  // namespace
+}  // namespace zerorate::reference

@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/experiments/presentation.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+using experiments::Presentation;
+using experiments::Progress;
+
+struct Options {
+  std::string experiment;
+  experiments::SimulationOptions simulation;
+  double white = 0.0;
+  std::vector<std::string> data;
+  double highest_rate_hz = 20.0;
+  std::string json;
+  std::string report;
+};
+
+std::vector<experiments::RestRecording> recordings(const Options& options) {
+  if (options.data.empty()) return {};
+  return experiments::read_rest_recordings({options.data.begin(), options.data.end()},
+                                           options.highest_rate_hz);
+}
+
+experiments::MeasuredOptions measured_options(const Options& options) {
+  return {.lengths = options.simulation.lengths,
+          .decades = options.simulation.decades,
+          .threads = options.simulation.threads};
+}
+
+/// Work under a progress bar of its own.
+template <class Work>
+auto watched(const char* what, Work work) {
+  ProgressBar bar{what};
+  return work(Progress{[&bar](double share) { bar.update(share); }});
+}
+
+Presentation table1(const Options& options) {
+  experiments::Table1 table{.options = options.simulation};
+  table.simulated = watched("simulating Table I", [&](const Progress& progress) {
+    return experiments::simulate_table1(options.simulation, progress);
+  });
+  table.orders = watched("other orders", [&](const Progress& progress) {
+    auto fewer = options.simulation;
+    fewer.runs = std::max<std::size_t>(2, fewer.runs / 4);
+    return experiments::compare_orders({0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, fewer, progress);
+  });
+  table.costs = experiments::measure_filter_cost({500, 1000, 2000, 4000});
+  if (!options.data.empty()) {
+    table.measured = watched("measured sets", [&](const Progress& progress) {
+      return experiments::measure_table1(recordings(options), measured_options(options), progress);
+    });
+  }
+  return experiments::present(table);
+}
+
+Presentation make(Options options, bool lengths_given) {
+  if (options.experiment == "table1") return table1(options);
+  if (options.experiment == "figure1") {
+    return experiments::present(
+        experiments::make_figure1(recordings(options), options.simulation.seed));
+  }
+  if (!lengths_given) options.simulation.lengths = {.calibration = 1200, .prediction = 1200};
+  if (options.experiment == "figure2") {
+    return experiments::present(experiments::make_figure2(options.simulation), 2);
+  }
+  return experiments::present(
+      experiments::make_figure3(recordings(options), measured_options(options)), 3);
+}
+
+ExitCode run(Options options, bool lengths_given) {
+  options.simulation.noise.white_variance = options.white * options.white;
+  const Presentation presentation = make(options, lengths_given);
+  if (!options.report.empty()) {
+    experiments::to_report(
+        presentation, fmt::format("zerorate {}, zerorate reproduce {} --runs {} --order {:g} "
+                                  "--seed {}",
+                                  ZERORATE_VERSION, options.experiment, options.simulation.runs,
+                                  options.simulation.noise.order, options.simulation.seed))
+        .write(options.report);
+  }
+  if (!options.json.empty()) write_text(options.json, presentation.json);
+  if (options.json != "-") fmt::print("{}", experiments::to_text(presentation));
+  return success;
+}
+
+}  // namespace
+
+Command add_reproduce(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "reproduce", "Reproduce the table and the figures of the paper, with errors");
+  const auto options = std::make_shared<Options>();
+  auto& simulation = options->simulation;
+  command->add_option("EXPERIMENT", options->experiment, "table1, figure1, figure2 or figure3")
+      ->required()
+      ->check(CLI::IsMember({"table1", "figure1", "figure2", "figure3"}));
+  command->add_option("--runs", simulation.runs, "simulated sets; other orders take a quarter")
+      ->check(CLI::Range(2, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--order", simulation.noise.order, "d of the simulated noise")
+      ->check(CLI::Range(0.05, 0.95))
+      ->capture_default_str();
+  command->add_option("--white", options->white, "sigma of additional white noise; 1/f noise: 2.5")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--decades", simulation.decades, "lags of the decade filter")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  auto* calibration =
+      command->add_option("--calibration", simulation.lengths.calibration, "samples")
+          ->check(CLI::Range(250, 10'000))
+          ->capture_default_str();
+  auto* prediction = command->add_option("--prediction", simulation.lengths.prediction, "samples")
+                         ->check(CLI::Range(1, 10'000))
+                         ->capture_default_str();
+  command->add_option("--data", options->data,
+                      "recordings at rest, or folders of them: the measured half of table1, "
+                      "curves of figure1, the run of figure3 (its first recording; the noise is "
+                      "fitted on the second)");
+  command
+      ->add_option("--highest-rate", options->highest_rate_hz,
+                   "leave out recordings that are sampled faster [Hz]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", simulation.seed, "another seed, other runs")->capture_default_str();
+  command
+      ->add_option("--threads", simulation.threads,
+                   "0: as many as there are; the figures do not depend on it")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
+  command->add_option("--report", options->report, "write a report with charts as HTML");
+  command->footer(
+      "Examples:\n"
+      "  zerorate reproduce table1 --runs 1000\n"
+      "  zerorate reproduce table1 --runs 200 --order 0.7 --json -\n"
+      "  zerorate reproduce table1 --data static/ --report table1.html\n"
+      "  zerorate reproduce figure1 --data run1_1hz.csv.gz --report figure1.html\n"
+      "  zerorate reproduce figure3 --data run1_1hz.csv.gz run2_1hz.csv.gz --report figure3.html\n"
+      "docs/design/paper.md says what is reproduced and what differs.");
+  return {command, [options, calibration, prediction] {
+            return run(*options, calibration->count() + prediction->count() > 0);
+          }};
+}
+
+}  // namespace zerorate::cli

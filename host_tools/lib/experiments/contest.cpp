@@ -1,0 +1,108 @@
+#include "host_tools/lib/experiments/contest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zerorate::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kSetsInBlock = 20;
+
+void score_block(const Predictor& predictor, const MatrixXd& calibration, const MatrixXd& measured,
+                 std::span<Score> scores) {
+  const Forecasts forecasts = predictor.predict(calibration);
+  for (Index run = 0; run < measured.cols(); ++run) {
+    const VectorXd error = measured.col(run) - forecasts.bias.col(run);
+    const auto sigma = forecasts.sigma.col(forecasts.sigma.cols() == 1 ? 0 : run);
+    const auto i = static_cast<std::size_t>(run);
+    scores[i] = {
+        .integrated_error = error.sum(),
+        .rsse = error.norm(),
+        .covered = (error.array().abs() <= 2.0 * sigma.array()).cast<double>().mean(),
+        .nis = forecasts.nis.empty() ? std::numeric_limits<double>::quiet_NaN() : forecasts.nis[i]};
+  }
+}
+
+template <class Member>
+VectorXd collect(std::span<const Score> scores, Member member) {
+  VectorXd values(static_cast<Index>(scores.size()));
+  std::ranges::transform(scores, values.begin(), [member](const Score& s) { return s.*member; });
+  return values;
+}
+
+double standard_deviation(const VectorXd& values) {
+  return std::sqrt((values.array() - values.mean()).square().sum() /
+                   static_cast<double>(values.size() - 1));
+}
+
+Figure mean(const VectorXd& values) {
+  return {values.mean(),
+          standard_deviation(values) / std::sqrt(static_cast<double>(values.size()))};
+}
+
+/// The error by the variance of the squared deviations: s is half of it relative to s^2.
+Figure deviation(const VectorXd& values) {
+  const double s = standard_deviation(values);
+  const VectorXd squares = (values.array() - values.mean()).square();
+  return {s, mean(squares).error / (2.0 * s)};
+}
+
+/// mean(a) / mean(b), pairs.
+Figure ratio(const VectorXd& a, const VectorXd& b) {
+  const double value = a.mean() / b.mean();
+  return {value, mean(a - value * b).error / std::abs(b.mean())};
+}
+
+/// The ratio of the standard deviations: the root of a ratio of means.
+Figure deviation_ratio(const VectorXd& a, const VectorXd& b) {
+  const VectorXd a_squares = (a.array() - a.mean()).square();
+  const VectorXd b_squares = (b.array() - b.mean()).square();
+  const Figure squares = ratio(a_squares, b_squares);
+  const double root = std::sqrt(squares.value);
+  return {root, squares.error / (2.0 * root)};
+}
+
+}  // namespace
+
+Scores run_contest(const Predictors& predictors, const Lengths& lengths, std::size_t sets,
+                   const SetSource& source, unsigned threads, const Progress& progress) {
+  Scores scores(predictors.size(), std::vector<Score>(sets));
+  const auto calibration = static_cast<Index>(lengths.calibration);
+  const auto prediction = static_cast<Index>(lengths.prediction);
+  const auto work = [&](std::size_t index) {
+    const std::size_t first = index * kSetsInBlock;
+    const std::size_t count = std::min(kSetsInBlock, sets - first);
+    MatrixXd block(calibration + prediction, static_cast<Index>(count));
+    source(first, block);
+    const MatrixXd calibrations = block.topRows(calibration);
+    const MatrixXd measured = block.bottomRows(prediction);
+    for (std::size_t p = 0; p < predictors.size(); ++p) {
+      score_block(*predictors[p], calibrations, measured,
+                  std::span{scores[p]}.subspan(first, count));
+    }
+  };
+  for_each_in_parallel((sets + kSetsInBlock - 1) / kSetsInBlock, threads, work, progress);
+  return scores;
+}
+
+Standing make_standing(std::string name, std::span<const Score> scores,
+                       std::span<const Score> yardstick) {
+  const VectorXd ie = collect(scores, &Score::integrated_error);
+  const VectorXd rsse = collect(scores, &Score::rsse);
+  return {.name = std::move(name),
+          .mean_ie = mean(ie),
+          .std_ie = deviation(ie),
+          .mean_rsse = mean(rsse),
+          .std_rsse = deviation(rsse),
+          .ie_ratio = deviation_ratio(ie, collect(yardstick, &Score::integrated_error)),
+          .rsse_ratio = ratio(rsse, collect(yardstick, &Score::rsse)),
+          .coverage = mean(collect(scores, &Score::covered)),
+          .nis = mean(collect(scores, &Score::nis))};
+}
+
+}  // namespace zerorate::experiments

@@ -1,0 +1,63 @@
+/// @file
+/// Predictors side by side on the same sets, and what they were worth.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/experiments/parallel.hpp"
+#include "host_tools/lib/experiments/predictor.hpp"
+
+namespace zerorate::experiments {
+
+/// One predictor on one set; error = measured - predicted (the paper's section V).
+struct Score {
+  double integrated_error = 0.0;  ///< IE: sum of the errors
+  double rsse = 0.0;              ///< root of the sum of the squared errors
+  double covered = 0.0;           ///< share of the errors within two sigma
+  double nis = 0.0;               ///< mean over the calibration; not a number if there is none
+};
+
+using Predictors = std::vector<std::unique_ptr<Predictor>>;
+/// One vector a predictor, one score a set.
+using Scores = std::vector<std::vector<Score>>;
+
+/// Puts set first, first + 1, ... into the columns of the block (Lengths::total() rows). Is called
+/// by several threads at once.
+using SetSource = std::function<void(std::size_t first, Eigen::MatrixXd& block)>;
+
+/// Every predictor on the sets 0 .. sets-1, in blocks of a fixed size: the scores do not depend on
+/// the number of threads.
+[[nodiscard]] Scores run_contest(const Predictors& predictors, const Lengths& lengths,
+                                 std::size_t sets, const SetSource& source, unsigned threads,
+                                 const Progress& progress);
+
+/// A figure and its standard error.
+struct Figure {
+  double value = 0.0;
+  double error = 0.0;
+};
+
+/// The paper's Table I of one predictor, and what belongs to it.
+struct Standing {
+  std::string name;
+  Figure mean_ie;
+  Figure std_ie;
+  Figure mean_rsse;
+  Figure std_rsse;
+  /// To the yardstick on the same sets. The errors are those of paired ratios (delta method), far
+  /// smaller than those of the figures themselves.
+  Figure ie_ratio;
+  Figure rsse_ratio;
+  Figure coverage;  ///< of two sigma; .9545 if the stated sigma is right
+  Figure nis;       ///< not a number if the predictor has no innovations
+};
+
+/// Needs at least two sets.
+[[nodiscard]] Standing make_standing(std::string name, std::span<const Score> scores,
+                                     std::span<const Score> yardstick);
+
+}  // namespace zerorate::experiments

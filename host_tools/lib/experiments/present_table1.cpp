@@ -1,0 +1,273 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "host_tools/lib/experiments/presentation.hpp"
+
+namespace zerorate::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Row = std::vector<report::Cell>;
+
+/// A column of the paper's Table I.
+struct Printed {
+  std::string_view name;
+  double mean_ie;
+  double std_ie;
+  double mean_rsse;
+  double std_rsse;
+  double ie_ratio;    ///< to its CM
+  double rsse_ratio;  ///< to its CM
+};
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Printed kNotPrinted{"", kNan, kNan, kNan, kNan, kNan, kNan};
+
+constexpr std::array kPrintedSimulated = {
+    Printed{"full-state Kalman (paper)", -119, 2120, 136, 23.3, 2120.0 / 2280, 136.0 / 138},
+    Printed{"moving average", -142, 2210, 139, 25.4, 2210.0 / 2280, 139.0 / 138},
+    Printed{"calibration mean", -115, 2280, 138, 24.9, 1.0, 1.0}};
+constexpr std::array kPrintedMeasured = {
+    Printed{"full-state Kalman (paper)", -.0214, 3.86, .390, .0326, 3.86 / 4.22, .390 / .394},
+    Printed{"moving average", -.0258, 3.92, .393, .0339, 3.92 / 4.22, .393 / .394},
+    Printed{"calibration mean", -.0728, 4.22, .394, .0350, 1.0, 1.0}};
+
+const Printed& printed(const std::array<Printed, 3>& columns, std::string_view name) {
+  for (const Printed& column : columns) {
+    if (column.name == name) return column;
+  }
+  return kNotPrinted;
+}
+
+std::vector<report::Column> scale_columns(int decimals, std::string ie_unit,
+                                          std::string rsse_unit) {
+  return {{"predictor"},
+          {"mean IE", ie_unit, decimals},
+          {"+-", "", decimals},
+          {"paper", "", decimals},
+          {"IE std", ie_unit, decimals},
+          {"+-", "", decimals},
+          {"paper", "", decimals},
+          {"mean RSSE", rsse_unit, decimals + 1},
+          {"+-", "", decimals + 1},
+          {"paper", "", decimals + 1},
+          {"RSSE std", rsse_unit, decimals + 1},
+          {"paper", "", decimals + 1}};
+}
+
+Row scale_row(const Standing& s, const Printed& paper) {
+  return {s.name,           s.mean_ie.value, s.mean_ie.error,   paper.mean_ie,     s.std_ie.value,
+          s.std_ie.error,   paper.std_ie,    s.mean_rsse.value, s.mean_rsse.error, paper.mean_rsse,
+          s.std_rsse.value, paper.std_rsse};
+}
+
+const std::vector<report::Column> kRatioColumns = {
+    {"predictor"},    {"IE std/CM", "", 4},   {"+-", "", 4}, {"expected", "", 4},
+    {"paper", "", 4}, {"RSSE/CM", "", 4},     {"+-", "", 4}, {"expected", "", 4},
+    {"paper", "", 4}, {"in 2 sigma", "%", 2}, {"+-", "", 2}, {"NIS", "", 4},
+    {"+-", "", 4}};
+
+Row ratio_row(const Standing& s, const std::optional<Expectation>& expected, const Printed& paper) {
+  return {s.name,
+          s.ie_ratio.value,
+          s.ie_ratio.error,
+          expected ? expected->ie_ratio : kNan,
+          paper.ie_ratio,
+          s.rsse_ratio.value,
+          s.rsse_ratio.error,
+          expected ? expected->rsse_ratio : kNan,
+          paper.rsse_ratio,
+          100.0 * s.coverage.value,
+          100.0 * s.coverage.error,
+          s.nis.value,
+          s.nis.error};
+}
+
+Presentation::Part simulated_part(const Table1& table) {
+  const auto& options = table.options;
+  report::Table scale{.caption = fmt::format("Simulated: {} runs of {} + {} samples, d = {:g}",
+                                             options.runs, options.lengths.calibration,
+                                             options.lengths.prediction, options.noise.order),
+                      .columns = scale_columns(0, "", "")};
+  report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same runs",
+                       .columns = kRatioColumns};
+  for (const auto& [measured, expected] : table.simulated) {
+    const Printed& paper = printed(kPrintedSimulated, measured.name);
+    scale.rows.push_back(scale_row(measured, paper));
+    ratios.rows.push_back(ratio_row(measured, expected, paper));
+  }
+  return {
+      .heading = "Simulated sets",
+      .paragraphs = {"IE is the sum of the prediction errors, RSSE the root of the sum of their "
+                     "squares; +- is a standard error. \"Expected\" comes without chance from "
+                     "the predictor's weights and the exact covariance of the noise: the ratio "
+                     "of standard deviations (IE) and of root mean squares over all runs "
+                     "(RSSE); the mean of RSSE itself has no closed form and lies up to .003 "
+                     "above it. NIS is the mean normalised innovation squared.",
+                     "The band is what each predictor states itself. The autoregressive models "
+                     "take their mean and coefficients as certain, the paper's filter its mean; "
+                     "their bands are too narrow for that."},
+      .tables = {scale, ratios}};
+}
+
+Presentation::Part orders_part(const Table1& table) {
+  report::Table orders{
+      .caption = "Other orders: the decade filter over the optimum of the same order",
+      .columns = {{"d", "", 1},
+                  {"RSSE/optimum", "", 4},
+                  {"+-", "", 4},
+                  {"expected", "", 4},
+                  {"IE std/optimum", "", 4},
+                  {"+-", "", 4},
+                  {"expected", "", 4},
+                  {"in 2 sigma", "%", 2},
+                  {"NIS", "", 4}}};
+  for (const auto& s : table.orders) {
+    orders.rows.push_back(
+        {s.order, s.decade_kalman.rsse_ratio.value, s.decade_kalman.rsse_ratio.error,
+         s.expected.rsse_ratio, s.decade_kalman.ie_ratio.value, s.decade_kalman.ie_ratio.error,
+         s.expected.ie_ratio, 100.0 * s.decade_kalman.coverage.value, s.decade_kalman.nis.value});
+  }
+  return {.heading = "Other orders d", .tables = {orders}};
+}
+
+Presentation::Part cost_part(const Table1& table) {
+  report::Table costs{
+      .caption = "Time for one more sample after n samples",
+      .columns = {
+          {"n"}, {"full-state filter", "us", 1}, {"decade filter", "us", 3}, {"ratio", "", 0}}};
+  for (const auto& cost : table.costs) {
+    costs.rows.push_back({cost.samples, 1e6 * cost.full_state_sample_s, 1e6 * cost.decade_sample_s,
+                          cost.full_state_sample_s / cost.decade_sample_s});
+  }
+  return {
+      .heading = "Cost",
+      .paragraphs = {"The full-state filter has a state for each sample: with twice the samples, "
+                     "a sample costs four times as much, and a calibration eight times. A "
+                     "sample costs the decade filter the same at any time."},
+      .tables = {costs}};
+}
+
+Presentation::Part measured_part(const MeasuredTable& measured) {
+  const std::string rate = fmt::format("{:.4g} Hz", 1.0 / measured.sample_period_s);
+  report::Table scale{
+      .caption = fmt::format("Measured: {} disjoint sets at {}, beside the paper's real data "
+                             "(another sensor)",
+                             measured.sets, rate),
+      .columns = scale_columns(3, "deg", "deg/s")};
+  report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same sets",
+                       .columns = kRatioColumns};
+  for (const Standing& standing : measured.standings) {
+    const Printed& paper = printed(kPrintedMeasured, standing.name);
+    scale.rows.push_back(scale_row(standing, paper));
+    ratios.rows.push_back(ratio_row(standing, std::nullopt, paper));
+  }
+  report::Table fits{.caption = "Noise used, each fitted on another recording than it is used on",
+                     .columns = {{"fitted on"},
+                                 {"axis"},
+                                 {"white", "deg/h", 1},
+                                 {"+-", "", 1},
+                                 {"flicker s_f", "deg/h", 2},
+                                 {"+-", "", 2},
+                                 {"d if free", "", 3},
+                                 {"+-", "", 3}}};
+  for (const FittedNoise& fit : measured.fits) {
+    fits.rows.push_back({fit.recording, std::string(1, "xyz"[fit.axis]), 3600.0 * fit.white.value,
+                         3600.0 * fit.white.error, 3600.0 * fit.flicker.value,
+                         3600.0 * fit.flicker.error, fit.order.value, fit.order.error});
+  }
+  return {.heading = "Measured sets at " + rate, .tables = {scale, ratios, fits}};
+}
+
+Json json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+Json json(const Figure& figure) {
+  return {{"value", json(figure.value)}, {"standard_error", json(figure.error)}};
+}
+Json json(const Standing& s) {
+  return {{"mean_ie", json(s.mean_ie)},          {"std_ie", json(s.std_ie)},
+          {"mean_rsse", json(s.mean_rsse)},      {"std_rsse", json(s.std_rsse)},
+          {"ie_ratio", json(s.ie_ratio)},        {"rsse_ratio", json(s.rsse_ratio)},
+          {"coverage_2sigma", json(s.coverage)}, {"nis", json(s.nis)}};
+}
+Json json(const Expectation& e) {
+  return {{"std_ie", json(e.std_ie)},
+          {"ie_ratio", json(e.ie_ratio)},
+          {"rms_rsse_ratio", json(e.rsse_ratio)}};
+}
+
+Json json(const MeasuredTable& table) {
+  Json predictors = Json::object();
+  for (const Standing& s : table.standings) predictors[s.name] = json(s);
+  Json fits = Json::array();
+  for (const FittedNoise& fit : table.fits) {
+    fits.push_back({{"recording", fit.recording},
+                    {"axis", std::string(1, "xyz"[fit.axis])},
+                    {"white_dps", json(fit.white)},
+                    {"flicker_dps", json(fit.flicker)},
+                    {"order", json(fit.order)}});
+  }
+  return {{"sample_period_s", table.sample_period_s},
+          {"sets", table.sets},
+          {"predictors", predictors},
+          {"noise", fits}};
+}
+
+std::string to_json(const Table1& table) {
+  Json simulated = Json::object();
+  for (const auto& [measured, expected] : table.simulated) {
+    simulated[measured.name] = json(measured);
+    if (expected) simulated[measured.name]["expected"] = json(*expected);
+  }
+  Json orders = Json::array();
+  for (const auto& s : table.orders) {
+    orders.push_back({{"d", s.order},
+                      {"decade_kalman", json(s.decade_kalman)},
+                      {"optimum", json(s.optimum)},
+                      {"expected", json(s.expected)}});
+  }
+  Json costs = Json::array();
+  for (const auto& cost : table.costs) {
+    costs.push_back({{"samples", cost.samples},
+                     {"full_state_sample_s", cost.full_state_sample_s},
+                     {"decade_sample_s", cost.decade_sample_s}});
+  }
+  Json measured = Json::array();
+  for (const auto& part : table.measured) measured.push_back(json(part));
+  return Json{{"schema", "zerorate.reproduce/1"},
+              {"experiment", "table1"},
+              {"runs", table.options.runs},
+              {"seed", table.options.seed},
+              {"order", table.options.noise.order},
+              {"calibration", table.options.lengths.calibration},
+              {"prediction", table.options.lengths.prediction},
+              {"simulated", simulated},
+              {"orders", orders},
+              {"cost", costs},
+              {"measured", measured}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace
+
+Presentation present(const Table1& table) {
+  Presentation presentation{
+      .title = "Table I of Kirkko-Jaakkola, Collin and Takala (2012), reproduced",
+      .lead =
+          "The paper's predictors, the node's own filter with one state a decade, the optimum, "
+          "and autoregressive models, on the same simulated and measured sets.",
+      .json = to_json(table)};
+  presentation.parts = {simulated_part(table), orders_part(table), cost_part(table)};
+  for (const MeasuredTable& measured : table.measured) {
+    presentation.parts.push_back(measured_part(measured));
+  }
+  return presentation;
+}
+
+}  // namespace zerorate::experiments

@@ -1,0 +1,50 @@
+/// @file
+/// The results of the experiments as people read them (text, report) and as programs do (JSON).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/experiments/figures.hpp"
+#include "host_tools/lib/experiments/filter_cost.hpp"
+#include "host_tools/lib/experiments/measured_sets.hpp"
+#include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/report/report.hpp"
+
+namespace zerorate::experiments {
+
+/// One experiment, ready to be shown.
+struct Presentation {
+  struct Part {
+    std::string heading;
+    std::vector<std::string> paragraphs{};
+    std::vector<report::Table> tables{};
+    std::vector<report::Chart> charts{};
+  };
+
+  std::string title;
+  std::string lead;
+  std::vector<Part> parts;
+  std::string json;  ///< schema zerorate.reproduce/1
+};
+
+/// The tables for a terminal, without the charts.
+[[nodiscard]] std::string to_text(const Presentation& presentation);
+/// @param provenance the command that made it
+[[nodiscard]] report::Report to_report(const Presentation& presentation, std::string provenance);
+
+/// Everything that `reproduce table1` finds.
+struct Table1 {
+  SimulationOptions options;
+  std::vector<SimulatedStanding> simulated;
+  std::vector<OrderStanding> orders;
+  std::vector<FilterCost> costs;
+  std::vector<MeasuredTable> measured;  ///< empty without recordings
+};
+
+[[nodiscard]] Presentation present(const Table1& table);
+[[nodiscard]] Presentation present(const std::vector<AllanCurve>& curves);
+/// @param number of the figure in the paper, 2 or 3
+[[nodiscard]] Presentation present(const ExampleRun& run, int number);
+
+}  // namespace zerorate::experiments

@@ -1,0 +1,141 @@
+#include "host_tools/lib/experiments/table1.hpp"
+
+#include <cmath>
+
+#include "host_tools/lib/experiments/node_predictors.hpp"
+#include "host_tools/lib/experiments/reference_predictors.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/spectrum/fractional_filter.hpp"
+
+namespace zerorate::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using reference::FractionalNoise;
+
+DecadeNoise decade_noise(const SimulationOptions& options, core::Start start) {
+  return {.noise = options.noise, .decades = options.decades, .start = start};
+}
+
+/// What a linear predictor answers to each sample alone is its weights.
+MatrixXd weights_of(const Predictor& predictor, const Lengths& lengths) {
+  const auto n = static_cast<Index>(lengths.calibration);
+  return predictor.predict(MatrixXd::Identity(n, n)).bias;
+}
+
+/// The last predictor is the yardstick.
+std::vector<std::optional<Expectation>> expect(const Predictors& predictors,
+                                               const SimulationOptions& options,
+                                               const Progress& progress) {
+  std::vector<std::optional<Expectation>> expected(predictors.size());
+  std::vector<double> mean_square(predictors.size());
+  const auto work = [&](std::size_t i) {
+    if (!predictors[i]->is_linear()) return;
+    const MatrixXd weights = weights_of(*predictors[i], options.lengths);
+    expected[i] = Expectation{
+        .std_ie = std::sqrt(reference::integrated_error_variance(options.noise, weights))};
+    mean_square[i] =
+        reference::error_variance(options.noise, weights).mean() + options.noise.white_variance;
+  };
+  for_each_in_parallel(predictors.size(), options.threads, work, progress);
+  for (std::size_t i = 0; i < predictors.size(); ++i) {
+    if (!expected[i]) continue;
+    expected[i]->ie_ratio = expected[i]->std_ie / expected.back()->std_ie;
+    expected[i]->rsse_ratio = std::sqrt(mean_square[i] / mean_square.back());
+  }
+  return expected;
+}
+
+/// The share of a progress that one part of the work takes.
+Progress part_of(const Progress& progress, double from, double to) {
+  if (!progress) return {};
+  return [&progress, from, to](double share) { progress(from + (to - from) * share); };
+}
+
+}  // namespace
+
+SetSource simulated_sets(const FractionalNoise& noise, std::uint64_t seed) {
+  const simulate::RandomStream stream{seed};  // each set has a substream of its own
+  return [noise, stream](std::size_t first, MatrixXd& block) {
+    const auto samples = static_cast<std::size_t>(block.rows());
+    std::vector<double> white(samples);
+    for (Index run = 0; run < block.cols(); ++run) {
+      const auto own = stream.substream(first + static_cast<std::size_t>(run));
+      const auto driving = own.substream("flicker_noise");
+      const std::span<double> values{block.col(run).data(), samples};
+      spectrum::integrate_fractionally(
+          noise.order,
+          [&](std::ptrdiff_t begin, std::span<double> part) { driving.fill_normal(begin, part); },
+          0, values);
+      own.substream("white_noise").fill_normal(0, white);
+      for (std::size_t k = 0; k < samples; ++k) {
+        values[k] = std::sqrt(noise.innovation_variance) * values[k] +
+                    std::sqrt(noise.white_variance) * white[k];
+      }
+    }
+  };
+}
+
+Predictors simulated_predictors(const SimulationOptions& options) {
+  const auto& noise = options.noise;
+  const auto& lengths = options.lengths;
+  const DecadeNoise zero = decade_noise(options, core::Start::zero);
+  const DecadeNoise stationary = decade_noise(options, core::Start::stationary);
+  Predictors predictors;
+  predictors.push_back(make_full_state("full-state Kalman (paper)", noise, lengths));
+  predictors.push_back(
+      make_optimum("optimum, b unknown", noise, reference::Bias::diffuse, lengths));
+  predictors.push_back(make_decade_kalman("decade Kalman, zero start", zero, lengths));
+  predictors.push_back(make_decade_kalman("decade Kalman, stationary start", stationary, lengths));
+  predictors.push_back(
+      make_autoregression("AR(4), least squares", AutoregressionFit::least_squares, 4, lengths));
+  predictors.push_back(make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, lengths));
+  predictors.push_back(make_moving_average("moving average", zero, lengths));
+  predictors.push_back(make_calibration_mean("calibration mean", zero, lengths));
+  return predictors;
+}
+
+std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
+                                               const Progress& progress) {
+  Predictors predictors = simulated_predictors(options);
+  predictors.insert(predictors.begin() + 2, make_optimum("optimum, b known", options.noise,
+                                                         reference::Bias::known, options.lengths));
+  const auto expected = expect(predictors, options, part_of(progress, 0.1, 0.4));
+  const Scores scores = run_contest(predictors, options.lengths, options.runs,
+                                    simulated_sets(options.noise, options.seed), options.threads,
+                                    part_of(progress, 0.4, 1.0));
+  std::vector<SimulatedStanding> standings;
+  for (std::size_t i = 0; i < predictors.size(); ++i) {
+    standings.push_back(
+        {make_standing(predictors[i]->name(), scores[i], scores.back()), expected[i]});
+  }
+  return standings;
+}
+
+std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
+                                          const SimulationOptions& options,
+                                          const Progress& progress) {
+  std::vector<OrderStanding> standings;
+  for (const double order : orders) {
+    SimulationOptions own = options;
+    own.noise.order = order;
+    Predictors predictors;
+    predictors.push_back(make_decade_kalman("decade Kalman, zero start",
+                                            decade_noise(own, core::Start::zero), own.lengths));
+    predictors.push_back(
+        make_optimum("optimum, b unknown", own.noise, reference::Bias::diffuse, own.lengths));
+    const auto position = static_cast<double>(standings.size());
+    const auto count = static_cast<double>(orders.size());
+    const Scores scores =
+        run_contest(predictors, own.lengths, own.runs, simulated_sets(own.noise, own.seed),
+                    own.threads, part_of(progress, position / count, (position + 1.0) / count));
+    standings.push_back({order, make_standing(predictors[0]->name(), scores[0], scores[1]),
+                         make_standing(predictors[1]->name(), scores[1], scores[1]),
+                         expect(predictors, own, {}).front().value()});
+  }
+  return standings;
+}
+
+}  // namespace zerorate::experiments

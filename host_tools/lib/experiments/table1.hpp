@@ -1,0 +1,64 @@
+/// @file
+/// The paper's Table I, simulated half, with the node's filter and the paper's future work beside
+/// it: the optimum, autoregressive models, intervals of the simple predictors, other orders d.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host_tools/lib/experiments/contest.hpp"
+#include "host_tools/lib/reference/fractional_noise.hpp"
+
+namespace zerorate::experiments {
+
+struct SimulationOptions {
+  std::size_t runs = 1000;
+  Lengths lengths;
+  /// s_f = 2.5 brings the figures to the paper's scale (it does not state its own); ratios do not
+  /// depend on it.
+  reference::FractionalNoise noise{.order = 0.5, .innovation_variance = 6.25};
+  int decades = 5;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: as many as the machine has
+};
+
+/// What is expected of a linear predictor under the simulated model, without chance: from its
+/// weights and the exact covariance. The yardstick is that of the measured ratios.
+struct Expectation {
+  double std_ie = 0.0;
+  double ie_ratio = 0.0;    ///< to the yardstick
+  double rsse_ratio = 0.0;  ///< of root mean squares over all sets, to the yardstick
+};
+
+/// The sets that the experiment runs on.
+[[nodiscard]] SetSource simulated_sets(const reference::FractionalNoise& noise, std::uint64_t seed);
+
+/// Those who take part and do not need to know the bias; the calibration mean is the last.
+[[nodiscard]] Predictors simulated_predictors(const SimulationOptions& options);
+
+struct SimulatedStanding {
+  Standing measured;
+  std::optional<Expectation> expected;  ///< nothing for predictors that are not linear
+};
+
+/// Simulates `runs` sets by eq. 3 from nothing at the first sample (the paper's section V), and
+/// lets all predictors run on them. The last standing is the calibration mean's, the yardstick.
+/// About 20 s on two cores for 1000 runs of 1000 + 1000 samples.
+[[nodiscard]] std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
+                                                             const Progress& progress);
+
+/// The decade filter against the optimum of the same order.
+struct OrderStanding {
+  double order;
+  Standing decade_kalman;  ///< ratios are to the optimum
+  Standing optimum;
+  Expectation expected;  ///< of the decade filter, ratios to the optimum
+};
+
+/// The future work "possibly with different choices of d" of the paper's section VI.
+[[nodiscard]] std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
+                                                        const SimulationOptions& options,
+                                                        const Progress& progress);
+
+}  // namespace zerorate::experiments

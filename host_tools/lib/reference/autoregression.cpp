@@ -1,0 +1,84 @@
+#include "host_tools/lib/reference/autoregression.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <stdexcept>
+
+namespace zerorate::reference {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+VectorXd as_vector(std::span<const double> values) {
+  return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
+}
+
+/// One iterated step: what the newest values, newest last, make of the next one.
+double next(const VectorXd& coefficients, const VectorXd& values, Index known) {
+  return coefficients.dot(
+      values.segment(known - coefficients.size(), coefficients.size()).reverse());
+}
+
+}  // namespace
+
+Autoregression fit_least_squares(std::span<const double> values, std::size_t order) {
+  if (values.size() <= 2 * order) {
+    throw std::invalid_argument("fit_least_squares: too few values for the order");
+  }
+  const auto p = static_cast<Index>(order);
+  VectorXd deviation = as_vector(values);
+  const double mean = deviation.mean();
+  deviation.array() -= mean;
+  const Index equations = deviation.size() - p;
+  MatrixXd lagged(equations, p);
+  for (Index i = 0; i < p; ++i) lagged.col(i) = deviation.segment(p - 1 - i, equations);
+  const VectorXd coefficients = lagged.householderQr().solve(deviation.tail(equations));
+  const double residual = (deviation.tail(equations) - lagged * coefficients).squaredNorm();
+  return {mean, coefficients, residual / static_cast<double>(equations - p)};
+}
+
+Autoregression fit_burg(std::span<const double> values, std::size_t order) {
+  if (values.size() <= order) throw std::invalid_argument("fit_burg: too few values for the order");
+  VectorXd forward = as_vector(values);
+  const double mean = forward.mean();
+  forward.array() -= mean;
+  VectorXd backward = forward;
+  VectorXd coefficients(0);
+  double variance = forward.squaredNorm() / static_cast<double>(forward.size());
+  for (Index i = 0; i < static_cast<Index>(order); ++i) {
+    const Index left = forward.size() - 1;
+    const VectorXd f = forward.tail(left);
+    const VectorXd b = backward.head(left);
+    const double reflection = 2.0 * f.dot(b) / (f.squaredNorm() + b.squaredNorm());
+    VectorXd longer(i + 1);
+    longer << coefficients - reflection * coefficients.reverse(), reflection;
+    coefficients = longer;
+    forward = f - reflection * b;
+    backward = b - reflection * f;
+    variance *= 1.0 - reflection * reflection;
+  }
+  return {mean, coefficients, variance};
+}
+
+Forecast forecast(const Autoregression& model, std::span<const double> values, std::size_t leads) {
+  const Index p = model.coefficients.size();
+  const auto m = static_cast<Index>(leads);
+  VectorXd deviation(p + m);
+  deviation.head(p) = as_vector(values.last(static_cast<std::size_t>(p))).array() - model.mean;
+  VectorXd impulse = VectorXd::Zero(p + m);
+  Forecast result{VectorXd(m), VectorXd(m)};
+  double gain = 0.0;
+  for (Index j = 0; j < m; ++j) {
+    impulse(p + j) = j == 0 ? 1.0 : next(model.coefficients, impulse, p + j);
+    deviation(p + j) = next(model.coefficients, deviation, p + j);
+    gain += impulse(p + j) * impulse(p + j);
+    result.variance(j) = gain * model.innovation_variance;
+  }
+  result.values = deviation.tail(m).array() + model.mean;
+  return result;
+}
+
+}  // namespace zerorate::reference

@@ -1,0 +1,42 @@
+/// @file
+/// The noise of the paper's simulation, by its exact covariance: a reference for predictors that
+/// approximate it. Double precision, dense matrices, no limit on cost.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+namespace zerorate::reference {
+
+/// y_k = b + x_k + v_k: an unknown constant, ARFIMA(0,d,0) that starts from nothing at sample 0,
+/// and white noise (Kirkko-Jaakkola et al. 2012, eq. 1 and 3). Any unit, the same for all.
+struct FractionalNoise {
+  double order = 0.5;                ///< d in (-1/2, 1]
+  double innovation_variance = 1.0;  ///< s_f^2
+  double white_variance = 0.0;       ///< r
+};
+
+/// psi_0 .. psi_{n-1}, the impulse response of (1 - L)^{-d}.
+[[nodiscard]] Eigen::VectorXd impulse_response(double order, std::size_t n);
+
+/// Covariance of x_0 .. x_{n-1} (without b and v), n x n, by the recursion along the diagonals
+/// C_ij = C_{i-1,j-1} + s_f^2 psi_i psi_j. Time and memory O(n^2).
+[[nodiscard]] Eigen::MatrixXd covariance(const FractionalNoise& noise, std::size_t n);
+
+/// A predictor that weighs the calibration samples, whatever way the weights were found.
+struct LinearPredictor {
+  Eigen::MatrixXd weights;   ///< leads x calibration samples; row j predicts b + x at lead j + 1
+  Eigen::VectorXd variance;  ///< what the predictor states of its error at each lead, v left out
+};
+
+/// The true variance, at each lead, of a'y - (b + x) for every row a of weights that sums to 1:
+/// a'(C + r I) a - 2 a'c + c_0. Time O(leads samples^2).
+[[nodiscard]] Eigen::VectorXd error_variance(const FractionalNoise& noise,
+                                             const Eigen::MatrixXd& weights);
+
+/// The variance of the integrated error: the sum over all leads of a'y - (b + x + v). The rows of
+/// weights sum to 1. Time O((leads + samples)^2).
+[[nodiscard]] double integrated_error_variance(const FractionalNoise& noise,
+                                               const Eigen::MatrixXd& weights);
+
+}  // namespace zerorate::reference
