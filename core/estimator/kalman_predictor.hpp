@@ -21,7 +21,7 @@ namespace zerorate::core {
 /// g_j = Re(F_j - 1) the bias moves by s' = s + g'z + noise. docs/design/kalman-predictor.md
 /// derives it, docs/adr/0006 compares it with the other forms.
 ///
-/// Cost per tick at R = 6, C = 0: about 200 floating-point operations and one division; stack
+/// Cost per tick at R = 6, C = 0: about 340 floating-point operations and one division; stack
 /// below 150 bytes; no square root. Not re-entrant; one instance per axis.
 template <std::size_t R, std::size_t C>
 class KalmanPredictor {
