@@ -80,7 +80,7 @@ class DenseFilter {
   /// Computes P h, corrects x and gives the gain.
   Vector gain(float y, float r) {
     ph_.noalias() = p_ * h_;
-    const Vector k = ph_ / (h_.dot(ph_) + r);
+    Vector k = ph_ / (h_.dot(ph_) + r);
     x_ += k * (y - h_.dot(x_));
     return k;
   }

@@ -45,6 +45,7 @@ foreach(file ${tidy_files})
   endif()
   add_test(NAME tidy.${file}
     COMMAND clang-tidy --quiet "--header-filter=/${header}$" --extra-arg=-Wno-double-promotion
+            --extra-arg=-Wno-ignored-optimization-argument
             -p "${CMAKE_BINARY_DIR}" "${file}"
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
   set_tests_properties(tidy.${file} PROPERTIES LABELS style TIMEOUT 300)
