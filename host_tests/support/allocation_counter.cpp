@@ -10,7 +10,7 @@ thread_local std::size_t allocations = 0;
 }  // namespace
 
 // The linker's --wrap=malloc sends calls of malloc to __wrap_malloc, and __real_malloc to malloc.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void* __real_malloc(std::size_t size);
 void* __real_calloc(std::size_t count, std::size_t size);
@@ -39,7 +39,7 @@ int __wrap_posix_memalign(void** block, std::size_t alignment, std::size_t size)
   return __real_posix_memalign(block, alignment, size);
 }
 }
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(readability-identifier-naming)
 
 namespace {
 
