@@ -25,8 +25,9 @@ std::string line(const std::vector<std::string>& texts, const std::vector<std::s
                  const std::vector<bool>& is_text) {
   std::string result;
   for (std::size_t i = 0; i < texts.size(); ++i) {
+    if (i > 0) result += "  ";
     result += is_text[i] ? fmt::format("{:<{}}", texts[i], widths[i])
-                         : fmt::format("{:>{}}", texts[i], widths[i] + 2);
+                         : fmt::format("{:>{}}", texts[i], widths[i]);
   }
   return result + "\n";
 }
