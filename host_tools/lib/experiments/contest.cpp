@@ -13,17 +13,24 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kSetsInBlock = 20;
 
+/// The share of errors within two sigma; `sigma` has a column for this run, one for all, or none.
+double covered(const VectorXd& error, const MatrixXd& sigma, Index run) {
+  if (sigma.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  const auto own = sigma.col(sigma.cols() == 1 ? 0 : run);
+  return (error.array().abs() <= 2.0 * own.array()).cast<double>().mean();
+}
+
 void score_block(const Predictor& predictor, const MatrixXd& calibration, const MatrixXd& measured,
                  std::span<Score> scores) {
   const Forecasts forecasts = predictor.predict(calibration);
   for (Index run = 0; run < measured.cols(); ++run) {
     const VectorXd error = measured.col(run) - forecasts.bias.col(run);
-    const auto sigma = forecasts.sigma.col(forecasts.sigma.cols() == 1 ? 0 : run);
     const auto i = static_cast<std::size_t>(run);
     scores[i] = {
         .integrated_error = error.sum(),
         .rsse = error.norm(),
-        .covered = (error.array().abs() <= 2.0 * sigma.array()).cast<double>().mean(),
+        .covered = covered(error, forecasts.sigma, run),
+        .covered_by_own = covered(error, forecasts.own_sigma, run),
         .nis = forecasts.nis.empty() ? std::numeric_limits<double>::quiet_NaN() : forecasts.nis[i]};
   }
 }
@@ -102,6 +109,7 @@ Standing make_standing(std::string name, std::span<const Score> scores,
           .ie_ratio = deviation_ratio(ie, collect(yardstick, &Score::integrated_error)),
           .rsse_ratio = ratio(rsse, collect(yardstick, &Score::rsse)),
           .coverage = mean(collect(scores, &Score::covered)),
+          .own_coverage = mean(collect(scores, &Score::covered_by_own)),
           .nis = mean(collect(scores, &Score::nis))};
 }
 

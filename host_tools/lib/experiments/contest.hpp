@@ -18,6 +18,7 @@ struct Score {
   double integrated_error = 0.0;  ///< IE: sum of the errors
   double rsse = 0.0;              ///< root of the sum of the squared errors
   double covered = 0.0;           ///< share of the errors within two sigma
+  double covered_by_own = 0.0;    ///< within two of the method's own sigma; NaN if it is the same
   double nis = 0.0;               ///< mean over the calibration; not a number if there is none
 };
 
@@ -52,8 +53,9 @@ struct Standing {
   /// smaller than those of the figures themselves.
   Figure ie_ratio;
   Figure rsse_ratio;
-  Figure coverage;  ///< of two sigma; .9545 if the stated sigma is right
-  Figure nis;       ///< not a number if the predictor has no innovations
+  Figure coverage;      ///< of two sigma; .9545 if the sigma is right
+  Figure own_coverage;  ///< of two of the method's own sigma; not a number if it has no other
+  Figure nis;           ///< not a number if the predictor has no innovations
 };
 
 /// Needs at least two sets.

@@ -178,9 +178,10 @@ Predictors measured_predictors(const FittedNoise& fit, const MeasuredOptions& op
       make_optimum("optimum for zero start", fit.half_order, reference::Bias::diffuse, lengths));
   predictors.push_back(make_decade_kalman("decade Kalman, d = 1/2", half, lengths));
   predictors.push_back(make_decade_kalman("decade Kalman, d fitted", free, lengths));
+  predictors.push_back(make_autoregression("AR(4), least squares", AutoregressionFit::least_squares,
+                                           4, fit.half_order, lengths));
   predictors.push_back(
-      make_autoregression("AR(4), least squares", AutoregressionFit::least_squares, 4, lengths));
-  predictors.push_back(make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, lengths));
+      make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, fit.half_order, lengths));
   predictors.push_back(make_moving_average("moving average", half, lengths));
   predictors.push_back(make_calibration_mean("calibration mean", half, lengths));
   return predictors;

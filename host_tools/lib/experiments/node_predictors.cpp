@@ -55,8 +55,10 @@ class OnNode : public Predictor {
   }
 
   [[nodiscard]] Forecasts predict(const MatrixXd& calibration) const override {
-    Forecasts forecasts{
-        .bias = MatrixXd(sigma_.rows(), calibration.cols()), .sigma = sigma_, .nis = {}};
+    Forecasts forecasts{.bias = MatrixXd(sigma_.rows(), calibration.cols()),
+                        .sigma = sigma_,
+                        .own_sigma = {},
+                        .nis = {}};
     for (Index run = 0; run < calibration.cols(); ++run) {
       P predictor{node_.modes};
       const double nis = calibrate(predictor, calibration.col(run));

@@ -21,9 +21,12 @@ struct Lengths {
 /// Predictions for several sets; a column a set.
 struct Forecasts {
   Eigen::MatrixXd bias;  ///< prediction length x sets
-  /// Stated standard deviation of a raw sample about its prediction: as large as `bias`, or a
-  /// single column that holds for all sets.
+  /// Standard deviation of a raw sample about its prediction under the noise model: as large as
+  /// `bias`, or a single column that holds for all sets.
   Eigen::MatrixXd sigma;
+  /// The same as the method itself has it, where that differs: it takes as certain what it
+  /// estimated. Empty otherwise.
+  Eigen::MatrixXd own_sigma;
   /// Mean normalised innovation squared of each set's calibration; empty if there is no such thing.
   std::vector<double> nis;
 };

@@ -65,11 +65,11 @@ Row scale_row(const Standing& s, const Printed& paper) {
           s.std_rsse.value, paper.std_rsse};
 }
 
-const std::vector<report::Column> kRatioColumns = {
-    {"predictor"},    {"IE std/CM", "", 4},   {"+-", "", 4}, {"expected", "", 4},
-    {"paper", "", 4}, {"RSSE/CM", "", 4},     {"+-", "", 4}, {"expected", "", 4},
-    {"paper", "", 4}, {"in 2 sigma", "%", 2}, {"+-", "", 2}, {"NIS", "", 4},
-    {"+-", "", 4}};
+std::vector<report::Column> ratio_columns() {
+  return {{"predictor"},       {"IE std/CM", "", 4}, {"+-", "", 4},
+          {"expected", "", 4}, {"paper", "", 4},     {"RSSE/CM", "", 4},
+          {"+-", "", 4},       {"expected", "", 4},  {"paper", "", 4}};
+}
 
 Row ratio_row(const Standing& s, const std::optional<Expectation>& expected, const Printed& paper) {
   return {s.name,
@@ -80,9 +80,29 @@ Row ratio_row(const Standing& s, const std::optional<Expectation>& expected, con
           s.rsse_ratio.value,
           s.rsse_ratio.error,
           expected ? expected->rsse_ratio : kNan,
-          paper.rsse_ratio,
+          paper.rsse_ratio};
+}
+
+/// Whether the predictors know how good they are.
+report::Table consistency_table() {
+  return {.caption =
+              "Share of raw samples within two sigma (95.45 % if sigma is right), and mean "
+              "normalised innovation squared (NIS, 1)",
+          .columns = {{"predictor"},
+                      {"in 2 sigma", "%", 2},
+                      {"+-", "", 2},
+                      {"in 2 own sigma", "%", 2},
+                      {"+-", "", 2},
+                      {"NIS", "", 4},
+                      {"+-", "", 4}}};
+}
+
+Row consistency_row(const Standing& s) {
+  return {s.name,
           100.0 * s.coverage.value,
           100.0 * s.coverage.error,
+          100.0 * s.own_coverage.value,
+          100.0 * s.own_coverage.error,
           s.nis.value,
           s.nis.error};
 }
@@ -94,24 +114,27 @@ Presentation::Part simulated_part(const Table1& table) {
                                              options.lengths.prediction, options.noise.order),
                       .columns = scale_columns(0, "", "")};
   report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same runs",
-                       .columns = kRatioColumns};
+                       .columns = ratio_columns()};
+  report::Table consistency = consistency_table();
   for (const auto& [measured, expected] : table.simulated) {
     const Printed& paper = printed(kPrintedSimulated, measured.name);
     scale.rows.push_back(scale_row(measured, paper));
     ratios.rows.push_back(ratio_row(measured, expected, paper));
+    consistency.rows.push_back(consistency_row(measured));
   }
   return {
       .heading = "Simulated sets",
-      .paragraphs = {"IE is the sum of the prediction errors, RSSE the root of the sum of their "
-                     "squares; +- is a standard error. \"Expected\" comes without chance from "
-                     "the predictor's weights and the exact covariance of the noise: the ratio "
-                     "of standard deviations (IE) and of root mean squares over all runs "
-                     "(RSSE); the mean of RSSE itself has no closed form and lies up to .003 "
-                     "above it. NIS is the mean normalised innovation squared.",
-                     "The band is what each predictor states itself. The autoregressive models "
-                     "take their mean and coefficients as certain, the paper's filter its mean; "
-                     "their bands are too narrow for that."},
-      .tables = {scale, ratios}};
+      .paragraphs =
+          {"IE is the sum of the prediction errors, RSSE the root of the sum of their "
+           "squares; +- is a standard error. \"Expected\" comes without chance from "
+           "the predictor's weights and the exact covariance of the noise: the ratio "
+           "of standard deviations (IE) and of root mean squares over all runs "
+           "(RSSE); the mean of RSSE itself has no closed form and lies up to .003 "
+           "above it.",
+           "Sigma is that of the predictor's error under the noise model. The paper's filter takes "
+           "its mean as certain, autoregressive models their mean and coefficients: their "
+           "own sigma is smaller."},
+      .tables = {scale, ratios, consistency}};
 }
 
 Presentation::Part orders_part(const Table1& table) {
@@ -160,11 +183,13 @@ Presentation::Part measured_part(const MeasuredTable& measured) {
                              measured.sets, rate),
       .columns = scale_columns(3, "deg", "deg/s")};
   report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same sets",
-                       .columns = kRatioColumns};
+                       .columns = ratio_columns()};
+  report::Table consistency = consistency_table();
   for (const Standing& standing : measured.standings) {
     const Printed& paper = printed(kPrintedMeasured, standing.name);
     scale.rows.push_back(scale_row(standing, paper));
     ratios.rows.push_back(ratio_row(standing, std::nullopt, paper));
+    consistency.rows.push_back(consistency_row(standing));
   }
   report::Table fits{.caption = "Noise used, each fitted on another recording than it is used on",
                      .columns = {{"fitted on"},
@@ -180,7 +205,7 @@ Presentation::Part measured_part(const MeasuredTable& measured) {
                          3600.0 * fit.white.error, 3600.0 * fit.flicker.value,
                          3600.0 * fit.flicker.error, fit.order.value, fit.order.error});
   }
-  return {.heading = "Measured sets at " + rate, .tables = {scale, ratios, fits}};
+  return {.heading = "Measured sets at " + rate, .tables = {scale, ratios, consistency, fits}};
 }
 
 Json json(double value) {
@@ -190,10 +215,15 @@ Json json(const Figure& figure) {
   return {{"value", json(figure.value)}, {"standard_error", json(figure.error)}};
 }
 Json json(const Standing& s) {
-  return {{"mean_ie", json(s.mean_ie)},          {"std_ie", json(s.std_ie)},
-          {"mean_rsse", json(s.mean_rsse)},      {"std_rsse", json(s.std_rsse)},
-          {"ie_ratio", json(s.ie_ratio)},        {"rsse_ratio", json(s.rsse_ratio)},
-          {"coverage_2sigma", json(s.coverage)}, {"nis", json(s.nis)}};
+  return {{"mean_ie", json(s.mean_ie)},
+          {"std_ie", json(s.std_ie)},
+          {"mean_rsse", json(s.mean_rsse)},
+          {"std_rsse", json(s.std_rsse)},
+          {"ie_ratio", json(s.ie_ratio)},
+          {"rsse_ratio", json(s.rsse_ratio)},
+          {"coverage_2sigma", json(s.coverage)},
+          {"own_coverage_2sigma", json(s.own_coverage)},
+          {"nis", json(s.nis)}};
 }
 Json json(const Expectation& e) {
   return {{"std_ie", json(e.std_ie)},

@@ -10,8 +10,8 @@
 
 namespace zerorate::experiments {
 
-/// The paper's filter: one state a sample, the calibration mean as its mean. Its band is what the
-/// filter states of itself: it takes that mean as certain.
+/// The paper's filter: one state a sample, the calibration mean as its mean. Its own band takes
+/// that mean as certain.
 [[nodiscard]] std::unique_ptr<Predictor> make_full_state(std::string name,
                                                          const reference::FractionalNoise& noise,
                                                          const Lengths& lengths);
@@ -23,10 +23,11 @@ namespace zerorate::experiments {
 
 enum class AutoregressionFit { least_squares, burg };
 
-/// A model fitted to each calibration anew, and its iterated forecast.
-[[nodiscard]] std::unique_ptr<Predictor> make_autoregression(std::string name,
-                                                             AutoregressionFit fit,
-                                                             std::size_t order,
-                                                             const Lengths& lengths);
+/// A model fitted to each calibration anew, and its iterated forecast. Its own band takes the
+/// fitted mean and coefficients as certain. The other one is that of the forecast's weights under
+/// `noise`, with the weights as given although they come from the data.
+[[nodiscard]] std::unique_ptr<Predictor> make_autoregression(
+    std::string name, AutoregressionFit fit, std::size_t order,
+    const reference::FractionalNoise& noise, const Lengths& lengths);
 
 }  // namespace zerorate::experiments

@@ -89,9 +89,10 @@ Predictors simulated_predictors(const SimulationOptions& options) {
       make_optimum("optimum, b unknown", noise, reference::Bias::diffuse, lengths));
   predictors.push_back(make_decade_kalman("decade Kalman, zero start", zero, lengths));
   predictors.push_back(make_decade_kalman("decade Kalman, stationary start", stationary, lengths));
+  predictors.push_back(make_autoregression("AR(4), least squares", AutoregressionFit::least_squares,
+                                           4, noise, lengths));
   predictors.push_back(
-      make_autoregression("AR(4), least squares", AutoregressionFit::least_squares, 4, lengths));
-  predictors.push_back(make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, lengths));
+      make_autoregression("AR(120), Burg", AutoregressionFit::burg, 120, noise, lengths));
   predictors.push_back(make_moving_average("moving average", zero, lengths));
   predictors.push_back(make_calibration_mean("calibration mean", zero, lengths));
   return predictors;

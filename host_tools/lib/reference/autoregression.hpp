@@ -37,4 +37,8 @@ struct Forecast {
 [[nodiscard]] Forecast forecast(const Autoregression& model, std::span<const double> values,
                                 std::size_t leads);
 
+/// The forecast as a weighing of the newest `order` values: row j holds the weights of
+/// (y - mean), oldest first, in the forecast of lead j + 1. Time O(leads order^2).
+[[nodiscard]] Eigen::MatrixXd forecast_weights(const Autoregression& model, std::size_t leads);
+
 }  // namespace zerorate::reference

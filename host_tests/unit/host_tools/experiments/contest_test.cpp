@@ -90,8 +90,10 @@ TEST(Contest, DoesNotDependOnTheNumberOfThreads) {
 }
 
 TEST(Standing, OfFourScoresIsWorkedOutByHand) {
-  const std::vector<Score> scores{
-      {1.0, 2.0, 1.0}, {-1.0, 4.0, 0.8}, {3.0, 2.0, 1.0}, {1.0, 4.0, 1.0}};
+  const std::vector<Score> scores{{.integrated_error = 1.0, .rsse = 2.0, .covered = 1.0},
+                                  {.integrated_error = -1.0, .rsse = 4.0, .covered = 0.8},
+                                  {.integrated_error = 3.0, .rsse = 2.0, .covered = 1.0},
+                                  {.integrated_error = 1.0, .rsse = 4.0, .covered = 1.0}};
   std::vector<Score> yardstick = scores;
   for (Score& score : yardstick) {
     score.integrated_error *= -2.0;

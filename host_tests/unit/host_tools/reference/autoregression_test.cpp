@@ -59,6 +59,15 @@ TEST(AutoregressionForecast, IsTheIteratedRecursionAndItsImpulseResponse) {
   EXPECT_DOUBLE_EQ(ahead.variance(2), 4.0 * (1.0 + 1.44 + psi2 * psi2));
 }
 
+TEST(AutoregressionForecast, IsItsWeightsTimesTheNewestValues) {
+  const std::vector<double> y = second_order(1000);
+  const Autoregression model = fit_burg(y, 30);
+  const Eigen::Map<const Eigen::VectorXd> newest{y.data() + 970, 30};
+  const Eigen::VectorXd weighed =
+      (forecast_weights(model, 200) * (newest.array() - model.mean).matrix()).array() + model.mean;
+  EXPECT_LT((weighed - forecast(model, y, 200).values).cwiseAbs().maxCoeff(), 1e-10);
+}
+
 TEST(AutoregressionForecast, OfBurgsModelReturnsToTheMean) {
   const std::vector<double> y = second_order(1000);
   const Autoregression model = fit_burg(y, 120);
