@@ -215,6 +215,7 @@ std::vector<MeasuredTable> measure_table1(const std::vector<RestRecording>& reco
   std::map<long, std::vector<Piece*>> of_rate;
   for (Piece& piece : pieces) of_rate[rate_key(piece.recording->sample_period_s)].push_back(&piece);
   std::vector<MeasuredTable> tables;
+  tables.reserve(of_rate.size());
   for (const auto& [key, group] : of_rate) tables.push_back(collect(group));
   return tables;
 }
