@@ -1,0 +1,125 @@
+#include "host_tools/lib/identify/innovations_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using zerorate::testing::kRadPerDeg;
+using zerorate::testing::rest_samples_of;
+using zerorate::testing::RestNoise;
+using zerorate::testing::simulate_rest;
+
+/// 200, or fewer in the default run, which says less (see the tolerances).
+constexpr std::size_t kRuns = ZERORATE_RECOVERY_RUNS;
+
+/// What is simulated. A record of ARFIMA noise at one sample a tick is what the filter's model says
+/// it is; with several samples a tick, averaging and aliasing bend the flicker noise just below
+/// the tick's rate, which is some tenths of a percent of the white noise and more if it is weak.
+struct Scenario {
+  RestNoise noise;
+  std::size_t samples;
+  double period_s;
+  std::optional<double> order{};  ///< as given to the fit
+  std::size_t stop = 0;           ///< length in samples; 0: at rest all the time
+};
+
+InnovationsFit characterize_run(const simulate::Signal& signal, std::optional<double> order) {
+  return characterize(rest_samples_of(signal), {.recording = "run", .axes = {0}, .order = order})
+      .axes.front()
+      .fit;
+}
+
+/// The error of one parameter over all runs.
+class Recovery {
+ public:
+  explicit Recovery(double truth) : truth_(truth) {}
+
+  void add(const IntervalEstimate& estimate) {
+    error_ += estimate.value - truth_;
+    squared_error_ += (estimate.value - truth_) * (estimate.value - truth_);
+    stated_ += estimate.standard_error;
+    held_ += estimate.lo <= truth_ && truth_ <= estimate.hi ? 1.0 : 0.0;
+  }
+
+  /// Unbiased within 2 % and the chance of the mean (3 standard errors); coverage within three
+  /// standard deviations of a share at .95: .046 of 200 runs.
+  void expect_honest(const char* what) const {
+    const double bias = error_ / kRuns;
+    const double spread = std::sqrt(squared_error_ / kRuns - bias * bias);
+    const double coverage = held_ / kRuns;
+    std::printf("%-20s bias %+.2f %% +- %.2f, spread over stated error %.3f, coverage %.3f\n", what,
+                100.0 * bias / truth_, 100.0 * spread / truth_ / std::sqrt(double{kRuns}),
+                spread / (stated_ / kRuns), coverage);
+    EXPECT_NEAR(bias, 0.0, 0.02 * truth_ + 3.0 * spread / std::sqrt(double{kRuns})) << what;
+    EXPECT_NEAR(coverage, 0.95, 3.0 * std::sqrt(0.95 * 0.05 / kRuns)) << what;
+  }
+
+ private:
+  double truth_;
+  double error_ = 0.0;
+  double squared_error_ = 0.0;
+  double stated_ = 0.0;
+  double held_ = 0.0;
+};
+
+void expect_recovery(const Scenario& scenario) {
+  const RestNoise& noise = scenario.noise;
+  Recovery white(noise.angle_random_walk_dps_per_sqrt_hz * kRadPerDeg);
+  Recovery flicker(noise.bias_instability_dph / 3600.0 * kRadPerDeg);
+  Recovery free_order(noise.order);
+  for (std::size_t run = 0; run < kRuns; ++run) {
+    simulate::Signal signal = simulate_rest(noise, scenario.samples, scenario.period_s, run);
+    if (scenario.stop > 0) zerorate::testing::drop_drives(signal, scenario.stop);
+    const InnovationsFit fit = characterize_run(signal, scenario.order);
+    ASSERT_TRUE(fit.flicker.has_value()) << run;
+    white.add(fit.angle_random_walk_rad_per_sqrt_s);
+    flicker.add(fit.flicker->bias_instability_rad_s);
+    if (!scenario.order) free_order.add(fit.flicker->rejected_order.value_or(fit.flicker->order));
+  }
+  white.expect_honest("white noise");
+  flicker.expect_honest("flicker noise");
+  if (!scenario.order) free_order.expect_honest("order");
+}
+
+TEST(InnovationsFit, RecoversStrengthsOfOneOverFNoiseWithHonestIntervals) {
+  // 5000 s at 10 Hz: 10,000 ticks of five samples, the noise of a consumer gyro.
+  expect_recovery({.noise = {}, .samples = 50'000, .period_s = 0.1, .order = 0.5});
+}
+
+TEST(InnovationsFit, RecoversStrengthsFromStopsBetweenDrives) {
+  // Stops of 40 s and drives of 80 s over 4 h: 10,000 ticks at rest.
+  expect_recovery({.noise = {.bias_instability_dph = 60.0},
+                   .samples = 30'000,
+                   .period_s = 0.5,
+                   .order = 0.5,
+                   .stop = 80});
+}
+
+TEST(InnovationsFit, RecoversTheOrderToo) {
+  // 3 h with strong flicker noise, so that every record can tell its order.
+  expect_recovery(
+      {.noise = {.bias_instability_dph = 60.0, .order = 0.6}, .samples = 20'000, .period_s = 0.5});
+}
+
+TEST(InnovationsFit, CallsWhiteNoiseFlickerAsRarelyAsItSays) {
+  std::size_t alarms = 0;
+  for (std::size_t run = 0; run < kRuns; ++run) {
+    const auto signal = simulate_rest({.bias_instability_dph = 0.0}, 5'000, 0.1, run);
+    if (characterize_run(signal, std::nullopt).flicker) ++alarms;
+  }
+  std::printf("false alarms: %zu of %zu\n", alarms, kRuns);
+  // 1 % and three standard deviations of a count: 6 of 200.
+  const double expected = 0.01 * kRuns;
+  EXPECT_LE(static_cast<double>(alarms), expected + 3.0 * std::sqrt(expected));
+}
+
+}  // namespace
+}  // namespace zerorate::identify

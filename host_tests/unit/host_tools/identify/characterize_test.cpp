@@ -1,0 +1,157 @@
+#include "host_tools/lib/identify/characterize.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firmware/model/model_file.hpp"
+#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/identify/characterization_json.hpp"
+#include "host_tools/lib/identify/characterization_report.hpp"
+#include "host_tools/lib/identify/model_curves.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using core::Duration;
+using zerorate::testing::kRadPerDeg;
+using zerorate::testing::rest_samples_of;
+using zerorate::testing::simulate_rest;
+
+Characterization characterize_simulated(const zerorate::testing::RestNoise& noise,
+                                        std::size_t samples) {
+  return characterize(rest_samples_of(simulate_rest(noise, samples, 0.1, 1)),
+                      {.recording = "simulated.csv", .axes = {0}});
+}
+
+TEST(IdentificationTick, IsTheNodesUnlessTheRecordIsShortOrVeryLong) {
+  const Duration period = Duration::milliseconds(10);
+  EXPECT_EQ(identification_tick(Duration::seconds(10'000), period), Duration::milliseconds(500));
+  // 100 s: 200 ticks of .5 s, 800 of .125 s, 1600 of .0625 s.
+  EXPECT_EQ(identification_tick(Duration::seconds(100), period), Duration::microseconds(62'500));
+  // 33 h: 237,600 ticks of .5 s, 59,400 of 2 s.
+  EXPECT_EQ(identification_tick(Duration::seconds(118'800), period), Duration::seconds(2));
+}
+
+TEST(IdentificationTick, IsNeverShorterThanTheSamplePeriod) {
+  EXPECT_EQ(identification_tick(Duration::seconds(100), Duration::seconds(2)),
+            Duration::seconds(2));
+  EXPECT_EQ(identification_tick(Duration::seconds(100), Duration::milliseconds(300)),
+            Duration::milliseconds(500));
+}
+
+TEST(ModelAllanDeviation, OfWhiteNoiseFallsWithTheRootOfTau) {
+  model::SensorModel model;
+  model.white.angle_random_walk_rad_per_sqrt_s = 1e-3;
+  EXPECT_DOUBLE_EQ(model_allan_deviation(model, 4.0), 5e-4);
+}
+
+TEST(ModelAllanDeviation, OfOneOverFNoiseIsFlatAtTheFloorOfIeee952) {
+  model::SensorModel model;
+  model.flicker = model::Flicker{.bias_instability_rad_s = 1e-5};
+  const double floor = std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi) * 1e-5;
+  // Between the quickest decade, .5 s, and the slowest, 50,000 s: the ripple of one pole a decade.
+  for (const double tau_s : {10.0, 37.0, 100.0, 290.0, 1000.0}) {
+    EXPECT_NEAR(model_allan_deviation(model, tau_s), floor, 0.03 * floor) << tau_s;
+  }
+}
+
+TEST(CornerFrequency, IsWhereBothDensitiesAreEqual) {
+  model::SensorModel model;
+  model.white.angle_random_walk_rad_per_sqrt_s = 7e-4;
+  model.flicker = model::Flicker{.bias_instability_rad_s = 1e-4, .order = 0.7};
+  EXPECT_NEAR(model_density(model, corner_frequency_hz(model)), 2.0 * 7e-4 * 7e-4, 1e-15);
+}
+
+TEST(Characterization, GivesAModelThatAFileHoldsAndTheNodeRuns) {
+  const Characterization result = characterize_simulated({}, 50'000);
+  const model::SensorModel& model = result.axes.front().model;
+  ASSERT_TRUE(model.flicker.has_value());
+  EXPECT_NE(model.flicker->source.find("identified from simulated.csv"), std::string::npos);
+  EXPECT_EQ(model::parse_model(model::format_model(model), "test"), model);
+}
+
+TEST(Characterization, OfAxesWithTheSameNoiseDoesNotDependOnTheAxis) {
+  RestSamples samples = rest_samples_of(simulate_rest({}, 20'000, 0.1, 2));
+  samples.axis_count = 3;
+  for (auto& rate : samples.rate_rad_s) rate = {rate[0], rate[0], 4.0F * rate[0]};
+  const Characterization result =
+      characterize(samples, {.recording = "three", .axes = {0, 1, 2}, .order = 0.5});
+  const auto arw = [&](std::size_t i) {
+    return result.axes[i].fit.angle_random_walk_rad_per_sqrt_s.value;
+  };
+  EXPECT_EQ(arw(0), arw(1));
+  EXPECT_NEAR(arw(2), 4.0 * arw(0), 1e-3 * arw(2));
+  EXPECT_EQ(result.axes[2].axis, "z");
+  EXPECT_NE(middle_axis(result).axis, "z");
+}
+
+TEST(CharacterizationOfStops, TakesItsCurvesFromTheLongestOne) {
+  simulate::Signal signal = simulate_rest({}, 30'000, 0.1, 3);
+  zerorate::testing::drop_drives(signal, 2'000);
+  const Characterization result =
+      characterize(rest_samples_of(signal), {.recording = "stops", .axes = {0}, .order = 0.5});
+  ASSERT_FALSE(result.axes.front().allan.empty());
+  EXPECT_NEAR(result.axes.front().allan.front().tau_s, 0.1, 1e-9);
+  EXPECT_LT(result.axes.front().allan.back().tau_s, 100.0);
+  EXPECT_NEAR(result.rest_s, 1000.0, 5.0);
+}
+
+TEST(CharacterizationJson, HoldsFiguresWithIntervals) {
+  const auto json = nlohmann::json::parse(to_json(characterize_simulated({}, 50'000)));
+  EXPECT_EQ(json["schema"], "zerorate.characterization/1");
+  const auto& axis = json["axes"]["rate"];
+  const auto& arw = axis["angle_random_walk_dps_per_sqrt_hz"];
+  EXPECT_NEAR(arw["value"].get<double>(), 0.04, 0.002);
+  EXPECT_LT(arw["lo95"], arw["value"]);
+  EXPECT_NEAR(axis["angle_random_walk_deg_per_sqrt_h"]["value"].get<double>(),
+              60.0 * arw["value"].get<double>(), 1e-9);
+  EXPECT_TRUE(axis["flicker"]["order"]["source"].is_string());
+  EXPECT_FALSE(axis["allan_deviation"].empty());
+  EXPECT_FALSE(axis["density"].empty());
+}
+
+TEST(CharacterizationJson, HasNullForFlickerNoiseThatIsNotThere) {
+  const auto json =
+      nlohmann::json::parse(to_json(characterize_simulated({.bias_instability_dph = 0.0}, 20'000)));
+  EXPECT_TRUE(json["axes"]["rate"]["flicker"].is_null());
+  EXPECT_TRUE(json["axes"]["rate"]["local_whittle_order"].is_null());
+  EXPECT_FALSE(json["axes"]["rate"]["remarks"].empty());
+}
+
+TEST(CharacterizationReport, ShowsEveryAxisAndItsModel) {
+  const std::string html = make_report(characterize_simulated({}, 20'000), "test").html();
+  EXPECT_NE(html.find("Allan deviation of axis rate"), std::string::npos);
+  EXPECT_NE(html.find("zerorate.model/1"), std::string::npos);
+}
+
+TEST(CharacterizationOfARealSensor, AgreesWithItsIndependentDescription) {
+  const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
+  if (!folder) GTEST_SKIP() << "skipped: no recordings";
+  recording::Reader reader{*folder / "adis16405_static/run2_10hz_mean.csv.gz"};
+  const Characterization result =
+      characterize(read_rest_samples(reader), {.recording = "run2", .axes = {0, 1, 2}});
+  for (const auto& axis : result.axes) {
+    // The README of the recordings: one-sided .054 to .066 deg/s/sqrt(Hz), Allan floor .007 to
+    // .009 deg/s at 60 to 300 s (and somewhat earlier on x), PSD slope -.75 to -1.17 at low
+    // frequencies, which is twice d, and some more since the slope is flattened by white noise.
+    const double one_sided =
+        axis.fit.angle_random_walk_rad_per_sqrt_s.value * std::sqrt(2.0) / kRadPerDeg;
+    EXPECT_GT(one_sided, 0.05) << axis.axis;
+    EXPECT_LT(one_sided, 0.068) << axis.axis;
+    EXPECT_GT(axis.allan_floor().adev / kRadPerDeg, 0.006) << axis.axis;
+    EXPECT_LT(axis.allan_floor().adev / kRadPerDeg, 0.011) << axis.axis;
+    ASSERT_TRUE(axis.fit.flicker.has_value()) << axis.axis;
+    EXPECT_GT(axis.fit.flicker->order.hi, 0.5) << axis.axis;
+    EXPECT_LT(axis.fit.flicker->order.lo, 0.7) << axis.axis;
+    // Two estimators that share nothing but the data.
+    ASSERT_TRUE(axis.local_whittle_order.has_value()) << axis.axis;
+    EXPECT_NEAR(axis.local_whittle_order->value, axis.fit.flicker->order.value, 0.25) << axis.axis;
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::identify

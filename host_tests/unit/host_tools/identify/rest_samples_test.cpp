@@ -1,0 +1,120 @@
+#include "host_tools/lib/identify/rest_samples.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "host_tests/support/scratch_folder.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using core::Duration;
+
+/// Ten rows a second; the cell after the rate as `last` gives it for each row.
+template <class Last>
+std::string rows(const std::string& header, int count, Last last) {
+  std::string text = header + "\n";
+  for (int k = 0; k < count; ++k) {
+    text += std::to_string(k / 10) + "." + std::to_string(k % 10) + "," + std::to_string(k) + "," +
+            last(k) + "\n";
+  }
+  return text;
+}
+
+RestSamples read(const std::string& text) {
+  const zerorate::testing::ScratchFolder folder;
+  recording::Reader reader{folder.write("run.csv", text)};
+  return read_rest_samples(reader, {.standstill = {.settle = Duration::seconds(1),
+                                                   .hold_back = Duration::milliseconds(500)}});
+}
+
+TEST(RestSamplesWithoutMotionColumn, AreAllRows) {
+  const RestSamples samples = read("t_s,rate_dps\n0,1\n0.1,2\n0.2,3\n");
+  EXPECT_EQ(samples.time.size(), 3U);
+  EXPECT_EQ(samples.axis_count, 1U);
+  EXPECT_EQ(samples.sample_period, Duration::milliseconds(100));
+  EXPECT_EQ(samples.span(), Duration::milliseconds(200));
+  EXPECT_EQ(samples.moving, 0U);
+}
+
+TEST(RestSamples, LeaveOutLostRatesAndTimesThatDoNotAdvance) {
+  const RestSamples samples = read("t_s,rate_dps\n0,1\n0.1,nan\n0.2,3\n0.2,4\n0.15,5\n0.3,6\n");
+  EXPECT_EQ(samples.time.size(), 3U);
+  EXPECT_EQ(samples.lost, 3U);
+  EXPECT_EQ(samples.rows, 6U);
+}
+
+TEST(RestSamplesWithStillColumn, BeginASettleTimeAfterTheDriveAndEndAHoldBackBeforeIt) {
+  // Moving in rows 50 to 69, that is, from 5.0 to 6.9 s.
+  const RestSamples samples = read(rows(
+      "t_s,rate_dps,still", 100, [](int k) { return std::string(k >= 50 && k < 70 ? "0" : "1"); }));
+  std::vector<std::int64_t> tenths;
+  for (const auto at : samples.time) tenths.push_back(at.ns() / 100'000'000);
+  // From 1.0 s, a settle time after the start, to 4.5 s; from 7.9 s to the end.
+  EXPECT_THAT(tenths, ::testing::SizeIs(36 + 21));
+  EXPECT_EQ(tenths.front(), 10);
+  EXPECT_EQ(tenths[35], 45);
+  EXPECT_EQ(tenths[36], 79);
+  EXPECT_EQ(tenths.back(), 99);
+  EXPECT_EQ(samples.moving, 100U - 57U);
+}
+
+TEST(RestSamplesWithOdometer, MoveWithEveryChangeOfTheCount) {
+  const RestSamples samples = read(rows("t_s,rate_dps,odometer_pulses", 100,
+                                        [](int k) { return std::to_string(k < 50 ? 7 : 8); }));
+  // One pulse in row 50: nothing from 4.6 to 5.9 s.
+  EXPECT_EQ(samples.time.size(), 36U + 40U);
+}
+
+TEST(TickMeansOfRestSamples, AreAbsentWhereThereAreNoSamples) {
+  const RestSamples samples = read("t_s,rate_dps\n0,1\n0.1,2\n0.2,3\n1,4\n1.1,6\n");
+  const auto ticks = average_ticks(samples, Duration::milliseconds(500));
+  ASSERT_EQ(ticks.size(), 2U);
+  EXPECT_EQ(ticks[0].tick, 0U);
+  EXPECT_EQ(ticks[0].samples, 3U);
+  EXPECT_EQ(ticks[1].tick, 2U);
+  EXPECT_EQ(ticks[1].samples, 2U);
+  EXPECT_NEAR(ticks[1].rate_rad_s[0], 5.0 * 0.017453293, 1e-7);
+}
+
+TEST(MeanSamplePeriod, CountsTheSamplesOfInnerTicks) {
+  // Bursts: pairs 1 ms apart every 100 ms; the median interval means nothing.
+  RestSamples samples{.sample_period = Duration::milliseconds(1)};
+  for (std::int64_t k = 0; k < 100; ++k) {
+    for (const std::int64_t ms : {100 * k, 100 * k + 1}) {
+      samples.time.push_back(core::Instant::from_ns(ms * 1'000'000));
+      samples.rate_rad_s.push_back({});
+    }
+  }
+  const Duration tick = Duration::milliseconds(500);
+  EXPECT_EQ(mean_sample_period(average_ticks(samples, tick), tick), Duration::milliseconds(50));
+}
+
+TEST(LongestEvenSamples, EndAtAHole) {
+  const RestSamples samples =
+      read("t_s,rate_dps\n0,1\n0.1,2\n0.5,3\n0.601,4\n0.7,5\n0.802,6\n1.5,7\n");
+  const EvenRecord record = longest_even_samples(samples, 0);
+  ASSERT_EQ(record.rate_rad_s.size(), 4U);
+  EXPECT_NEAR(record.rate_rad_s.front(), 3.0 * 0.017453293, 1e-7);
+  EXPECT_NEAR(record.sample_period_s, 0.302 / 3.0, 1e-12);
+}
+
+TEST(LongestEvenTicks, EndAtAHole) {
+  std::vector<TickMean> ticks;
+  for (const std::uint32_t tick : {0U, 1U, 5U, 6U, 7U, 9U}) {
+    ticks.push_back({.tick = tick, .samples = 1, .rate_rad_s = {static_cast<float>(tick)}});
+  }
+  const EvenRecord record = longest_even_ticks(ticks, Duration::seconds(2), 0);
+  EXPECT_THAT(record.rate_rad_s, ::testing::ElementsAre(5.0, 6.0, 7.0));
+  EXPECT_EQ(record.sample_period_s, 2.0);
+}
+
+TEST(RestSamplesOfADrive, AreRefused) {
+  EXPECT_THROW((void)read(rows("t_s,rate_dps,still", 50, [](int) { return std::string("0"); })),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace zerorate::identify

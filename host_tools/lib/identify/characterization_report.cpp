@@ -1,0 +1,161 @@
+#include "host_tools/lib/identify/characterization_report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "firmware/model/model_file.hpp"
+#include "host_tools/lib/identify/model_curves.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using report::Chart;
+using report::Colour;
+using report::Scale;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
+constexpr double kDegRtHPerRadRtS = 60.0 * kDegPerRad;
+
+Chart allan_chart(const AxisCharacterization& axis) {
+  report::Series measured{.name = "recording, 95 % interval", .colour = Colour::blue};
+  report::Series fitted{.name = "fitted model", .colour = Colour::ink, .dashed = true};
+  for (const AllanPoint& point : axis.allan) {
+    measured.x.push_back(point.tau_s);
+    measured.y.push_back(point.adev * kDphPerRadS);
+    measured.lo.push_back(point.lo * kDphPerRadS);
+    measured.hi.push_back(point.hi * kDphPerRadS);
+    fitted.x.push_back(point.tau_s);
+    fitted.y.push_back(model_allan_deviation(axis.model, point.tau_s) * kDphPerRadS);
+  }
+  return {.title = "Allan deviation of axis " + axis.axis,
+          .caption =
+              "The falling part is white noise (angle random walk), the flat or rising one flicker "
+              "noise. Where the model leaves the band the recording holds something else.",
+          .x = {"Averaging time", "s", Scale::logarithmic},
+          .y = {"Allan deviation", "deg/h", Scale::logarithmic},
+          .series = {std::move(measured), std::move(fitted)}};
+}
+
+Chart density_chart(const AxisCharacterization& axis) {
+  constexpr double kNormal95 = 1.96;
+  report::Series measured{.name = "recording, 95 % interval", .colour = Colour::blue};
+  report::Series fitted{.name = "fitted model", .colour = Colour::ink, .dashed = true};
+  for (const DensityBin& bin : axis.density) {
+    const double root = std::sqrt(bin.density) * kDegPerRad;
+    // A mean of p periodogram points is chi squared with 2p degrees of freedom; on the logarithm
+    // of its root the standard error is 1 / (2 sqrt(p)).
+    const double spread = std::exp(0.5 * kNormal95 / std::sqrt(static_cast<double>(bin.points)));
+    measured.x.push_back(bin.frequency_hz);
+    measured.y.push_back(root);
+    measured.lo.push_back(root / spread);
+    measured.hi.push_back(root * spread);
+    fitted.x.push_back(bin.frequency_hz);
+    fitted.y.push_back(std::sqrt(2.0 * model_density(axis.model, bin.frequency_hz)) * kDegPerRad);
+  }
+  return {.title = "Noise density of axis " + axis.axis,
+          .caption =
+              "One-sided, as data sheets state it: sqrt(2) times the two-sided angle random walk. "
+              "The model is fitted to means over filter ticks; lines, the sensor's low-pass and "
+              "quantization at higher frequencies are not its business.",
+          .x = {"Frequency", "Hz", Scale::logarithmic},
+          .y = {"Rate noise density", "deg/s/sqrt(Hz)", Scale::logarithmic},
+          .series = {std::move(measured), std::move(fitted)}};
+}
+
+std::string order_text(const FittedFlicker& flicker) {
+  return fmt::format("{} ({})", text(flicker.order), explain(flicker.order_source));
+}
+
+std::vector<report::KeyFigure> key_figures(const AxisCharacterization& axis) {
+  const auto& arw = axis.fit.angle_random_walk_rad_per_sqrt_s;
+  std::vector<report::KeyFigure> figures{
+      {"Angle random walk", fmt::format("{:.3g} deg/√h", arw.value * kDegRtHPerRadRtS),
+       "95 %: " + text(arw, kDegRtHPerRadRtS)}};
+  if (axis.fit.flicker) {
+    const auto& b = axis.fit.flicker->bias_instability_rad_s;
+    figures.push_back({"Bias instability B", fmt::format("{:.3g} deg/h", b.value * kDphPerRadS),
+                       "95 %: " + text(b, kDphPerRadS)});
+    figures.push_back({"Order d", fmt::format("{:.2f}", axis.fit.flicker->order.value),
+                       order_text(*axis.fit.flicker)});
+  } else {
+    figures.push_back({"Bias instability", "not detectable",
+                       fmt::format("p = {:.2g} for flicker noise", axis.fit.p_value)});
+  }
+  if (!axis.allan.empty()) {
+    figures.push_back({"Allan floor",
+                       fmt::format("{:.3g} deg/h", axis.allan_floor().adev * kDphPerRadS),
+                       fmt::format("at {:.3g} s", axis.allan_floor().tau_s)});
+  }
+  return figures;
+}
+
+report::Table summary_table(const Characterization& result) {
+  report::Table table{
+      .caption =
+          "With 95 % intervals. Two-sided spectra as in IEEE Std 952: white noise N^2, flicker "
+          "noise B^2 (2 pi f)^(-2d).",
+      .columns = {{"Axis"},
+                  {"Angle random walk N", "deg/s/sqrt(Hz)"},
+                  {"Bias instability B", "deg/h"},
+                  {"Order d"},
+                  {"Order by local Whittle"}}};
+  for (const auto& axis : result.axes) {
+    const auto& flicker = axis.fit.flicker;
+    const auto& whittle = axis.local_whittle_order;
+    table.rows.push_back(
+        {axis.axis, text(axis.fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
+         flicker ? text(flicker->bias_instability_rad_s, kDphPerRadS) : "not detectable",
+         flicker ? order_text(*flicker) : "",
+         whittle ? fmt::format("{:.2f} ± {:.2f}", whittle->value, whittle->standard_error) : ""});
+  }
+  return table;
+}
+
+std::string lead(const Characterization& result) {
+  return fmt::format(
+      "{:.3g} s at rest, a sample every {:.4g} s. White and flicker noise of each axis at their "
+      "greatest likelihood through the node's own filter, at ticks of {:.4g} s.",
+      result.rest_s, static_cast<double>(result.sample_period.ns()) * 1e-9,
+      static_cast<double>(result.tick.ns()) * 1e-9);
+}
+
+}  // namespace
+
+std::string text(const IntervalEstimate& estimate, double unit) {
+  if (estimate.standard_error == 0.0) return fmt::format("{:.3g}", estimate.value * unit);
+  return fmt::format("{:.3g} [{:.3g}, {:.3g}]", estimate.value * unit, estimate.lo * unit,
+                     estimate.hi * unit);
+}
+
+std::string_view explain(OrderSource source) {
+  switch (source) {
+    case OrderSource::given:
+      return "as given";
+    case OrderSource::estimated:
+      return "estimated from the recording";
+    case OrderSource::prior:
+      return "assumed: 1/f noise";
+    case OrderSource::limit:
+      return "at the upper limit";
+  }
+  return "unknown";
+}
+
+report::Report make_report(const Characterization& result, const std::string& provenance) {
+  report::Report report{"Noise of " + result.recording, lead(result)};
+  report.section("Summary").table(summary_table(result));
+  for (const AxisCharacterization& axis : result.axes) {
+    auto& section = report.section("Axis " + axis.axis);
+    section.key_figures(key_figures(axis));
+    for (const std::string& remark : axis.remarks) section.paragraph(remark);
+    if (!axis.allan.empty()) section.chart(allan_chart(axis)).chart(density_chart(axis));
+    section.listing(model::format_model(axis.model));
+  }
+  report.provenance(provenance);
+  return report;
+}
+
+}  // namespace zerorate::identify

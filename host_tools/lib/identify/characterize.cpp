@@ -1,0 +1,219 @@
+#include "host_tools/lib/identify/characterize.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+
+#include "host_tools/lib/identify/local_whittle.hpp"
+#include "host_tools/lib/identify/model_curves.hpp"
+#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/spectrum/noise_strength.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+constexpr std::size_t kFewestForWhittle = 64;
+constexpr std::size_t kFewestFrequencies = 8;
+constexpr double kBinsPerDecade = 12.0;
+
+double seconds(core::Duration duration) {
+  return static_cast<double>(duration.ns()) * 1e-9;
+}
+
+/// White noise from neighbouring ticks; flicker noise as strong as it at the middle of the band.
+StartValues rough_start(std::span<const TickMean> ticks, std::size_t axis, double tick_s) {
+  double squares = 0.0;
+  for (std::size_t k = 1; k < ticks.size(); ++k) {
+    const double step = double{ticks[k].rate_rad_s[axis]} - double{ticks[k - 1].rate_rad_s[axis]};
+    squares += step * step;
+  }
+  const double variance = 0.5 * squares / static_cast<double>(ticks.size() - 1);
+  const double white = std::sqrt(variance * tick_s);
+  const double middle_rad_per_s =
+      std::numbers::pi / (tick_s * std::sqrt(static_cast<double>(ticks.size())));
+  return {white, white * std::sqrt(middle_rad_per_s)};
+}
+
+/// The Whittle fit; where it sees no flicker noise, as strong a one as the rough start has.
+StartValues whittle_start(const EvenRecord& even, const StartValues& rough,
+                          std::optional<double> order) {
+  const WhiteFlickerFit fit = fit_white_flicker(even.rate_rad_s, {.order = order});
+  StartValues start = rough;
+  start.angle_random_walk_rad_per_sqrt_s =
+      spectrum::angle_random_walk(fit.white_variance.value, even.sample_period_s);
+  if (fit.flicker) {
+    start.order = std::clamp(fit.flicker->order.value, 0.1, 0.9);
+    start.bias_instability_rad_s = spectrum::bias_instability(
+        fit.flicker->innovation_variance.value, start.order, even.sample_period_s);
+  }
+  return start;
+}
+
+std::vector<StartValues> start_values(std::span<const TickMean> ticks, const EvenRecord& even,
+                                      std::size_t axis, std::optional<double> order) {
+  const StartValues rough = rough_start(ticks, axis, even.sample_period_s);
+  if (even.rate_rad_s.size() < kFewestForWhittle) return {rough};
+  std::vector<StartValues> starts{whittle_start(even, rough, order.value_or(0.5))};
+  if (!order) starts.push_back(whittle_start(even, rough, std::nullopt));
+  return starts;
+}
+
+std::optional<Estimate> local_whittle_order(const EvenRecord& even,
+                                            const model::SensorModel& model) {
+  const std::size_t size = even.rate_rad_s.size();
+  if (!model.flicker || size < kFewestForWhittle) return std::nullopt;
+  const double below_corner =
+      0.5 * corner_frequency_hz(model) * even.sample_period_s * static_cast<double>(size);
+  const double bandwidth =
+      std::min({below_corner, static_cast<double>(local_whittle_bandwidth(size)),
+                0.4 * static_cast<double>(size)});
+  const auto frequencies = static_cast<std::size_t>(bandwidth);
+  if (frequencies < kFewestFrequencies) return std::nullopt;
+  return exact_local_whittle(even.rate_rad_s, frequencies);
+}
+
+/// Samples if most of the record is one even stretch of them, else ticks.
+EvenRecord record_for_curves(const RestSamples& samples, const EvenRecord& even_ticks,
+                             std::size_t axis) {
+  EvenRecord even = longest_even_samples(samples, axis);
+  const double length = static_cast<double>(even.rate_rad_s.size()) * even.sample_period_s;
+  const double length_of_ticks =
+      static_cast<double>(even_ticks.rate_rad_s.size()) * even_ticks.sample_period_s;
+  return 2.0 * length >= length_of_ticks ? even : even_ticks;
+}
+
+std::string axis_name(const RestSamples& samples, std::size_t axis) {
+  return samples.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);
+}
+
+model::SensorModel named_model(const InnovationsFit& fit, double shortest_time_constant_s,
+                               const std::string& recording, const std::string& axis) {
+  model::SensorModel model = fit.model(shortest_time_constant_s);
+  model.name = fmt::format("{}, axis {}", recording, axis);
+  const std::string source =
+      fmt::format("identified from {}, axis {}, by zerorate characterize", recording, axis);
+  const auto& white = fit.angle_random_walk_rad_per_sqrt_s;
+  model.white.source = fmt::format("{}; relative standard error {:.1f} %", source,
+                                   100.0 * white.standard_error / white.value);
+  if (!fit.flicker) {
+    model.white.source += "; no flicker noise detectable";
+    return model;
+  }
+  const auto& b = fit.flicker->bias_instability_rad_s;
+  model.flicker->source = fmt::format("{}; relative standard error {:.1f} %", source,
+                                      100.0 * b.standard_error / b.value);
+  if (fit.flicker->order_source == OrderSource::estimated) {
+    model.flicker->source +=
+        fmt::format("; standard error of the order {:.3f}", fit.flicker->order.standard_error);
+  }
+  return model;
+}
+
+std::vector<std::string> remarks_on(const InnovationsFit& fit) {
+  std::vector<std::string> remarks;
+  if (fit.angle_random_walk_rad_per_sqrt_s.standard_error >
+      0.5 * fit.angle_random_walk_rad_per_sqrt_s.value) {
+    remarks.emplace_back(
+        "Slow noise hides the white noise at every tick: the angle random walk is hardly known.");
+  }
+  if (!fit.flicker) {
+    remarks.emplace_back(
+        "No flicker noise is detectable in this recording, so the model has none. A longer "
+        "recording may show it.");
+  } else if (fit.flicker->order_source == OrderSource::limit) {
+    remarks.emplace_back(
+        "The bias drifts at least like a random walk (order .95, the highest allowed): look for "
+        "temperature, warm-up or motion before trusting this model.");
+  } else if (fit.flicker->rejected_order) {
+    remarks.push_back(
+        fmt::format("The recording is too short to tell the order ({:.2f}, 95 % interval {:.2f} to "
+                    "{:.2f}); 1/2 is kept.",
+                    fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
+                    fit.flicker->rejected_order->hi));
+  }
+  return remarks;
+}
+
+AxisCharacterization characterize_axis(const RestSamples& samples,
+                                       const std::vector<TickMean>& ticks, core::Duration tick,
+                                       std::size_t axis, const CharacterizeOptions& options) {
+  const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
+  const core::Duration sample_period = mean_sample_period(ticks, tick);
+  const InnovationsLikelihood likelihood{ticks, axis, sample_period, tick};
+  // Quicker decades than half the sample period would be white noise to the filter.
+  const double shortest_s = std::max(0.5, 0.5 * seconds(sample_period));
+  AxisCharacterization result{.axis = axis_name(samples, axis)};
+  result.fit = fit_by_innovations(likelihood,
+                                  {.starts = start_values(ticks, even_ticks, axis, options.order),
+                                   .order = options.order,
+                                   .shortest_time_constant_s = shortest_s});
+  result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
+  result.local_whittle_order = local_whittle_order(even_ticks, result.model);
+  result.remarks = remarks_on(result.fit);
+
+  const EvenRecord record = record_for_curves(samples, even_ticks, axis);
+  if (record.rate_rad_s.size() >= kFewestFrequencies) {
+    result.allan = allan_deviation(record.rate_rad_s, record.sample_period_s);
+    result.density =
+        bin_logarithmically(periodogram(record.rate_rad_s, record.sample_period_s), kBinsPerDecade);
+  } else {
+    result.remarks.emplace_back(
+        "The recording has no stretch without holes that is long enough for an Allan deviation.");
+  }
+  return result;
+}
+
+double slow_noise(const AxisCharacterization& axis) {
+  constexpr double kSlowHz = 0.01;
+  const double white = axis.model.white.angle_random_walk_rad_per_sqrt_s;
+  return model_density(axis.model, kSlowHz) - white * white;
+}
+
+}  // namespace
+
+const AllanPoint& AxisCharacterization::allan_floor() const {
+  return *std::ranges::min_element(allan, {}, &AllanPoint::adev);
+}
+
+core::Duration identification_tick(core::Duration span, core::Duration sample_period) {
+  constexpr std::int64_t kFewTicks = 1024;
+  constexpr std::int64_t kManyTicks = 65'536;
+  core::Duration tick = std::max(core::Duration::milliseconds(500), sample_period);
+  while (span / tick < kFewTicks && tick / 2 >= sample_period) tick = tick / 2;
+  while (span / tick > kManyTicks) tick = tick * 2;
+  return tick;
+}
+
+Characterization characterize(const RestSamples& samples, const CharacterizeOptions& options) {
+  Characterization result{.recording = options.recording,
+                          .rows = samples.rows,
+                          .rows_moving = samples.moving,
+                          .rows_lost = samples.lost,
+                          .findings = samples.findings,
+                          .tick = identification_tick(samples.span(), samples.sample_period)};
+  const std::vector<TickMean> ticks = average_ticks(samples, result.tick);
+  result.sample_period = mean_sample_period(ticks, result.tick);
+  result.ticks = ticks.size();
+  result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);
+  for (const std::size_t axis : options.axes) {
+    result.axes.push_back(characterize_axis(samples, ticks, result.tick, axis, options));
+    if (options.on_progress) {
+      options.on_progress(static_cast<double>(result.axes.size()) /
+                          static_cast<double>(options.axes.size()));
+    }
+  }
+  return result;
+}
+
+const AxisCharacterization& middle_axis(const Characterization& result) {
+  std::vector<const AxisCharacterization*> by_noise;
+  for (const auto& axis : result.axes) by_noise.push_back(&axis);
+  std::ranges::sort(by_noise, {}, [](const auto* axis) { return slow_noise(*axis); });
+  return *by_noise[by_noise.size() / 2];
+}
+
+}  // namespace zerorate::identify

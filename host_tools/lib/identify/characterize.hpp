@@ -1,0 +1,76 @@
+/// @file
+/// What a recording at rest tells about each axis of its sensor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/identify/density.hpp"
+#include "host_tools/lib/identify/estimate.hpp"
+#include "host_tools/lib/identify/innovations_fit.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
+
+namespace zerorate::identify {
+
+struct AxisCharacterization {
+  std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
+  InnovationsFit fit;
+  model::SensorModel model;  ///< of the fit, with its sources
+  /// Exact local Whittle estimate of d from the frequencies below half the corner; nothing where
+  /// there is no flicker noise or too little of the record is without holes.
+  std::optional<Estimate> local_whittle_order;
+  std::vector<AllanPoint> allan;     ///< rad/s; of the longest stretch without holes
+  std::vector<DensityBin> density;   ///< one-sided, (rad/s)^2/Hz; of the same stretch
+  std::vector<std::string> remarks;  ///< what a user should know of these figures
+
+  /// The lowest point of the Allan deviation.
+  [[nodiscard]] const AllanPoint& allan_floor() const;
+};
+
+struct Characterization {
+  std::string recording;
+  std::uint64_t rows = 0;
+  std::uint64_t rows_moving = 0;
+  std::uint64_t rows_lost = 0;
+  recording::Findings findings;
+  core::Duration sample_period;  ///< the mean, see mean_sample_period()
+  core::Duration tick;
+  std::size_t ticks = 0;  ///< with samples at rest
+  double rest_s = 0.0;    ///< what the ticks sum up to
+  std::vector<AxisCharacterization> axes;
+};
+
+struct CharacterizeOptions {
+  std::string recording;          ///< its name, for the sources of the models
+  std::vector<std::size_t> axes;  ///< indices
+  std::optional<double> order;    ///< d where it is known
+  /// Called now and then with the share of the work that is done.
+  std::function<void(double)> on_progress;
+};
+
+/// The filter tick at which a record is identified: half a second, the node's own, so that what is
+/// fitted is what will run. A shorter one for records of less than 1024 such ticks, down to the
+/// sample period; a longer one beyond 65,536 ticks (9 h), doubled until they are fewer: bounded
+/// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
+[[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
+
+/// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
+/// without holes. The strength of the white noise is that of tick means on purpose: at the raw rate
+/// the sensor's low-pass and quantization are in it, which a filter at the tick never sees.
+/// Time about 1 s an axis for 10^6 samples. Throws std::invalid_argument for records that are too
+/// short or constant.
+[[nodiscard]] Characterization characterize(const RestSamples& samples,
+                                            const CharacterizeOptions& options);
+
+/// The axis whose flicker noise at .01 Hz is the middle one (the higher of two): where one model
+/// must serve all axes, it errs least in either direction.
+[[nodiscard]] const AxisCharacterization& middle_axis(const Characterization& result);
+
+}  // namespace zerorate::identify

@@ -1,0 +1,259 @@
+#include "host_tools/lib/identify/innovations_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "host_tools/lib/identify/minimise.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+constexpr std::size_t kFewestTicks = 64;
+constexpr double kPriorOrder = 0.5;
+constexpr double kLowestOrder = 0.05;
+constexpr double kHighestOrder = 0.95;
+/// An estimate above it counts as one at the upper end.
+constexpr double kOrderLimit = 0.94;
+/// How far log N, log flicker and logit d may move from their start: a factor of e^7.
+const Eigen::Vector3d kRoom{7.0, 7.0, 6.0};
+constexpr double kNormal95 = 1.959963984540054;
+/// 1 % point of chi squared with one degree of freedom.
+constexpr double kContradiction = 6.634896601021213;
+
+double order_of(double logit) {
+  return kLowestOrder + (kHighestOrder - kLowestOrder) / (1.0 + std::exp(-logit));
+}
+double logit_of(double order) {
+  return std::log((order - kLowestOrder) / (kHighestOrder - order));
+}
+double order_slope(double logit) {
+  const double p = 1.0 / (1.0 + std::exp(-logit));
+  return (kHighestOrder - kLowestOrder) * p * (1.0 - p);
+}
+
+/// Between the parameters that are fitted, theta = (log N, log flicker at the pivot, logit d), and
+/// the model. Without a third one the order is as given.
+struct Parameters {
+  double pivot_rad_per_s;
+  double order;
+  double shortest_time_constant_s;
+
+  [[nodiscard]] double order_at(const Eigen::VectorXd& theta) const {
+    return theta.size() > 2 ? order_of(theta(2)) : order;
+  }
+  /// S(omega) = B^2 omega^(-2d), so log B = log sqrt(S(pivot)) + d log(pivot).
+  [[nodiscard]] double log_bias_instability(const Eigen::VectorXd& theta) const {
+    return theta(1) + order_at(theta) * std::log(pivot_rad_per_s);
+  }
+  [[nodiscard]] model::SensorModel model(const Eigen::VectorXd& theta) const {
+    model::SensorModel model{.name = "fit"};
+    model.white.angle_random_walk_rad_per_sqrt_s = std::exp(theta(0));
+    model.flicker = model::Flicker{.bias_instability_rad_s = std::exp(log_bias_instability(theta)),
+                                   .order = order_at(theta),
+                                   .shortest_time_constant_s = shortest_time_constant_s};
+    return model;
+  }
+};
+
+IntervalEstimate known(double value) {
+  return {value, 0.0, value, value};
+}
+
+/// exp(x) for an x of this standard error.
+IntervalEstimate from_log(double log_value, double error) {
+  const double value = std::exp(log_value);
+  return {value, value * error, std::exp(log_value - kNormal95 * error),
+          std::exp(log_value + kNormal95 * error)};
+}
+
+IntervalEstimate order_from(double logit, double error) {
+  return {order_of(logit), order_slope(logit) * error, order_of(logit - kNormal95 * error),
+          order_of(logit + kNormal95 * error)};
+}
+
+/// The maximum over white noise and flicker noise.
+struct Maximum {
+  Parameters parameters;
+  Eigen::VectorXd theta;
+  Eigen::MatrixXd covariance;
+  double minus_two_log;
+
+  [[nodiscard]] double error(Eigen::Index i) const { return std::sqrt(covariance(i, i)); }
+  [[nodiscard]] IntervalEstimate bias_instability() const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(theta.size());
+    gradient(1) = 1.0;
+    if (theta.size() > 2) {
+      gradient(2) = order_slope(theta(2)) * std::log(parameters.pivot_rad_per_s);
+    }
+    return from_log(parameters.log_bias_instability(theta),
+                    std::sqrt(gradient.dot(covariance * gradient)));
+  }
+  [[nodiscard]] IntervalEstimate order() const {
+    return theta.size() > 2 ? order_from(theta(2), error(2)) : known(parameters.order);
+  }
+};
+
+/// Fits of one record; counts the passes of the filter.
+class Fitter {
+ public:
+  Fitter(const InnovationsLikelihood& likelihood, const InnovationsFitOptions& options)
+      : likelihood_(likelihood), options_(options) {}
+
+  /// White noise alone: its strength scales every variance, so one pass gives the maximum.
+  InnovationsFit white_alone() {
+    model::SensorModel model{.name = "white"};
+    model.white.angle_random_walk_rad_per_sqrt_s =
+        options_.starts.front().angle_random_walk_rad_per_sqrt_s;
+    const Likelihood at_start = likelihood_(model);
+    ++evaluations_;
+    const auto count = static_cast<double>(at_start.innovations);
+    const double excess = at_start.squared_innovations / count;
+    if (!(excess > 0.0) || !std::isfinite(excess)) {
+      throw std::invalid_argument("the record is constant: there is no noise to identify");
+    }
+    InnovationsFit fit;
+    fit.angle_random_walk_rad_per_sqrt_s =
+        from_log(std::log(model.white.angle_random_walk_rad_per_sqrt_s) + 0.5 * std::log(excess),
+                 std::sqrt(0.5 / count));
+    fit.minus_two_log_likelihood = at_start.log_variances + count * (std::log(excess) + 1.0);
+    return fit;
+  }
+
+  /// White and flicker noise of this order.
+  Maximum maximum(double order) { return maximum(options_.starts.front(), order, false); }
+
+  /// White and flicker noise of any order: the best from all starts.
+  Maximum maximum_of_free_order() {
+    std::optional<Maximum> best;
+    for (const StartValues& start : options_.starts) {
+      Maximum found = maximum(start, start.order, true);
+      if (!best || found.minus_two_log < best->minus_two_log) best = std::move(found);
+    }
+    return *best;
+  }
+
+  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
+
+ private:
+  Maximum maximum(const StartValues& start, double order, bool order_is_free) {
+    const double white = start.angle_random_walk_rad_per_sqrt_s;
+    const double slowest =
+        2.0 * std::numbers::pi / (tick_s() * static_cast<double>(likelihood_.ticks()));
+    // N^2 = B^2 omega^(-2d).
+    const double corner = std::pow(start.bias_instability_rad_s / white, 1.0 / start.order);
+    const Parameters parameters{
+        .pivot_rad_per_s = std::clamp(corner, 2.0 * slowest, std::numbers::pi / tick_s()),
+        .order = order,
+        .shortest_time_constant_s = options_.shortest_time_constant_s};
+
+    Eigen::VectorXd theta(order_is_free ? 3 : 2);
+    theta(0) = std::log(white);
+    theta(1) =
+        std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
+    if (order_is_free) theta(2) = logit_of(order);
+    const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
+    const Objective objective = [&](const Eigen::VectorXd& x) {
+      ++evaluations_;
+      return likelihood_(parameters.model(x)).minus_two_log();
+    };
+    const Eigen::VectorXd room = kRoom.head(theta.size());
+    const Minimum minimum = minimise(objective, theta, step, room);
+    return {parameters, minimum.at, covariance(objective, minimum, step), minimum.value};
+  }
+
+  [[nodiscard]] double tick_s() const {
+    return static_cast<double>(likelihood_.tick().ns()) * 1e-9;
+  }
+
+  const InnovationsLikelihood& likelihood_;
+  const InnovationsFitOptions& options_;
+  std::size_t evaluations_ = 0;
+};
+
+/// Half of chi squared with one degree of freedom.
+double p_value_of(double likelihood_ratio) {
+  if (!(likelihood_ratio > 0.0)) return 1.0;
+  const boost::math::chi_squared distribution(1.0);
+  return 0.5 * boost::math::cdf(boost::math::complement(distribution, likelihood_ratio));
+}
+
+void require_usable(const InnovationsLikelihood& likelihood, const InnovationsFitOptions& options) {
+  if (likelihood.ticks() < kFewestTicks) {
+    throw std::invalid_argument("too short to identify noise: fewer than 64 filter ticks at rest");
+  }
+  if (options.order && !(*options.order >= kLowestOrder && *options.order <= kHighestOrder)) {
+    throw std::invalid_argument("the order of the flicker noise must lie between .05 and .95");
+  }
+  const bool usable = std::ranges::all_of(options.starts, [](const StartValues& start) {
+    return start.angle_random_walk_rad_per_sqrt_s > 0.0 && start.bias_instability_rad_s > 0.0 &&
+           start.order > kLowestOrder && start.order < kHighestOrder;
+  });
+  if (options.starts.empty() || !usable) {
+    throw std::invalid_argument(
+        "a fit needs start values: positive, and an order between .05 and .95");
+  }
+}
+
+FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
+  return {maximum.bias_instability(), maximum.order(), source, std::nullopt};
+}
+
+/// What the record says of the order, if it says enough; else the fit of the prior.
+Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedFlicker>& flicker) {
+  const Maximum free = fitter.maximum_of_free_order();
+  const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
+  const IntervalEstimate order = free.order();
+  if (contradicts && order.value > kOrderLimit) {
+    const Maximum at_limit = fitter.maximum(kHighestOrder);
+    flicker = flicker_of(at_limit, OrderSource::limit);
+    return at_limit;
+  }
+  if (contradicts || order.hi - order.lo <= kWidestOrderInterval) {
+    flicker = flicker_of(free, OrderSource::estimated);
+    return free;
+  }
+  flicker = flicker_of(prior, OrderSource::prior);
+  flicker->rejected_order = order;
+  return prior;
+}
+
+}  // namespace
+
+model::SensorModel InnovationsFit::model(double shortest_time_constant_s) const {
+  model::SensorModel model;
+  model.white.angle_random_walk_rad_per_sqrt_s = angle_random_walk_rad_per_sqrt_s.value;
+  if (flicker) {
+    model.flicker = model::Flicker{.bias_instability_rad_s = flicker->bias_instability_rad_s.value,
+                                   .order = flicker->order.value,
+                                   .shortest_time_constant_s = shortest_time_constant_s};
+  }
+  return model;
+}
+
+InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
+                                  const InnovationsFitOptions& options) {
+  require_usable(likelihood, options);
+  Fitter fitter{likelihood, options};
+  InnovationsFit fit = fitter.white_alone();
+  Maximum best = fitter.maximum(options.order.value_or(kPriorOrder));
+  fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - best.minus_two_log);
+  fit.p_value = p_value_of(fit.likelihood_ratio);
+  fit.evaluations = fitter.evaluations();
+  if (fit.p_value > options.significance) return fit;
+
+  if (options.order) {
+    fit.flicker = flicker_of(best, OrderSource::given);
+  } else {
+    best = choose_order(fitter, best, fit.flicker);
+  }
+  fit.angle_random_walk_rad_per_sqrt_s = from_log(best.theta(0), best.error(0));
+  fit.minus_two_log_likelihood = best.minus_two_log;
+  fit.evaluations = fitter.evaluations();
+  return fit;
+}
+
+}  // namespace zerorate::identify

@@ -1,0 +1,93 @@
+/// @file
+/// White and flicker noise of a recording at their greatest likelihood through the node's filter.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/identify/innovations_likelihood.hpp"
+
+namespace zerorate::identify {
+
+/// A number, its standard error and its 95 % interval; the interval lies inside the range of what
+/// is possible and is therefore not symmetric.
+struct IntervalEstimate {
+  double value = 0.0;
+  double standard_error = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+/// Where the order of a fit comes from.
+enum class OrderSource {
+  given,      ///< by the caller
+  estimated,  ///< from the record
+  prior,      ///< d = 1/2, because the record cannot tell it
+  limit,      ///< the record asks for more than .95: it drifts like a random walk, or faster
+};
+
+struct FittedFlicker {
+  IntervalEstimate bias_instability_rad_s;  ///< B
+  IntervalEstimate order;                   ///< standard error 0 unless estimated
+  OrderSource order_source = OrderSource::given;
+  /// What the record itself says of d where that was not good enough to be used.
+  std::optional<IntervalEstimate> rejected_order;
+};
+
+struct InnovationsFit {
+  IntervalEstimate angle_random_walk_rad_per_sqrt_s;  ///< N
+  /// Nothing where the record does not show flicker noise at the 1 % level.
+  std::optional<FittedFlicker> flicker;
+  double likelihood_ratio = 0.0;  ///< 2 log of likelihood with flicker noise over without
+  double p_value = 1.0;           ///< of a ratio this large under white noise alone
+  double minus_two_log_likelihood = 0.0;
+  std::size_t evaluations = 0;  ///< passes of the filter
+
+  /// As a model that the node runs; its name and sources are left to the caller.
+  [[nodiscard]] model::SensorModel model(double shortest_time_constant_s) const;
+};
+
+/// A rough idea of the noise to begin with.
+struct StartValues {
+  double angle_random_walk_rad_per_sqrt_s = 0.0;
+  double bias_instability_rad_s = 0.0;  ///< B at this order
+  double order = 0.5;
+};
+
+struct InnovationsFitOptions {
+  /// At least one. The first begins every fit, the others that of a free order, whose likelihood
+  /// may have several maxima.
+  std::vector<StartValues> starts;
+  /// d in [.05, .95] where it is known; estimated otherwise.
+  std::optional<double> order{};
+  double shortest_time_constant_s = 0.5;  ///< of the decades, see model::Flicker
+  double significance = 0.01;             ///< of the test for flicker noise
+};
+
+/// Maximises the likelihood over log N, the log of the flicker noise at a pivot frequency and, if
+/// the order is not given, the logit of d, by BOBYQA (Powell 2009). The pivot is the corner of
+/// white and flicker noise, where the record says most of the flicker noise; there its strength
+/// and its order are nearly independent, unlike B and d. Standard errors are those of the observed
+/// information: central second differences over about one standard error, which is far above the
+/// roughness of single precision; B's follows by the delta method.
+///
+/// Flicker noise counts as present if it raises the likelihood significantly at the given order, or
+/// at d = 1/2. The strength 0 lies at the edge of its range, so the p-value is half that of chi
+/// squared with one degree of freedom (Self and Liang 1987).
+///
+/// A free order is kept if its interval is no wider than kWidestOrderInterval, or if the likelihood
+/// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
+///
+/// Cost: some 150 passes of the filter. Throws std::invalid_argument for fewer than 64 ticks, an
+/// order outside [.05, .95], start values that are missing or out of range, and a record that is
+/// constant.
+[[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
+                                                const InnovationsFitOptions& options);
+
+/// Width of the 95 % interval of d up to which an estimate is used: sensors differ in d by about
+/// this much, so that a less certain one is worth no more than the prior.
+inline constexpr double kWidestOrderInterval = 0.3;
+
+}  // namespace zerorate::identify

@@ -1,0 +1,51 @@
+#include "host_tools/lib/identify/innovations_likelihood.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/estimator/kalman_predictor.hpp"
+#include "firmware/model/node_model.hpp"
+
+namespace zerorate::identify {
+
+InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, std::size_t axis,
+                                             core::Duration sample_period, core::Duration tick)
+    : sample_period_(sample_period), tick_(tick) {
+  if (ticks.size() < 2) throw std::invalid_argument("a likelihood needs at least two ticks");
+  measurements_.reserve(ticks.size());
+  std::uint32_t measured_ticks = 0;
+  for (const TickMean& mean : ticks) {
+    measurements_.push_back(
+        {mean.tick + 1 - measured_ticks, static_cast<float>(mean.samples), mean.rate_rad_s[axis]});
+    measured_ticks = mean.tick + 1;
+  }
+}
+
+template <std::size_t R, std::size_t C>
+Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
+  const auto node = model::make_node_model<R, C>(model, sample_period_, tick_);
+  const auto one_tick = node.modes.one_tick();
+  core::KalmanPredictor<R, C> filter{node.modes};
+  Likelihood likelihood;
+  for (const Measurement& measurement : measurements_) {
+    filter.advance(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks));
+    const core::Innovation innovation =
+        filter.observe(measurement.rate_rad_s, node.white_variance_rad2_s2 / measurement.samples);
+    if (innovation.first) continue;
+    const double variance = double{innovation.variance_rad2_s2};
+    const double residual = double{innovation.residual_rad_s};
+    likelihood.log_variances += std::log(variance);
+    likelihood.squared_innovations += residual * residual / variance;
+    ++likelihood.innovations;
+  }
+  return likelihood;
+}
+
+Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
+  // The same choice as a replay's: six flicker decades, or the largest node.
+  const bool is_plain =
+      !model.gauss_markov && !model.harmonic && (!model.flicker || model.flicker->decades <= 6);
+  return is_plain ? run<6, 0>(model) : run<model::kMostDecaying, model::kMostRotating>(model);
+}
+
+}  // namespace zerorate::identify

@@ -1,0 +1,85 @@
+#include "host_tools/lib/identify/minimise.hpp"
+
+#include <nlopt.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <memory>
+
+namespace zerorate::identify {
+namespace {
+
+/// What the C library calls: an exception must not cross it.
+struct Call {
+  const Objective& function;
+  nlopt_opt optimiser;
+  std::exception_ptr failure;
+};
+
+double evaluate(unsigned size, const double* x, double* /*gradient*/, void* data) {
+  Call& call = *static_cast<Call*>(data);
+  try {
+    return call.function(Eigen::Map<const Eigen::VectorXd>(x, static_cast<Eigen::Index>(size)));
+  } catch (...) {
+    call.failure = std::current_exception();
+    nlopt_force_stop(call.optimiser);
+    return HUGE_VAL;
+  }
+}
+
+}  // namespace
+
+Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
+                 const Eigen::VectorXd& step, const Eigen::VectorXd& room) {
+  constexpr int kMostEvaluations = 400;
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimiser{
+      nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), &nlopt_destroy};
+  Call call{function, optimiser.get(), nullptr};
+  nlopt_set_min_objective(optimiser.get(), &evaluate, &call);
+  const Eigen::VectorXd lower = start - room;
+  const Eigen::VectorXd upper = start + room;
+  nlopt_set_lower_bounds(optimiser.get(), lower.data());
+  nlopt_set_upper_bounds(optimiser.get(), upper.data());
+  nlopt_set_initial_step(optimiser.get(), step.data());
+  const Eigen::VectorXd tolerance = 0.01 * step;
+  nlopt_set_xtol_abs(optimiser.get(), tolerance.data());
+  nlopt_set_maxeval(optimiser.get(), kMostEvaluations);
+  Minimum minimum{start, HUGE_VAL};
+  nlopt_optimize(optimiser.get(), minimum.at.data(), &minimum.value);
+  if (call.failure) std::rethrow_exception(call.failure);
+  return minimum;
+}
+
+Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,
+                           const Eigen::VectorXd& step) {
+  const auto second_difference = [&](const Eigen::VectorXd& d) {
+    return function(minimum.at + d) + function(minimum.at - d) - 2.0 * minimum.value;
+  };
+  const Eigen::Index size = minimum.at.size();
+  Eigen::VectorXd distance = step;
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const double rise = second_difference(step(i) * Eigen::VectorXd::Unit(size, i));
+    // f rises by half the second difference; a flat function is not followed for ever.
+    if (rise > 0.0) distance(i) *= std::clamp(std::sqrt(2.0 / rise), 0.05, 5.0);
+  }
+  Eigen::MatrixXd second(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Eigen::VectorXd along_i = distance(i) * Eigen::VectorXd::Unit(size, i);
+    second(i, i) = second_difference(along_i);
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const Eigen::VectorXd along_j = distance(j) * Eigen::VectorXd::Unit(size, j);
+      second(i, j) = second(j, i) =
+          0.25 * (second_difference(along_i + along_j) - second_difference(along_i - along_j));
+    }
+  }
+  // In units of these distances a well determined direction has the eigenvalue 2.
+  constexpr double kFlat = 1e-4;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(second);
+  const Eigen::VectorXd variances = 2.0 * axes.eigenvalues().cwiseMax(kFlat).cwiseInverse();
+  const Eigen::MatrixXd directions = distance.asDiagonal() * axes.eigenvectors();
+  return directions * variances.asDiagonal() * directions.transpose();
+}
+
+}  // namespace zerorate::identify

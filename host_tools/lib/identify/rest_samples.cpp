@@ -1,0 +1,163 @@
+#include "host_tools/lib/identify/rest_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace zerorate::identify {
+namespace {
+
+/// Takes in rows and forgets those that a later pulse shows to have belonged to a drive.
+class RestFilter {
+ public:
+  RestFilter(const recording::Columns& columns, const core::Standstill::Params& params,
+             RestSamples& samples)
+      : columns_(columns), standstill_(params), samples_(samples) {}
+
+  void take(const recording::Row& row) {
+    ++samples_.rows;
+    const core::Instant at = core::Instant::from_ns(row.time_ns);
+    if (has_motion_column()) {
+      standstill_.start(at);
+      if (is_moving(row)) pulse(at);
+    }
+    if (!is_usable(row, at)) {
+      ++samples_.lost;
+    } else if (has_motion_column() && !standstill_.is_settled(at)) {
+      ++samples_.moving;
+    } else {
+      samples_.time.push_back(at);
+      samples_.rate_rad_s.push_back(row.rate_rad_s);
+    }
+  }
+
+ private:
+  [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
+
+  bool is_moving(const recording::Row& row) {
+    if (!columns_.odometer) return !row.still;
+    const bool moving = samples_.rows > 1 && row.odometer_pulses != pulses_;
+    pulses_ = row.odometer_pulses;
+    return moving;
+  }
+
+  void pulse(core::Instant at) {
+    standstill_.pulse(at);
+    while (!samples_.time.empty() && samples_.time.back() > standstill_.suspect_since(at)) {
+      samples_.time.pop_back();
+      samples_.rate_rad_s.pop_back();
+      ++samples_.moving;
+    }
+  }
+
+  [[nodiscard]] bool is_usable(const recording::Row& row, core::Instant at) const {
+    for (std::size_t i = 0; i < columns_.axis_count; ++i) {
+      if (!std::isfinite(row.rate_rad_s[i])) return false;
+    }
+    return samples_.time.empty() || at > samples_.time.back();
+  }
+
+  recording::Columns columns_;
+  core::Standstill standstill_;
+  RestSamples& samples_;
+  std::int64_t pulses_ = 0;  ///< of the row before
+};
+
+/// Where the longest run lies in which next(i) follows i.
+struct Run {
+  std::size_t first = 0;
+  std::size_t size = 0;
+};
+
+template <class Follows>
+Run longest_run(std::size_t count, Follows follows) {
+  Run longest;
+  Run current;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (current.size > 0 && !follows(i)) current = {i, 0};
+    ++current.size;
+    if (current.size > longest.size) longest = current;
+  }
+  return longest;
+}
+
+}  // namespace
+
+RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
+  constexpr std::uint64_t kProgressRows = 4096;
+  RestSamples samples;
+  samples.axis_count = reader.columns().axis_count;
+  RestFilter filter{reader.columns(), options.standstill, samples};
+  for (recording::Row row; reader.next(row);) {
+    filter.take(row);
+    if (options.on_progress && samples.rows % kProgressRows == 0) {
+      options.on_progress(reader.fraction_read());
+    }
+  }
+  samples.findings = reader.findings();
+  samples.sample_period = core::Duration::nanoseconds(samples.findings.median_interval_ns());
+  if (samples.time.size() < 2) {
+    throw std::invalid_argument("the recording has fewer than two usable samples at rest");
+  }
+  return samples;
+}
+
+std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration tick) {
+  core::TickAverage<recording::kMaxAxes> average{tick, samples.sample_period};
+  std::vector<TickMean> means;
+  for (std::size_t k = 0; k < samples.time.size(); ++k) {
+    const core::Instant at = samples.time[k];
+    if (!average.can_take(at)) throw std::invalid_argument("the recording exceeds 2^31 ticks");
+    if (average.is_over_at(at) && !average.is_empty()) means.push_back(average.close());
+    average.enter(at);
+    average.add(at, samples.rate_rad_s[k]);
+  }
+  if (!average.is_empty()) means.push_back(average.close());
+  return means;
+}
+
+core::Duration mean_sample_period(const std::vector<TickMean>& ticks, core::Duration tick) {
+  std::int64_t inner = 0;
+  std::int64_t samples = 0;
+  for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
+    if (ticks[k + 1].tick - ticks[k - 1].tick != 2) continue;
+    ++inner;
+    samples += ticks[k].samples;
+  }
+  // All stops are shorter than three ticks: the fullest tick is the best guess.
+  if (inner == 0) {
+    inner = 1;
+    samples = std::ranges::max(ticks, {}, &TickMean::samples).samples;
+  }
+  return tick * inner / samples;
+}
+
+EvenRecord longest_even_samples(const RestSamples& samples, std::size_t axis) {
+  const std::int64_t period_ns = samples.sample_period.ns();
+  const Run run = longest_run(samples.time.size(), [&](std::size_t i) {
+    return std::abs((samples.time[i] - samples.time[i - 1]).ns() - period_ns) * 2 <= period_ns;
+  });
+  EvenRecord record{.sample_period_s = static_cast<double>(period_ns) * 1e-9};
+  for (std::size_t i = run.first; i < run.first + run.size; ++i) {
+    record.rate_rad_s.push_back(double{samples.rate_rad_s[i][axis]});
+  }
+  if (run.size > 1) {
+    const auto whole = samples.time[run.first + run.size - 1] - samples.time[run.first];
+    record.sample_period_s =
+        static_cast<double>(whole.ns()) * 1e-9 / static_cast<double>(run.size - 1);
+  }
+  return record;
+}
+
+EvenRecord longest_even_ticks(const std::vector<TickMean>& ticks, core::Duration tick,
+                              std::size_t axis) {
+  const Run run = longest_run(
+      ticks.size(), [&](std::size_t i) { return ticks[i].tick == ticks[i - 1].tick + 1; });
+  EvenRecord record{.sample_period_s = static_cast<double>(tick.ns()) * 1e-9};
+  for (std::size_t i = run.first; i < run.first + run.size; ++i) {
+    record.rate_rad_s.push_back(double{ticks[i].rate_rad_s[axis]});
+  }
+  return record;
+}
+
+}  // namespace zerorate::identify

@@ -1,0 +1,73 @@
+/// @file
+/// The samples of a recording that were measured at rest, and their means over filter ticks.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/estimator/tick_average.hpp"
+#include "core/standstill/standstill.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::identify {
+
+using TickMean = core::TickMean<recording::kMaxAxes>;
+
+/// What a node standing in the place of the recorder would have been allowed to learn from.
+struct RestSamples {
+  std::size_t axis_count = recording::kMaxAxes;
+  core::Duration sample_period;  ///< the median
+  std::vector<core::Instant> time;
+  std::vector<std::array<float, recording::kMaxAxes>> rate_rad_s;  ///< one per time
+
+  std::uint64_t rows = 0;    ///< of the recording
+  std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
+  std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
+  recording::Findings findings;
+
+  [[nodiscard]] core::Duration span() const { return time.back() - time.front(); }
+};
+
+struct RestOptions {
+  core::Standstill::Params standstill;
+  /// Called now and then with the share of the recording that is read, if known.
+  std::function<void(std::optional<double>)> on_progress;
+};
+
+/// Reads a recording to its end. Motion is what its odometer or still column tells, with the
+/// settle time and hold-back of the node; without such a column the sensor was at rest all the
+/// time. Memory: 20 bytes a row at rest.
+/// Throws recording::Error; std::invalid_argument with fewer than two samples at rest.
+[[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
+                                            const RestOptions& options = {});
+
+/// Means over ticks by the node's own front end. Ticks without samples are absent: gaps and drives
+/// are the jumps of TickMean::tick.
+/// @param tick at least the sample period
+[[nodiscard]] std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration tick);
+
+/// The mean interval between samples in the midst of stretches at rest: of ticks whose neighbours
+/// have samples too. Where samples come in bursts, this and not the median is what N^2 = r T means.
+[[nodiscard]] core::Duration mean_sample_period(const std::vector<TickMean>& ticks,
+                                                core::Duration tick);
+
+/// A rate without holes, for what needs an even grid.
+struct EvenRecord {
+  std::vector<double> rate_rad_s;
+  double sample_period_s = 0.0;
+};
+
+/// The longest run of samples of one axis whose intervals all lie within half a period of the
+/// median one; its period is the mean interval.
+[[nodiscard]] EvenRecord longest_even_samples(const RestSamples& samples, std::size_t axis);
+
+/// The longest run of ticks of one axis without a hole.
+[[nodiscard]] EvenRecord longest_even_ticks(const std::vector<TickMean>& ticks, core::Duration tick,
+                                            std::size_t axis);
+
+}  // namespace zerorate::identify
