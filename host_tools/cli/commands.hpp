@@ -20,5 +20,6 @@ struct Command {
 [[nodiscard]] Command add_demo(CLI::App& app);
 [[nodiscard]] Command add_model(CLI::App& app);
 [[nodiscard]] Command add_reproduce(CLI::App& app);
+[[nodiscard]] Command add_characterize(CLI::App& app);
 
 }  // namespace zerorate::cli

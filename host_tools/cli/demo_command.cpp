@@ -33,7 +33,7 @@ void replay_and_report(const Options& options, const std::string& recording,
                        const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
   recording::Reader reader{recording};
-  const auto axes = chosen_axes(options.flags, reader.columns().axis_count);
+  const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
   evaluate::ReplayTrace trace{axes.back()};
   observer.on_sample = [&](const evaluate::ReplayedSample& sample) { trace.add(sample); };
   observer.on_drive = [&](const evaluate::ReplayedDrive& drive) { trace.add(drive); };
@@ -86,7 +86,7 @@ ExitCode run_recorded(const Options& options) {
   const bool at_rest = replay_options.schedule.has_value();
   evaluate::RestRecording rest;
   if (at_rest)
-    rest = evaluate::read_at_rest(options.recording, chosen_axes(options.flags, 3).back());
+    rest = evaluate::read_at_rest(options.recording, chosen_axes(options.flags.axis, 3).back());
   replay_and_report(
       options, options.recording, replay_options, {},
       {.rate_rad_s = rest.rate_rad_s,

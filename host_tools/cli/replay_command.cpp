@@ -23,7 +23,7 @@ struct Options {
 ExitCode run(const Options& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   recording::Reader reader{options.recording};
-  const auto axes = chosen_axes(options.flags, reader.columns().axis_count);
+  const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
 
   std::unique_ptr<evaluate::CorrectedWriter> corrected;
   if (!options.out.empty()) {

@@ -58,13 +58,7 @@ app::Predictor predictor_called(const std::string& name) {
 }
 
 void print_notes(const evaluate::ReplayResult& result) {
-  for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
-    const auto finding = static_cast<recording::Finding>(i);
-    if (const auto count = result.findings.count(finding); count > 0) {
-      fmt::print("  note: {} in {} rows, first in line {}\n", recording::description(finding),
-                 count, result.findings.first_line(finding));
-    }
-  }
+  print_findings(result.findings);
   if (result.samples_refused > 0) {
     fmt::print("  note: the node refused {} samples\n", result.samples_refused);
   }
@@ -122,15 +116,25 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   return options;
 }
 
-std::vector<std::size_t> chosen_axes(const ReplayFlags& flags, std::size_t axis_count) {
-  if (flags.axis == "all") {
+std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count) {
+  if (name == "all") {
     return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
   }
-  const auto axis = static_cast<std::size_t>(flags.axis[0] - 'x');
+  const auto axis = static_cast<std::size_t>(name[0] - 'x');
   if (axis >= axis_count) {
-    throw std::invalid_argument("--axis " + flags.axis + ": the recording has one axis; use all");
+    throw std::invalid_argument("--axis " + name + ": the recording has one axis; use all");
   }
   return {axis};
+}
+
+void print_findings(const recording::Findings& findings) {
+  for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
+    const auto finding = static_cast<recording::Finding>(i);
+    if (const auto count = findings.count(finding); count > 0) {
+      fmt::print("  note: {} in {} rows, first in line {}\n", recording::description(finding),
+                 count, findings.first_line(finding));
+    }
+  }
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {

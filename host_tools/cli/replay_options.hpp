@@ -32,8 +32,10 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 [[nodiscard]] evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags);
 
 /// Indices of the axes that --axis names in a recording with so many.
-[[nodiscard]] std::vector<std::size_t> chosen_axes(const ReplayFlags& flags,
-                                                   std::size_t axis_count);
+[[nodiscard]] std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count);
+
+/// What is odd about a recording, as notes for a terminal.
+void print_findings(const recording::Findings& findings);
 
 /// What the node published and what it was worth, as text for a terminal.
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes);

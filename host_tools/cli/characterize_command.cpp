@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "firmware/model/model_file.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/identify/characterization_json.hpp"
+#include "host_tools/lib/identify/characterization_report.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
+
+struct Options {
+  std::string recording;
+  std::string axis = "all";
+  std::string order = "free";
+  std::string json;
+  std::string report;
+  std::string model_out;
+};
+
+std::optional<double> parse_order(const std::string& text) {
+  if (text == "free") return std::nullopt;
+  double order = 0.0;
+  if (!CLI::detail::lexical_cast(text, order) || !(order >= 0.05 && order <= 0.95)) {
+    throw std::invalid_argument("--order: expected free or a number from 0.05 to 0.95, found " +
+                                text);
+  }
+  return order;
+}
+
+identify::Characterization run_identification(const Options& options) {
+  const std::optional<double> order = parse_order(options.order);
+  recording::Reader reader{options.recording};
+  const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
+  identify::RestOptions rest;
+  ProgressBar progress{"characterizing"};
+  // Reading takes about half the time.
+  rest.on_progress = [&](std::optional<double> share) {
+    progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
+  };
+  const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  return identify::characterize(
+      samples, {.recording = std::filesystem::path(options.recording).filename().string(),
+                .axes = axes,
+                .order = order,
+                .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }});
+}
+
+void print_line(std::string_view what, const std::string& figure, std::string_view remark) {
+  fmt::print("  {:<24}{:<29}{}\n", what, figure, remark);
+}
+
+void print_flicker(const identify::InnovationsFit& fit) {
+  if (!fit.flicker) {
+    print_line("bias instability B", "not detectable", fmt::format("p = {:.2g}", fit.p_value));
+    return;
+  }
+  print_line("bias instability B", identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS),
+             "deg/h: flicker noise at 1 rad/s");
+  print_line("order d", identify::text(fit.flicker->order),
+             identify::explain(fit.flicker->order_source));
+}
+
+void print_axis(const identify::AxisCharacterization& axis) {
+  const auto& arw = axis.fit.angle_random_walk_rad_per_sqrt_s;
+  fmt::print("\naxis {}\n", axis.axis);
+  print_line("angle random walk N", identify::text(arw, kDegPerRad),
+             "deg/s/sqrt(Hz), two-sided: a data sheet's figure over sqrt(2)");
+  print_line("", identify::text(arw, 60.0 * kDegPerRad), "deg/sqrt(h)");
+  print_flicker(axis.fit);
+  if (axis.local_whittle_order) {
+    print_line("order by local Whittle",
+               fmt::format("{:.2f} +- {:.2f}", axis.local_whittle_order->value,
+                           axis.local_whittle_order->standard_error),
+               "without a model; white noise biases it downwards");
+  }
+  if (!axis.allan.empty()) {
+    const auto& floor = axis.allan_floor();
+    print_line("Allan deviation floor", fmt::format("{:.3g}", floor.adev * kDphPerRadS),
+               fmt::format("deg/h, at {:.3g} s", floor.tau_s));
+  }
+  for (const std::string& remark : axis.remarks) fmt::print("  note: {}\n", remark);
+}
+
+void print_result(const identify::Characterization& result) {
+  fmt::print("{}: {} samples every {:.6g} s, {:.0f} s at rest; filter ticks of {:.6g} s\n",
+             result.recording, result.rows, static_cast<double>(result.sample_period.ns()) * 1e-9,
+             result.rest_s, static_cast<double>(result.tick.ns()) * 1e-9);
+  print_findings(result.findings);
+  if (result.rows_moving > 0) {
+    fmt::print("  note: {} rows left out because the vehicle moved\n", result.rows_moving);
+  }
+  fmt::print("Figures in brackets are 95 % intervals.\n");
+  for (const auto& axis : result.axes) print_axis(axis);
+}
+
+/// A drift beyond any flicker noise is a finding: the model does not describe the sensor.
+ExitCode judge(const identify::Characterization& result) {
+  const bool drifts = std::ranges::any_of(result.axes, [](const auto& axis) {
+    return axis.fit.flicker && axis.fit.flicker->order_source == identify::OrderSource::limit;
+  });
+  return drifts ? finding : success;
+}
+
+ExitCode run(const Options& options) {
+  const identify::Characterization result = run_identification(options);
+  if (!options.report.empty()) {
+    identify::make_report(
+        result, "zerorate " ZERORATE_VERSION ", zerorate characterize " + result.recording)
+        .write(options.report);
+  }
+  if (!options.json.empty()) write_text(options.json, identify::to_json(result));
+  if (options.json != "-") print_result(result);
+  if (!options.model_out.empty()) {
+    const auto& axis = identify::middle_axis(result);
+    model::write_model(axis.model, options.model_out);
+    if (options.json != "-") {
+      fmt::print("\n{}: the model of axis {}{}\n", options.model_out, axis.axis,
+                 result.axes.size() > 1 ? ", whose slow noise is the middle one" : "");
+    }
+  }
+  return judge(result);
+}
+
+}  // namespace
+
+Command add_characterize(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
+  const auto options = std::make_shared<Options>();
+  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
+      ->required();
+  command->add_option("--axis", options->axis, "x, y, z or all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->capture_default_str();
+  command
+      ->add_option("--order", options->order,
+                   "order d of the flicker noise: free (estimated where the recording is long "
+                   "enough, else 1/2) or a number from 0.05 to 0.95")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
+  command->add_option("--report", options->report, "write a report with charts as HTML");
+  command->add_option("--model-out", options->model_out,
+                      "write the sensor model for 'zerorate replay --model'; of several axes, that "
+                      "of the one whose slow noise is the middle one");
+  command->footer(
+      "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
+      "Exit codes: 0 done (also if no flicker noise is detectable), 1 the bias drifts more than\n"
+      "flicker noise can, 2 wrong usage, 3 data that cannot be used.\n"
+      "Examples:\n"
+      "  zerorate characterize rest.csv.gz --report noise.html --model-out mine.toml\n"
+      "  zerorate replay other.csv.gz --model mine.toml --schedule still=60,drive=300,seed=1\n"
+      "  zerorate characterize rest.csv --axis z --order 0.5 --json -\n"
+      "The JSON is described in docs/reference/characterization-format.md.");
+  return {command, [options] { return run(*options); }};
+}
+
+}  // namespace zerorate::cli
