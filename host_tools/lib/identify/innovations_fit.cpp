@@ -204,11 +204,11 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
 
 /// What the record says of the order, if it says enough; else the fit of the prior.
 Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedFlicker>& flicker) {
-  const Maximum free = fitter.maximum_of_free_order();
+  Maximum free = fitter.maximum_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
   const IntervalEstimate order = free.order();
   if (contradicts && order.value > kOrderLimit) {
-    const Maximum at_limit = fitter.maximum(kHighestOrder);
+    Maximum at_limit = fitter.maximum(kHighestOrder);
     flicker = flicker_of(at_limit, OrderSource::limit);
     return at_limit;
   }
