@@ -60,5 +60,9 @@ ExitCode run(int argc, char** argv) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): what is left to throw is a failure to allocate
 int main(int argc, char** argv) {
-  return zerorate::cli::run(argc, argv);
+  try {
+    return zerorate::cli::run(argc, argv);
+  } catch (...) {  // only what the error stream itself refused to print comes this far
+    return zerorate::cli::bad_data;
+  }
 }
