@@ -58,7 +58,6 @@ ExitCode run(int argc, char** argv) {
 }  // namespace
 }  // namespace zerorate::cli
 
-// NOLINTNEXTLINE(bugprone-exception-escape): what is left to throw is a failure to allocate
 int main(int argc, char** argv) {
   try {
     return zerorate::cli::run(argc, argv);
