@@ -35,7 +35,7 @@ std::vector<TickMean> ticks_with_holes(float bias_rad_s = 0.0F) {
     const auto samples = static_cast<std::uint32_t>(1 + k % 5);
     const auto rate = static_cast<float>(1e-3 * stream.normal(k));
     ticks.push_back({.tick = tick, .samples = samples, .rate_rad_s = {0.0F, bias_rad_s + rate}});
-    tick += k % 20 == 19 ? 137 : 1;
+    tick += k % 20 == 19 ? 137U : 1U;
   }
   return ticks;
 }
