@@ -28,6 +28,7 @@ class RestFilter {
     } else {
       samples_.time.push_back(at);
       samples_.rate_rad_s.push_back(row.rate_rad_s);
+      if (columns_.temperature) samples_.temperature_degc.push_back(row.temperature_degc);
     }
   }
 
@@ -46,6 +47,7 @@ class RestFilter {
     while (!samples_.time.empty() && samples_.time.back() > standstill_.suspect_since(at)) {
       samples_.time.pop_back();
       samples_.rate_rad_s.pop_back();
+      if (columns_.temperature) samples_.temperature_degc.pop_back();
       ++samples_.moving;
     }
   }

@@ -24,6 +24,7 @@ struct RestSamples {
   core::Duration sample_period;  ///< the median
   std::vector<core::Instant> time;
   std::vector<std::array<float, recording::kMaxAxes>> rate_rad_s;  ///< one per time
+  std::vector<float> temperature_degc;  ///< one per time, NaN where lost; empty without the column
 
   std::uint64_t rows = 0;    ///< of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
@@ -41,7 +42,7 @@ struct RestOptions {
 
 /// Reads a recording to its end. Motion is what its odometer or still column tells, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
-/// time. Memory: 20 bytes a row at rest.
+/// time. Memory: 20 bytes a row at rest, 24 with a temperature.
 /// Throws recording::Error; std::invalid_argument with fewer than two samples at rest.
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});

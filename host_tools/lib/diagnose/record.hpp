@@ -1,0 +1,28 @@
+/// @file
+/// The recording as a diagnosis takes it: one axis at rest.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/identify/rest_samples.hpp"
+
+namespace zerorate::diagnose {
+
+/// One axis at rest. Time stamps say what is missing.
+struct Record {
+  std::string axis;
+  double sample_period_s = 0.0;  ///< median interval
+  std::vector<double> time_s;    ///< ascending
+  std::vector<double> rate_rad_s;
+  std::vector<double> temperature_degc;  ///< as many, or none
+
+  [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
+};
+
+/// One axis of the samples; time begins at the first one. A temperature that was lost is that of
+/// the sample before.
+[[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
+
+}  // namespace zerorate::diagnose
