@@ -4,43 +4,56 @@
 
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
 #include "core/estimator/prediction.hpp"
 
 namespace zerorate::core {
 
-/// The exponential mean of the normalised innovation squared (NIS), whose expectation is 1 under
-/// the model. Memory: 8 bytes. With the weight 1/n of the newest, the mean behaves like one of
-/// 2 n - 1 independent chi-squared(1) values: standard deviation sqrt(2 / (2 n - 1)).
+/// The mean of the normalised innovation squared (NIS) of the last kMemory innovations, the older
+/// ones fading. Under the model n of them are together chi-squared with n degrees of freedom, and
+/// the cube root of their mean is normal with the mean 1 - 2/(9n) and the variance 2/(9n) (Wilson
+/// and Hilferty 1931), so that a few innovations are judged as fairly as many.
+///
+/// The model is inconsistent while the mean lies outside kDeviations of that normal, either side: a
+/// sensor quieter than its model has an interval that is too wide. A single NIS counts no more than
+/// kLargest: a knock is reported at once, and forgotten within kMemory innovations.
 class InnovationMonitor {
  public:
   struct State {
     float mean_normalised_squared = 1.0F;
-    std::uint32_t count = 0;
+    std::uint16_t count = 0;
+    bool is_consistent = true;
   };
 
-  static constexpr std::uint32_t kMemory = 256;  ///< n: innovations that the mean remembers
-  /// Five standard deviations of the mean under the model: 5 sqrt(2 / 511).
-  static constexpr float kTolerance = 0.313F;
+  static constexpr std::uint16_t kMemory = 256;
+  static constexpr float kDeviations = 5.0F;  ///< one false alarm in millions of innovations
+  static constexpr float kLargest = 200.0F;   ///< alone enough to speak against the model
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
 
+  /// Cost: a division, a square root and a dozen operations.
   constexpr void observe(const Innovation& innovation) {
     if (!innovation.accepted || innovation.first) return;
     if (state_.count < kMemory) ++state_.count;
+    const auto n = static_cast<float>(state_.count);
+    const float squared = innovation.normalised_squared();
     state_.mean_normalised_squared +=
-        (innovation.normalised_squared() - state_.mean_normalised_squared) /
-        static_cast<float>(state_.count);
+        ((squared < kLargest ? squared : kLargest) - state_.mean_normalised_squared) / n;
+    state_.is_consistent = is_plausible_mean(state_.mean_normalised_squared, n);
   }
 
-  /// Until enough has been seen, nothing speaks against the model. A sensor quieter than its model
-  /// is as inconsistent as a louder one: its interval is too wide.
-  [[nodiscard]] constexpr bool is_consistent() const {
-    const float excess = state_.mean_normalised_squared - 1.0F;
-    return state_.count < kMemory || (excess <= kTolerance && excess >= -kTolerance);
-  }
+  [[nodiscard]] constexpr bool is_consistent() const { return state_.is_consistent; }
 
  private:
+  [[nodiscard]] static constexpr bool is_plausible_mean(float mean, float n) {
+    const float variance = 2.0F / (9.0F * n);
+    const float tolerance = kDeviations * square_root(variance);
+    const float lowest = 1.0F - variance - tolerance;
+    const float highest = 1.0F - variance + tolerance;
+    return mean <= highest * highest * highest && mean >= lowest * lowest * lowest;
+  }
+
   State state_;
 };
 

@@ -22,6 +22,7 @@ using testing::write_rows;
 using zerorate::testing::ScratchFolder;
 
 constexpr ScheduleParams kShortDrives{.still_s = 20.0, .drive_s = 40.0, .seed = 3};
+constexpr ScheduleParams kLongRest{.still_s = 400.0, .drive_s = 40.0, .seed = 3};
 /// LSM6DSO at 250 deg/s (DS12140, table 2).
 constexpr double kLsbRadS = 8.75e-3 * testing::kRadPerDeg;
 
@@ -121,6 +122,28 @@ TEST(ReplayOfAGoodRecordingWithBadRows, RefusesThoseAndGoesOn) {
   EXPECT_FALSE(replayed.messages[500].has_rate());
   EXPECT_TRUE(replayed.messages[901].has_rate());
   EXPECT_TRUE(replayed.messages.back().health.calibrated);
+}
+
+// At 100 Hz the settle time drops what a gyro says while it powers up; at 1 Hz it is learnt from,
+// and the node says at once that this is not the sensor of the model.
+TEST(ReplayOfTenWildFirstSamples, DropsThemOrReportsThem) {
+  const ScratchFolder folder;
+  for (const double period_s : {0.01, 1.0}) {
+    SCOPED_TRACE(period_s);
+    auto rows = rows_at_rest(4000, period_s, 8);
+    const auto calm = write_rows(folder.path() / "calm.csv", kRates, rows);
+    for (std::size_t k = 0; k < 10; ++k) rows[k].rate_rad_s[2] += k % 2 == 0 ? 0.2F : -0.1F;
+    const auto wild = write_rows(folder.path() / "wild.csv", kRates, rows);
+    const ReplayOptions options{.model = sensor_model(), .schedule = kLongRest};
+    EXPECT_EQ(replay_file(calm, options).result.samples_inconsistent, 0U);
+    const ReplayResult reported = replay_file(wild, options).result;
+    if (period_s < 1.0) {
+      EXPECT_EQ(reported.samples_inconsistent, 0U);
+    } else {
+      EXPECT_GT(reported.samples_inconsistent, 0U);
+      EXPECT_LE(reported.first_inconsistent_s, 4.0);
+    }
+  }
 }
 
 // A moving row whose time runs backwards must not hand the odometer pulses out of order.

@@ -65,6 +65,12 @@ void print_notes(const evaluate::ReplayResult& result) {
   if (result.samples_saturated > 0) {
     fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
   }
+  if (result.samples_inconsistent > 0) {
+    fmt::print(
+        "  note: the sensor did not behave as the model says while {} samples came, first {:.6g} s "
+        "into the recording; zerorate diagnose finds out why\n",
+        result.samples_inconsistent, result.first_inconsistent_s);
+  }
 }
 
 }  // namespace

@@ -166,6 +166,9 @@ class Run {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
     if (message.health.saturated) ++result_.samples_saturated;
+    if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
+      result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
+    }
     if (!message.has_rate()) {
       ++result_.samples_refused;
     } else {

@@ -75,6 +75,9 @@ struct ReplayResult {
   std::uint64_t rows = 0;
   std::uint64_t samples_refused = 0;  ///< by the node: not finite, or out of time order
   std::uint64_t samples_saturated = 0;
+  /// While the node said that the sensor does not behave as its model (see InnovationMonitor).
+  std::uint64_t samples_inconsistent = 0;
+  double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
   recording::Findings findings;
   app::LoopCounters loop;  ///< of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.

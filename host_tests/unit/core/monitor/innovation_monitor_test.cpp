@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <random>
 
@@ -21,6 +22,17 @@ InnovationMonitor after(int n, float scale) {
   return monitor;
 }
 
+/// Feeds n innovations of the same NIS.
+InnovationMonitor after_constant(int n, float normalised_squared) {
+  InnovationMonitor monitor;
+  for (int k = 0; k < n; ++k) {
+    monitor.observe({.accepted = true,
+                     .residual_rad_s = std::sqrt(normalised_squared),
+                     .variance_rad2_s2 = 1.0F});
+  }
+  return monitor;
+}
+
 TEST(InnovationMonitor, TrustsAModelThatIsRight) {
   EXPECT_TRUE(after(20'000, 1.0F).is_consistent());
 }
@@ -30,8 +42,33 @@ TEST(InnovationMonitor, NoticesASensorThatIsLouderOrQuieterThanItsModel) {
   EXPECT_FALSE(after(2'000, 0.6F).is_consistent());
 }
 
-TEST(InnovationMonitor, SaysNothingFromTooFewInnovations) {
-  EXPECT_TRUE(after(100, 3.0F).is_consistent());
+/// Boost's chi-squared quantile at five standard deviations of a normal, either side.
+TEST(InnovationMonitorOfFewInnovations, JudgesTheirMeanByChiSquared) {
+  const double tail = 2.866515719e-7;
+  for (const int n : {1, 2, 4, 16, 64, 256}) {
+    const boost::math::chi_squared chi_squared(n);
+    const double highest = quantile(complement(chi_squared, tail)) / n;
+    const double lowest = quantile(chi_squared, tail) / n;
+    const auto constant = [n](double normalised_squared) {
+      return after_constant(n, static_cast<float>(normalised_squared)).is_consistent();
+    };
+    // Wilson and Hilferty's approximation is generous in the far tail of one or two.
+    EXPECT_TRUE(constant(0.93 * highest)) << n;
+    EXPECT_FALSE(constant((n < 4 ? 1.3 : 1.07) * highest)) << n;
+    if (n < 64) continue;  // fewer are never too quiet
+    EXPECT_TRUE(constant(1.07 * lowest)) << n;
+    EXPECT_FALSE(constant(0.93 * lowest)) << n;
+  }
+}
+
+TEST(InnovationMonitorAfterAKnock, SpeaksAtOnceAndForgetsIt) {
+  InnovationMonitor monitor = after(1000, 1.0F);
+  monitor.observe({.accepted = true, .residual_rad_s = 10.0F, .variance_rad2_s2 = 1e-4F});
+  EXPECT_FALSE(monitor.is_consistent());
+  for (int k = 0; k < InnovationMonitor::kMemory; ++k) {
+    monitor.observe({.accepted = true, .residual_rad_s = 0.01F, .variance_rad2_s2 = 1e-4F});
+  }
+  EXPECT_TRUE(monitor.is_consistent());
 }
 
 TEST(InnovationMonitorGivenRefusedOrFirstMeasurements, CountsNothing) {
@@ -41,10 +78,6 @@ TEST(InnovationMonitorGivenRefusedOrFirstMeasurements, CountsNothing) {
       {.accepted = true, .first = true, .residual_rad_s = 9.0F, .variance_rad2_s2 = 1.0F});
   EXPECT_EQ(monitor.state().count, 0U);
 }
-
-static_assert(InnovationMonitor::kTolerance * InnovationMonitor::kTolerance * 511 > 49.9F &&
-                  InnovationMonitor::kTolerance * InnovationMonitor::kTolerance * 511 < 50.2F,
-              "five standard deviations: 25 * 2 / 511");
 
 }  // namespace
 }  // namespace zerorate::core
