@@ -25,6 +25,7 @@ enum class I2cAddress : std::uint8_t {};
 /// - On an error nothing is known about the device or the read buffers, except that a STOP was sent
 ///   where the bus allowed it. Retrying is the application's decision.
 /// - An empty span succeeds and touches nothing.
+/// - There is no exchange on I2C: asking for one is a programmer error.
 ///
 /// For authors of back ends:
 /// - Clock, pull-ups, clock stretching and the sharing of the bus belong to you. Block until done

@@ -15,7 +15,7 @@ namespace zerorate::hal {
 ///
 /// For authors of drivers:
 /// - What is on the wire: select, the operations without a gap in selection, deselect. A read
-///   receives while 0x00 is sent; what arrives during a write is dropped.
+///   receives while 0x00 is sent; what arrives during a write is dropped; an exchange does both.
 /// - On an error nothing is known about the device or the read buffers, except that the device is
 ///   deselected again. Retrying is the application's decision, never the driver's or the back
 ///   end's.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/assert.hpp"
 #include "core/base/result.hpp"
 #include "hal/contract/i2c_bus.hpp"
 #include "hal/sim/register_chip.hpp"
@@ -22,6 +23,7 @@ class SimulatedI2cBus {
                                            std::span<const Operation> operations) {
     if (!operations.empty() && address != address_) return core::Unexpected{BusError::nack};
     for (const Operation& operation : operations) {
+      ZERORATE_ASSERT(!operation.is_exchange());
       bool is_first = true;
       for (const std::uint8_t byte : operation.bytes()) {
         if (is_first) {

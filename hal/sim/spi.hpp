@@ -2,6 +2,7 @@
 /// A simulated chip as an SPI device.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,8 +23,10 @@ class SimulatedSpiDevice {
   core::Result<void, BusError> transaction(std::span<const Operation> operations) {
     command_.reset();  // chip select falls
     for (const Operation& operation : operations) {
-      for (const std::uint8_t byte : operation.bytes()) exchange(byte);
-      for (std::uint8_t& byte : operation.buffer()) byte = exchange(0x00);
+      for (std::size_t i = 0; i < operation.size(); ++i) {
+        const std::uint8_t received = exchange(operation.is_read() ? 0x00 : operation.bytes()[i]);
+        if (!operation.buffer().empty()) operation.buffer()[i] = received;
+      }
     }
     return {};
   }

@@ -22,16 +22,21 @@
 
 namespace zerorate::hal::testing {
 
-/// One expected operation: bytes that must be written, or the answer to a read of that length.
+/// One expected operation: bytes that must be written, the answer to a read of that length, or
+/// both.
 struct ScriptedOperation {
-  bool is_read;
-  std::vector<std::uint8_t> bytes;
+  std::optional<std::vector<std::uint8_t>> bytes;
+  std::optional<std::vector<std::uint8_t>> answer;
 };
 inline ScriptedOperation writes(std::vector<std::uint8_t> bytes) {
-  return {false, std::move(bytes)};
+  return {std::move(bytes), std::nullopt};
 }
 inline ScriptedOperation reads(std::vector<std::uint8_t> answer) {
-  return {true, std::move(answer)};
+  return {std::nullopt, std::move(answer)};
+}
+inline ScriptedOperation exchanges(std::vector<std::uint8_t> bytes,
+                                   std::vector<std::uint8_t> answer) {
+  return {std::move(bytes), std::move(answer)};
 }
 
 /// The bus fails in the middle of a transaction: operations before `operation` take place.
@@ -89,17 +94,20 @@ class BusScript {
     }
     for (std::size_t i = 0; i < operations.size(); ++i) {
       const ScriptedOperation& scripted = expected.operations[i];
-      const auto bytes = operations[i].bytes();
-      const bool is_same =
-          operations[i].is_read() == scripted.is_read &&
-          operations[i].size() == scripted.bytes.size() &&
-          (scripted.is_read || std::equal(bytes.begin(), bytes.end(), scripted.bytes.begin()));
-      if (!is_same) {
+      if (!is_same(operations[i], scripted)) {
         return "operation " + std::to_string(i) + " is " + describe(operations[i]) + ", scripted " +
                describe(scripted);
       }
     }
     return {};
+  }
+
+  static bool is_same(const Operation& operation, const ScriptedOperation& scripted) {
+    const bool answers = operation.is_read() || operation.is_exchange();
+    if (answers != scripted.answer.has_value()) return false;
+    if (operation.is_read() == scripted.bytes.has_value()) return false;
+    if (scripted.answer && operation.size() != scripted.answer->size()) return false;
+    return !scripted.bytes || std::ranges::equal(operation.bytes(), *scripted.bytes);
   }
 
   static core::Result<void, BusError> answer(const ScriptedTransaction& expected,
@@ -108,8 +116,8 @@ class BusScript {
       if (expected.failure && expected.failure->operation == i) {
         return core::Unexpected{expected.failure->error};
       }
-      if (operations[i].is_read()) {
-        std::ranges::copy(expected.operations[i].bytes, operations[i].buffer().begin());
+      if (const auto& scripted = expected.operations[i].answer) {
+        std::ranges::copy(*scripted, operations[i].buffer().begin());
       }
     }
     return {};
@@ -117,11 +125,12 @@ class BusScript {
 
   static std::string describe(const Operation& operation) {
     if (operation.is_read()) return "a read of " + std::to_string(operation.size());
-    return "a write of" + hexadecimal(operation.bytes());
+    return (operation.is_exchange() ? "an exchange of" : "a write of") +
+           hexadecimal(operation.bytes());
   }
   static std::string describe(const ScriptedOperation& operation) {
-    if (operation.is_read) return "a read of " + std::to_string(operation.bytes.size());
-    return "a write of" + hexadecimal(operation.bytes);
+    if (!operation.bytes) return "a read of " + std::to_string(operation.answer->size());
+    return (operation.answer ? "an exchange of" : "a write of") + hexadecimal(*operation.bytes);
   }
   static std::string hexadecimal(std::span<const std::uint8_t> bytes) {
     constexpr std::string_view kDigits = "0123456789ABCDEF";

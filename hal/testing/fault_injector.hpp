@@ -19,7 +19,7 @@ struct Fault {
   enum class Kind : std::uint8_t {
     refused,       ///< the error is reported and nothing reaches the device
     after_effect,  ///< the device does all of it, and then the error is reported
-    flipped_bit,   ///< success is reported, with one bit of the first byte read inverted
+    flipped_bit,   ///< success is reported, with one bit of what was read inverted
     stuck_high,    ///< success is reported, every byte read is 0xFF, nothing reaches the device
     stuck_low,     ///< the same with 0x00
   };
@@ -29,7 +29,7 @@ struct Fault {
   std::size_t first = 0;
   std::size_t calls = 1;
   BusError error = BusError::io;  ///< for refused and after_effect
-  std::uint8_t bit = 0;           ///< for flipped_bit
+  std::size_t bit = 0;  ///< for flipped_bit, of the first buffer: bit 0 to 7 of byte 0, then byte 1
 
   [[nodiscard]] bool hits(std::size_t call) const { return call >= first && call - first < calls; }
 };
@@ -87,10 +87,10 @@ class FaultInjector {
     }
   }
 
-  static void flip(std::span<const Operation> operations, std::uint8_t bit) {
+  static void flip(std::span<const Operation> operations, std::size_t bit) {
     for (const Operation& operation : operations) {
-      if (operation.buffer().empty()) continue;
-      operation.buffer()[0] ^= static_cast<std::uint8_t>(1U << bit);
+      if (operation.buffer().size() <= bit / 8) continue;
+      operation.buffer()[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
       return;
     }
   }

@@ -59,6 +59,22 @@ TYPED_TEST(BusContract, AnEmptyTransactionSucceeds) {
   EXPECT_TRUE(this->back_end_.transaction({}));
 }
 
+template <class BackEnd>
+class SpiContract : public ::testing::Test {
+ protected:
+  BackEnd back_end_;
+};
+using SpiBackEnds = ::testing::Types<SimulatedSpi, ScriptedSpi, InjectedSpi>;
+TYPED_TEST_SUITE(SpiContract, SpiBackEnds);
+
+TYPED_TEST(SpiContract, AnExchangeReceivesWhileItSends) {
+  this->back_end_.prepare_exchange({kFirst | 0x80U, 0x00}, {0xFF, 0x5A});
+  std::array<std::uint8_t, 2> bytes{kFirst | 0x80U, 0x00};
+  const std::array operations{hal::Operation::exchange(bytes, bytes)};
+  ASSERT_TRUE(this->back_end_.transaction(operations));
+  EXPECT_EQ(bytes[1], 0x5A);
+}
+
 TEST(I2cBusContract, AnotherAddressIsNotAcknowledged) {
   SimulatedI2c back_end;
   drivers::I2cRegisters elsewhere{back_end.bus, hal::I2cAddress{0x11}};

@@ -26,6 +26,9 @@ inline constexpr hal::I2cAddress kDevice{0x6A};
 struct SimulatedSpi {
   void prepare_read(std::uint8_t first, const Bytes& values) { fill(chip, first, values); }
   void prepare_write(std::uint8_t, std::uint8_t) {}
+  void prepare_exchange(const Bytes& sent, const Bytes& answer) {
+    fill(chip, sent[0] & 0x7FU, {answer[1]});
+  }
   void prepare_empty() {}
   drivers::SpiRegisters<hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>> registers() {
     return drivers::SpiRegisters{bus};
@@ -69,6 +72,9 @@ struct ScriptedSpi {
   }
   void prepare_write(std::uint8_t address, std::uint8_t value) {
     bus.expect({hal::testing::writes({address, value})});
+  }
+  void prepare_exchange(const Bytes& sent, const Bytes& answer) {
+    bus.expect({hal::testing::exchanges(sent, answer)});
   }
   void prepare_empty() { bus.expect({}); }
   drivers::SpiRegisters<hal::testing::ScriptedSpiDevice> registers() {

@@ -287,7 +287,7 @@ TYPED_TEST(Lsm6dsoFifo, StampsNeverRunBackwardsWhenTheChipIsFasterThanItSays) {
 }
 
 TYPED_TEST(Lsm6dsoFifo, AFlippedTagIsCorruptData) {
-  for (std::uint8_t bit = 0; bit < 8; ++bit) {
+  for (std::size_t bit = 0; bit < 8; ++bit) {
     Rig<TypeParam> rig{kFifo};
     ASSERT_TRUE(rig.start_and_settle());
     rig.sample(kTurning);
@@ -295,7 +295,7 @@ TYPED_TEST(Lsm6dsoFifo, AFlippedTagIsCorruptData) {
         {.kind = Fault::Kind::flipped_bit, .first = rig.faults.calls() + 2, .bit = bit});
     std::array<GyroSample, 4> out{};
     const auto read = rig.read(out);
-    ASSERT_FALSE(read) << int{bit};
+    ASSERT_FALSE(read) << bit;
     EXPECT_EQ(read.error(), (DriverError{DriverErrorCode::corrupt_data, {}, 0x78}));
   }
 }

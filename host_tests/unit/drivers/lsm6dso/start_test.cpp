@@ -100,14 +100,14 @@ TYPED_TEST(Lsm6dsoStart, NeverSucceedsWithAWrongConfigurationWhateverBitFlips) {
   ASSERT_TRUE(counter.start());
   const std::size_t calls = counter.faults.calls();
   for (std::size_t call = 0; call < calls; ++call) {
-    for (std::uint8_t bit = 0; bit < 8; ++bit) {
+    for (std::size_t bit = 0; bit < 8; ++bit) {
       Rig<TypeParam> rig;
       rig.faults.inject({.kind = Fault::Kind::flipped_bit, .first = call, .bit = bit});
       if (!rig.start()) continue;
       // It may pass, for instance where the bit is none of ours; then the chip must be right, but
       // for bits of a register that a corrupted read-modify-write set outside our fields.
       for (std::size_t entry = 0; entry < 11; ++entry) EXPECT_TRUE(rig.driver.verify_next());
-      EXPECT_EQ(rig.chip.read_register(0x11), 0x40) << "call " << call << " bit " << int{bit};
+      EXPECT_EQ(rig.chip.read_register(0x11), 0x40) << "call " << call << " bit " << bit;
     }
   }
 }
