@@ -18,7 +18,7 @@ class BusContract : public ::testing::Test {
   BackEnd back_end_;
 };
 using BackEnds = ::testing::Types<SimulatedSpi, SimulatedI2c, ScriptedSpi, ScriptedI2c, InjectedSpi,
-                                  InjectedI2c>;
+                                  InjectedI2c, LinuxSpi, LinuxI2c>;
 TYPED_TEST_SUITE(BusContract, BackEnds);
 
 TYPED_TEST(BusContract, ReadsOneRegister) {
@@ -64,7 +64,7 @@ class SpiContract : public ::testing::Test {
  protected:
   BackEnd back_end_;
 };
-using SpiBackEnds = ::testing::Types<SimulatedSpi, ScriptedSpi, InjectedSpi>;
+using SpiBackEnds = ::testing::Types<SimulatedSpi, ScriptedSpi, InjectedSpi, LinuxSpi>;
 TYPED_TEST_SUITE(SpiContract, SpiBackEnds);
 
 TYPED_TEST(SpiContract, AnExchangeReceivesWhileItSends) {
@@ -75,13 +75,20 @@ TYPED_TEST(SpiContract, AnExchangeReceivesWhileItSends) {
   EXPECT_EQ(bytes[1], 0x5A);
 }
 
-TEST(I2cBusContract, AnotherAddressIsNotAcknowledged) {
-  SimulatedI2c back_end;
-  drivers::I2cRegisters elsewhere{back_end.bus, hal::I2cAddress{0x11}};
+template <class Bus>
+void expect_nack_at_another_address(Bus& bus) {
+  drivers::I2cRegisters elsewhere{bus, hal::I2cAddress{0x11}};
   std::array<std::uint8_t, 1> value{};
   const auto done = elsewhere.read(kFirst, value);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error(), hal::BusError::nack);
+}
+
+TEST(I2cBusContract, AnotherAddressIsNotAcknowledged) {
+  SimulatedI2c simulated;
+  expect_nack_at_another_address(simulated.bus);
+  LinuxI2c linux_back_end;
+  expect_nack_at_another_address(linux_back_end.device);
 }
 
 }  // namespace

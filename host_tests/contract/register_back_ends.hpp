@@ -10,12 +10,15 @@
 #include <vector>
 
 #include "drivers/common/register_bus.hpp"
+#include "hal/linux/i2c_dev.hpp"
+#include "hal/linux/spidev.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/i2c.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/spi.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "hal/testing/scripted_bus.hpp"
+#include "host_tests/unit/hal/linux/kernel_double.hpp"
 
 namespace zerorate::contract {
 
@@ -128,6 +131,38 @@ struct InjectedI2c : SimulatedI2c {
   }
 
   hal::testing::FaultInjector<decltype(SimulatedI2c::bus)> injector{bus};
+};
+
+/// A chip behind spidev, by way of a double of the kernel.
+struct LinuxSpi : SimulatedSpi {
+  using Device = hal::linux_os::SpidevDevice<hal::linux_os::KernelDouble>;
+  LinuxSpi() {
+    kernel.spi_device = [this](auto operations) { (void)bus.transaction(operations); };
+  }
+  drivers::SpiRegisters<Device> registers() { return drivers::SpiRegisters{device}; }
+  core::Result<void, hal::BusError> transaction(std::span<const hal::Operation> operations) {
+    return device.transaction(operations);
+  }
+
+  hal::linux_os::KernelState kernel;
+  Device device{{.device = "/dev/spidev0.0"}, hal::linux_os::KernelDouble{kernel}};
+};
+
+/// The same behind i2c-dev.
+struct LinuxI2c : SimulatedI2c {
+  using Bus = hal::linux_os::I2cDevBus<hal::linux_os::KernelDouble>;
+  LinuxI2c() {
+    kernel.i2c_device = [this](auto address, auto operations) {
+      return bus.transaction(address, operations).has_value();
+    };
+  }
+  drivers::I2cRegisters<Bus> registers() { return drivers::I2cRegisters{device, kDevice}; }
+  core::Result<void, hal::BusError> transaction(std::span<const hal::Operation> operations) {
+    return device.transaction(kDevice, operations);
+  }
+
+  hal::linux_os::KernelState kernel;
+  Bus device{"/dev/i2c-7", hal::linux_os::KernelDouble{kernel}};
 };
 
 }  // namespace zerorate::contract

@@ -1,0 +1,24 @@
+/// @file
+/// The node's clock on Linux.
+#pragma once
+
+#include <ctime>
+
+#include "core/base/time.hpp"
+#include "hal/contract/monotonic_clock.hpp"
+
+namespace zerorate::hal::linux_os {
+
+/// CLOCK_MONOTONIC: the clock of the kernel's line events, not moved when the time of day is set.
+class KernelClock {
+ public:
+  [[nodiscard]] static core::Instant now() {
+    std::timespec time{};
+    (void)clock_gettime(CLOCK_MONOTONIC, &time);  // cannot fail for this clock
+    return core::Instant{} + core::Duration::seconds(time.tv_sec) +
+           core::Duration::nanoseconds(time.tv_nsec);
+  }
+};
+static_assert(MonotonicClock<KernelClock>);
+
+}  // namespace zerorate::hal::linux_os

@@ -1,0 +1,60 @@
+/// @file
+/// A node in /dev that may disappear and come back.
+#pragma once
+
+#include <fcntl.h>
+
+#include <string>
+#include <utility>
+
+#include "core/base/result.hpp"
+#include "hal/linux/bus_error.hpp"
+#include "hal/linux/system_calls.hpp"
+
+namespace zerorate::hal::linux_os {
+
+/// Opens its node at the first use, and again at the first use after the device was gone: a sensor
+/// that is unplugged and plugged in again needs no restart of the program.
+template <class System>
+class DeviceFile {
+ public:
+  DeviceFile(std::string path, Subsystem subsystem, System system)
+      : path_(std::move(path)), subsystem_(subsystem), system_(std::move(system)) {}
+  DeviceFile(const DeviceFile&) = delete;
+  DeviceFile& operator=(const DeviceFile&) = delete;
+  ~DeviceFile() { close(); }
+
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+
+  core::Result<void, BusError> open() {
+    const CallResult opened = system_.open(path_.c_str(), O_RDWR);
+    if (!opened) return failed(opened.error());
+    descriptor_ = *opened;
+    return {};
+  }
+  void close() {
+    if (is_open()) system_.close(descriptor_);
+    descriptor_ = -1;
+  }
+
+  /// What the driver answered. A device that is gone is closed.
+  core::Result<int, BusError> ioctl(unsigned long request, void* argument) {
+    const CallResult answered = system_.ioctl(descriptor_, request, argument);
+    if (!answered) return failed(answered.error());
+    return *answered;
+  }
+
+ private:
+  core::Unexpected<BusError> failed(int error) {
+    const BusError reason = to_bus_error(error, subsystem_);
+    if (reason == BusError::not_present) close();
+    return core::Unexpected{reason};
+  }
+
+  std::string path_;
+  Subsystem subsystem_;
+  [[no_unique_address]] System system_;
+  int descriptor_ = -1;
+};
+
+}  // namespace zerorate::hal::linux_os

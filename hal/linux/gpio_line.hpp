@@ -1,0 +1,54 @@
+/// @file
+/// An input line of a GPIO chip whose edges the kernel stamps, through libgpiod.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "hal/contract/pulse_input.hpp"
+
+namespace zerorate::hal::linux_os {
+
+enum class Edge : std::uint8_t { rising, falling, both };
+
+struct LineSettings {
+  std::string chip;  ///< e.g. "/dev/gpiochip0"
+  std::string line;  ///< its name, or its number on the chip in decimal
+  Edge edge = Edge::rising;
+};
+
+/// A PulseInput: each edge is a pulse, stamped by the kernel (CLOCK_MONOTONIC) in the interrupt.
+///
+/// Built against libgpiod 2 or 1.6, whichever CMake found; this header knows neither. With 2, edges
+/// that the kernel dropped show as a gap in the line's sequence numbers and are counted. The
+/// interface that 1.6 uses has no such numbers: there a kernel queue (16 edges) found full counts
+/// as one lost edge, because nobody can tell.
+///
+/// The line is requested at the first use, and again at the first use after the chip was gone.
+/// No heap once the line is requested.
+class GpioLine {
+ public:
+  explicit GpioLine(LineSettings settings);
+  GpioLine(const GpioLine&) = delete;
+  GpioLine& operator=(const GpioLine&) = delete;
+  ~GpioLine();
+
+  /// not_present: no such chip or line, or not for us; timeout: another process holds the line.
+  core::Result<void, BusError> open();
+  core::Result<PulseBatch, BusError> read_pulses(std::span<core::Instant> stamps);
+  /// Becomes readable when there is an edge, for poll(); -1 while the line is not open.
+  [[nodiscard]] int descriptor() const;
+
+ private:
+  struct Request;  // what libgpiod gave us
+  LineSettings settings_;
+  std::unique_ptr<Request> request_;
+};
+static_assert(PulseInput<GpioLine>);
+
+}  // namespace zerorate::hal::linux_os

@@ -1,0 +1,98 @@
+// libgpiod 1.6 (Debian 12), which speaks the kernel's first line-event interface.
+
+#include <fcntl.h>
+#include <gpiod.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <utility>
+
+#include "hal/linux/bus_error.hpp"
+#include "hal/linux/gpio_line.hpp"
+
+namespace zerorate::hal::linux_os {
+namespace {
+
+constexpr std::size_t kKernelQueue = 16;  // gpiolib-cdev.c: DECLARE_KFIFO(events, ..., 16)
+
+core::Unexpected<BusError> last_error() {
+  return core::Unexpected{to_bus_error(errno, Subsystem::gpio)};
+}
+
+gpiod_line* find_line(gpiod_chip* chip, const std::string& name) {
+  unsigned offset = 0;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data(), end, offset);
+  const bool is_number = error == std::errc{} && stop == end;
+  return is_number ? gpiod_chip_get_line(chip, offset) : gpiod_chip_find_line(chip, name.c_str());
+}
+
+int request_edges(gpiod_line* line, Edge edge) {
+  switch (edge) {
+    case Edge::rising:
+      return gpiod_line_request_rising_edge_events(line, "zerorate");
+    case Edge::falling:
+      return gpiod_line_request_falling_edge_events(line, "zerorate");
+    case Edge::both:
+      break;
+  }
+  return gpiod_line_request_both_edges_events(line, "zerorate");
+}
+
+}  // namespace
+
+struct GpioLine::Request {
+  struct Close {
+    void operator()(gpiod_chip* open) const { gpiod_chip_close(open); }  // releases its lines too
+  };
+  std::unique_ptr<gpiod_chip, Close> chip;
+  int descriptor = -1;
+};
+
+GpioLine::GpioLine(LineSettings settings) : settings_(std::move(settings)) {}
+GpioLine::~GpioLine() = default;
+
+core::Result<void, BusError> GpioLine::open() {
+  auto request = std::make_unique<Request>();
+  request->chip.reset(gpiod_chip_open(settings_.chip.c_str()));
+  if (!request->chip) return last_error();
+  gpiod_line* const line = find_line(request->chip.get(), settings_.line);
+  if (line == nullptr) return core::Unexpected{BusError::not_present};
+  if (request_edges(line, settings_.edge) != 0) return last_error();
+  request->descriptor = gpiod_line_event_get_fd(line);
+  const int flags = fcntl(request->descriptor, F_GETFL);
+  if (flags < 0 || fcntl(request->descriptor, F_SETFL, flags | O_NONBLOCK) < 0) return last_error();
+  request_ = std::move(request);
+  return {};
+}
+
+core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant> stamps) {
+  if (stamps.empty()) return PulseBatch{};
+  if (!request_) {
+    if (const auto opened = open(); !opened) return core::Unexpected{opened.error()};
+  }
+  std::array<gpiod_line_event, kKernelQueue> events{};
+  const std::size_t wanted = std::min(stamps.size(), events.size());
+  const int read = gpiod_line_event_read_fd_multiple(request_->descriptor, events.data(),
+                                                     static_cast<unsigned>(wanted));
+  if (read < 0) {
+    if (errno == EAGAIN) return PulseBatch{};
+    const auto error = last_error();
+    if (error.error() == BusError::not_present) request_.reset();
+    return error;
+  }
+  const auto count = static_cast<std::size_t>(read);
+  for (std::size_t i = 0; i < count; ++i) {
+    stamps[i] = core::Instant{} + core::Duration::seconds(events[i].ts.tv_sec) +
+                core::Duration::nanoseconds(events[i].ts.tv_nsec);
+  }
+  return PulseBatch{.count = count, .lost = count == kKernelQueue ? 1U : 0U};
+}
+
+int GpioLine::descriptor() const {
+  return request_ ? request_->descriptor : -1;
+}
+
+}  // namespace zerorate::hal::linux_os

@@ -1,0 +1,131 @@
+// libgpiod 2 (Debian 13), which speaks the kernel's second line interface, with sequence numbers.
+
+#include <fcntl.h>
+#include <gpiod.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <utility>
+
+#include "hal/linux/bus_error.hpp"
+#include "hal/linux/gpio_line.hpp"
+#include "hal/linux/sequence_gaps.hpp"
+
+namespace zerorate::hal::linux_os {
+namespace {
+
+constexpr std::size_t kBatch = 64;
+
+core::Unexpected<BusError> last_error() {
+  return core::Unexpected{to_bus_error(errno, Subsystem::gpio)};
+}
+
+/// A C object of libgpiod with the function that frees it.
+template <class Object, auto Free>
+struct Freed {
+  void operator()(Object* object) const { Free(object); }
+};
+using Chip = std::unique_ptr<gpiod_chip, Freed<gpiod_chip, gpiod_chip_close>>;
+using Settings =
+    std::unique_ptr<gpiod_line_settings, Freed<gpiod_line_settings, gpiod_line_settings_free>>;
+using LineConfig =
+    std::unique_ptr<gpiod_line_config, Freed<gpiod_line_config, gpiod_line_config_free>>;
+using RequestConfig =
+    std::unique_ptr<gpiod_request_config, Freed<gpiod_request_config, gpiod_request_config_free>>;
+using Lines =
+    std::unique_ptr<gpiod_line_request, Freed<gpiod_line_request, gpiod_line_request_release>>;
+using Events = std::unique_ptr<gpiod_edge_event_buffer,
+                               Freed<gpiod_edge_event_buffer, gpiod_edge_event_buffer_free>>;
+
+gpiod_line_edge edge_of(Edge edge) {
+  switch (edge) {
+    case Edge::rising:
+      return GPIOD_LINE_EDGE_RISING;
+    case Edge::falling:
+      return GPIOD_LINE_EDGE_FALLING;
+    case Edge::both:
+      break;
+  }
+  return GPIOD_LINE_EDGE_BOTH;
+}
+
+/// The line's number on the chip; negative where there is none of that name.
+int find_line(gpiod_chip* chip, const std::string& name) {
+  int offset = -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data(), end, offset);
+  const bool is_number = error == std::errc{} && stop == end;
+  return is_number ? offset : gpiod_chip_get_line_offset_from_name(chip, name.c_str());
+}
+
+Lines request_edges(gpiod_chip* chip, unsigned offset, Edge edge) {
+  const Settings settings{gpiod_line_settings_new()};
+  const LineConfig lines{gpiod_line_config_new()};
+  const RequestConfig request{gpiod_request_config_new()};
+  if (!settings || !lines || !request) return nullptr;
+  gpiod_request_config_set_consumer(request.get(), "zerorate");
+  gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_INPUT);
+  gpiod_line_settings_set_edge_detection(settings.get(), edge_of(edge));
+  gpiod_line_settings_set_event_clock(settings.get(), GPIOD_LINE_CLOCK_MONOTONIC);
+  if (gpiod_line_config_add_line_settings(lines.get(), &offset, 1, settings.get()) != 0) return {};
+  return Lines{gpiod_chip_request_lines(chip, request.get(), lines.get())};
+}
+
+}  // namespace
+
+struct GpioLine::Request {
+  Lines lines;
+  Events events;
+  SequenceGaps gaps{};
+};
+
+GpioLine::GpioLine(LineSettings settings) : settings_(std::move(settings)) {}
+GpioLine::~GpioLine() = default;
+
+core::Result<void, BusError> GpioLine::open() {
+  const Chip chip{gpiod_chip_open(settings_.chip.c_str())};
+  if (!chip) return last_error();
+  const int offset = find_line(chip.get(), settings_.line);
+  if (offset < 0) return core::Unexpected{BusError::not_present};
+  auto request = std::make_unique<Request>(
+      Request{.lines = request_edges(chip.get(), static_cast<unsigned>(offset), settings_.edge),
+              .events = Events{gpiod_edge_event_buffer_new(kBatch)}});
+  if (!request->lines || !request->events) return last_error();
+  const int descriptor = gpiod_line_request_get_fd(request->lines.get());
+  const int flags = fcntl(descriptor, F_GETFL);
+  if (flags < 0 || fcntl(descriptor, F_SETFL, flags | O_NONBLOCK) < 0) return last_error();
+  request_ = std::move(request);
+  return {};
+}
+
+core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant> stamps) {
+  if (stamps.empty()) return PulseBatch{};
+  if (!request_) {
+    if (const auto opened = open(); !opened) return core::Unexpected{opened.error()};
+  }
+  gpiod_edge_event_buffer* const events = request_->events.get();
+  const int read = gpiod_line_request_read_edge_events(request_->lines.get(), events,
+                                                       std::min(stamps.size(), kBatch));
+  if (read < 0) {
+    if (errno == EAGAIN) return PulseBatch{};
+    const auto error = last_error();
+    if (error.error() == BusError::not_present) request_.reset();
+    return error;
+  }
+  PulseBatch batch{.count = static_cast<std::size_t>(read)};
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    gpiod_edge_event* const event = gpiod_edge_event_buffer_get_event(events, i);
+    stamps[i] =
+        core::Instant::from_ns(static_cast<std::int64_t>(gpiod_edge_event_get_timestamp_ns(event)));
+    batch.lost +=
+        request_->gaps.take(static_cast<std::uint32_t>(gpiod_edge_event_get_line_seqno(event)));
+  }
+  return batch;
+}
+
+int GpioLine::descriptor() const {
+  return request_ ? gpiod_line_request_get_fd(request_->lines.get()) : -1;
+}
+
+}  // namespace zerorate::hal::linux_os

@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include "hal/linux/bus_error.hpp"
+#include "hal/linux/i2c_dev.hpp"
+#include "hal/linux/spidev.hpp"
+#include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/unit/hal/linux/kernel_double.hpp"
+
+namespace zerorate::hal::linux_os {
+namespace {
+
+constexpr I2cAddress kAddress{0x6A};
+
+/// A register read, the transaction of every driver: one byte out, some bytes in.
+struct RegisterRead {
+  std::array<std::uint8_t, 1> command{0x8F};
+  std::array<std::uint8_t, 6> answer{};
+  std::array<Operation, 2> operations{Operation::write(command), Operation::read(answer)};
+};
+
+struct SpiRig {
+  KernelState kernel;
+  SpidevDevice<KernelDouble> bus{{.device = "/dev/spidev1.0", .speed_hz = 8'000'000, .mode = 3},
+                                 KernelDouble{kernel}};
+  RegisterRead read;
+  auto transact() { return bus.transaction(read.operations); }
+};
+
+struct I2cRig {
+  KernelState kernel;
+  I2cDevBus<KernelDouble> bus{"/dev/i2c-7", KernelDouble{kernel}};
+  RegisterRead read;
+  auto transact() { return bus.transaction(kAddress, read.operations); }
+};
+
+TEST(SpidevDevice, SetsModeWidthAndSpeedWhenItOpensItsNode) {
+  SpiRig rig;
+  EXPECT_EQ(rig.kernel.opens, 0);
+  ASSERT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.opened_path, "/dev/spidev1.0");
+  EXPECT_EQ(rig.kernel.spi_mode, 3);
+  EXPECT_EQ(rig.kernel.spi_bits, 8);
+  EXPECT_EQ(rig.kernel.spi_speed_hz, 8'000'000U);
+  ASSERT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.opens, 1);
+}
+
+TEST(SpidevDevice, DoesATransactionInOneMessageWithChipSelectHeldBetweenItsParts) {
+  SpiRig rig;
+  ASSERT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.transfers, 1);
+  ASSERT_EQ(rig.kernel.last_spi.size(), 2U);
+  EXPECT_EQ(rig.kernel.last_spi[0].cs_change, 0);
+  EXPECT_EQ(rig.kernel.last_spi[0].len, 1U);
+  EXPECT_EQ(rig.kernel.last_spi[1].len, 6U);
+}
+
+TEST(I2cDevBus, DoesATransactionInOneMessageList) {
+  I2cRig rig;
+  ASSERT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.opened_path, "/dev/i2c-7");
+  EXPECT_EQ(rig.kernel.transfers, 1);
+  ASSERT_EQ(rig.kernel.last_i2c.size(), 2U);
+  EXPECT_EQ(rig.kernel.last_i2c[0].addr, 0x6A);
+  EXPECT_EQ(rig.kernel.last_i2c[0].flags, 0);
+  EXPECT_EQ(rig.kernel.last_i2c[1].flags, I2C_M_RD);
+  EXPECT_EQ(rig.kernel.last_i2c[1].len, 6);
+}
+
+TEST(I2cDevBusWhoseAdapterStopsShort, ReportsThatTheDeviceDidNotAcknowledge) {
+  for (const int messages : {0, 1}) {
+    I2cRig rig;
+    rig.kernel.next_answer = messages;
+    const auto done = rig.transact();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error(), BusError::nack);
+    EXPECT_TRUE(rig.transact());
+  }
+}
+
+TEST(SpidevDeviceWhoseTransferIsShort, ReportsAnError) {
+  for (const int bytes : {0, 6}) {
+    SpiRig rig;
+    rig.kernel.next_answer = bytes;
+    const auto done = rig.transact();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error(), BusError::io);
+    EXPECT_TRUE(rig.transact());
+  }
+}
+
+template <class Rig>
+BusError error_of(int number) {
+  Rig rig;
+  EXPECT_TRUE(rig.transact());
+  rig.kernel.next_error = number;
+  const auto done = rig.transact();
+  EXPECT_FALSE(done);
+  EXPECT_TRUE(rig.transact()) << "no recovery after error number " << number;
+  return done.error();
+}
+
+TEST(I2cDevBusWhoseKernelFails, GivesTheContractsReason) {
+  EXPECT_EQ(error_of<I2cRig>(ENXIO), BusError::nack);
+  EXPECT_EQ(error_of<I2cRig>(EREMOTEIO), BusError::nack);
+  EXPECT_EQ(error_of<I2cRig>(EAGAIN), BusError::arbitration_lost);
+  EXPECT_EQ(error_of<I2cRig>(ETIMEDOUT), BusError::timeout);
+  EXPECT_EQ(error_of<I2cRig>(EBUSY), BusError::timeout);
+  EXPECT_EQ(error_of<I2cRig>(EOVERFLOW), BusError::overrun);
+  EXPECT_EQ(error_of<I2cRig>(ENODEV), BusError::not_present);
+  EXPECT_EQ(error_of<I2cRig>(ESHUTDOWN), BusError::not_present);
+  EXPECT_EQ(error_of<I2cRig>(EIO), BusError::io);
+  EXPECT_EQ(error_of<I2cRig>(EPROTO), BusError::io);
+}
+
+TEST(SpidevDeviceWhoseKernelFails, GivesTheContractsReason) {
+  EXPECT_EQ(error_of<SpiRig>(ENXIO), BusError::not_present);
+  EXPECT_EQ(error_of<SpiRig>(ESHUTDOWN), BusError::not_present);
+  EXPECT_EQ(error_of<SpiRig>(ENODEV), BusError::not_present);
+  EXPECT_EQ(error_of<SpiRig>(ETIMEDOUT), BusError::timeout);
+  EXPECT_EQ(error_of<SpiRig>(EIO), BusError::io);
+  EXPECT_EQ(error_of<SpiRig>(EMSGSIZE), BusError::io);
+}
+
+template <class Rig>
+void expect_reopened_after_unplugging() {
+  Rig rig;
+  ASSERT_TRUE(rig.transact());
+  rig.kernel.next_error = ENODEV;
+  EXPECT_EQ(rig.transact().error(), BusError::not_present);
+  EXPECT_EQ(rig.kernel.closes, 1);
+  rig.kernel.open_error = ENOENT;  // the node has gone from /dev
+  EXPECT_EQ(rig.transact().error(), BusError::not_present);
+  EXPECT_EQ(rig.transact().error(), BusError::not_present);
+  rig.kernel.open_error.reset();  // and is back
+  EXPECT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.opens, 2);
+}
+
+TEST(SpidevDeviceThatWasUnplugged, OpensItsNodeAgainWhenItIsBack) {
+  expect_reopened_after_unplugging<SpiRig>();
+}
+
+TEST(I2cDevBusThatWasUnplugged, OpensItsNodeAgainWhenItIsBack) {
+  expect_reopened_after_unplugging<I2cRig>();
+}
+
+TEST(SpidevDeviceAtATemporaryError, KeepsItsNodeOpen) {
+  SpiRig rig;
+  ASSERT_TRUE(rig.transact());
+  rig.kernel.next_error = ETIMEDOUT;
+  ASSERT_FALSE(rig.transact());
+  ASSERT_TRUE(rig.transact());
+  EXPECT_EQ(rig.kernel.opens, 1);
+  EXPECT_EQ(rig.kernel.closes, 0);
+}
+
+TEST(SpidevDeviceWithoutOperations, DoesNotEvenOpenItsNode) {
+  SpiRig rig;
+  EXPECT_TRUE(rig.bus.transaction({}));
+  EXPECT_EQ(rig.kernel.opens, 0);
+}
+
+TEST(BusesOnceOpened, DoNotAllocate) {
+  KernelState kernel;
+  // The double itself allocates; what is counted is the path to the real kernel, which refuses.
+  SpidevDevice<> spi{{.device = "/dev/null"}};
+  I2cDevBus<> i2c{"/dev/null"};
+  RegisterRead read;
+  const support::AllocationCounter allocations;
+  EXPECT_FALSE(spi.transaction(read.operations));
+  EXPECT_FALSE(i2c.transaction(kAddress, read.operations));
+  EXPECT_EQ(allocations.count(), 0U);
+}
+
+TEST(RealKernelWithoutTheDevice, SaysThatItIsNotPresent) {
+  SpidevDevice<> spi{{.device = "/dev/there-is-no-such-device"}};
+  RegisterRead read;
+  const auto done = spi.transaction(read.operations);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error(), BusError::not_present);
+}
+
+}  // namespace
+}  // namespace zerorate::hal::linux_os
