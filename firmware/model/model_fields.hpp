@@ -25,6 +25,7 @@ inline constexpr Rule kPositive{[](double x) { return x > 0.0 && std::isfinite(x
                                 "a positive number"};
 inline constexpr Rule kNotNegative{[](double x) { return x >= 0.0 && std::isfinite(x); },
                                    "a number, zero or more"};
+inline constexpr Rule kAnyNumber{[](double x) { return std::isfinite(x); }, "a number"};
 inline constexpr Rule kOrder{[](double x) { return x > 0.0 && x < 1.0; },
                              "a number between 0 and 1, both excluded"};
 inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
@@ -75,18 +76,71 @@ void visit_fields(auto& visitor, MaybeConst<Harmonic> auto& line) {
   visitor.text("source", line.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<TemperatureDrift> auto& drift) {
+  visitor.number("reference_degc", drift.reference_degc, FileUnit::si, kAnyNumber,
+                 Presence::required);
+  visitor.number("slope_dps_per_degc", drift.slope_rad_s_per_k, FileUnit::degree, kAnyNumber,
+                 Presence::optional);
+  visitor.number("slope_sigma_dps_per_degc", drift.slope_sigma_rad_s_per_k, FileUnit::degree,
+                 kNotNegative, Presence::required);
+  visitor.number("curvature_dps_per_degc2", drift.curvature_rad_s_per_k2, FileUnit::degree,
+                 kAnyNumber, Presence::optional);
+  visitor.number("curvature_sigma_dps_per_degc2", drift.curvature_sigma_rad_s_per_k2,
+                 FileUnit::degree, kNotNegative, Presence::optional);
+  visitor.number("lag_s", drift.lag_s, FileUnit::si, kNotNegative, Presence::optional);
+  visitor.text("source", drift.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<WarmUp> auto& transient) {
+  visitor.number("amplitude_dps", transient.amplitude_rad_s, FileUnit::degree, kAnyNumber,
+                 Presence::optional);
+  visitor.number("amplitude_sigma_dps", transient.amplitude_sigma_rad_s, FileUnit::degree,
+                 kNotNegative, Presence::required);
+  visitor.number("time_constant_s", transient.time_constant_s, FileUnit::si, kPositive,
+                 Presence::required);
+  visitor.text("source", transient.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<RateRamp> auto& ramp) {
+  visitor.number("slope_dps_per_s", ramp.slope_rad_s2, FileUnit::degree, kAnyNumber,
+                 Presence::optional);
+  visitor.number("slope_sigma_dps_per_s", ramp.slope_sigma_rad_s2, FileUnit::degree, kNotNegative,
+                 Presence::required);
+  visitor.text("source", ramp.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Quantization> auto& quantization) {
+  visitor.number("step_dps", quantization.step_rad_s, FileUnit::degree, kPositive,
+                 Presence::required);
+  visitor.text("source", quantization.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Gate> auto& gate) {
+  visitor.number("threshold_sigma", gate.threshold_sigma, FileUnit::si, kPositive,
+                 Presence::required);
+  visitor.number("longest_knock_s", gate.longest_knock_s, FileUnit::si, kPositive,
+                 Presence::optional);
+  visitor.text("source", gate.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Node> auto& node) {
   visitor.start("start", node.start);
 }
 
-/// Visits a whole model: `name`, then every table. std::optional tables may be absent.
+/// Visits a whole model: `name`, then every table. std::optional tables may be absent; of a
+/// std::vector there may be any number, as [[table]].
 void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.text("name", model.name, Presence::required);
   visitor.table("white", model.white, Presence::required);
   visitor.table("flicker", model.flicker);
   visitor.table("rate_random_walk", model.rate_random_walk);
-  visitor.table("gauss_markov", model.gauss_markov);
-  visitor.table("harmonic", model.harmonic);
+  visitor.tables("gauss_markov", model.gauss_markov);
+  visitor.tables("harmonic", model.harmonic);
+  visitor.table("temperature", model.temperature);
+  visitor.table("warm_up", model.warm_up);
+  visitor.table("rate_ramp", model.rate_ramp);
+  visitor.table("quantization", model.quantization);
+  visitor.table("gate", model.gate);
   visitor.table("node", model.node, Presence::optional);
 }
 

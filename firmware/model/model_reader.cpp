@@ -124,14 +124,30 @@ class TableReader {
     if (!node->is_table()) {
       expected(*node, key, "a table, [" + std::string(key) + "]");
     }
-    TableReader inside(document_, *node->as_table(), key);
-    visit_fields(inside, part);
-    inside.reject_unknown();
+    read(*node->as_table(), key, part);
   }
   template <class Part>
   void table(std::string_view key, std::optional<Part>& part) {
     if (find(key, "", Presence::optional) != nullptr) {
       table(key, part.emplace(), Presence::required);
+    }
+  }
+  /// [[key]] as often as there are parts; [key] where there is one.
+  template <class Part>
+  void tables(std::string_view key, std::vector<Part>& parts) {
+    const toml::node* node = find(key, "", Presence::optional);
+    if (node == nullptr) {
+      return;
+    }
+    if (node->is_table()) {
+      read(*node->as_table(), key, parts.emplace_back());
+      return;
+    }
+    if (!node->is_array_of_tables()) {
+      expected(*node, key, "tables, [[" + std::string(key) + "]]");
+    }
+    for (const toml::node& element : *node->as_array()) {
+      read(*element.as_table(), key, parts.emplace_back());
     }
   }
 
@@ -147,6 +163,13 @@ class TableReader {
   }
 
  private:
+  template <class Part>
+  void read(const toml::table& table, std::string_view key, Part& part) const {
+    TableReader inside(document_, table, key);
+    visit_fields(inside, part);
+    inside.reject_unknown();
+  }
+
   const toml::node* find(std::string_view key, std::string_view words, Presence presence) {
     if (std::ranges::find(known_, key) == known_.end()) {
       known_.push_back(key);

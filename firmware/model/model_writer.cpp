@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 #include <system_error>
+#include <vector>
 
 #include "firmware/model/model_fields.hpp"
 #include "firmware/model/model_file.hpp"
@@ -43,6 +44,13 @@ class Writer {
   void table(std::string_view key, const std::optional<Part>& part) {
     if (part) {
       table(key, *part, Presence::required);
+    }
+  }
+  template <class Part>
+  void tables(std::string_view key, const std::vector<Part>& parts) {
+    for (const Part& part : parts) {
+      text_ += "\n[[" + std::string(key) + "]]\n";
+      visit_fields(*this, part);
     }
   }
 

@@ -1,7 +1,12 @@
 #include "firmware/model/node_model.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string_view>
+#include <tuple>
 
 #include "core/base/numeric.hpp"
 #include "core/noise/flicker.hpp"
@@ -14,7 +19,7 @@
 namespace zerorate::model {
 namespace {
 
-using Decades = core::FlickerDecades<kMostDecaying - 1>;
+using Decades = core::FlickerDecades<kMostDecades>;
 
 double seconds(core::Duration duration) {
   return static_cast<double>(duration.ns()) * 1e-9;
@@ -58,15 +63,41 @@ core::RandomWalk random_walk_of(const RateRandomWalk& walk) {
   return {.coefficient_rad_s_sqrt_s = single(walk.coefficient_rad_s_per_sqrt_s)};
 }
 
-core::GaussMarkov gauss_markov_of(const GaussMarkov& process) {
+core::GaussMarkov block_of(const GaussMarkov& process) {
   return {.sigma_rad_s = single(process.sigma_rad_s),
           .time_constant_s = single(process.time_constant_s)};
 }
 
-core::Harmonic harmonic_of(const Harmonic& line) {
+core::Harmonic block_of(const Harmonic& line) {
   return {.rms_rad_s = single(line.rms_rad_s),
           .frequency_hz = single(line.frequency_hz),
           .coherence_time_s = single(line.coherence_time_s)};
+}
+
+/// The blocks of all parts, the rest without noise.
+template <class Block, std::size_t N, class Part>
+std::array<Block, N> blocks_of(std::span<const Part> parts, std::string_view table) {
+  if (parts.size() > N) {
+    throw std::invalid_argument("the model has " + std::to_string(parts.size()) + " tables [[" +
+                                std::string(table) + "]]; a node takes " + std::to_string(N));
+  }
+  std::array<Block, N> blocks;
+  std::transform(parts.begin(), parts.end(), blocks.begin(),
+                 [](const Part& part) { return block_of(part); });
+  return blocks;
+}
+
+void require_supported(const SensorModel& model) {
+  const auto refuse = [](bool is_given, std::string_view table) {
+    if (is_given) {
+      throw std::invalid_argument("the node does not run [" + std::string(table) + "] yet");
+    }
+  };
+  refuse(model.temperature.has_value(), "temperature");
+  refuse(model.warm_up.has_value(), "warm_up");
+  refuse(model.rate_ramp.has_value(), "rate_ramp");
+  refuse(model.quantization.has_value(), "quantization");
+  refuse(model.gate.has_value(), "gate");
 }
 
 }  // namespace
@@ -75,6 +106,7 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
                                                              core::Duration sample_period,
                                                              core::Duration filter_tick) {
   validate(model);
+  require_supported(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(
         "the sample period must be positive and not longer than the filter's tick");
@@ -89,11 +121,16 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
     white_variance_of_tick += fit.white_variance_rad2_s2;
   }
   NodeModel<kMostDecaying, kMostRotating> node;
-  node.modes = core::compose(
-      filter_tick, model.node.start, decades,
-      random_walk_of(model.rate_random_walk.value_or(RateRandomWalk{})),
-      gauss_markov_of(model.gauss_markov.value_or(GaussMarkov{.time_constant_s = 1.0})),
-      harmonic_of(model.harmonic.value_or(Harmonic{.coherence_time_s = 1.0})));
+  const auto markovs = blocks_of<core::GaussMarkov, kMostGaussMarkov, GaussMarkov>(
+      model.gauss_markov, "gauss_markov");
+  const auto lines = blocks_of<core::Harmonic, kMostRotating, Harmonic>(model.harmonic, "harmonic");
+  node.modes = std::apply(
+      [&](const auto&... blocks) {
+        return core::compose(filter_tick, model.node.start, decades,
+                             random_walk_of(model.rate_random_walk.value_or(RateRandomWalk{})),
+                             blocks...);
+      },
+      std::tuple_cat(markovs, lines));
   require_finite(node.modes);
   node.white_variance_rad2_s2 = single(white_variance_of_tick * tick_s / seconds(sample_period));
   if (node.white_variance_rad2_s2 == 0.0F) {

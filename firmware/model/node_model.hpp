@@ -14,9 +14,11 @@
 
 namespace zerorate::model {
 
-/// Modes that no model exceeds: eight flicker decades and a Gauss-Markov process; one harmonic.
-inline constexpr std::size_t kMostDecaying = 9;
-inline constexpr std::size_t kMostRotating = 1;
+/// What no model exceeds.
+inline constexpr std::size_t kMostDecades = 8;
+inline constexpr std::size_t kMostGaussMarkov = 2;
+inline constexpr std::size_t kMostDecaying = kMostDecades + kMostGaussMarkov;
+inline constexpr std::size_t kMostRotating = 2;
 
 /// The noise of one axis as the node needs it.
 template <std::size_t R, std::size_t C>

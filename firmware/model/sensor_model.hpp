@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/noise/modes.hpp"
 
@@ -72,6 +73,59 @@ struct Harmonic {
   bool operator==(const Harmonic&) const = default;
 };
 
+/// The share of the bias that follows the temperature T:
+/// slope (T - reference) + curvature (T - reference)^2, both constant but known only roughly.
+struct TemperatureDrift {
+  double reference_degc = 0.0;
+  double slope_rad_s_per_k = 0.0;  ///< expected; the node learns the sensor's own
+  double slope_sigma_rad_s_per_k = 0.0;
+  double curvature_rad_s_per_k2 = 0.0;
+  double curvature_sigma_rad_s_per_k2 = 0.0;
+  /// How far the sensing element lags behind the thermometer (first order); 0: not at all.
+  double lag_s = 0.0;
+  std::string source{};
+
+  bool operator==(const TemperatureDrift&) const = default;
+};
+
+/// A transient that decays from the first sample on: amplitude exp(-t / time_constant).
+struct WarmUp {
+  double amplitude_rad_s = 0.0;  ///< expected; the node learns the one of this start
+  double amplitude_sigma_rad_s = 0.0;
+  double time_constant_s = 0.0;
+  std::string source{};
+
+  bool operator==(const WarmUp&) const = default;
+};
+
+/// A bias that moves steadily from the first sample on.
+struct RateRamp {
+  double slope_rad_s2 = 0.0;  ///< expected; the node learns the one of this start
+  double slope_sigma_rad_s2 = 0.0;
+  std::string source{};
+
+  bool operator==(const RateRamp&) const = default;
+};
+
+/// Samples come in steps: noise of the variance step^2 / 12, which averaging removes only where
+/// other noise moves the rate from step to step.
+struct Quantization {
+  double step_rad_s = 0.0;
+  std::string source{};
+
+  bool operator==(const Quantization&) const = default;
+};
+
+/// What to think of a measurement that is too far from its prediction.
+struct Gate {
+  double threshold_sigma = 0.0;  ///< larger: fewer rejections, more harm by what passes
+  /// Disagreement that lasts longer is a change of the bias, not a knock, and is believed.
+  double longest_knock_s = 5.0;
+  std::string source{};
+
+  bool operator==(const Gate&) const = default;
+};
+
 /// What the model tells the node besides the noise.
 struct Node {
   core::Start start = core::Start::stationary;
@@ -86,8 +140,13 @@ struct SensorModel {
   WhiteNoise white;
   std::optional<Flicker> flicker;
   std::optional<RateRandomWalk> rate_random_walk;
-  std::optional<GaussMarkov> gauss_markov;
-  std::optional<Harmonic> harmonic;
+  std::vector<GaussMarkov> gauss_markov;
+  std::vector<Harmonic> harmonic;
+  std::optional<TemperatureDrift> temperature;
+  std::optional<WarmUp> warm_up;
+  std::optional<RateRamp> rate_ramp;
+  std::optional<Quantization> quantization;
+  std::optional<Gate> gate;
   Node node;
 
   bool operator==(const SensorModel&) const = default;

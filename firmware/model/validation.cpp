@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/model/model_fields.hpp"
 
@@ -36,6 +37,12 @@ class Validator {
   void table(std::string_view key, const std::optional<Part>& part) {
     if (part) {
       table(key, *part, Presence::required);
+    }
+  }
+  template <class Part>
+  void tables(std::string_view key, const std::vector<Part>& parts) {
+    for (const Part& part : parts) {
+      table(key, part, Presence::required);
     }
   }
 

@@ -282,7 +282,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.sample_period = rows.sample_period();
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
-  const bool is_plain = !options.model.gauss_markov && !options.model.harmonic &&
+  const bool is_plain = options.model.gauss_markov.empty() && options.model.harmonic.empty() &&
                         (!options.model.flicker || options.model.flicker->decades <= 6);
   if (is_plain) {
     run<6, 0>(rows, reader, options, observer, result);

@@ -43,8 +43,8 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
   // The same choice as a replay's: six flicker decades, or the largest node.
-  const bool is_plain =
-      !model.gauss_markov && !model.harmonic && (!model.flicker || model.flicker->decades <= 6);
+  const bool is_plain = model.gauss_markov.empty() && model.harmonic.empty() &&
+                        (!model.flicker || model.flicker->decades <= 6);
   return is_plain ? run<6, 0>(model) : run<model::kMostDecaying, model::kMostRotating>(model);
 }
 

@@ -34,14 +34,43 @@ source = "figure 2"
 [rate_random_walk]
 coefficient_dps_per_sqrt_s = 2.5e-05
 
-[gauss_markov]
+[[gauss_markov]]
 sigma_dps = 0.01
 time_constant_s = 600
 
-[harmonic]
+[[gauss_markov]]
+sigma_dps = 0.003
+time_constant_s = 20
+source = "figure 3"
+
+[[harmonic]]
 rms_dps = 0.002
 frequency_hz = 0.55
 coherence_time_s = 40
+
+[temperature]
+reference_degc = 25
+slope_dps_per_degc = -0.03
+slope_sigma_dps_per_degc = 0.01
+curvature_dps_per_degc2 = 0.0002
+curvature_sigma_dps_per_degc2 = 0.0001
+lag_s = 30
+
+[warm_up]
+amplitude_dps = 0.05
+amplitude_sigma_dps = 0.02
+time_constant_s = 600
+
+[rate_ramp]
+slope_dps_per_s = 0
+slope_sigma_dps_per_s = 1e-06
+
+[quantization]
+step_dps = 0.0125
+
+[gate]
+threshold_sigma = 5
+longest_knock_s = 3
 
 [node]
 start = "zero"
@@ -75,11 +104,28 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_EQ(model.flicker->decades, 5);
   EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.25);
   EXPECT_DOUBLE_EQ(model.rate_random_walk->coefficient_rad_s_per_sqrt_s, 2.5e-5 * kDeg);
-  EXPECT_DOUBLE_EQ(model.gauss_markov->sigma_rad_s, 0.01 * kDeg);
-  EXPECT_EQ(model.gauss_markov->time_constant_s, 600.0);
-  EXPECT_DOUBLE_EQ(model.harmonic->rms_rad_s, 0.002 * kDeg);
-  EXPECT_EQ(model.harmonic->frequency_hz, 0.55);
-  EXPECT_EQ(model.harmonic->coherence_time_s, 40.0);
+  ASSERT_EQ(model.gauss_markov.size(), 2U);
+  EXPECT_DOUBLE_EQ(model.gauss_markov[0].sigma_rad_s, 0.01 * kDeg);
+  EXPECT_EQ(model.gauss_markov[0].time_constant_s, 600.0);
+  EXPECT_DOUBLE_EQ(model.gauss_markov[1].sigma_rad_s, 0.003 * kDeg);
+  ASSERT_EQ(model.harmonic.size(), 1U);
+  EXPECT_DOUBLE_EQ(model.harmonic[0].rms_rad_s, 0.002 * kDeg);
+  EXPECT_EQ(model.harmonic[0].frequency_hz, 0.55);
+  EXPECT_EQ(model.harmonic[0].coherence_time_s, 40.0);
+  EXPECT_EQ(model.temperature->reference_degc, 25.0);
+  EXPECT_DOUBLE_EQ(model.temperature->slope_rad_s_per_k, -0.03 * kDeg);
+  EXPECT_DOUBLE_EQ(model.temperature->slope_sigma_rad_s_per_k, 0.01 * kDeg);
+  EXPECT_DOUBLE_EQ(model.temperature->curvature_rad_s_per_k2, 2e-4 * kDeg);
+  EXPECT_DOUBLE_EQ(model.temperature->curvature_sigma_rad_s_per_k2, 1e-4 * kDeg);
+  EXPECT_EQ(model.temperature->lag_s, 30.0);
+  EXPECT_DOUBLE_EQ(model.warm_up->amplitude_rad_s, 0.05 * kDeg);
+  EXPECT_DOUBLE_EQ(model.warm_up->amplitude_sigma_rad_s, 0.02 * kDeg);
+  EXPECT_EQ(model.warm_up->time_constant_s, 600.0);
+  EXPECT_EQ(model.rate_ramp->slope_rad_s2, 0.0);
+  EXPECT_DOUBLE_EQ(model.rate_ramp->slope_sigma_rad_s2, 1e-6 * kDeg);
+  EXPECT_DOUBLE_EQ(model.quantization->step_rad_s, 0.0125 * kDeg);
+  EXPECT_EQ(model.gate->threshold_sigma, 5.0);
+  EXPECT_EQ(model.gate->longest_knock_s, 3.0);
   EXPECT_EQ(model.node.start, core::Start::zero);
 }
 
@@ -97,7 +143,9 @@ TEST(ModelFileWithTheLeast, HasTheDefaults) {
   EXPECT_EQ(model.flicker->decades, 6);
   EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.5);
   EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg / 0.66428247026796);
-  EXPECT_FALSE(model.rate_random_walk || model.gauss_markov || model.harmonic);
+  EXPECT_FALSE(model.rate_random_walk || model.temperature || model.warm_up || model.rate_ramp);
+  EXPECT_FALSE(model.quantization || model.gate);
+  EXPECT_TRUE(model.gauss_markov.empty() && model.harmonic.empty());
   EXPECT_EQ(model.node.start, core::Start::stationary);
 }
 
@@ -114,7 +162,10 @@ TEST(ModelOfAnyNumbers, ComesBackBitForBit) {
                             .decades = 1 + trial % 8,
                             .shortest_time_constant_s = draw(),
                             .source = "line\nbreak and \\"};
-    model.gauss_markov = GaussMarkov{.sigma_rad_s = draw(), .time_constant_s = draw()};
+    model.gauss_markov.resize(static_cast<std::size_t>(trial % 3),
+                              {.sigma_rad_s = draw(), .time_constant_s = draw()});
+    model.temperature = TemperatureDrift{
+        .reference_degc = -draw(), .slope_rad_s_per_k = -draw(), .slope_sigma_rad_s_per_k = draw()};
     model.node.start = trial % 2 == 0 ? core::Start::zero : core::Start::stationary;
     const std::string toml = format_model(model);
     ASSERT_EQ(parse_model(toml, "m.toml"), model) << toml;
@@ -138,10 +189,10 @@ TEST(ModelFileWithAnUnknownName, SuggestsTheNearestAndTellsThePlace) {
             "\"bias_instability_dph\"?");
   EXPECT_EQ(message_of(with("decades", "decade")),
             "m.toml:11:1: unknown key \"decade\" in [flicker]; did you mean \"decades\"?");
-  EXPECT_EQ(message_of(with("[gauss_markov]", "[gaus_markov]")),
-            "m.toml:18:2: unknown table \"gaus_markov\"; did you mean \"gauss_markov\"?");
-  EXPECT_EQ(message_of(with("name =", "temperature = 3\nname =")),
-            "m.toml:2:1: unknown key \"temperature\"");
+  EXPECT_EQ(message_of(with("[warm_up]", "[warmup]")),
+            "m.toml:40:2: unknown table \"warmup\"; did you mean \"warm_up\"?");
+  EXPECT_EQ(message_of(with("name =", "pressure = 3\nname =")),
+            "m.toml:2:1: unknown key \"pressure\"");
 }
 
 TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
@@ -150,6 +201,11 @@ TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\n"),
             "m.toml:1:1: missing \"white\"; expected a table");
   EXPECT_THAT(message_of(""), testing::HasSubstr("missing \"schema\""));
+}
+
+TEST(ModelFileWithASingleTableWhereSeveralMayBe, IsTheSameAsAnArrayOfOne) {
+  EXPECT_EQ(parse_model(with("[[harmonic]]", "[harmonic]"), "m.toml"),
+            parse_model(kFullFile, "m.toml"));
 }
 
 TEST(ModelFileOfAnotherSchema, IsRefused) {
@@ -165,9 +221,12 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:28:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:57:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
+  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\ngauss_markov = 3\nname = 'g'\n"
+                       "white.angle_random_walk_dps_per_sqrt_hz = 0\n"),
+            "m.toml:2:16: \"gauss_markov\": expected tables, [[gauss_markov]]");
 }
 
 TEST(ModelFileWithAnImpossibleValue, TellsTheRule) {

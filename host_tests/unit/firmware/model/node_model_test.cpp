@@ -38,15 +38,15 @@ double physical_spectrum(const SensorModel& model, double nu_hz) {
   if (model.rate_random_walk) {
     s += std::pow(model.rate_random_walk->coefficient_rad_s_per_sqrt_s / w, 2);
   }
-  if (model.gauss_markov) {
-    const double tau = model.gauss_markov->time_constant_s;
-    s += 2.0 * std::pow(model.gauss_markov->sigma_rad_s, 2) * tau / (1.0 + std::pow(w * tau, 2));
+  for (const GaussMarkov& process : model.gauss_markov) {
+    const double tau = process.time_constant_s;
+    s += 2.0 * std::pow(process.sigma_rad_s, 2) * tau / (1.0 + std::pow(w * tau, 2));
   }
-  if (model.harmonic) {
-    for (const double line : {-1.0, 1.0}) {
-      const double tau = model.harmonic->coherence_time_s;
-      const double away = (w + line * 2.0 * kPi * model.harmonic->frequency_hz) * tau;
-      s += std::pow(model.harmonic->rms_rad_s, 2) * tau / (1.0 + away * away);
+  for (const Harmonic& line : model.harmonic) {
+    for (const double sign : {-1.0, 1.0}) {
+      const double tau = line.coherence_time_s;
+      const double away = (w + sign * 2.0 * kPi * line.frequency_hz) * tau;
+      s += std::pow(line.rms_rad_s, 2) * tau / (1.0 + away * away);
     }
   }
   return s;
@@ -100,11 +100,13 @@ TEST(NodeModelOfEachNoise, HasThePhysicalSpectrum) {
   expect_same_spectrum(walk, 1e-4, 0.002);
 
   SensorModel markov = white_only(1e-5);
-  markov.gauss_markov = GaussMarkov{.sigma_rad_s = 1e-4, .time_constant_s = 50.0};
+  markov.gauss_markov = {{.sigma_rad_s = 1e-4, .time_constant_s = 50.0},
+                         {.sigma_rad_s = 2e-4, .time_constant_s = 400.0}};
   expect_same_spectrum(markov, 1e-4, 0.002);
 
   SensorModel line = white_only(1e-5);
-  line.harmonic = Harmonic{.rms_rad_s = 1e-4, .frequency_hz = 0.03, .coherence_time_s = 100.0};
+  line.harmonic = {{.rms_rad_s = 1e-4, .frequency_hz = 0.03, .coherence_time_s = 100.0},
+                   {.rms_rad_s = 1e-4, .frequency_hz = 0.05, .coherence_time_s = 60.0}};
   expect_same_spectrum(line, 1e-3, 0.002);
 }
 
@@ -131,7 +133,7 @@ TEST(NodeModelThatStartsAtZero, HasNoInitialVariance) {
 
 TEST(NodeModelTooLargeForTheNode, IsRefusedWithBothSizes) {
   SensorModel model = find_model("adis16405");
-  model.gauss_markov = GaussMarkov{.sigma_rad_s = 1e-4, .time_constant_s = 50.0};
+  model.gauss_markov = {{.sigma_rad_s = 1e-4, .time_constant_s = 50.0}};
   EXPECT_NO_THROW((void)(make_node_model<7, 0>(model, kSample, kTick)));
   try {
     (void)make_node_model<6, 0>(model, kSample, kTick);
@@ -155,8 +157,11 @@ TEST(NodeModelOfImpossibleInput, IsRefused) {
   EXPECT_THROW(make(white_only(1e-30), kSample, kTick), std::invalid_argument);
   EXPECT_THROW(make(white_only(1e30), kSample, kTick), std::invalid_argument);
   SensorModel loud = model;
-  loud.gauss_markov = GaussMarkov{.sigma_rad_s = 1e25, .time_constant_s = 1.0};
+  loud.gauss_markov = {{.sigma_rad_s = 1e25, .time_constant_s = 1.0}};
   EXPECT_THROW(make(loud, kSample, kTick), std::invalid_argument);
+  SensorModel many = model;
+  many.gauss_markov.resize(3, {.sigma_rad_s = 1.0, .time_constant_s = 1.0});
+  EXPECT_THROW(make(many, kSample, kTick), std::invalid_argument);
 }
 
 }  // namespace
