@@ -29,8 +29,6 @@ struct LoopCounters {
   std::uint32_t overruns = 0;  ///< of them: samples lost in the chip
   std::uint32_t configurations_lost = 0;
   drivers::DriverError last_error{};
-
-  constexpr bool operator==(const LoopCounters&) const = default;
 };
 
 /// Binds a node to its hardware. Call poll() from the main loop, at least once a sample
