@@ -21,5 +21,6 @@ struct Command {
 [[nodiscard]] Command add_model(CLI::App& app);
 [[nodiscard]] Command add_reproduce(CLI::App& app);
 [[nodiscard]] Command add_characterize(CLI::App& app);
+[[nodiscard]] Command add_evaluate(CLI::App& app);
 
 }  // namespace zerorate::cli

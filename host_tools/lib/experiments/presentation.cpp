@@ -69,6 +69,7 @@ report::Report to_report(const Presentation& presentation, std::string provenanc
     for (const auto& paragraph : part.paragraphs) section.paragraph(paragraph);
     for (const auto& table : part.tables) section.table(table);
     for (const auto& chart : part.charts) section.chart(chart);
+    for (const auto& bars : part.bars) section.chart(bars);
   }
   report.provenance(std::move(provenance));
   return report;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/lib/experiments/drives.hpp"
 #include "host_tools/lib/experiments/figures.hpp"
 #include "host_tools/lib/experiments/filter_cost.hpp"
 #include "host_tools/lib/experiments/measured_sets.hpp"
@@ -20,12 +21,13 @@ struct Presentation {
     std::vector<std::string> paragraphs{};
     std::vector<report::Table> tables{};
     std::vector<report::Chart> charts{};
+    std::vector<report::BarChart> bars{};
   };
 
   std::string title;
   std::string lead;
   std::vector<Part> parts;
-  std::string json;  ///< schema zerorate.reproduce/1
+  std::string json;  ///< schema zerorate.reproduce/1, or the experiment's own
 };
 
 /// The tables for a terminal, without the charts.
@@ -46,5 +48,6 @@ struct Table1 {
 [[nodiscard]] Presentation present(const std::vector<AllanCurve>& curves);
 /// @param number of the figure in the paper, 2 or 3
 [[nodiscard]] Presentation present(const ExampleRun& run, int number);
+[[nodiscard]] Presentation present(const DriveContest& contest);  ///< schema zerorate.drives/1
 
 }  // namespace zerorate::experiments

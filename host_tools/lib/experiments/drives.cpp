@@ -1,0 +1,426 @@
+#include "host_tools/lib/experiments/drives.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "host_tools/lib/evaluate/replay.hpp"
+#include "host_tools/lib/experiments/exponential_means.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+
+namespace zerorate::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using app::Predictor;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Memories that the tuned competitors choose from: two a decade, from seconds to a day.
+constexpr std::array kMemories_s = {3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5};
+constexpr std::size_t kMemories = kMemories_s.size();
+
+/// Sums over drives of one axis, addable.
+struct Sums {
+  double drives = 0.0;
+  double squares_rad2 = 0.0;
+  double covered = 0.0;  ///< NaN without an interval
+  double sigma_rad = 0.0;
+
+  Sums& operator+=(const Sums& other) {
+    drives += other.drives;
+    squares_rad2 += other.squares_rad2;
+    covered += other.covered;
+    sigma_rad += other.sigma_rad;
+    return *this;
+  }
+};
+
+Sums sums_of(const evaluate::DriveScores& scores) {
+  if (scores.drives() == 0) return {};
+  const auto n = static_cast<double>(scores.drives());
+  const double rms_rad = scores.heading_drift_rms_rad();
+  return {.drives = n,
+          .squares_rad2 = n * rms_rad * rms_rad,
+          .covered = n * scores.coverage95(),
+          .sigma_rad = n * scores.sigma_over_rms() * rms_rad};
+}
+
+using AxisScores = std::array<evaluate::DriveScores, app::kPredictors>;
+using AllScores = decltype(evaluate::ReplayResult::scores);
+
+Sums sums_of(const AxisScores& scores, Predictor predictor) {
+  return sums_of(scores[static_cast<std::size_t>(predictor)]);
+}
+
+/// All contestants on one axis, with every memory of the tuned ones.
+struct AxisSums {
+  Sums kalman_free_order;
+  Sums kalman_half_order;
+  Sums moving_average;
+  Sums calibration_mean;
+  std::array<Sums, kMemories> exponential_mean;
+  std::array<Sums, kMemories> random_walk_filter;
+
+  AxisSums& operator+=(const AxisSums& other) {
+    kalman_free_order += other.kalman_free_order;
+    kalman_half_order += other.kalman_half_order;
+    moving_average += other.moving_average;
+    calibration_mean += other.calibration_mean;
+    for (std::size_t i = 0; i < kMemories; ++i) {
+      exponential_mean[i] += other.exponential_mean[i];
+      random_walk_filter[i] += other.random_walk_filter[i];
+    }
+    return *this;
+  }
+};
+
+using Fits = std::vector<DriveContest::AxisModels>;  ///< of one recording, by axis
+
+Fits fit(const fs::path& path) {
+  recording::Reader reader{path};
+  const identify::RestSamples samples = identify::read_rest_samples(reader);
+  identify::CharacterizeOptions options{.recording = path.filename().string()};
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) options.axes.push_back(axis);
+  const auto free_order = identify::characterize(samples, options);
+  options.order = 0.5;
+  const auto half_order = identify::characterize(samples, options);
+  Fits fits;
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+    fits.push_back(
+        {options.recording, axis, free_order.axes[axis].model, half_order.axes[axis].model});
+  }
+  return fits;
+}
+
+/// Means of log N, log B and d, which is the mean of the log spectra at every frequency. Recordings
+/// that showed no flicker noise have no say in it.
+model::SensorModel mean_model(const std::vector<model::SensorModel>& models) {
+  double log_n = 0.0;
+  double log_b = 0.0;
+  double order = 0.0;
+  double with_flicker = 0.0;
+  model::SensorModel mean = models.front();
+  for (const auto& model : models) {
+    log_n += std::log(model.white.angle_random_walk_rad_per_sqrt_s);
+    if (!model.flicker) continue;
+    mean.flicker = model.flicker;
+    log_b += std::log(model.flicker->bias_instability_rad_s);
+    order += model.flicker->order;
+    ++with_flicker;
+  }
+  mean.white.angle_random_walk_rad_per_sqrt_s =
+      std::exp(log_n / static_cast<double>(models.size()));
+  if (mean.flicker) {
+    mean.flicker->bias_instability_rad_s = std::exp(log_b / with_flicker);
+    mean.flicker->order = order / with_flicker;
+  }
+  return mean;
+}
+
+class Contest {
+ public:
+  Contest(const std::vector<fs::path>& paths, const DriveContestOptions& options)
+      : paths_(paths), options_(options), fits_(paths.size()) {}
+
+  DriveContest run(const Progress& progress) {
+    fit_all();
+    replay_all(progress);
+    return standings();
+  }
+
+ private:
+  /// A recording and an axis of it: what the bootstrap draws.
+  struct Cluster {
+    std::size_t recording;
+    std::size_t axis;
+  };
+  /// One contestant's sums by cluster and schedule.
+  using Results = std::vector<std::vector<Sums>>;
+
+  [[nodiscard]] std::size_t schedules() const { return options_.schedules.size(); }
+
+  void fit_all() {
+    for_each_in_parallel(paths_.size(), options_.threads,
+                         [&](std::size_t i) { fits_[i] = fit(paths_[i]); }, {});
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+      for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) clusters_.push_back({i, axis});
+    }
+  }
+
+  /// The recordings whose fits and tuning a recording may use.
+  [[nodiscard]] bool lends_to(std::size_t lender, const Cluster& cluster) const {
+    if (options_.fit_on == FitOn::itself) return lender == cluster.recording;
+    return lender != cluster.recording && cluster.axis < fits_[lender].size();
+  }
+
+  [[nodiscard]] model::SensorModel model_for(
+      const Cluster& cluster, model::SensorModel DriveContest::AxisModels::*which) const {
+    std::vector<model::SensorModel> lent;
+    for (std::size_t i = 0; i < fits_.size(); ++i) {
+      if (lends_to(i, cluster)) lent.push_back(fits_[i][cluster.axis].*which);
+    }
+    if (lent.empty()) {
+      throw std::invalid_argument(
+          "parameters from other recordings need at least two recordings with the same axes; "
+          "--fit-on itself takes those of hindsight");
+    }
+    return mean_model(lent);
+  }
+
+  void replay_all(const Progress& progress) {
+    const std::size_t runs = schedules() * options_.seeds;
+    std::vector<std::vector<AxisSums>> outcomes(paths_.size() * runs);
+    for_each_in_parallel(
+        outcomes.size(), options_.threads,
+        [&](std::size_t i) {
+          evaluate::ScheduleParams schedule = options_.schedules[i % runs / options_.seeds];
+          schedule.seed = options_.first_seed + i % options_.seeds;
+          outcomes[i] = replay_one(i / runs, schedule);
+        },
+        progress);
+    sums_.assign(paths_.size(), std::vector<std::vector<AxisSums>>(schedules()));
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      auto& sums = sums_[i / runs][i % runs / options_.seeds];
+      sums.resize(outcomes[i].size());
+      for (std::size_t axis = 0; axis < sums.size(); ++axis) sums[axis] += outcomes[i][axis];
+    }
+  }
+
+  [[nodiscard]] std::vector<AxisSums> replay_one(std::size_t recording,
+                                                 const evaluate::ScheduleParams& schedule) const {
+    std::vector<AxisSums> axes(fits_[recording].size());
+    replay_fitted(recording, schedule, axes);
+    replay_tuned(recording, schedule, axes);
+    return axes;
+  }
+
+  /// Every axis has a model of its own, and therefore replays of its own.
+  void replay_fitted(std::size_t recording, const evaluate::ScheduleParams& schedule,
+                     std::vector<AxisSums>& axes) const {
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      const Cluster cluster{recording, axis};
+      const auto scores = [&](model::SensorModel DriveContest::AxisModels::*which) {
+        return replay(recording, schedule, model_for(cluster, which))[axis];
+      };
+      const auto free = scores(&DriveContest::AxisModels::free_order);
+      const auto half = scores(&DriveContest::AxisModels::half_order);
+      axes[axis].kalman_free_order = sums_of(free, Predictor::kalman);
+      axes[axis].kalman_half_order = sums_of(half, Predictor::kalman);
+      axes[axis].moving_average = sums_of(free, Predictor::moving_average);
+      axes[axis].calibration_mean = sums_of(free, Predictor::calibration_mean);
+    }
+  }
+
+  /// One replay a memory serves all axes: the steady filter of a random walk forgets with the time
+  /// constant N / K, whatever N is. Its interval would need the sensor's N and is left out.
+  void replay_tuned(std::size_t recording, const evaluate::ScheduleParams& schedule,
+                    std::vector<AxisSums>& axes) const {
+    constexpr double kN = 1e-3;
+    ExponentialMeans means{kMemories_s, axes.size()};
+    for (std::size_t m = 0; m < kMemories; ++m) {
+      const model::SensorModel walk{.white = {.angle_random_walk_rad_per_sqrt_s = kN},
+                                    .rate_random_walk = model::RateRandomWalk{kN / kMemories_s[m]}};
+      evaluate::ReplayObserver observer;
+      if (m == 0) observer.on_sample = means.observer();
+      const auto scores = replay(recording, schedule, walk, observer);
+      for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+        axes[axis].random_walk_filter[m] = sums_of(scores[axis], Predictor::kalman);
+        axes[axis].random_walk_filter[m].covered = kNan;
+      }
+    }
+    means.finish();
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      for (std::size_t m = 0; m < kMemories; ++m) {
+        axes[axis].exponential_mean[m] = sums_of(means.scores(axis, m));
+        axes[axis].exponential_mean[m].covered = kNan;
+      }
+    }
+  }
+
+  [[nodiscard]] AllScores replay(std::size_t recording, const evaluate::ScheduleParams& schedule,
+                                 const model::SensorModel& model,
+                                 const evaluate::ReplayObserver& observer = {}) const {
+    recording::Reader reader{paths_[recording]};
+    const evaluate::ReplayOptions options{
+        .model = model, .filter_rate_hz = options_.filter_rate_hz, .schedule = schedule};
+    return evaluate::replay(reader, options, observer).scores;
+  }
+
+  /// The memory with the least drift, relative to the yardstick, on the recordings that lend.
+  [[nodiscard]] Sums tuned(const Cluster& cluster, std::size_t schedule,
+                           std::array<Sums, kMemories> AxisSums::*which) const {
+    std::array<double, kMemories> drift{};
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+      if (!lends_to(i, cluster)) continue;
+      const AxisSums& lent = sums_[i][schedule][cluster.axis];
+      for (std::size_t m = 0; m < kMemories; ++m) {
+        drift[m] += (lent.*which)[m].squares_rad2 / lent.calibration_mean.squares_rad2;
+      }
+    }
+    const auto best = std::min_element(drift.begin(), drift.end()) - drift.begin();
+    return (sums_[cluster.recording][schedule][cluster.axis].*
+            which)[static_cast<std::size_t>(best)];
+  }
+
+  [[nodiscard]] Sums result(Contestant who, const Cluster& cluster, std::size_t schedule) const {
+    const AxisSums& sums = sums_[cluster.recording][schedule][cluster.axis];
+    switch (who) {
+      case Contestant::kalman_free_order:
+        return sums.kalman_free_order;
+      case Contestant::kalman_half_order:
+        return sums.kalman_half_order;
+      case Contestant::random_walk_filter:
+        return tuned(cluster, schedule, &AxisSums::random_walk_filter);
+      case Contestant::exponential_mean:
+        return tuned(cluster, schedule, &AxisSums::exponential_mean);
+      case Contestant::moving_average:
+        return sums.moving_average;
+      case Contestant::calibration_mean:
+        break;
+    }
+    return sums.calibration_mean;
+  }
+
+  [[nodiscard]] Results results(Contestant who) const {
+    Results all(clusters_.size());
+    for (std::size_t c = 0; c < clusters_.size(); ++c) {
+      for (std::size_t s = 0; s < schedules(); ++s) all[c].push_back(result(who, clusters_[c], s));
+    }
+    return all;
+  }
+
+  [[nodiscard]] std::vector<std::size_t> every_cluster() const {
+    std::vector<std::size_t> all(clusters_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  }
+
+  /// Over the given clusters (as often as they are named) and a range of schedules.
+  struct Range {
+    std::size_t first;
+    std::size_t last;
+  };
+
+  static double ratio(const Results& own, const Results& yardstick,
+                      const std::vector<std::size_t>& drawn, Range range) {
+    double log_ratio = 0.0;
+    double count = 0.0;
+    for (const std::size_t c : drawn) {
+      for (std::size_t s = range.first; s < range.last; ++s) {
+        if (yardstick[c][s].drives == 0.0) continue;
+        log_ratio += 0.5 * std::log(own[c][s].squares_rad2 / yardstick[c][s].squares_rad2);
+        ++count;
+      }
+    }
+    return std::exp(log_ratio / count);
+  }
+
+  static Sums total(const Results& own, const std::vector<std::size_t>& drawn, Range range) {
+    Sums sums;
+    for (const std::size_t c : drawn) {
+      for (std::size_t s = range.first; s < range.last; ++s) sums += own[c][s];
+    }
+    return sums;
+  }
+
+  /// Value for the clusters as they are, interval for clusters drawn with replacement.
+  template <class Statistic>
+  [[nodiscard]] BootstrapFigure bootstrap(Statistic statistic) const {
+    constexpr std::size_t kDraws = 2000;
+    const std::size_t n = clusters_.size();
+    std::vector<std::size_t> drawn = every_cluster();
+    BootstrapFigure figure{.value = statistic(drawn)};
+    if (std::isnan(figure.value)) return {kNan, kNan, kNan};
+    const simulate::RandomStream stream{options_.first_seed};
+    std::vector<double> values(kDraws);
+    for (std::size_t draw = 0; draw < kDraws; ++draw) {
+      for (std::size_t c = 0; c < n; ++c) {
+        const double u = stream.uniform(static_cast<std::int64_t>(draw * n + c));
+        drawn[c] = static_cast<std::size_t>(u * static_cast<double>(n));
+      }
+      values[draw] = statistic(drawn);
+    }
+    std::sort(values.begin(), values.end());
+    figure.lo = values[kDraws / 40];
+    figure.hi = values[kDraws - 1 - kDraws / 40];
+    return figure;
+  }
+
+  [[nodiscard]] DriveStanding standing(const Results& own, const Results& yardstick,
+                                       Range range) const {
+    const Sums sums = total(own, every_cluster(), range);
+    const double rms_rad = std::sqrt(sums.squares_rad2 / sums.drives);
+    const bool has_interval = !std::isnan(sums.covered);
+    return {
+        .ratio = bootstrap([&](const auto& drawn) { return ratio(own, yardstick, drawn, range); }),
+        .coverage = bootstrap([&](const auto& drawn) {
+          const Sums some = total(own, drawn, range);
+          return some.covered / some.drives;
+        }),
+        .sigma_over_rms = has_interval ? sums.sigma_rad / sums.drives / rms_rad : kNan,
+        .drift_rms_deg = rms_rad * kDegPerRad};
+  }
+
+  [[nodiscard]] DriveContest standings() const {
+    DriveContest contest{.options = options_};
+    for (const fs::path& path : paths_) contest.recordings.push_back(path.filename().string());
+    for (const Fits& fits : fits_)
+      contest.fits.insert(contest.fits.end(), fits.begin(), fits.end());
+    contest.by_schedule.resize(schedules());
+    const Results yardstick = results(Contestant::calibration_mean);
+    contest.drives =
+        static_cast<std::size_t>(total(yardstick, every_cluster(), {0, schedules()}).drives);
+    if (contest.drives == 0) {
+      throw std::invalid_argument(
+          "no drive followed a calibration: the recordings are too short for these schedules");
+    }
+    for (std::size_t who = 0; who < kContestants; ++who) {
+      const Results own = results(static_cast<Contestant>(who));
+      for (std::size_t s = 0; s < schedules(); ++s) {
+        contest.by_schedule[s][who] = standing(own, yardstick, {s, s + 1});
+      }
+      contest.overall[who] = standing(own, yardstick, {0, schedules()});
+    }
+    return contest;
+  }
+
+  const std::vector<fs::path>& paths_;
+  const DriveContestOptions& options_;
+  std::vector<Fits> fits_;
+  std::vector<Cluster> clusters_;
+  std::vector<std::vector<std::vector<AxisSums>>> sums_;  ///< by recording, schedule, axis
+};
+
+}  // namespace
+
+std::string_view name(Contestant contestant) {
+  switch (contestant) {
+    case Contestant::kalman_free_order:
+      return "decade Kalman, order fitted";
+    case Contestant::kalman_half_order:
+      return "decade Kalman, d = 1/2";
+    case Contestant::random_walk_filter:
+      return "random-walk Kalman, tuned";
+    case Contestant::exponential_mean:
+      return "exponential mean, tuned";
+    case Contestant::moving_average:
+      return "moving average";
+    case Contestant::calibration_mean:
+      return "calibration mean";
+  }
+  return "unknown";
+}
+
+DriveContest run_drive_contest(const std::vector<fs::path>& recordings,
+                               const DriveContestOptions& options, const Progress& progress) {
+  return Contest{recordings, options}.run(progress);
+}
+
+}  // namespace zerorate::experiments

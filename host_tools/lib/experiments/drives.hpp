@@ -1,0 +1,92 @@
+/// @file
+/// What a bias predictor is worth on drives: real recordings made at rest, cut into stops, in which
+/// the predictors may learn, and drives, in which they are compared with what the sensor did.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/experiments/parallel.hpp"
+
+namespace zerorate::experiments {
+
+/// Who takes part. The first two and the last two are predictors of the node; the random-walk
+/// filter is the node's with another model; the exponential mean is what trackers commonly do.
+enum class Contestant : std::uint8_t {
+  kalman_free_order,   ///< decade filter, d fitted
+  kalman_half_order,   ///< decade filter, d = 1/2
+  random_walk_filter,  ///< white noise and a random walk, its memory tuned
+  exponential_mean,    ///< of all samples at rest so far, its memory tuned
+  moving_average,
+  calibration_mean,  ///< the yardstick
+};
+inline constexpr std::size_t kContestants = 6;
+[[nodiscard]] std::string_view name(Contestant contestant);
+
+/// Where the parameters of a recording's contestants come from.
+enum class FitOn : std::uint8_t {
+  other,   ///< all the other recordings, the same axis: logarithmic means of the fitted noise
+  itself,  ///< hindsight: a ceiling, not a result
+};
+
+struct DriveContestOptions {
+  std::vector<evaluate::ScheduleParams> schedules;  ///< mean lengths; each runs with every seed
+  std::size_t seeds = 8;
+  std::uint64_t first_seed = 1;
+  FitOn fit_on = FitOn::other;
+  std::optional<double> filter_rate_hz{};  ///< see evaluate::ReplayOptions
+  unsigned threads = 0;                    ///< 0: as many as the machine has
+};
+
+/// A figure and its 95 % interval by the cluster bootstrap: recording-axes are drawn, not drives,
+/// because the drives of one axis share its fit and its weather.
+struct BootstrapFigure {
+  double value = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+/// One contestant under one schedule, or under all of them.
+struct DriveStanding {
+  /// Root mean square of the heading drift over that of the calibration mean: geometric mean over
+  /// recording-axes (and schedules).
+  BootstrapFigure ratio;
+  BootstrapFigure coverage;     ///< share of the drives inside the 95 % interval; NaN without one
+  double sigma_over_rms = 0.0;  ///< see evaluate::DriveScores; NaN without an interval
+  double drift_rms_deg = 0.0;   ///< over all drives
+};
+
+struct DriveContest {
+  struct AxisModels {
+    std::string recording;
+    std::size_t axis;
+    model::SensorModel free_order;  ///< as fitted to this recording, for use on others
+    model::SensorModel half_order;
+  };
+
+  DriveContestOptions options;
+  std::vector<std::string> recordings;
+  std::vector<AxisModels> fits;
+  std::size_t drives = 0;  ///< of each contestant
+  std::vector<std::array<DriveStanding, kContestants>> by_schedule;
+  std::array<DriveStanding, kContestants> overall;
+};
+
+/// Fits every recording, replays each through the node under every schedule and seed, and compares.
+/// The memories of the two tuned competitors are chosen per axis and schedule for the least drift
+/// on the recordings that the parameters come from, which is more than the node's own filter gets.
+/// Cost: 2 axes + 10 replays a recording, schedule and seed, on all threads.
+/// Throws recording::Error; std::invalid_argument if FitOn::other has fewer than two recordings or
+/// no drive was made.
+[[nodiscard]] DriveContest run_drive_contest(const std::vector<std::filesystem::path>& recordings,
+                                             const DriveContestOptions& options,
+                                             const Progress& progress);
+
+}  // namespace zerorate::experiments

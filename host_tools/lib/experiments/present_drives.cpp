@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "host_tools/lib/experiments/presentation.hpp"
+
+namespace zerorate::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Row = std::vector<report::Cell>;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kDphPerRadS = kDegPerRad * 3600.0;
+
+std::string label(const evaluate::ScheduleParams& schedule) {
+  return fmt::format("{:g}/{:g}", schedule.still_s, schedule.drive_s);
+}
+
+std::string axis_label(std::size_t axis) {
+  return std::string(1, "xyz"[axis]);
+}
+
+/// A row a contestant, a column a schedule, and all of them together with its interval.
+report::Table table(const DriveContest& contest, std::string caption,
+                    BootstrapFigure DriveStanding::*figure) {
+  report::Table table{.caption = std::move(caption), .columns = {{"predictor"}}};
+  for (const auto& schedule : contest.options.schedules) {
+    table.columns.push_back({label(schedule), "", 3});
+  }
+  for (const char* heading : {"all", "from", "to"}) table.columns.push_back({heading, "", 3});
+  for (std::size_t who = 0; who < kContestants; ++who) {
+    const BootstrapFigure overall = contest.overall[who].*figure;
+    if (std::isnan(overall.value)) continue;
+    Row row{std::string(name(static_cast<Contestant>(who)))};
+    for (const auto& standings : contest.by_schedule)
+      row.emplace_back((standings[who].*figure).value);
+    for (const double value : {overall.value, overall.lo, overall.hi}) row.emplace_back(value);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+report::BarChart chart(const DriveContest& contest) {
+  report::BarChart chart{
+      .title = "Heading drift against the mean of the last stop",
+      .caption =
+          "Root mean square per drive; geometric mean over recording-axes. The bars are 95 % "
+          "intervals by the bootstrap over recording-axes.",
+      .y = {"Ratio to calibration mean", ""},
+      .reference = report::Reference{"calibration mean", 1.0}};
+  for (const auto& schedule : contest.options.schedules)
+    chart.categories.push_back(label(schedule));
+  for (std::size_t who = 0; who + 1 < kContestants; ++who) {
+    report::BarGroup group{.name = std::string(name(static_cast<Contestant>(who)))};
+    for (const auto& standings : contest.by_schedule) {
+      group.values.push_back(standings[who].ratio.value);
+      group.lo.push_back(standings[who].ratio.lo);
+      group.hi.push_back(standings[who].ratio.hi);
+    }
+    chart.groups.push_back(std::move(group));
+  }
+  return chart;
+}
+
+report::Table fits(const DriveContest& contest) {
+  report::Table table{.caption = "Noise fitted to each recording, for use as the options say",
+                      .columns = {{"recording"},
+                                  {"axis"},
+                                  {"N", "deg/s/sqrt(Hz)", 4},
+                                  {"B", "deg/h", 1},
+                                  {"d", "", 3},
+                                  {"B at d = 1/2", "deg/h", 1}}};
+  for (const auto& fit : contest.fits) {
+    const auto& free = fit.free_order;
+    const double b = free.flicker ? free.flicker->bias_instability_rad_s * kDphPerRadS : 0.0;
+    const auto& half = fit.half_order.flicker;
+    table.rows.push_back({fit.recording, axis_label(fit.axis),
+                          free.white.angle_random_walk_rad_per_sqrt_s * kDegPerRad, b,
+                          free.flicker ? free.flicker->order : std::nan(""),
+                          half ? half->bias_instability_rad_s * kDphPerRadS : 0.0});
+  }
+  return table;
+}
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json json(const DriveStanding& standing) {
+  const auto figure = [](Json& into, const char* key, const BootstrapFigure& value) {
+    into[key] = number(value.value);
+    into[std::string(key) + "_ci95"] = {number(value.lo), number(value.hi)};
+  };
+  Json json{{"heading_drift_rms_deg", number(standing.drift_rms_deg)}};
+  figure(json, "ratio_to_calibration_mean", standing.ratio);
+  figure(json, "coverage95", standing.coverage);
+  json["sigma_over_rms"] = number(standing.sigma_over_rms);
+  return json;
+}
+
+Json json(const std::array<DriveStanding, kContestants>& standings) {
+  Json json = Json::object();
+  for (std::size_t who = 0; who < kContestants; ++who) {
+    json[std::string(name(static_cast<Contestant>(who)))] = experiments::json(standings[who]);
+  }
+  return json;
+}
+
+std::string to_json(const DriveContest& contest) {
+  Json schedules = Json::array();
+  for (std::size_t s = 0; s < contest.by_schedule.size(); ++s) {
+    schedules.push_back({{"still_s", contest.options.schedules[s].still_s},
+                         {"drive_s", contest.options.schedules[s].drive_s},
+                         {"predictors", json(contest.by_schedule[s])}});
+  }
+  return Json{{"schema", "zerorate.drives/1"},
+              {"recordings", contest.recordings},
+              {"fit_on", contest.options.fit_on == FitOn::other ? "other" : "itself"},
+              {"seeds", contest.options.seeds},
+              {"drives", contest.drives},
+              {"overall", json(contest.overall)},
+              {"schedules", schedules}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace
+
+Presentation present(const DriveContest& contest) {
+  const bool hindsight = contest.options.fit_on == FitOn::itself;
+  Presentation presentation{
+      .title = "Drives cut out of recordings at rest",
+      .lead = fmt::format(
+          "{} drives of {} recordings; parameters {}.", contest.drives, contest.recordings.size(),
+          hindsight ? "of each recording itself, in hindsight" : "fitted to the other recordings"),
+      .json = to_json(contest)};
+  presentation.parts = {
+      {.heading = "Heading drift",
+       .paragraphs =
+           {"The true rate is zero, so the integral of the corrected rate over a drive is "
+            "its heading drift. Mean lengths of stop/drive in seconds, exponentially "
+            "distributed."},
+       .tables = {table(contest,
+                        "Heading drift rms over that of the calibration mean (stop/drive s)",
+                        &DriveStanding::ratio)},
+       .bars = {chart(contest)}},
+      {.heading = "Interval",
+       .paragraphs = {"Share of the drives inside the stated 95 % interval of their heading drift. "
+                      "Competitors without an interval are left out."},
+       .tables = {table(contest, "Coverage of the 95 % interval", &DriveStanding::coverage)}},
+      {.heading = "Noise", .tables = {fits(contest)}}};
+  return presentation;
+}
+
+}  // namespace zerorate::experiments
