@@ -1,0 +1,36 @@
+/// @file
+/// What the command line says of a recording, and how that compares with the truth.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host_tests/hidden_effect/scenario.hpp"
+
+namespace zerorate::hidden_effect {
+
+/// What is read of the JSON of one axis.
+struct Answer {
+  std::string verdict;
+  std::vector<std::string> causes;        ///< strongest first
+  std::vector<std::string> alternatives;  ///< of all causes
+};
+
+/// Runs `zerorate diagnose recording --json ...` as a process of its own and reads what it wrote.
+/// Throws std::runtime_error where it fails or its exit code contradicts the verdict.
+[[nodiscard]] Answer diagnose(const std::filesystem::path& zerorate,
+                              const std::filesystem::path& recording);
+
+/// How an answer did.
+struct Score {
+  bool named = false;        ///< every hidden effect is among the causes
+  bool first = false;        ///< the strongest cause is a hidden effect
+  bool alone = false;        ///< and nothing but hidden effects is a cause
+  bool alternative = false;  ///< what is not named as cause is named as alternative to one
+  bool wrong = false;        ///< "explained", by a cause that is not hidden in it
+};
+
+[[nodiscard]] Score score(const Scenario& scenario, const Answer& answer);
+
+}  // namespace zerorate::hidden_effect

@@ -1,0 +1,49 @@
+/// @file
+/// One blind recording: what is hidden in it, drawn from a seed, and the file that tells nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/lib/simulate/signal.hpp"
+
+namespace zerorate::hidden_effect {
+
+enum class Kind : std::uint8_t { clean, single, pair, outside };
+[[nodiscard]] std::string_view name(Kind kind);
+
+struct Scenario {
+  Kind kind = Kind::clean;
+  std::vector<std::string> truth;  ///< names of what is hidden, none if clean
+  std::string description;         ///< sample rate, noise and sizes, for who reads of a miss
+  bool with_temperature = false;   ///< whether the recording has the column
+  simulate::Signal signal;
+};
+
+struct ScenarioOptions {
+  std::uint64_t seed = 1;
+  std::size_t samples = 20'000;
+  double nats = 40.0;  ///< what the best base model loses to each effect
+  /// What lies outside the catalogue is larger by this: the remainder must fail a test that holds
+  /// against the whole family of statistics.
+  double outside_factor = 2.5;
+  /// Of effects of single recordings, only those of this name; all if empty.
+  std::string only;
+};
+
+/// Every 32 runs hide each of the sixteen effects once, nothing eight times, two effects four times
+/// and something outside the catalogue four times.
+inline constexpr std::size_t kRunsOfARound = 32;
+[[nodiscard]] Kind kind_of_run(std::size_t run);
+
+/// A pure function of the options and the number of the run.
+[[nodiscard]] Scenario draw_scenario(const ScenarioOptions& options, std::size_t run);
+
+/// Time and rate, and temperature if the scenario has it; nothing else.
+void write_recording(const Scenario& scenario, const std::filesystem::path& path);
+
+}  // namespace zerorate::hidden_effect

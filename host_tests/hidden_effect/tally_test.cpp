@@ -1,0 +1,70 @@
+#include "host_tests/hidden_effect/tally.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace zerorate::hidden_effect {
+namespace {
+
+Scenario hidden(Kind kind, std::vector<std::string> truth) {
+  return {.kind = kind, .truth = std::move(truth), .signal = simulate::Signal(0, 1.0)};
+}
+
+TEST(Score, CountsARightNameFirstAndAlone) {
+  const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
+  const Score right = score(ramp, {"explained", {"rate_ramp"}, {"rate_random_walk"}});
+  EXPECT_TRUE(right.named && right.first && right.alone && !right.wrong);
+  const Score beside = score(ramp, {"explained", {"outliers", "rate_ramp"}, {}});
+  EXPECT_TRUE(beside.named && !beside.first && !beside.alone && beside.wrong);
+}
+
+TEST(Score, CallsAnExplanationByAnotherNameWrongEvenWithTheTruthAsItsRival) {
+  const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
+  const Score rival = score(ramp, {"explained", {"rate_random_walk"}, {"rate_ramp"}});
+  EXPECT_TRUE(!rival.named && rival.alternative && rival.wrong);
+  EXPECT_FALSE(score(ramp, {"unexplained", {"rate_random_walk"}, {}}).wrong);
+}
+
+TEST(Score, WantsBothOfTwoEffects) {
+  const Scenario both = hidden(Kind::pair, {"rate_ramp", "outliers"});
+  EXPECT_FALSE(score(both, {"explained", {"outliers"}, {}}).named);
+  EXPECT_TRUE(score(both, {"explained", {"outliers", "rate_ramp"}, {}}).alone);
+}
+
+TEST(Score, FindsNothingNamedInACleanRecording) {
+  const Score clean = score(hidden(Kind::clean, {}), {"consistent", {}, {}});
+  EXPECT_TRUE(!clean.named && !clean.first && !clean.wrong);
+  EXPECT_TRUE(score(hidden(Kind::clean, {}), {"explained", {"outliers"}, {}}).wrong);
+}
+
+TEST(RateInterval, IsThatOfClopperAndPearson) {
+  // Textbook figures: 8 of 10; none of 10 is up to 1 - .025^(1/10).
+  const Rate eight{8, 10};
+  EXPECT_NEAR(eight.lo95(), 0.4439, 1e-4);
+  EXPECT_NEAR(eight.hi95(), 0.9748, 1e-4);
+  const Rate none{0, 10};
+  EXPECT_EQ(none.lo95(), 0.0);
+  EXPECT_NEAR(none.hi95(), 1.0 - std::pow(0.025, 0.1), 1e-6);
+}
+
+TEST(RateComparison, AssertsOnlyWhatFewRunsCanShow) {
+  EXPECT_FALSE(is_surely_below({13, 16}, 0.95));
+  EXPECT_TRUE(is_surely_below({9, 16}, 0.95));
+  EXPECT_FALSE(is_surely_above({1, 8}, 0.02));
+  EXPECT_TRUE(is_surely_above({4, 8}, 0.02));
+}
+
+TEST(Tally, FillsBarsAndMatrix) {
+  Tally tally{ScenarioOptions{}};
+  tally.add(0, hidden(Kind::single, {"rate_ramp"}), {"explained", {"rate_ramp"}, {}});
+  tally.add(1, hidden(Kind::single, {"rate_ramp"}), {"explained", {"outliers"}, {}});
+  tally.add(2, hidden(Kind::clean, {}), {"consistent", {}, {}});
+  EXPECT_EQ(tally.misses().size(), 1U);
+  EXPECT_DOUBLE_EQ(tally.bars().front().rate.share(), 0.5);
+  EXPECT_NE(tally.markdown().find("| 4 rate_ramp | 2 | 1 | 1 | 0 |"), std::string::npos);
+  EXPECT_NE(tally.json().find("\"outliers\": 1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace zerorate::hidden_effect
