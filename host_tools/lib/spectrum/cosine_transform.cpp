@@ -1,34 +1,73 @@
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 
 #include <cmath>
-#include <complex>
 #include <numbers>
-
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include <stdexcept>
 
 namespace zerorate::spectrum {
+namespace {
 
-std::vector<double> cosine_transform(std::span<const double> values) {
-  const std::size_t n = values.size();
-  const RealFft fft(n);
+using Complex = std::complex<double>;
+
+Complex product(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+}  // namespace
+
+CosineTransform::CosineTransform(std::size_t length) : fft_(length), turns_(length / 2 + 1) {
+  const double step = std::numbers::pi / static_cast<double>(2 * length);
+  for (std::size_t k = 0; k < turns_.size(); ++k) {
+    turns_[k] = std::polar(1.0, step * static_cast<double>(k));
+  }
+}
+
+std::vector<double> CosineTransform::forward(std::span<const double> values) const {
+  const std::size_t n = length();
+  if (values.size() != n) throw std::invalid_argument("CosineTransform: wrong number of values");
   std::vector<double> folded(n);  // the even samples forwards, then the odd ones backwards
   for (std::size_t i = 0; i < n / 2; ++i) {
     folded[i] = values[2 * i];
     folded[n - 1 - i] = values[2 * i + 1];
   }
-  std::vector<std::complex<double>> bins(fft.bins());
-  fft.forward(folded, bins);
+  std::vector<Complex> bins(fft_.bins());
+  fft_.forward(folded, bins);
 
   std::vector<double> coefficients(n);
   const double scale = std::sqrt(2.0 / static_cast<double>(n));
   coefficients[0] = bins[0].real() / std::sqrt(static_cast<double>(n));
   for (std::size_t k = 1; k <= n / 2; ++k) {
-    const double turn = std::numbers::pi * static_cast<double>(k) / static_cast<double>(2 * n);
-    const std::complex<double> rotated = bins[k] * std::polar(scale, -turn);
+    const Complex rotated = scale * product(bins[k], std::conj(turns_[k]));
     coefficients[k] = rotated.real();
     coefficients[n - k] = -rotated.imag();
   }
   return coefficients;
+}
+
+std::vector<double> CosineTransform::inverse(std::span<const double> coefficients) const {
+  const std::size_t n = length();
+  if (coefficients.size() != n) {
+    throw std::invalid_argument("CosineTransform: wrong number of coefficients");
+  }
+  const double scale = std::sqrt(static_cast<double>(n) / 2.0);
+  std::vector<Complex> bins(fft_.bins());
+  bins[0] = coefficients[0] * std::sqrt(static_cast<double>(n));
+  for (std::size_t k = 1; k <= n / 2; ++k) {
+    const Complex rotated{coefficients[k], -coefficients[n - k]};
+    bins[k] = scale * product(rotated, turns_[k]);
+  }
+  std::vector<double> folded(n);
+  fft_.inverse(bins, folded);
+  std::vector<double> values(n);
+  for (std::size_t i = 0; i < n / 2; ++i) {
+    values[2 * i] = folded[i];
+    values[2 * i + 1] = folded[n - 1 - i];
+  }
+  return values;
+}
+
+std::vector<double> cosine_transform(std::span<const double> values) {
+  return CosineTransform(values.size()).forward(values);
 }
 
 }  // namespace zerorate::spectrum

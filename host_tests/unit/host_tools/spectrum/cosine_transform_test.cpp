@@ -30,5 +30,15 @@ TEST(CosineTransform, EqualsTheDefinitionAndKeepsThePower) {
   }
 }
 
+TEST(CosineTransform, InverseUndoesForward) {
+  for (const std::size_t n : {2U, 6U, 60U, 128U}) {
+    const CosineTransform transform(n);
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = std::cos(static_cast<double>(i * i) + 0.7);
+    const std::vector<double> back = transform.inverse(transform.forward(values));
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(back[i], values[i], 1e-14) << n << ' ' << i;
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::spectrum

@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+/// A bias that is another from one moment on. The part's shape: the first value after the jump and
+/// the interval that it lies in.
+class BiasJump final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "bias_jump"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    double crossings = 0.0;
+    std::optional<Offer> offer = offer_of_mean(without, [&](const MeanScan& scan) {
+      crossings = scan.step_crossings();
+      return search(scan);
+    });
+    if (offer) offer->surprise_nats = surprise_of_search(offer->gain_nats, 1.0, crossings);
+    return offer;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const double height = found.amplitude(0) * kDegPerRad;
+    const auto time_s = [&](std::size_t i) {
+      return found.all.problem().series().start_s +
+             found.part().shape[i] * found.all.problem().period_s();
+    };
+    return {
+        .parameters = {parameter("height_dps", height, found.amplitude_error(0) * kDegPerRad),
+                       {"time_s", time_s(0), time_s(1), time_s(2)}},
+        .sentence = fmt::format("The bias jumps by {:.3g} deg/s at {:.5g} s.", height, time_s(0)),
+        .drawing = drawing_of(found)};
+  }
+
+  /// A jump that is over is nothing that a filter could be told; without it the noise is smaller.
+  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+
+ private:
+  [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
+    constexpr double kInterval = 1.92;  // nats: 95 % of chi squared with one degree of freedom
+    const std::vector<double> gains = scan.step_gains();
+    const auto best = std::ranges::max_element(gains);
+    if (*best <= 0.0) return std::nullopt;
+    const auto at = static_cast<std::size_t>(best - gains.begin());
+    std::size_t lo = at;
+    std::size_t hi = at;
+    while (lo > 0 && gains[lo - 1] > *best - kInterval) --lo;
+    while (hi + 1 < gains.size() && gains[hi + 1] > *best - kInterval) ++hi;
+    std::vector<double> step(scan.problem().size());
+    std::fill(step.begin() + static_cast<std::ptrdiff_t>(at), step.end(), 1.0);
+    return Part{
+        .effect = name(),
+        .columns = {column_of(scan.problem(), step)},
+        .shape = {static_cast<double>(at), static_cast<double>(lo), static_cast<double>(hi)}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_bias_jump() {
+  return std::make_unique<BiasJump>();
+}
+
+}  // namespace zerorate::diagnose

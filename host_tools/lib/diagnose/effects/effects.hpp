@@ -1,0 +1,29 @@
+/// @file
+/// The catalogue: one line an effect.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "host_tools/lib/diagnose/effect.hpp"
+
+namespace zerorate::diagnose {
+
+std::unique_ptr<Effect> make_bias_jump();
+std::unique_ptr<Effect> make_correlated_noise();
+std::unique_ptr<Effect> make_fractional_order();
+std::unique_ptr<Effect> make_periodic_disturbance();
+std::unique_ptr<Effect> make_rate_ramp();
+std::unique_ptr<Effect> make_rate_random_walk();
+std::unique_ptr<Effect> make_sensor_bandwidth();
+std::unique_ptr<Effect> make_temperature_drift();
+std::unique_ptr<Effect> make_warm_up_transient();
+
+inline constexpr std::array kEffects = {
+    &make_rate_random_walk,  &make_fractional_order, &make_correlated_noise,
+    &make_sensor_bandwidth,  &make_rate_ramp,        &make_warm_up_transient,
+    &make_temperature_drift, &make_bias_jump,        &make_periodic_disturbance,
+
+};
+
+}  // namespace zerorate::diagnose

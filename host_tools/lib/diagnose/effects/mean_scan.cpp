@@ -1,0 +1,233 @@
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::size_t kDrawnPoints = 1500;
+
+std::vector<double> divided(const std::vector<double>& c, const std::vector<double>& density) {
+  std::vector<double> result(c.size());
+  for (std::size_t k = 1; k < c.size(); ++k) result[k] = c[k] / density[k];
+  return result;
+}
+
+/// Sums of all values from each position on.
+std::vector<double> tail_sums(const std::vector<double>& values) {
+  std::vector<double> sums(values.size());
+  double sum = 0.0;
+  for (std::size_t j = values.size(); j-- > 0;) sums[j] = sum += values[j];
+  return sums;
+}
+
+std::vector<double> dense(const Column& column, std::size_t size) {
+  std::vector<double> coefficients(size);
+  std::ranges::copy(column.coefficients,
+                    coefficients.begin() + static_cast<std::ptrdiff_t>(column.first));
+  return coefficients;
+}
+
+}  // namespace
+
+Column column_of(const Problem& problem, std::span<const double> values, bool slow) {
+  std::vector<double> coefficients = problem.transform().forward(values);
+  const std::size_t end =
+      slow ? std::min(coefficients.size(), kMostSlowCoefficients) : coefficients.size();
+  return {1, {coefficients.begin() + 1, coefficients.begin() + static_cast<std::ptrdiff_t>(end)}};
+}
+
+Column column_of(const Problem& problem, const std::function<double(double)>& function, bool slow) {
+  std::vector<double> values(problem.size());
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = function(problem.time_s(k));
+  return column_of(problem, values, slow);
+}
+
+MeanScan::MeanScan(const Explanation& explanation)
+    : MeanScan(explanation, explanation.parts().size()) {}
+
+MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
+    : explanation_(&explanation), residual_(explanation.residual()) {
+  Eigen::Index amplitude = 0;
+  for (std::size_t i = 0; i < explanation.parts().size(); ++i) {
+    for (const Column& column : explanation.parts()[i].columns) {
+      const double size = explanation.amplitudes()(amplitude++);
+      if (i != part) {
+        others_.push_back(&column);
+        continue;
+      }
+      for (std::size_t k = column.first; k < column.end(); ++k) {
+        residual_[k] += size * column.coefficients[k - column.first];
+      }
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(others_.size());
+  Eigen::MatrixXd normal(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      normal(i, j) = normal(j, i) =
+          product(*others_[static_cast<std::size_t>(i)], *others_[static_cast<std::size_t>(j)]);
+    }
+  }
+  others_covariance_ =
+      count > 0 ? Eigen::MatrixXd(normal.completeOrthogonalDecomposition().pseudoInverse())
+                : normal;
+  weighted_ = problem().transform().inverse(divided(residual_, density()));
+}
+
+double MeanScan::product(const Column& a, const Column& b) const {
+  double sum = 0.0;
+  const std::size_t end = std::min(a.end(), b.end());
+  for (std::size_t k = std::max(a.first, b.first); k < end; ++k) {
+    sum += a.coefficients[k - a.first] * b.coefficients[k - b.first] / density()[k];
+  }
+  return sum;
+}
+
+Eigen::VectorXd MeanScan::beside(const Column& column) const {
+  Eigen::VectorXd products(static_cast<Eigen::Index>(others_.size()));
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    products(static_cast<Eigen::Index>(i)) = product(*others_[i], column);
+  }
+  return products;
+}
+
+double MeanScan::information(const Column& column) const {
+  const Eigen::VectorXd b = beside(column);
+  return product(column, column) - b.dot(others_covariance_ * b);
+}
+
+double MeanScan::gain(std::span<const Column> columns) const {
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd normal(count, count);
+  Eigen::VectorXd right(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Column& column = columns[static_cast<std::size_t>(i)];
+    const Eigen::VectorXd projected = others_covariance_ * beside(column);
+    double sum = 0.0;
+    for (std::size_t k = column.first; k < column.end(); ++k) {
+      sum += column.coefficients[k - column.first] * residual_[k] / density()[k];
+    }
+    right(i) = sum;
+    for (std::size_t o = 0; o < others_.size(); ++o) {
+      double other = 0.0;
+      for (std::size_t k = others_[o]->first; k < others_[o]->end(); ++k) {
+        other += others_[o]->coefficients[k - others_[o]->first] * residual_[k] / density()[k];
+      }
+      right(i) -= projected(static_cast<Eigen::Index>(o)) * other;
+    }
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const Column& second = columns[static_cast<std::size_t>(j)];
+      normal(i, j) = normal(j, i) = product(column, second) - projected.dot(beside(second));
+    }
+  }
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-9;
+  const Eigen::VectorXd normalised = scale.cwiseProduct(right);
+  return 0.5 * normalised.dot(scaled.ldlt().solve(normalised));
+}
+
+std::vector<double> MeanScan::step_information() const {
+  // A step before value j has the coefficients -sqrt(2/n) sin(pi k j / n) / s_k.
+  const std::size_t n = problem().size();
+  std::vector<double> strength(n);
+  double total = 0.0;
+  for (std::size_t k = 1; k < n; ++k) {
+    const double sine = problem().sines()[k];
+    strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density()[k]);
+    total += strength[k];
+  }
+  const spectrum::RealFft fft(n);
+  std::vector<std::complex<double>> bins(fft.bins());
+  fft.forward(strength, bins);
+  std::vector<double> information(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    information[j] = total - bins[std::min(j, n - j)].real();
+  }
+  return information;
+}
+
+std::vector<double> MeanScan::step_gains() const {
+  const std::size_t n = problem().size();
+  std::vector<double> information = step_information();
+  const std::vector<double> original = information;
+  const std::vector<double> sums = tail_sums(weighted_);
+  std::vector<std::vector<double>> beside;
+  for (const Column* other : others_) {
+    beside.push_back(
+        tail_sums(problem().transform().inverse(divided(dense(*other, n), density()))));
+  }
+  std::vector<double> gains(n);
+  constexpr std::size_t kEdge = 8;
+  Eigen::VectorXd b(static_cast<Eigen::Index>(others_.size()));
+  for (std::size_t j = kEdge; j + kEdge < n; ++j) {
+    for (std::size_t i = 0; i < others_.size(); ++i) b(static_cast<Eigen::Index>(i)) = beside[i][j];
+    const double left = information[j] - (others_.empty() ? 0.0 : b.dot(others_covariance_ * b));
+    if (left > 1e-3 * original[j]) gains[j] = 0.5 * sums[j] * sums[j] / left;
+  }
+  return gains;
+}
+
+double MeanScan::step_crossings() const {
+  const std::vector<double> information = step_information();
+  double sum = 0.0;
+  for (std::size_t j = 2; j + 2 < information.size(); ++j) {
+    const double a = information[j];
+    const double b = information[j + 1];
+    const double correlation = 0.5 * (a + b - explanation_->information()) / std::sqrt(a * b);
+    sum += std::sqrt(std::max(0.0, 2.0 * (1.0 - correlation)));
+  }
+  return sum / std::numbers::pi;
+}
+
+std::optional<Offer> offer_of_mean(const Explanation& without, const MeanSearch& search) {
+  std::optional<Offer> best;
+  std::optional<Part> part = search(MeanScan(without));
+  for (int round = 0; part && round < 2; ++round) {
+    std::vector<Part> parts = without.parts();
+    parts.push_back(*part);
+    const std::size_t last = parts.size() - 1;
+    const Explanation with(without.problem(), std::move(parts), &without);
+    const double gain = with.log_likelihood() - without.log_likelihood();
+    if (!best || gain > best->gain_nats) best = Offer{std::move(*part), gain, 0.0};
+    if (round == 0) part = search(MeanScan(with, last));
+  }
+  return best;
+}
+
+double shape_error(const Found& found, const Column& derivative) {
+  const double information = MeanScan(found.all).information(derivative);
+  return 1.0 / std::sqrt(std::max(information, 1e-300));
+}
+
+Drawing drawing_of(const Found& found) {
+  const Problem& problem = found.all.problem();
+  std::vector<double> coefficients(problem.size());
+  for (std::size_t i = 0; i < found.part().columns.size(); ++i) {
+    const Column& column = found.part().columns[i];
+    for (std::size_t k = column.first; k < column.end(); ++k) {
+      coefficients[k] += found.amplitude(i) * column.coefficients[k - column.first];
+    }
+  }
+  const std::vector<double> mean = problem.transform().inverse(coefficients);
+  const std::vector<double>& rate = problem.rate_rad_s();
+  const double level = problem.median_rad_s() + std::accumulate(rate.begin(), rate.end(), 0.0) /
+                                                    static_cast<double>(rate.size());
+  Drawing drawing{.effect = std::string(found.part().effect)};
+  const std::size_t step = std::max<std::size_t>(1, mean.size() / kDrawnPoints);
+  for (std::size_t k = 0; k < mean.size(); k += step) {
+    drawing.curve.push_back({problem.series().time_s(k), level + mean[k]});
+  }
+  return drawing;
+}
+
+}  // namespace zerorate::diagnose

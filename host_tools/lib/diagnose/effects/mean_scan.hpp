@@ -1,0 +1,74 @@
+/// @file
+/// Searching for mean functions: what a further column would gain, by generalised least squares in
+/// the DCT domain at a given noise (docs/design/diagnosis.md, section 3).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/effect.hpp"
+
+namespace zerorate::diagnose {
+
+/// Coefficients beyond this one say nothing of slow functions.
+inline constexpr std::size_t kMostSlowCoefficients = 65'536;
+
+/// The DCT of a function of time given at each value; slow functions are cut off above.
+[[nodiscard]] Column column_of(const Problem& problem, std::span<const double> values,
+                               bool slow = true);
+[[nodiscard]] Column column_of(const Problem& problem,
+                               const std::function<double(double time_s)>& function,
+                               bool slow = true);
+
+class MeanScan {
+ public:
+  /// Looks for what could be added to a hypothesis.
+  explicit MeanScan(const Explanation& explanation);
+  /// Looks for what could take the place of a part's columns, the noise being that with the part.
+  MeanScan(const Explanation& explanation, std::size_t part);
+
+  [[nodiscard]] const Problem& problem() const { return explanation_->problem(); }
+  [[nodiscard]] const std::vector<double>& density() const { return explanation_->density(); }
+  /// Gain of log likelihood by the best amplitudes of these columns.
+  [[nodiscard]] double gain(std::span<const Column> columns) const;
+  [[nodiscard]] double gain(const Column& column) const { return gain(std::span(&column, 1)); }
+  /// x' Sigma^-1 x of what is left of a column beside those of the hypothesis.
+  [[nodiscard]] double information(const Column& column) const;
+
+  /// Sigma^-1 (y - mean), value by value.
+  [[nodiscard]] const std::vector<double>& weighted() const { return weighted_; }
+  /// Gain of a step before each value (position 0 and the last ones included, as 0).
+  [[nodiscard]] std::vector<double> step_gains() const;
+  /// How often the gain of steps crosses a level G upwards by chance, over e^(-G).
+  [[nodiscard]] double step_crossings() const;
+
+ private:
+  [[nodiscard]] double product(const Column& a, const Column& b) const;
+  [[nodiscard]] Eigen::VectorXd beside(const Column& column) const;
+  [[nodiscard]] std::vector<double> step_information() const;
+
+  const Explanation* explanation_;
+  std::vector<const Column*> others_;
+  Eigen::MatrixXd others_covariance_;
+  std::vector<double> residual_;
+  std::vector<double> weighted_;
+};
+
+/// A search that names the best part at the given noise.
+using MeanSearch = std::function<std::optional<Part>(const MeanScan&)>;
+
+/// Searches, fits the noise again and searches once more at the new noise; the better one.
+[[nodiscard]] std::optional<Offer> offer_of_mean(const Explanation& without,
+                                                 const MeanSearch& search);
+
+/// Standard error of a parameter that a column depends on, from the derivative of the mean by it.
+[[nodiscard]] double shape_error(const Found& found, const Column& derivative);
+
+/// The mean function of a part over the data, thinned, with the level that the record has.
+[[nodiscard]] Drawing drawing_of(const Found& found);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,23 @@
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+
+#include <vector>
+
+namespace zerorate::diagnose {
+
+Offer offer_with(const Explanation& without, Part part) {
+  std::vector<Part> parts = without.parts();
+  parts.push_back(part);
+  const Explanation with(without.problem(), std::move(parts), &without);
+  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+}
+
+Parameter positive_parameter(std::string name, double value, double log_error) {
+  const double factor = std::exp(1.96 * log_error);
+  return {std::move(name), value, value / factor, value * factor};
+}
+
+Parameter parameter(std::string name, double value, double standard_error) {
+  return {std::move(name), value, value - 1.96 * standard_error, value + 1.96 * standard_error};
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,24 @@
+/// @file
+/// What effects that change the spectrum of the noise have in common.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "host_tools/lib/diagnose/effect.hpp"
+
+namespace zerorate::diagnose {
+
+/// Adds the part to the hypothesis; its gain, without the surprise.
+[[nodiscard]] Offer offer_with(const Explanation& without, Part part);
+
+/// A positive figure, half of whose logarithm's standard error is given twice: value e^(+-1.96 se).
+[[nodiscard]] Parameter positive_parameter(std::string name, double value, double log_error);
+
+/// A figure with a symmetric interval.
+[[nodiscard]] Parameter parameter(std::string name, double value, double standard_error);
+
+inline constexpr double kDegPerRad = 57.295779513082320876798;
+
+}  // namespace zerorate::diagnose

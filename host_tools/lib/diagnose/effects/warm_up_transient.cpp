@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr double kShortest = 4.0;  // samples
+constexpr double kLongest = 0.7;   // of the record: a longer one is a ramp
+constexpr double kFirstGrid = 1.5;
+
+/// The exponential that dies out after switch-on. The part's shape: its time constant in s.
+class WarmUpTransient final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "warm_up_transient"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    const Problem& problem = without.problem();
+    std::optional<Offer> offer =
+        offer_of_mean(without, [this](const MeanScan& scan) { return search(scan); });
+    const double range = std::log(kLongest * static_cast<double>(problem.size()) / kShortest);
+    offer->surprise_nats = surprise_of_search(offer->gain_nats, 1.0, 0.3 * range);
+    return offer;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const double amplitude = found.amplitude(0) * kDegPerRad;
+    const double time_constant = found.part().shape.front();
+    const Column derivative = column_of(found.all.problem(), [&](double time_s) {
+      const double elapsed = time_s / time_constant;
+      return found.amplitude(0) * elapsed * std::exp(-elapsed);
+    });
+    const double log_error = shape_error(found, derivative);
+    return {
+        .parameters = {parameter("amplitude_dps", amplitude, found.amplitude_error(0) * kDegPerRad),
+                       positive_parameter("time_constant_s", time_constant, log_error)},
+        .sentence = fmt::format("After the start the bias is off by {:.3g} deg/s, which dies out "
+                                "with a time constant of {:.3g} s.",
+                                amplitude, time_constant),
+        .drawing = drawing_of(found)};
+  }
+
+  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+
+ private:
+  static Column column(const Problem& problem, double time_constant_s) {
+    return column_of(problem, [&](double time_s) { return std::exp(-time_s / time_constant_s); });
+  }
+
+  [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
+    const Problem& problem = scan.problem();
+    const double longest_s = kLongest * problem.span_s();
+    double best_s = 0.0;
+    double best_gain = -1.0;
+    const auto try_one = [&](double time_constant_s) {
+      const double gain = scan.gain(column(problem, time_constant_s));
+      if (gain <= best_gain) return;
+      best_gain = gain;
+      best_s = time_constant_s;
+    };
+    for (double s = longest_s; s > kShortest * problem.period_s(); s /= kFirstGrid) try_one(s);
+    for (double factor = std::sqrt(kFirstGrid); factor > 1.02; factor = std::sqrt(factor)) {
+      const double centre = best_s;
+      try_one(std::min(centre * factor, longest_s));
+      try_one(centre / factor);
+    }
+    return Part{.effect = name(), .columns = {column(problem, best_s)}, .shape = {best_s}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_warm_up_transient() {
+  return std::make_unique<WarmUpTransient>();
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,47 @@
+/// @file
+/// A record on an even grid, with what is missing marked and filled in.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/lib/diagnose/record.hpp"
+
+namespace zerorate::diagnose {
+
+struct EvenSeries {
+  double period_s = 0.0;
+  double start_s = 0.0;  ///< of the first sample, on the record's clock
+  std::vector<double> rate_rad_s;
+  std::vector<double> temperature_degc;  ///< as many, or none
+  std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
+  std::size_t lost_count = 0;
+  std::size_t lost_runs = 0;
+  /// Means over ticks, because the samples come too unevenly; a value holds some of them.
+  bool is_ticks = false;
+
+  [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
+  [[nodiscard]] double time_s(std::size_t k) const {
+    return start_s + period_s * static_cast<double>(k);
+  }
+};
+
+/// Losses of a record by its time stamps.
+struct Losses {
+  std::size_t expected = 0;  ///< samples, had none been lost
+  std::size_t lost = 0;
+  std::size_t runs = 0;
+  double jitter = 0.0;     ///< rms deviation of the other intervals, in periods
+  bool is_uneven = false;  ///< no grid of the median interval fits
+};
+
+[[nodiscard]] Losses count_losses(const Record& record);
+
+/// Samples go to the grid of their median interval where at least .7 of it is filled; else means
+/// are taken over ticks of which nearly all hold samples. Where holes are long, the longest stretch
+/// without a hole of more than 50 values is kept, if it is a third of the record or more.
+/// Lost values are filled by a straight line between the means on both sides.
+[[nodiscard]] EvenSeries even_series_of(const Record& record);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,131 @@
+/// @file
+/// A hypothesis about a record: noise, mean functions and disturbed samples, fitted together.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/lib/diagnose/even_series.hpp"
+#include "host_tools/lib/diagnose/noise_spectrum.hpp"
+#include "host_tools/lib/spectrum/cosine_transform.hpp"
+
+namespace zerorate::diagnose {
+
+/// What all hypotheses about a record share.
+class Problem {
+ public:
+  /// All but the last few values of the series are used (spectrum::fast_length_below).
+  Problem(const EvenSeries& series, std::uint64_t seed);
+
+  [[nodiscard]] std::size_t size() const { return rate_.size(); }
+  [[nodiscard]] double period_s() const { return series_->period_s; }
+  [[nodiscard]] double time_s(std::size_t k) const {
+    return series_->period_s * static_cast<double>(k);
+  }
+  [[nodiscard]] double span_s() const { return time_s(size()); }
+  [[nodiscard]] const EvenSeries& series() const { return *series_; }
+  /// Deviation from the median [rad/s].
+  [[nodiscard]] const std::vector<double>& rate_rad_s() const { return rate_; }
+  [[nodiscard]] double median_rad_s() const { return median_; }
+  [[nodiscard]] const spectrum::CosineTransform& transform() const { return transform_; }
+  /// 2 sin(w/2) of each DCT coefficient.
+  [[nodiscard]] const std::vector<double>& sines() const { return sines_; }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+
+ private:
+  const EvenSeries* series_;
+  std::vector<double> rate_;
+  double median_ = 0.0;
+  spectrum::CosineTransform transform_;
+  std::vector<double> sines_;
+  std::uint64_t seed_;
+};
+
+/// A function of time as DCT coefficients; those outside are nothing.
+struct Column {
+  std::size_t first = 1;
+  std::vector<double> coefficients;
+
+  [[nodiscard]] std::size_t end() const { return first + coefficients.size(); }
+};
+
+/// Neighbouring values [first, end).
+struct Run {
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+/// What an effect contributes to a hypothesis. Most effects use one or two of the members.
+struct Part {
+  std::string_view effect;
+  NoiseTerms terms;
+  std::vector<NoiseSpectrum> starts;  ///< for the terms
+  std::vector<Column> columns;        ///< mean functions, whose amplitudes are fitted
+  std::vector<double> shape;          ///< what else the effect wants to remember, its own affair
+  std::vector<Run> replaced;          ///< values that say nothing of the noise
+  std::vector<float> relative_sigma;  ///< of the white noise, one a value; empty: 1
+};
+
+/// Parts with everything that can be fitted.
+class Explanation {
+ public:
+  /// Fits the noise and all amplitudes: generalised least squares and Whittle fit in turn.
+  /// @param before from which the noise is started, if there is one
+  Explanation(const Problem& problem, std::vector<Part> parts, const Explanation* before = nullptr);
+
+  [[nodiscard]] const Problem& problem() const { return *problem_; }
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] const SpectrumFit& noise() const { return noise_; }
+  [[nodiscard]] const NoiseTerms& terms() const { return terms_; }
+  [[nodiscard]] double log_likelihood() const { return noise_.log_likelihood; }
+
+  /// Position of a part's amplitudes among all, and the amplitudes with their covariance.
+  [[nodiscard]] std::size_t first_amplitude(std::size_t part) const;
+  [[nodiscard]] const Eigen::VectorXd& amplitudes() const { return amplitudes_; }
+  [[nodiscard]] const Eigen::MatrixXd& amplitude_covariance() const { return covariance_; }
+
+  /// The record, disturbed values replaced [rad/s, about the median].
+  [[nodiscard]] const std::vector<double>& clean() const { return clean_; }
+  /// DCT coefficients without the mean functions; c_0 is 0.
+  [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
+  /// S_k; S_0 is infinite.
+  [[nodiscard]] const std::vector<double>& density() const { return density_; }
+  /// Residual with its spectrum made flat: independent, of variance 1 under the hypothesis.
+  [[nodiscard]] const std::vector<double>& whitened() const;
+  /// Sigma^-1 (y - mean), value by value.
+  [[nodiscard]] const std::vector<double>& weighted() const;
+  /// The diagonal of Sigma^-1: a value predicted from all others has the variance 1 / this.
+  [[nodiscard]] double information() const { return information_; }
+  /// Values that are replaced, by any part, or lost.
+  [[nodiscard]] const std::vector<bool>& is_replaced() const { return is_replaced_; }
+  /// The columns weighted by Sigma^-1 among themselves, inverted: for what is left of a further
+  /// column when these are there.
+  [[nodiscard]] const Eigen::MatrixXd& column_covariance() const { return covariance_; }
+
+ private:
+  void replace_values();
+  void fit(const Explanation* before);
+  void fit_amplitudes(const std::vector<double>& coefficients);
+  void update_density();
+
+  const Problem* problem_;
+  std::vector<Part> parts_;
+  NoiseTerms terms_;
+  SpectrumFit noise_;
+  Eigen::VectorXd amplitudes_;
+  Eigen::MatrixXd covariance_;
+  std::vector<bool> is_replaced_;
+  std::vector<double> clean_;
+  std::vector<double> residual_;
+  std::vector<double> density_;
+  double information_ = 0.0;
+  mutable std::vector<double> whitened_;
+  mutable std::vector<double> weighted_;
+};
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,84 @@
+/// @file
+/// The spectrum of the noise of one axis: base noise, what may be added to it, and its fit to the
+/// DCT-II of a record (docs/design/diagnosis.md, section 2).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace zerorate::diagnose {
+
+/// Which parts a spectrum has besides white and flicker noise.
+struct NoiseTerms {
+  bool free_order = false;  ///< d is fitted; else 1/2
+  bool random_walk = false;
+  bool gauss_markov = false;
+  bool low_pass = false;
+
+  [[nodiscard]] NoiseTerms operator|(const NoiseTerms& other) const {
+    return {free_order || other.free_order, random_walk || other.random_walk,
+            gauss_markov || other.gauss_markov, low_pass || other.low_pass};
+  }
+  bool operator==(const NoiseTerms&) const = default;
+};
+
+/// Two-sided density per sample at angular frequency w, with s = 2 sin(w/2):
+///
+///     S = H (r + s_f^2 s^(-2d) + k^2 s^(-2) + g (1 - phi^2) / ((1-phi)^2 + phi s^2)),
+///     H = a^2 / (a^2 + (1-a) s^2),     phi = exp(-1 / tau).
+struct NoiseSpectrum {
+  double white_variance = 0.0;    ///< r
+  double flicker_variance = 0.0;  ///< s_f^2
+  double order = 0.5;             ///< d
+  double walk_variance = 0.0;     ///< k^2, of one step
+  double markov_variance = 0.0;   ///< g
+  double markov_samples = 1.0;    ///< tau
+  double low_pass_share = 1.0;    ///< a of y += a (x - y); 1: no low-pass
+
+  /// @param sine s  @param index k of the DCT coefficient, for what is exact at the lowest ones
+  /// @param size of the record
+  [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
+};
+
+/// Neighbouring DCT coefficients of nearly the same density.
+struct SpectralBin {
+  double sine;  ///< 2 sin(w/2) at the centre
+  double mean_square;
+  double count;
+  std::size_t index;  ///< of the coefficient where it stands alone, else 0
+};
+
+/// One bin for each of the first coefficients, 3 % wide ones above.
+/// @param coefficients c_0 .. c_{n-1}; c_0 is left out
+[[nodiscard]] std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients);
+
+/// Standard errors of the logarithms of strengths and times, of d, and of the logit of a; those of
+/// the expected information. 0 where a parameter is not fitted.
+struct NoiseErrors {
+  double log_white_variance = 0.0;
+  double log_flicker_variance = 0.0;
+  double order = 0.0;
+  double log_walk_variance = 0.0;
+  double log_markov_variance = 0.0;
+  double log_markov_samples = 0.0;
+  double logit_low_pass_share = 0.0;
+};
+
+struct SpectrumFit {
+  NoiseSpectrum spectrum;
+  double log_likelihood = 0.0;  ///< -1/2 sum log S_k + c_k^2 / S_k
+  NoiseErrors errors;
+};
+
+/// Maximises the Whittle likelihood by Fisher scoring with analytic derivatives from each start;
+/// the best one counts. Some 20 us an iteration.
+/// @param size of the record
+[[nodiscard]] SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
+                                       const NoiseTerms& terms,
+                                       std::span<const NoiseSpectrum> starts);
+
+/// A start for white and flicker noise alone.
+[[nodiscard]] NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,117 @@
+#include "host_tools/lib/diagnose/selection.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace zerorate::diagnose {
+namespace {
+
+struct Candidate {
+  const Effect* effect;
+  Offer offer;
+};
+
+/// What every effect that is not in the hypothesis yet has to offer, most surprising first.
+std::vector<Candidate> candidates_for(const Explanation& without,
+                                      std::span<const std::unique_ptr<Effect>> effects) {
+  std::vector<Candidate> candidates;
+  for (const auto& effect : effects) {
+    const bool is_in = std::ranges::any_of(
+        without.parts(), [&](const Part& part) { return part.effect == effect->name(); });
+    if (is_in) continue;
+    std::optional<Offer> offer = effect->examine(without);
+    if (offer) candidates.push_back({effect.get(), std::move(*offer)});
+  }
+  std::ranges::stable_sort(candidates, std::greater{}, [](const Candidate& candidate) {
+    return candidate.offer.surprise_nats;
+  });
+  return candidates;
+}
+
+Choice choice_of(const std::vector<Candidate>& candidates) {
+  const Candidate& best = candidates.front();
+  Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
+  for (const Candidate& rival : std::span(candidates).subspan(1)) {
+    const double behind = best.offer.surprise_nats - rival.offer.surprise_nats;
+    if (behind > kAlternativeNats) break;
+    choice.alternatives.push_back({std::string(rival.effect->name()), behind});
+  }
+  return choice;
+}
+
+class Selector {
+ public:
+  Selector(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects)
+      : problem_(problem), effects_(effects), state_(problem, {}) {}
+
+  Selection select() {
+    Selection selection{state_, state_, {}, {}};
+    std::vector<Candidate> candidates = candidates_for(state_, effects_);
+    selection.evidence = evidence_of(candidates);
+    while (choices_.size() < kMostCauses && !candidates.empty() &&
+           candidates.front().offer.surprise_nats > kLeastSurprise) {
+      add(candidates);
+      if (choices_.size() > 1) reconsider();
+      if (choices_.size() < kMostCauses) candidates = candidates_for(state_, effects_);
+    }
+    for (Evidence& evidence : selection.evidence) {
+      evidence.selected = std::ranges::any_of(
+          choices_, [&](const Choice& choice) { return choice.effect->name() == evidence.effect; });
+    }
+    selection.explanation = state_;
+    selection.choices = choices_;
+    return selection;
+  }
+
+ private:
+  void add(const std::vector<Candidate>& candidates) {
+    std::vector<Part> parts = state_.parts();
+    parts.push_back(candidates.front().offer.part);
+    choices_.push_back(choice_of(candidates));
+    state_ = Explanation(problem_, std::move(parts), &state_);
+  }
+
+  /// Each part but the latest, beside all others.
+  void reconsider() {
+    std::size_t i = 0;
+    for (std::size_t left = choices_.size() - 1; left > 0; --left) {
+      std::vector<Part> others = state_.parts();
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      const Explanation without(problem_, others, &state_);
+      const std::vector<Candidate> candidates = candidates_for(without, effects_);
+      choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
+      state_ = without;
+      if (!candidates.empty() && candidates.front().offer.surprise_nats > kLeastSurprise) {
+        add(candidates);
+      }
+      // What was added stands last now, so that the next earlier one is at place i again.
+    }
+  }
+
+  static std::vector<Evidence> evidence_of(const std::vector<Candidate>& candidates) {
+    std::vector<Evidence> all;
+    for (const Candidate& candidate : candidates) {
+      const Offer& offer = candidate.offer;
+      all.push_back({std::string(candidate.effect->name()),
+                     offer.gain_nats,
+                     kLeastSurprise + offer.gain_nats - offer.surprise_nats,
+                     false,
+                     {}});
+    }
+    return all;
+  }
+
+  const Problem& problem_;
+  std::span<const std::unique_ptr<Effect>> effects_;
+  Explanation state_;
+  std::vector<Choice> choices_;
+};
+
+}  // namespace
+
+Selection select_effects(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects) {
+  return Selector(problem, effects).select();
+}
+
+}  // namespace zerorate::diagnose

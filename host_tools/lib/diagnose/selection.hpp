@@ -1,0 +1,42 @@
+/// @file
+/// Which effects a record needs: forward selection with second thoughts.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/diagnose/diagnosis.hpp"
+#include "host_tools/lib/diagnose/effect.hpp"
+#include "host_tools/lib/diagnose/explanation.hpp"
+
+namespace zerorate::diagnose {
+
+/// An effect that was chosen, and what else could have been in its place.
+struct Choice {
+  const Effect* effect = nullptr;
+  double gain_nats = 0.0;
+  double surprise_nats = 0.0;
+  std::vector<Alternative> alternatives;
+};
+
+struct Selection {
+  Explanation base;
+  Explanation explanation;
+  std::vector<Choice> choices;     ///< one for each part of the explanation, in its order
+  std::vector<Evidence> evidence;  ///< of each effect on its own, strongest first
+};
+
+/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
+/// seen in one clean recording of some 200.
+inline constexpr double kLeastSurprise = 8.1;
+
+/// Adds the most surprising effect until none is surprising enough. After each addition every
+/// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
+/// another takes its place if that explains more.
+[[nodiscard]] Selection select_effects(const Problem& problem,
+                                       std::span<const std::unique_ptr<Effect>> effects);
+
+}  // namespace zerorate::diagnose
