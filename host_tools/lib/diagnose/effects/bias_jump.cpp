@@ -45,15 +45,19 @@ class BiasJump final : public Effect {
 
  private:
   [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
-    constexpr double kInterval = 1.92;  // nats: 95 % of chi squared with one degree of freedom
+    // The place of a jump is not regular: chi squared's 1.92 nats would be too few (Siegmund 1988).
+    constexpr double kInterval = 3.0;
     const std::vector<double> gains = scan.step_gains();
     const auto best = std::ranges::max_element(gains);
     if (*best <= 0.0) return std::nullopt;
     const auto at = static_cast<std::size_t>(best - gains.begin());
     std::size_t lo = at;
     std::size_t hi = at;
-    while (lo > 0 && gains[lo - 1] > *best - kInterval) --lo;
-    while (hi + 1 < gains.size() && gains[hi + 1] > *best - kInterval) ++hi;
+    for (std::size_t j = 0; j < gains.size(); ++j) {
+      if (gains[j] < *best - kInterval) continue;
+      lo = std::min(lo, j);
+      hi = std::max(hi, j);
+    }
     std::vector<double> step(scan.problem().size());
     std::fill(step.begin() + static_cast<std::ptrdiff_t>(at), step.end(), 1.0);
     return Part{

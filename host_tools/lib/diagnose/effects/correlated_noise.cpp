@@ -45,8 +45,8 @@ class CorrelatedNoise final : public Effect {
   }
 
   void extend(const Found& found, model::SensorModel& model) const override {
-    model.gauss_markov = model::GaussMarkov{.sigma_rad_s = sigma_rad_s(found),
-                                            .time_constant_s = time_constant_s(found)};
+    model.gauss_markov.push_back(
+        {.sigma_rad_s = sigma_rad_s(found), .time_constant_s = time_constant_s(found)});
   }
 
  private:

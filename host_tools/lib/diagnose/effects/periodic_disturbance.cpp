@@ -59,9 +59,9 @@ class PeriodicDisturbance final : public Effect {
 
   void extend(const Found& found, model::SensorModel& model) const override {
     const double amplitude = std::hypot(found.amplitude(0), found.amplitude(1));
-    model.harmonic = model::Harmonic{.rms_rad_s = amplitude / std::numbers::sqrt2,
-                                     .frequency_hz = found.part().shape.front(),
-                                     .coherence_time_s = found.all.problem().span_s()};
+    model.harmonic.push_back({.rms_rad_s = amplitude / std::numbers::sqrt2,
+                              .frequency_hz = found.part().shape.front(),
+                              .coherence_time_s = found.all.problem().span_s()});
   }
 
  private:

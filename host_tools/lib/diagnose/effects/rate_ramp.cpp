@@ -32,7 +32,13 @@ class RateRamp final : public Effect {
         .drawing = drawing_of(found)};
   }
 
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// The next start may have another slope, so the interval is wider than that of this record.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const double slope = found.amplitude(0);
+    model.rate_ramp = model::RateRamp{
+        .slope_rad_s2 = slope,
+        .slope_sigma_rad_s2 = std::hypot(found.amplitude_error(0), kShareOfNextStart * slope)};
+  }
 };
 
 }  // namespace

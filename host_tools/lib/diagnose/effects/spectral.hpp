@@ -19,6 +19,9 @@ namespace zerorate::diagnose {
 /// A figure with a symmetric interval.
 [[nodiscard]] Parameter parameter(std::string name, double value, double standard_error);
 
+/// How much an effect of this start may differ at the next one.
+inline constexpr double kShareOfNextStart = 0.3;
+
 inline constexpr double kDegPerRad = 57.295779513082320876798;
 
 }  // namespace zerorate::diagnose

@@ -56,7 +56,17 @@ class TemperatureDrift final : public Effect {
     return account;
   }
 
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  void extend(const Found& found, model::SensorModel& model) const override {
+    model::TemperatureDrift drift{.reference_degc = found.part().shape[1],
+                                  .slope_rad_s_per_k = found.amplitude(0),
+                                  .slope_sigma_rad_s_per_k = found.amplitude_error(0),
+                                  .lag_s = found.part().shape[0]};
+    if (found.part().columns.size() > 1) {
+      drift.curvature_rad_s_per_k2 = found.amplitude(1);
+      drift.curvature_sigma_rad_s_per_k2 = found.amplitude_error(1);
+    }
+    model.temperature = drift;
+  }
 
  private:
   static constexpr double kLagGrid = 1.6;

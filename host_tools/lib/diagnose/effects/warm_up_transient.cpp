@@ -46,7 +46,14 @@ class WarmUpTransient final : public Effect {
         .drawing = drawing_of(found)};
   }
 
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// The next start may have another amplitude, so the interval is wider than that of this record.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const double amplitude = found.amplitude(0);
+    model.warm_up = model::WarmUp{.amplitude_rad_s = amplitude,
+                                  .amplitude_sigma_rad_s = std::hypot(
+                                      found.amplitude_error(0), kShareOfNextStart * amplitude),
+                                  .time_constant_s = found.part().shape.front()};
+  }
 
  private:
   static Column column(const Problem& problem, double time_constant_s) {

@@ -1,0 +1,93 @@
+#include "host_tools/lib/diagnose/diagnose.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using ::testing::DoubleNear;
+using zerorate::testing::kRadPerDeg;
+
+constexpr std::size_t kSamples = 20'000;
+constexpr double kPeriod = 0.1;
+
+Record simulated(std::vector<simulate::Effect> more, std::uint64_t run) {
+  std::vector<simulate::Effect> effects{simulate::ConstantBias{0.3 * kRadPerDeg},
+                                        simulate::WhiteNoise{0.04 * kRadPerDeg},
+                                        simulate::FlickerNoise{25.0 / 3600.0 * kRadPerDeg, 0.5}};
+  effects.insert(effects.end(), more.begin(), more.end());
+  const simulate::Signal signal = simulate::simulate(simulate::Signal(kSamples, kPeriod), effects,
+                                                     simulate::RandomStream(7, run));
+  return record_of(zerorate::testing::rest_samples_of(signal), 0);
+}
+
+TEST(DiagnosisOfWhiteAndFlickerNoise, IsConsistentAndFindsTheBaseModel) {
+  const Diagnosis diagnosis = diagnose(simulated({}, 1));
+
+  EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
+  EXPECT_TRUE(diagnosis.causes.empty());
+  // 20,000 samples, most of them white: N to 1 / sqrt(2 n) and a little more.
+  EXPECT_NEAR(diagnosis.base_model.white.angle_random_walk_rad_per_sqrt_s / kRadPerDeg, 0.04,
+              0.04 * 5.0 / std::sqrt(2.0 * kSamples));
+  ASSERT_TRUE(diagnosis.base_model.flicker);
+}
+
+TEST(DiagnosisOfAJump, NamesItWithHeightAndTimeInTheirIntervals) {
+  const double height = 0.05;
+  const Diagnosis diagnosis =
+      diagnose(simulated({simulate::BiasJump{height * kRadPerDeg, 700.0}}, 2));
+
+  ASSERT_EQ(diagnosis.causes.size(), 1U);
+  const Cause& cause = diagnosis.causes.front();
+  EXPECT_EQ(cause.effect, "bias_jump");
+  EXPECT_EQ(cause.parameters[0].name, "height_dps");
+  // Three standard errors, 1.96 of which make half of the interval.
+  EXPECT_THAT(
+      cause.parameters[0].value,
+      DoubleNear(height, 3.0 / 1.96 * (cause.parameters[0].hi - cause.parameters[0].value)));
+  EXPECT_EQ(cause.parameters[1].name, "time_s");
+  EXPECT_LE(cause.parameters[1].lo, 700.0);
+  EXPECT_GE(cause.parameters[1].hi, 700.0);
+}
+
+TEST(DiagnosisOfALine, NamesItWithItsFrequency) {
+  const Diagnosis diagnosis =
+      diagnose(simulated({simulate::PeriodicDisturbance{0.01 * kRadPerDeg, 1.2345}}, 3));
+
+  ASSERT_EQ(diagnosis.causes.size(), 1U);
+  EXPECT_EQ(diagnosis.causes.front().effect, "periodic_disturbance");
+  // A line is known to a small part of 1 / (record length).
+  EXPECT_NEAR(diagnosis.causes.front().parameters[1].value, 1.2345, 0.1 / (kSamples * kPeriod));
+  ASSERT_EQ(diagnosis.extended_model.harmonic.size(), 1U);
+}
+
+TEST(DiagnosisOfARecord, IsTheSameTwice) {
+  const Record record = simulated({simulate::RateRandomWalk{3e-4 * kRadPerDeg}}, 4);
+  const Diagnosis first = diagnose(record);
+  const Diagnosis second = diagnose(record);
+  ASSERT_EQ(first.causes.size(), second.causes.size());
+  for (std::size_t i = 0; i < first.causes.size(); ++i) {
+    EXPECT_EQ(first.causes[i].gain_nats, second.causes[i].gain_nats);
+  }
+  EXPECT_EQ(first.extended_model, second.extended_model);
+}
+
+TEST(DiagnosisOfTooLittle, IsRefused) {
+  Record record = simulated({}, 5);
+  record.time_s.resize(200);
+  record.rate_rad_s.resize(200);
+  EXPECT_THROW(static_cast<void>(diagnose(record)), std::invalid_argument);
+  Record constant = simulated({}, 5);
+  constant.rate_rad_s.assign(constant.size(), 0.1);
+  EXPECT_THROW(static_cast<void>(diagnose(constant)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
