@@ -112,6 +112,10 @@ class GyroNode {
   /// the one before, or not finite, is refused with a flag and changes nothing.
   constexpr RateMessage step(const drivers::GyroSample& sample);
 
+  /// What is known while the gyro gives no samples: a message without a rate, the bias and its
+  /// interval as of the newest sample, and no claim that the vehicle stands.
+  constexpr RateMessage step_without_sample(core::Instant now);
+
   /// The bias that a predictor expects at the newest sample.
   [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
     return core::rad_per_s(
@@ -187,6 +191,7 @@ class GyroNode {
   constexpr void end_stop(core::Instant pulse);
   constexpr void update_lead();
   constexpr void predict_tick();
+  constexpr void describe(RateMessage& message, const std::array<core::AngularRate, kAxes>& rate);
   [[nodiscard]] constexpr AxisRate corrected(std::size_t axis, core::AngularRate measured) const;
 
   const Params& params_;
@@ -234,15 +239,30 @@ constexpr RateMessage GyroNode<R, C>::step(const drivers::GyroSample& sample) {
   if (!refused) take_in(sample);
 
   message.motion = motion();
-  message.health.calibrated = measured_ticks_ > 0;
   message.health.saturated = sample.saturated_axes != 0;
+  describe(message, refused ? std::array<core::AngularRate, kAxes>{} : sample.rate);
+  return message;
+}
+
+template <std::size_t R, std::size_t C>
+constexpr RateMessage GyroNode<R, C>::step_without_sample(core::Instant now) {
+  RateMessage message{.time = now};
+  message.health.sensor_fault = true;
+  describe(message, {});
+  return message;
+}
+
+/// Fills in what does not depend on whether there was a sample.
+template <std::size_t R, std::size_t C>
+constexpr void GyroNode<R, C>::describe(RateMessage& message,
+                                        const std::array<core::AngularRate, kAxes>& rate) {
+  message.health.calibrated = measured_ticks_ > 0;
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
     message.health.model_inconsistent |= !axes_[i].monitor.is_consistent();
-    message.axes[i] = corrected(i, refused ? core::AngularRate{} : sample.rate[i]);
+    message.axes[i] = corrected(i, rate[i]);
   }
-  return message;
 }
 
 template <std::size_t R, std::size_t C>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/base/time.hpp"
@@ -28,6 +29,7 @@ struct LoopCounters {
   std::uint32_t read_errors = 0;
   std::uint32_t overruns = 0;  ///< of them: samples lost in the chip
   std::uint32_t configurations_lost = 0;
+  std::uint32_t silences = 0;  ///< messages that had to say that there are no samples
   drivers::DriverError last_error{};
 };
 
@@ -57,12 +59,14 @@ class NodeLoop {
     } else if (now >= retry_at_) {
       start(now);
     }
+    report_silence(now);
   }
 
  private:
   static constexpr std::size_t kBatch = 16;
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
+  static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
 
   constexpr void take_pulses(core::Instant now) {
     std::array<core::Instant, kBatch> stamps{};
@@ -98,7 +102,7 @@ class NodeLoop {
       }
       return;
     }
-    for (std::size_t i = 0; i < *count; ++i) sink_.publish(node_.step(samples[i]));
+    for (std::size_t i = 0; i < *count; ++i) publish(node_.step(samples[i]), now);
     counters_.samples += static_cast<std::uint32_t>(*count);
   }
 
@@ -113,6 +117,20 @@ class NodeLoop {
       }
       fail(verified.error(), now);
     }
+  }
+
+  constexpr void publish(const RateMessage& message, core::Instant now) {
+    sink_.publish(message);
+    published_at_ = now;
+  }
+
+  /// A receiver must not have to guess from silence: without samples it is told so, again and
+  /// again.
+  constexpr void report_silence(core::Instant now) {
+    if (!published_at_) published_at_ = now;  // the clock's first reading
+    if (now - *published_at_ < std::max(kLongestSilence, gyro_.sample_period() * 4)) return;
+    ++counters_.silences;
+    publish(node_.step_without_sample(now), now);
   }
 
   constexpr void start(core::Instant now) {
@@ -143,6 +161,7 @@ class NodeLoop {
   Sink& sink_;
   LoopCounters counters_;
   bool running_ = false;
+  std::optional<core::Instant> published_at_;
   core::Instant verify_at_;
   core::Instant retry_at_;
   core::Duration retry_after_ = kFirstRetry;

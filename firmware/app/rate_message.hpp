@@ -1,5 +1,5 @@
 /// @file
-/// What the node publishes for every sample of the gyro.
+/// What the node publishes for every sample of the gyro, and while there are none.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@ struct Health {
   bool time_refused = false;        ///< not after the sample before: no rate in this message
   bool saturated = false;           ///< an axis at full scale: the rate is a lower bound
   bool model_inconsistent = false;  ///< innovations larger or smaller than the model allows
-  bool pulses_lost = false;         ///< the odometer input dropped edges since the last message
+  bool pulses_lost = false;   ///< the odometer input failed or dropped edges since the last message
+  bool sensor_fault = false;  ///< the gyro gives no samples: no rate in this message
 
   constexpr bool operator==(const Health&) const = default;
 };
@@ -40,7 +41,7 @@ struct RateMessage {
   std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
 
   [[nodiscard]] constexpr bool has_rate() const {
-    return !health.sample_refused && !health.time_refused;
+    return !health.sample_refused && !health.time_refused && !health.sensor_fault;
   }
   constexpr bool operator==(const RateMessage&) const = default;
 };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/model/model_file.hpp"
-#include "firmware/model/nearest_name.hpp"
+#include "firmware/toml/nearest_name.hpp"
 
 namespace zerorate::model {
 
@@ -18,7 +18,7 @@ SensorModel find_model(std::string_view name) {
     names.push_back(entry.name);
   }
   throw std::invalid_argument("no sensor model \"" + std::string(name) + "\" in the catalogue" +
-                              suggestion(name, names));
+                              toml_file::suggestion(name, names));
 }
 
 }  // namespace zerorate::model

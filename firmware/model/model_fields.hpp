@@ -10,16 +10,12 @@
 
 #include "firmware/model/decimal.hpp"
 #include "firmware/model/sensor_model.hpp"
+#include "firmware/toml/rule.hpp"
 
 namespace zerorate::model {
 
-enum class Presence { required, optional };
-
-/// What a number must satisfy, in code and in words.
-struct Rule {
-  bool (*holds)(double);
-  std::string_view words;
-};
+using toml_file::Presence;
+using toml_file::Rule;
 
 inline constexpr Rule kPositive{[](double x) { return x > 0.0 && std::isfinite(x); },
                                 "a positive number"};

@@ -3,21 +3,18 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "firmware/model/sensor_model.hpp"
+#include "firmware/toml/error.hpp"
 
 namespace zerorate::model {
 
 inline constexpr std::string_view kModelSchema = "zerorate.model/1";
 
 /// A model file that cannot be read; what() is `file:line:column: what was expected`.
-class ModelFileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using ModelFileError = toml_file::Error;
 
 /// Reads a model from TOML text. `origin` is the file's name in messages. Strict: an unknown key
 /// or table, a wrong type, a missing key and an impossible value are ModelFileErrors, the first

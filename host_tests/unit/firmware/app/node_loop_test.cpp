@@ -138,6 +138,42 @@ TEST(NodeLoopWhoseChipDoesNotAnswer, TriesAgainAfterPausesThatDoubleUpToASecond)
   EXPECT_EQ(rig.counters().starts, 1U);
 }
 
+TEST(NodeLoopWithoutSamples, SaysSoFourTimesASecondUntilTheyComeAgain) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  const float bias = rig.published.messages.back().axes[0].bias.in(core::rad_per_s);
+  rig.published.messages.clear();
+  rig.break_bus(Fault::kForEver);
+  rig.wait(Duration::milliseconds(1100));
+  ASSERT_EQ(rig.published.messages.size(), 4U);
+  EXPECT_EQ(rig.counters().silences, 4U);
+  for (const RateMessage& message : rig.published.messages) {
+    EXPECT_TRUE(message.health.sensor_fault);
+    EXPECT_FALSE(message.has_rate());
+    EXPECT_EQ(message.motion, core::Motion::moving);
+    EXPECT_TRUE(message.health.calibrated);
+    EXPECT_EQ(message.axes[0].bias.in(core::rad_per_s), bias);
+  }
+  rig.hardware.faults.clear();
+  rig.wait(Duration::seconds(1));
+  rig.published.messages.clear();
+  rig.samples(50);
+  ASSERT_FALSE(rig.published.messages.empty());
+  EXPECT_TRUE(rig.published.messages.back().has_rate());
+  EXPECT_FALSE(rig.published.messages.back().health.sensor_fault);
+}
+
+TEST(NodeLoopWhoseChipNeverAnswered, SaysThatItIsNotCalibrated) {
+  LoopRig rig;
+  rig.break_bus(Fault::kForEver);
+  rig.wait(Duration::milliseconds(300));
+  ASSERT_EQ(rig.published.messages.size(), 1U);
+  EXPECT_TRUE(rig.published.messages[0].health.sensor_fault);
+  EXPECT_FALSE(rig.published.messages[0].health.calibrated);
+  EXPECT_FALSE(core::is_finite(rig.published.messages[0].axes[0].sigma.in(core::rad_per_s)));
+}
+
 TEST(NodeLoopAfterABusError, StartsTheChipAgainAndGoesOn) {
   LoopRig rig;
   rig.start();

@@ -6,11 +6,11 @@
 #include <string>
 #include <string_view>
 
-namespace zerorate::model {
+namespace zerorate::toml_file {
 
 /// `; did you mean "NAME"?` with the candidate that is fewest edits away from `name`, or nothing
 /// where none is near (more than a third of the letters would have to change).
 [[nodiscard]] std::string suggestion(std::string_view name,
                                      std::span<const std::string_view> candidates);
 
-}  // namespace zerorate::model
+}  // namespace zerorate::toml_file

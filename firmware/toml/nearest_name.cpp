@@ -1,11 +1,11 @@
-#include "firmware/model/nearest_name.hpp"
+#include "firmware/toml/nearest_name.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
 #include <vector>
 
-namespace zerorate::model {
+namespace zerorate::toml_file {
 namespace {
 
 /// Levenshtein distance: insertions, deletions and substitutions, one row at a time.
@@ -39,4 +39,4 @@ std::string suggestion(std::string_view name, std::span<const std::string_view> 
   return nearest.empty() ? "" : "; did you mean \"" + std::string(nearest) + "\"?";
 }
 
-}  // namespace zerorate::model
+}  // namespace zerorate::toml_file

@@ -1,0 +1,79 @@
+/// @file
+/// A rate message as classic CAN frames; firmware/wire/zerorate.dbc describes them to other tools.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/units.hpp"
+#include "firmware/app/rate_message.hpp"
+#include "firmware/wire/health_bits.hpp"
+#include "firmware/wire/little_endian.hpp"
+#include "firmware/wire/rate_frame.hpp"
+
+namespace zerorate::wire {
+
+/// Eight bytes with an 11-bit identifier.
+struct CanFrame {
+  std::uint16_t id = 0;
+  std::array<std::uint8_t, 8> data{};
+
+  constexpr bool operator==(const CanFrame&) const = default;
+};
+
+/// The frames of one message: x, y, z, then the status that makes the three valid.
+inline constexpr std::size_t kCanFrames = 4;
+/// Identifier of the status frame unless set otherwise; the axes follow it.
+inline constexpr std::uint16_t kDefaultCanId = 0x200;
+/// Greatest identifier of the status frame: the last axis must still have 11 bits.
+inline constexpr std::uint16_t kGreatestCanId = 0x7FF - 3;
+
+inline constexpr float kCanRateLsbDegPerS = 1e-6F;
+inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
+/// What a signal holds for which there is no value, or none that fits.
+inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
+inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
+
+namespace detail {
+/// The nearest number of LSB, ties away from zero, if it lies inside (-limit, limit).
+[[nodiscard]] constexpr bool count_lsb(float value, float limit, std::int32_t& lsb) {
+  if (!(value > -limit && value < limit)) return false;
+  lsb = static_cast<std::int32_t>(value < 0.0F ? value - 0.5F : value + 0.5F);
+  return true;
+}
+[[nodiscard]] constexpr std::uint32_t encode_can_rate(core::AngularRate rate) {
+  std::int32_t lsb = 0;
+  const bool fits = count_lsb(rate.in(core::deg_per_s) / kCanRateLsbDegPerS, 2147483000.0F, lsb);
+  return fits ? static_cast<std::uint32_t>(lsb) : kCanRateNotAvailable;
+}
+[[nodiscard]] constexpr std::uint16_t encode_can_sigma(core::AngularRate sigma) {
+  std::int32_t lsb = 0;
+  const bool fits = count_lsb(sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS, 65534.0F, lsb);
+  return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
+}
+}  // namespace detail
+
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr std::array<CanFrame, kCanFrames> encode_can_frames(
+    const NumberedMessage& numbered, std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  std::array<CanFrame, kCanFrames> frames{};
+  const app::RateMessage& message = numbered.message;
+  for (std::size_t i = 0; i < message.axes.size(); ++i) {
+    frames[i].id = static_cast<std::uint16_t>(id + 1 + i);
+    LittleEndianWriter out{frames[i].data};
+    out.put(message.has_rate() ? detail::encode_can_rate(message.axes[i].corrected)
+                               : kCanRateNotAvailable);
+    out.put(detail::encode_can_rate(message.axes[i].bias));
+  }
+  frames[3].id = id;
+  LittleEndianWriter out{frames[3].data};
+  out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
+                                    (numbered.sequence & 0x3FU) << 2U));
+  out.put(encode_health(message.health));
+  for (const app::AxisRate& axis : message.axes) out.put(detail::encode_can_sigma(axis.sigma));
+  return frames;
+}
+
+}  // namespace zerorate::wire

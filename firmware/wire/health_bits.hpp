@@ -1,0 +1,48 @@
+/// @file
+/// The health of a message as one byte, the same on every wire.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/app/rate_message.hpp"
+
+namespace zerorate::wire {
+
+/// Bit i of the byte, under the name that JSON, metrics and the DBC file use.
+struct HealthBit {
+  std::string_view name;
+  bool app::Health::*flag;
+};
+
+/// New bits are appended; a bit never changes its meaning.
+inline constexpr std::array<HealthBit, 7> kHealthBits{{
+    {"calibrated", &app::Health::calibrated},
+    {"sample_refused", &app::Health::sample_refused},
+    {"time_refused", &app::Health::time_refused},
+    {"saturated", &app::Health::saturated},
+    {"model_inconsistent", &app::Health::model_inconsistent},
+    {"odometer_fault", &app::Health::pulses_lost},
+    {"sensor_fault", &app::Health::sensor_fault},
+}};
+
+[[nodiscard]] constexpr std::uint8_t encode_health(const app::Health& health) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < kHealthBits.size(); ++i) {
+    if (health.*kHealthBits[i].flag) bits |= 1U << i;
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
+/// Bits that this version does not know are ignored.
+[[nodiscard]] constexpr app::Health decode_health(std::uint8_t bits) {
+  app::Health health;
+  for (std::size_t i = 0; i < kHealthBits.size(); ++i) {
+    health.*kHealthBits[i].flag = ((bits >> i) & 1U) != 0;
+  }
+  return health;
+}
+
+}  // namespace zerorate::wire

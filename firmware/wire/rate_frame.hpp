@@ -1,0 +1,106 @@
+/// @file
+/// A rate message as bytes for datagrams and serial lines; see docs/reference/rate-frame.md.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/crc32.hpp"
+#include "core/base/result.hpp"
+#include "firmware/app/rate_message.hpp"
+#include "firmware/wire/health_bits.hpp"
+#include "firmware/wire/little_endian.hpp"
+
+namespace zerorate::wire {
+
+inline constexpr std::size_t kRateFrameBytes = 72;
+using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
+
+/// Why bytes are not a rate frame.
+enum class FrameError : std::uint8_t {
+  wrong_size,
+  not_a_frame,       ///< it does not begin with "ZR"
+  unknown_version,   ///< of a later program
+  wrong_checksum,    ///< damaged on the way
+  impossible_value,  ///< checksum right, motion unknown: made by something else
+};
+
+/// A message and its number; numbers of a sender follow each other, so that a gap is a loss.
+struct NumberedMessage {
+  std::uint32_t sequence = 0;
+  app::RateMessage message;
+
+  constexpr bool operator==(const NumberedMessage&) const = default;
+};
+
+namespace detail {
+inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
+inline constexpr std::uint8_t kVersion = 1;
+inline constexpr std::size_t kChecksumBytes = 4;
+
+constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
+  out.put(std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)));
+}
+[[nodiscard]] constexpr core::AngularRate take_rate(LittleEndianReader& in) {
+  return core::rad_per_s(std::bit_cast<float>(in.take<std::uint32_t>()));
+}
+}  // namespace detail
+
+/// Cost: 72 bytes of stack and their checksum; no heap.
+[[nodiscard]] constexpr RateFrame encode_rate_frame(const NumberedMessage& numbered) {
+  RateFrame frame{};
+  LittleEndianWriter out{frame};
+  const app::RateMessage& message = numbered.message;
+  out.put(detail::kMagic);
+  out.put(detail::kVersion);
+  out.put(std::uint8_t{0});
+  out.put(numbered.sequence);
+  out.put(static_cast<std::uint64_t>(message.time.ns()));
+  out.put(static_cast<std::uint8_t>(message.motion));
+  out.put(encode_health(message.health));
+  out.put(std::uint16_t{0});
+  for (const app::AxisRate& axis : message.axes) {
+    for (const auto rate : {axis.measured, axis.corrected, axis.bias, axis.sigma}) {
+      detail::put_rate(out, rate);
+    }
+  }
+  out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
+  return frame;
+}
+
+/// The inverse, for bytes of any origin.
+[[nodiscard]] constexpr core::Result<NumberedMessage, FrameError> decode_rate_frame(
+    std::span<const std::uint8_t> bytes) {
+  using core::Unexpected;
+  if (bytes.size() != kRateFrameBytes) return Unexpected{FrameError::wrong_size};
+  LittleEndianReader in{bytes};
+  if (in.take<std::uint16_t>() != detail::kMagic) return Unexpected{FrameError::not_a_frame};
+  if (in.take<std::uint8_t>() != detail::kVersion) return Unexpected{FrameError::unknown_version};
+  (void)in.take<std::uint8_t>();
+  constexpr std::size_t kChecked = kRateFrameBytes - detail::kChecksumBytes;
+  LittleEndianReader checksum{bytes.subspan(kChecked)};
+  if (checksum.take<std::uint32_t>() != core::crc32(bytes.first(kChecked))) {
+    return Unexpected{FrameError::wrong_checksum};
+  }
+  NumberedMessage numbered{.sequence = in.take<std::uint32_t>(), .message = {}};
+  app::RateMessage& message = numbered.message;
+  message.time = core::Instant::from_ns(static_cast<std::int64_t>(in.take<std::uint64_t>()));
+  const auto motion = in.take<std::uint8_t>();
+  if (motion > static_cast<std::uint8_t>(core::Motion::still)) {
+    return Unexpected{FrameError::impossible_value};
+  }
+  message.motion = static_cast<core::Motion>(motion);
+  message.health = decode_health(in.take<std::uint8_t>());
+  (void)in.take<std::uint16_t>();
+  for (app::AxisRate& axis : message.axes) {
+    for (auto* const rate : {&axis.measured, &axis.corrected, &axis.bias, &axis.sigma}) {
+      *rate = detail::take_rate(in);
+    }
+  }
+  return numbered;
+}
+
+}  // namespace zerorate::wire

@@ -1,0 +1,183 @@
+/// @file
+/// The CAN frames, read as another tool would read them: by the published DBC file.
+
+#include "firmware/wire/can_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "host_tests/unit/firmware/wire/messages.hpp"
+
+namespace zerorate::wire {
+namespace {
+
+struct Signal {
+  unsigned start;
+  unsigned length;
+  bool is_signed;
+  double factor;
+};
+/// Message identifier to signal name to signal; little-endian signals only.
+using Dbc = std::map<unsigned, std::map<std::string, Signal>>;
+
+Dbc read_dbc() {
+  std::ifstream file{ZERORATE_REPOSITORY "/firmware/wire/zerorate.dbc"};
+  static const std::regex message{R"(BO_ (\d+) \w+: 8 \w+)"};
+  static const std::regex signal{
+      R"( SG_ (\w+) : (\d+)\|(\d+)@1([+-]) \(([0-9.E+-]+),0\) \[[^\]]*\] "[^"]*" \w+)"};
+  Dbc dbc;
+  unsigned id = 0;
+  for (std::string line; std::getline(file, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, message)) {
+      id = static_cast<unsigned>(std::stoul(match[1]));
+    } else if (std::regex_match(line, match, signal)) {
+      dbc[id][match[1]] = {.start = static_cast<unsigned>(std::stoul(match[2])),
+                           .length = static_cast<unsigned>(std::stoul(match[3])),
+                           .is_signed = match[4] == "-",
+                           .factor = std::stod(match[5])};
+    } else {
+      EXPECT_FALSE(line.starts_with(" SG_") || line.starts_with("BO_")) << line;
+    }
+  }
+  return dbc;
+}
+
+std::int64_t raw_value(const CanFrame& frame, const Signal& signal) {
+  std::uint64_t bits = 0;
+  for (unsigned i = 0; i < signal.length; ++i) {
+    const unsigned at = signal.start + i;
+    bits |= std::uint64_t{(frame.data.at(at / 8) >> at % 8) & 1U} << i;
+  }
+  const bool is_negative = signal.is_signed && ((bits >> (signal.length - 1)) & 1U) != 0;
+  return static_cast<std::int64_t>(bits) -
+         (is_negative ? std::int64_t{1} << signal.length : std::int64_t{0});
+}
+
+/// A message as the DBC file lets one see it.
+class Reading {
+ public:
+  explicit Reading(const NumberedMessage& message)
+      : frames_(encode_can_frames(message, kDefaultCanId)) {}
+
+  std::int64_t raw(const std::string& name) const {
+    for (const CanFrame& frame : frames_) {
+      const auto& signals = dbc_.at(frame.id);
+      if (const auto found = signals.find(name); found != signals.end()) {
+        return raw_value(frame, found->second);
+      }
+    }
+    ADD_FAILURE() << "no signal " << name;
+    return 0;
+  }
+  double value(const std::string& name) const {
+    for (const auto& [id, signals] : dbc_) {
+      if (const auto found = signals.find(name); found != signals.end()) {
+        return static_cast<double>(raw(name)) * found->second.factor;
+      }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  Dbc dbc_ = read_dbc();
+  std::array<CanFrame, kCanFrames> frames_;
+};
+
+constexpr double kDegPerRad = 57.29577951308232;
+
+TEST(DbcFile, LetsNoTwoSignalsShareABit) {
+  const Dbc dbc = read_dbc();
+  ASSERT_EQ(dbc.size(), kCanFrames);
+  for (const auto& [id, signals] : dbc) {
+    std::set<unsigned> bits;
+    for (const auto& [name, signal] : signals) {
+      for (unsigned i = 0; i < signal.length; ++i) {
+        EXPECT_LT(signal.start + i, 64U);
+        EXPECT_TRUE(bits.insert(signal.start + i).second) << name;
+      }
+    }
+  }
+}
+
+TEST(CanFramesOfAnyMessage, HoldItsRatesAsTheDbcFileSays) {
+  std::mt19937_64 random{4};
+  for (int i = 0; i < 50; ++i) {
+    NumberedMessage sent = testing::random_message(random);
+    sent.message.health.sample_refused = sent.message.health.time_refused = false;
+    sent.message.health.sensor_fault = false;
+    const Reading reading{sent};
+    const std::array names{"X", "Y", "Z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const app::AxisRate& rate = sent.message.axes[axis];
+      const auto dps = [](core::AngularRate r) {
+        return double{r.in(core::rad_per_s)} * kDegPerRad;
+      };
+      // Half an LSB, and the four roundings of single precision on the way.
+      const auto tolerance = [](double value, double lsb) {
+        return 0.5 * lsb + 4.0 * 6e-8 * std::abs(value);
+      };
+      const std::string name = names[axis];
+      EXPECT_NEAR(reading.value("Rate" + name), dps(rate.corrected),
+                  tolerance(dps(rate.corrected), 1e-6));
+      EXPECT_NEAR(reading.value("Bias" + name), dps(rate.bias), tolerance(dps(rate.bias), 1e-6));
+      EXPECT_NEAR(reading.value("Sigma" + name), dps(rate.sigma), tolerance(dps(rate.sigma), 1e-5));
+    }
+  }
+}
+
+TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
+  std::mt19937_64 random{5};
+  for (int i = 0; i < 200; ++i) {
+    const NumberedMessage sent = testing::random_message(random);
+    const app::Health& health = sent.message.health;
+    const Reading reading{sent};
+    EXPECT_EQ(reading.raw("Motion"), static_cast<int>(sent.message.motion));
+    EXPECT_EQ(reading.raw("Counter"), sent.sequence % 64);
+    EXPECT_EQ(reading.raw("Calibrated") == 1, health.calibrated);
+    EXPECT_EQ(reading.raw("SampleRefused") == 1, health.sample_refused);
+    EXPECT_EQ(reading.raw("TimeRefused") == 1, health.time_refused);
+    EXPECT_EQ(reading.raw("Saturated") == 1, health.saturated);
+    EXPECT_EQ(reading.raw("ModelInconsistent") == 1, health.model_inconsistent);
+    EXPECT_EQ(reading.raw("OdometerFault") == 1, health.pulses_lost);
+    EXPECT_EQ(reading.raw("SensorFault") == 1, health.sensor_fault);
+  }
+}
+
+TEST(CanFramesWithoutARate, SaySo) {
+  NumberedMessage sent;
+  sent.message.health.sensor_fault = true;
+  for (auto& axis : sent.message.axes) {
+    axis.sigma = core::rad_per_s(std::numeric_limits<float>::infinity());
+  }
+  const Reading reading{sent};
+  for (const char* axis : {"X", "Y", "Z"}) {
+    EXPECT_EQ(reading.raw(std::string("Rate") + axis), -2147483648LL);
+    EXPECT_EQ(reading.raw(std::string("Sigma") + axis), 65535);
+    EXPECT_EQ(reading.raw(std::string("Bias") + axis), 0);
+  }
+}
+
+TEST(CanSignalsOfWhatDoesNotFit, AreNotAvailableInsteadOfClamped) {
+  NumberedMessage sent;
+  sent.message.axes[0].corrected = core::deg_per_s(2200.0F);
+  sent.message.axes[1].corrected = core::deg_per_s(-2200.0F);
+  sent.message.axes[2].corrected = core::rad_per_s(std::numeric_limits<float>::quiet_NaN());
+  sent.message.axes[0].sigma = core::deg_per_s(0.7F);
+  const Reading reading{sent};
+  EXPECT_EQ(reading.raw("RateX"), -2147483648LL);
+  EXPECT_EQ(reading.raw("RateY"), -2147483648LL);
+  EXPECT_EQ(reading.raw("RateZ"), -2147483648LL);
+  EXPECT_EQ(reading.raw("SigmaX"), 65535);
+}
+
+}  // namespace
+}  // namespace zerorate::wire
