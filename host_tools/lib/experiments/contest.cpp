@@ -1,5 +1,6 @@
 #include "host_tools/lib/experiments/contest.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -111,6 +112,21 @@ Standing make_standing(std::string name, std::span<const Score> scores,
           .coverage = mean(collect(scores, &Score::covered)),
           .own_coverage = mean(collect(scores, &Score::covered_by_own)),
           .nis = mean(collect(scores, &Score::nis))};
+}
+
+Figure controlled_rsse_ratio(std::span<const Score> scores, std::optional<double> mean_square,
+                             std::span<const Score> yardstick, double yardstick_mean_square) {
+  const VectorXd a = collect(scores, &Score::rsse);
+  const VectorXd b = collect(yardstick, &Score::rsse);
+  // Rows (1, controls): the fit's first coefficient is the mean where every control is as expected.
+  MatrixXd controls = MatrixXd::Ones(a.size(), mean_square ? 3 : 2);
+  controls.col(1) = b.array().square() - yardstick_mean_square;
+  if (mean_square) controls.col(2) = a.array().square() - *mean_square;
+  const Eigen::ColPivHouseholderQR<MatrixXd> regression(controls);
+  const double mean_b = regression.solve(b)(0);
+  const double value = regression.solve(a)(0) / mean_b;
+  const VectorXd difference = a - value * b;
+  return {value, mean(difference - controls * regression.solve(difference)).error / mean_b};
 }
 
 }  // namespace zerorate::experiments

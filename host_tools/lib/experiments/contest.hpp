@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,5 +62,15 @@ struct Standing {
 /// Needs at least two sets.
 [[nodiscard]] Standing make_standing(std::string name, std::span<const Score> scores,
                                      std::span<const Score> yardstick);
+
+/// The ratio of mean RSSE to the yardstick's with less chance: the mean of RSSE^2 is known from the
+/// covariance of the noise (trace of error_covariance()), and what a run's RSSE^2 is above it tells
+/// nearly all of its luck (control variates, by regression over the sets).
+/// @param mean_square expected RSSE^2; nothing for predictors that are not linear, which leaves the
+///        yardstick's as the only control
+[[nodiscard]] Figure controlled_rsse_ratio(std::span<const Score> scores,
+                                           std::optional<double> mean_square,
+                                           std::span<const Score> yardstick,
+                                           double yardstick_mean_square);
 
 }  // namespace zerorate::experiments

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -65,21 +67,61 @@ Row scale_row(const Standing& s, const Printed& paper) {
           s.std_rsse.value, paper.std_rsse};
 }
 
-std::vector<report::Column> ratio_columns() {
-  return {{"predictor"},       {"IE std/CM", "", 4}, {"+-", "", 4},
-          {"expected", "", 4}, {"paper", "", 4},     {"RSSE/CM", "", 4},
-          {"+-", "", 4},       {"expected", "", 4},  {"paper", "", 4}};
+/// The expectations of a predictor and of the yardstick; nothing for measured sets, whose noise is
+/// not known, and for predictors that are not linear.
+struct Expected {
+  std::optional<Expectation> own;
+  std::optional<Expectation> yardstick;
+
+  [[nodiscard]] double ratio(double Expectation::*member) const {
+    return own && yardstick ? *own.*member / *yardstick.*member : kNan;
+  }
+};
+
+/// Columns without a single number are left out.
+report::Table without_empty_columns(report::Table table) {
+  for (std::size_t i = table.columns.size(); i-- > 0;) {
+    const auto is_empty = [i](const Row& row) {
+      const auto* number = std::get_if<double>(&row[i].content());
+      return number != nullptr && !std::isfinite(*number);
+    };
+    if (!std::ranges::all_of(table.rows, is_empty)) continue;
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    table.columns.erase(table.columns.begin() + at);
+    for (Row& row : table.rows) row.erase(row.begin() + at);
+  }
+  return table;
 }
 
-Row ratio_row(const Standing& s, const std::optional<Expectation>& expected, const Printed& paper) {
-  return {s.name,
-          s.ie_ratio.value,
-          s.ie_ratio.error,
-          expected ? expected->ie_ratio : kNan,
-          paper.ie_ratio,
-          s.rsse_ratio.value,
-          s.rsse_ratio.error,
-          expected ? expected->rsse_ratio : kNan,
+report::Table ie_ratio_table() {
+  return {.caption = "Standard deviation of IE over that of the calibration mean, on the same sets",
+          .columns = {{"predictor"},
+                      {"IE std/CM", "", 4},
+                      {"+-", "", 4},
+                      {"expected", "", 4},
+                      {"paper", "", 4}}};
+}
+
+Row ie_ratio_row(const Standing& s, const Expected& expected, const Printed& paper) {
+  return {s.name, s.ie_ratio.value, s.ie_ratio.error, expected.ratio(&Expectation::std_ie),
+          paper.ie_ratio};
+}
+
+report::Table rsse_ratio_table() {
+  return {.caption = "Mean RSSE over that of the calibration mean, on the same sets",
+          .columns = {{"predictor"},
+                      {"RSSE/CM", "", 4},
+                      {"+-", "", 4},
+                      {"controlled", "", 4},
+                      {"+-", "", 4},
+                      {"expected", "", 4},
+                      {"paper", "", 4}}};
+}
+
+Row rsse_ratio_row(const Standing& s, const Figure& controlled, const Expected& expected,
+                   const Printed& paper) {
+  return {s.name,           s.rsse_ratio.value, s.rsse_ratio.error,
+          controlled.value, controlled.error,   expected.ratio(&Expectation::mean_rsse),
           paper.rsse_ratio};
 }
 
@@ -91,16 +133,18 @@ report::Table consistency_table() {
           .columns = {{"predictor"},
                       {"in 2 sigma", "%", 2},
                       {"+-", "", 2},
+                      {"expected", "%", 2},
                       {"in 2 own sigma", "%", 2},
                       {"+-", "", 2},
                       {"NIS", "", 4},
                       {"+-", "", 4}}};
 }
 
-Row consistency_row(const Standing& s) {
+Row consistency_row(const Standing& s, const Expected& expected) {
   return {s.name,
           100.0 * s.coverage.value,
           100.0 * s.coverage.error,
+          expected.own ? 100.0 * expected.own->coverage : kNan,
           100.0 * s.own_coverage.value,
           100.0 * s.own_coverage.error,
           s.nis.value,
@@ -113,28 +157,29 @@ Presentation::Part simulated_part(const Table1& table) {
                                              options.runs, options.lengths.calibration,
                                              options.lengths.prediction, options.noise.order),
                       .columns = scale_columns(0, "", "")};
-  report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same runs",
-                       .columns = ratio_columns()};
+  report::Table ie = ie_ratio_table();
+  report::Table rsse = rsse_ratio_table();
   report::Table consistency = consistency_table();
-  for (const auto& [measured, expected] : table.simulated) {
-    const Printed& paper = printed(kPrintedSimulated, measured.name);
-    scale.rows.push_back(scale_row(measured, paper));
-    ratios.rows.push_back(ratio_row(measured, expected, paper));
-    consistency.rows.push_back(consistency_row(measured));
+  for (const SimulatedStanding& s : table.simulated) {
+    const Printed& paper = printed(kPrintedSimulated, s.measured.name);
+    const Expected expected{s.expected, table.simulated.back().expected};
+    scale.rows.push_back(scale_row(s.measured, paper));
+    ie.rows.push_back(ie_ratio_row(s.measured, expected, paper));
+    rsse.rows.push_back(rsse_ratio_row(s.measured, s.controlled_rsse_ratio, expected, paper));
+    consistency.rows.push_back(consistency_row(s.measured, expected));
   }
   return {
       .heading = "Simulated sets",
       .paragraphs =
           {"IE is the sum of the prediction errors, RSSE the root of the sum of their "
-           "squares; +- is a standard error. \"Expected\" comes without chance from "
-           "the predictor's weights and the exact covariance of the noise: the ratio "
-           "of standard deviations (IE) and of root mean squares over all runs "
-           "(RSSE); the mean of RSSE itself has no closed form and lies up to .003 "
-           "above it.",
+           "squares; +- is a standard error. \"Expected\" is what the figure tends to with ever "
+           "more runs, from the predictor's weights and the exact covariance of the noise. "
+           "\"Controlled\" is the ratio of these runs without most of their luck, which the known "
+           "means of the squares reveal (control variates).",
            "Sigma is that of the predictor's error under the noise model. The paper's filter takes "
            "its mean as certain, autoregressive models their mean and coefficients: their "
            "own sigma is smaller."},
-      .tables = {scale, ratios, consistency}};
+      .tables = {scale, ie, rsse, consistency}};
 }
 
 Presentation::Part orders_part(const Table1& table) {
@@ -150,10 +195,12 @@ Presentation::Part orders_part(const Table1& table) {
                   {"in 2 sigma", "%", 2},
                   {"NIS", "", 4}}};
   for (const auto& s : table.orders) {
-    orders.rows.push_back(
-        {s.order, s.decade_kalman.rsse_ratio.value, s.decade_kalman.rsse_ratio.error,
-         s.expected.rsse_ratio, s.decade_kalman.ie_ratio.value, s.decade_kalman.ie_ratio.error,
-         s.expected.ie_ratio, 100.0 * s.decade_kalman.coverage.value, s.decade_kalman.nis.value});
+    const Expected expected{s.expected_decade_kalman, s.expected_optimum};
+    orders.rows.push_back({s.order, s.decade_kalman.rsse_ratio.value,
+                           s.decade_kalman.rsse_ratio.error,
+                           expected.ratio(&Expectation::mean_rsse), s.decade_kalman.ie_ratio.value,
+                           s.decade_kalman.ie_ratio.error, expected.ratio(&Expectation::std_ie),
+                           100.0 * s.decade_kalman.coverage.value, s.decade_kalman.nis.value});
   }
   return {.heading = "Other orders d", .tables = {orders}};
 }
@@ -182,14 +229,15 @@ Presentation::Part measured_part(const MeasuredTable& measured) {
                              "(another sensor)",
                              measured.sets, rate),
       .columns = scale_columns(3, "deg", "deg/s")};
-  report::Table ratios{.caption = "Ratios to the calibration mean (CM) on the same sets",
-                       .columns = ratio_columns()};
+  report::Table ie = ie_ratio_table();
+  report::Table rsse = rsse_ratio_table();
   report::Table consistency = consistency_table();
   for (const Standing& standing : measured.standings) {
     const Printed& paper = printed(kPrintedMeasured, standing.name);
     scale.rows.push_back(scale_row(standing, paper));
-    ratios.rows.push_back(ratio_row(standing, std::nullopt, paper));
-    consistency.rows.push_back(consistency_row(standing));
+    ie.rows.push_back(ie_ratio_row(standing, {}, paper));
+    rsse.rows.push_back(rsse_ratio_row(standing, {kNan, kNan}, {}, paper));
+    consistency.rows.push_back(consistency_row(standing, {}));
   }
   report::Table fits{.caption = "Noise used, each fitted on another recording than it is used on",
                      .columns = {{"fitted on"},
@@ -205,7 +253,9 @@ Presentation::Part measured_part(const MeasuredTable& measured) {
                          3600.0 * fit.white.error, 3600.0 * fit.flicker.value,
                          3600.0 * fit.flicker.error, fit.order.value, fit.order.error});
   }
-  return {.heading = "Measured sets at " + rate, .tables = {scale, ratios, consistency, fits}};
+  return {.heading = "Measured sets at " + rate,
+          .tables = {scale, without_empty_columns(ie), without_empty_columns(rsse),
+                     without_empty_columns(consistency), fits}};
 }
 
 Json json(double value) {
@@ -227,8 +277,9 @@ Json json(const Standing& s) {
 }
 Json json(const Expectation& e) {
   return {{"std_ie", json(e.std_ie)},
-          {"ie_ratio", json(e.ie_ratio)},
-          {"rms_rsse_ratio", json(e.rsse_ratio)}};
+          {"mean_rsse", json(e.mean_rsse)},
+          {"std_rsse", json(e.std_rsse)},
+          {"coverage_2sigma", json(e.coverage)}};
 }
 
 Json json(const MeasuredTable& table) {
@@ -250,16 +301,18 @@ Json json(const MeasuredTable& table) {
 
 std::string to_json(const Table1& table) {
   Json simulated = Json::object();
-  for (const auto& [measured, expected] : table.simulated) {
-    simulated[measured.name] = json(measured);
-    if (expected) simulated[measured.name]["expected"] = json(*expected);
+  for (const SimulatedStanding& s : table.simulated) {
+    Json& predictor = simulated[s.measured.name] = json(s.measured);
+    predictor["controlled_rsse_ratio"] = json(s.controlled_rsse_ratio);
+    if (s.expected) predictor["expected"] = json(*s.expected);
   }
   Json orders = Json::array();
   for (const auto& s : table.orders) {
     orders.push_back({{"d", s.order},
                       {"decade_kalman", json(s.decade_kalman)},
                       {"optimum", json(s.optimum)},
-                      {"expected", json(s.expected)}});
+                      {"expected_decade_kalman", json(s.expected_decade_kalman)},
+                      {"expected_optimum", json(s.expected_optimum)}});
   }
   Json costs = Json::array();
   for (const auto& cost : table.costs) {

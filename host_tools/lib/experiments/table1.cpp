@@ -19,32 +19,17 @@ DecadeNoise decade_noise(const SimulationOptions& options, core::Start start) {
   return {.noise = options.noise, .decades = options.decades, .start = start};
 }
 
-/// What a linear predictor answers to each sample alone is its weights.
-MatrixXd weights_of(const Predictor& predictor, const Lengths& lengths) {
-  const auto n = static_cast<Index>(lengths.calibration);
-  return predictor.predict(MatrixXd::Identity(n, n)).bias;
-}
-
-/// The last predictor is the yardstick.
-std::vector<std::optional<Expectation>> expect(const Predictors& predictors,
-                                               const SimulationOptions& options,
-                                               const Progress& progress) {
+/// Of each predictor that is linear.
+std::vector<std::optional<Expectation>> expect_all(const Predictors& predictors,
+                                                   const SimulationOptions& options,
+                                                   const Progress& progress) {
   std::vector<std::optional<Expectation>> expected(predictors.size());
-  std::vector<double> mean_square(predictors.size());
   const auto work = [&](std::size_t i) {
-    if (!predictors[i]->is_linear()) return;
-    const MatrixXd weights = weights_of(*predictors[i], options.lengths);
-    expected[i] = Expectation{
-        .std_ie = std::sqrt(reference::integrated_error_variance(options.noise, weights))};
-    mean_square[i] =
-        reference::error_variance(options.noise, weights).mean() + options.noise.white_variance;
+    if (predictors[i]->is_linear()) {
+      expected[i] = expect(*predictors[i], options.noise, options.lengths);
+    }
   };
   for_each_in_parallel(predictors.size(), options.threads, work, progress);
-  for (std::size_t i = 0; i < predictors.size(); ++i) {
-    if (!expected[i]) continue;
-    expected[i]->ie_ratio = expected[i]->std_ie / expected.back()->std_ie;
-    expected[i]->rsse_ratio = std::sqrt(mean_square[i] / mean_square.back());
-  }
   return expected;
 }
 
@@ -103,14 +88,19 @@ std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
   Predictors predictors = simulated_predictors(options);
   predictors.insert(predictors.begin() + 2, make_optimum("optimum, b known", options.noise,
                                                          reference::Bias::known, options.lengths));
-  const auto expected = expect(predictors, options, part_of(progress, 0.1, 0.4));
+  const auto expected = expect_all(predictors, options, part_of(progress, 0.1, 0.4));
+  const auto mean_square = [&expected](std::size_t i) {
+    return expected[i] ? std::optional(expected[i]->mean_squared_rsse()) : std::nullopt;
+  };
   const Scores scores = run_contest(predictors, options.lengths, options.runs,
                                     simulated_sets(options.noise, options.seed), options.threads,
                                     part_of(progress, 0.4, 1.0));
+  const double yardstick = expected.back().value().mean_squared_rsse();
   std::vector<SimulatedStanding> standings;
   for (std::size_t i = 0; i < predictors.size(); ++i) {
-    standings.push_back(
-        {make_standing(predictors[i]->name(), scores[i], scores.back()), expected[i]});
+    standings.push_back({make_standing(predictors[i]->name(), scores[i], scores.back()),
+                         controlled_rsse_ratio(scores[i], mean_square(i), scores.back(), yardstick),
+                         expected[i]});
   }
   return standings;
 }
@@ -132,9 +122,10 @@ std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
     const Scores scores =
         run_contest(predictors, own.lengths, own.runs, simulated_sets(own.noise, own.seed),
                     own.threads, part_of(progress, position / count, (position + 1.0) / count));
+    const auto expected = expect_all(predictors, own, {});
     standings.push_back({order, make_standing(predictors[0]->name(), scores[0], scores[1]),
                          make_standing(predictors[1]->name(), scores[1], scores[1]),
-                         expect(predictors, own, {}).front().value()});
+                         expected[0].value(), expected[1].value()});
   }
   return standings;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host_tools/lib/experiments/contest.hpp"
+#include "host_tools/lib/experiments/expectation.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {
@@ -23,14 +24,6 @@ struct SimulationOptions {
   unsigned threads = 0;  ///< 0: as many as the machine has
 };
 
-/// What is expected of a linear predictor under the simulated model, without chance: from its
-/// weights and the exact covariance. The yardstick is that of the measured ratios.
-struct Expectation {
-  double std_ie = 0.0;
-  double ie_ratio = 0.0;    ///< to the yardstick
-  double rsse_ratio = 0.0;  ///< of root mean squares over all sets, to the yardstick
-};
-
 /// The sets that the experiment runs on.
 [[nodiscard]] SetSource simulated_sets(const reference::FractionalNoise& noise, std::uint64_t seed);
 
@@ -39,6 +32,7 @@ struct Expectation {
 
 struct SimulatedStanding {
   Standing measured;
+  Figure controlled_rsse_ratio;         ///< see controlled_rsse_ratio()
   std::optional<Expectation> expected;  ///< nothing for predictors that are not linear
 };
 
@@ -53,7 +47,8 @@ struct OrderStanding {
   double order;
   Standing decade_kalman;  ///< ratios are to the optimum
   Standing optimum;
-  Expectation expected;  ///< of the decade filter, ratios to the optimum
+  Expectation expected_decade_kalman;
+  Expectation expected_optimum;
 };
 
 /// The future work "possibly with different choices of d" of the paper's section VI.

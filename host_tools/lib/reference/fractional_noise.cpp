@@ -35,14 +35,15 @@ VectorXd error_variance(const FractionalNoise& noise, const MatrixXd& weights) {
   return half.cwiseProduct(weights).rowwise().sum() + c.diagonal().tail(leads);
 }
 
-double integrated_error_variance(const FractionalNoise& noise, const MatrixXd& weights) {
+MatrixXd error_covariance(const FractionalNoise& noise, const MatrixXd& weights) {
   const Index leads = weights.rows();
   const Index samples = weights.cols();
-  VectorXd total(samples + leads);  // of every sample, in the integrated error
-  total.head(samples) = weights.colwise().sum().transpose();
-  total.tail(leads).setConstant(-1.0);
-  const MatrixXd c = covariance(noise, static_cast<std::size_t>(leads + samples));
-  return total.dot(c * total) + noise.white_variance * total.squaredNorm();
+  MatrixXd c = covariance(noise, static_cast<std::size_t>(leads + samples));
+  c.diagonal().array() += noise.white_variance;
+  // A c A' by the blocks of A = (-weights, 1).
+  const MatrixXd predicted = weights * c.topRightCorner(samples, leads);
+  return weights * c.topLeftCorner(samples, samples) * weights.transpose() - predicted -
+         predicted.transpose() + c.bottomRightCorner(leads, leads);
 }
 
 }  // namespace zerorate::reference

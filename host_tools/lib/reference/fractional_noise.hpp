@@ -34,9 +34,10 @@ struct LinearPredictor {
 [[nodiscard]] Eigen::VectorXd error_variance(const FractionalNoise& noise,
                                              const Eigen::MatrixXd& weights);
 
-/// The variance of the integrated error: the sum over all leads of a'y - (b + x + v). The rows of
-/// weights sum to 1. Time O((leads + samples)^2).
-[[nodiscard]] double integrated_error_variance(const FractionalNoise& noise,
+/// The covariance of the errors a'y - (b + x + v) of the raw samples at all leads, for rows of
+/// weights that sum to 1: with A = (-weights, 1), A (C + r I) A'. Its sum is the variance of the
+/// integrated error, its trace the mean of the squared RSSE. Time O(leads (samples + leads)^2).
+[[nodiscard]] Eigen::MatrixXd error_covariance(const FractionalNoise& noise,
                                                const Eigen::MatrixXd& weights);
 
 }  // namespace zerorate::reference

@@ -10,6 +10,7 @@
 #include "host_tools/lib/experiments/node_predictors.hpp"
 #include "host_tools/lib/experiments/parallel.hpp"
 #include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -54,8 +55,8 @@ TEST(MovingAverage, IsAsGoodAsTheExactSuffixMeansOfEquationsEightAndNine) {
   const Eigen::ArrayXd loss = reference::error_variance(noise, node).array() /
                               reference::error_variance(noise, exact).array();
   EXPECT_LT((loss - 1.0).abs().maxCoeff(), 0.005);
-  EXPECT_NEAR(reference::integrated_error_variance(noise, node) /
-                  reference::integrated_error_variance(noise, exact),
+  EXPECT_NEAR(reference::error_covariance(noise, node).sum() /
+                  reference::error_covariance(noise, exact).sum(),
               1.0, 0.002);
 }
 
@@ -110,6 +111,26 @@ TEST(Standing, OfFourScoresIsWorkedOutByHand) {
   EXPECT_NEAR(s.rsse_ratio.error, 0.0, 1e-15);
   EXPECT_DOUBLE_EQ(s.ie_ratio.value, 0.5);
   EXPECT_NEAR(s.ie_ratio.error, 0.0, 1e-15);
+}
+
+// The squares of a score that is nearly known tell most of its luck: what is left of the ratio's
+// error is far smaller, and covers the truth.
+TEST(ControlledRatio, IsSharperThanTheRatioAndHoldsTheTruth) {
+  constexpr std::size_t kSets = 2000;
+  constexpr double kTrueRatio = 0.8;
+  std::vector<double> normal(2 * kSets);
+  simulate::RandomStream{1}.fill_normal(0, normal);
+  std::vector<Score> scores(kSets);
+  std::vector<Score> yardstick(kSets);
+  for (std::size_t i = 0; i < kSets; ++i) {
+    yardstick[i].rsse = 10.0 + normal[2 * i];
+    scores[i].rsse = kTrueRatio * (10.0 + 0.5 * normal[2 * i] + 0.5 * normal[2 * i + 1]);
+  }
+  const Figure plain = make_standing("", scores, yardstick).rsse_ratio;
+  const Figure controlled =
+      controlled_rsse_ratio(scores, kTrueRatio * kTrueRatio * 100.5, yardstick, 101.0);
+  EXPECT_LT(controlled.error, 0.1 * plain.error);
+  EXPECT_NEAR(controlled.value, kTrueRatio, 4.0 * controlled.error);
 }
 
 }  // namespace

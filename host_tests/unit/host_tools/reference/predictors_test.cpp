@@ -150,11 +150,20 @@ TEST(Covariance, IsTheProductOfTheIntegrationMatrices) {
       1e-12);
 }
 
-TEST(IntegratedErrorVariance, OfTheMeanOfWhiteNoiseIsTheClosedForm) {
-  // m values and m times the mean of n values: m r + m^2 r / n.
+TEST(ErrorCovariance, OfTheMeanOfWhiteNoiseIsTheClosedForm) {
+  // Each of m values has r, and all share the mean of n values: r (1 + 1 1' / n).
   const MatrixXd mean = MatrixXd::Constant(30, 20, 1.0 / 20.0);
   const FractionalNoise white{.innovation_variance = 0.0, .white_variance = 3.0};
-  EXPECT_NEAR(integrated_error_variance(white, mean), 30.0 * 3.0 + 900.0 * 3.0 / 20.0, 1e-10);
+  const MatrixXd expected = 3.0 * (MatrixXd::Identity(30, 30) + MatrixXd::Ones(30, 30) / 20.0);
+  EXPECT_LT((error_covariance(white, mean) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(ErrorCovariance, HasTheErrorVarianceOfEachLeadOnItsDiagonal) {
+  const LinearPredictor plug_in = make_plug_in_predictor(kWithWhite, kSamples, kLeads);
+  const VectorXd expected =
+      error_variance(kWithWhite, plug_in.weights).array() + kWithWhite.white_variance;
+  const VectorXd diagonal = error_covariance(kWithWhite, plug_in.weights).diagonal();
+  EXPECT_LT((diagonal - expected).cwiseAbs().maxCoeff(), 1e-10);
 }
 
 }  // namespace
