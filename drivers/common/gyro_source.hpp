@@ -15,11 +15,13 @@
 
 namespace zerorate::drivers {
 
-/// One reading of a three-axis gyro.
+/// One reading of a gyro.
 struct GyroSample {
-  core::Instant time;                     ///< of the node's monotonic clock
-  std::array<core::AngularRate, 3> rate;  ///< x, y, z of the chip; raw 0 is exactly 0
-  core::Temperature temperature;          ///< valid only if has_temperature
+  core::Instant time;  ///< of the node's monotonic clock
+  /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis gives its rate on all three, so
+  /// that none of them reads an impossible silence.
+  std::array<core::AngularRate, 3> rate;
+  core::Temperature temperature;  ///< valid only if has_temperature
   bool has_temperature = false;
   std::uint8_t saturated_axes = 0;  ///< bit i: axis i is at or beyond full scale
 };
@@ -31,12 +33,18 @@ struct GyroSample {
 ///   configuration_lost too. Samples that the datasheet asks to discard after power-up never leave
 ///   read().
 /// - `read(now, out)`: the samples available now, oldest first, 0 if none yet. In data-ready mode a
-///   sample is stamped now (pass the stamp of the data-ready edge where there is one); from a FIFO
-///   the newest in the chip is stamped now and the older ones back-dated by the sample period. What
-///   does not fit into out stays in the FIFO. An error loses the samples of that call.
+///   sample is stamped now (pass the stamp of the data-ready edge where there is one). From a FIFO,
+///   samples are stamped one sample period apart, the newest in the chip no later than now and less
+///   than one period before it (sample_clock.hpp). What does not fit into out stays in the FIFO: an
+///   out that comes back full means that there may be more. An error loses the samples of that
+///   call.
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
 /// - `sample_period()`: the chip's own period, trimmed where the chip tells its trim.
+/// - `is_batched()`: true if samples wait in a FIFO; then the `now` of read() must be the time of
+/// the
+///   reading: the edge of a watermark is older than what came after it.
+/// - `kAxes`: how many axes the chip has, 1 or 3.
 template <class Source>
 concept GyroSource = requires(Source& source, const Source& same, core::Instant now,
                               std::span<GyroSample> out) {
@@ -44,6 +52,8 @@ concept GyroSource = requires(Source& source, const Source& same, core::Instant 
   { source.read(now, out) } -> std::same_as<core::Result<std::size_t, DriverError>>;
   { source.verify_next() } -> std::same_as<core::Result<void, DriverError>>;
   { same.sample_period() } -> std::same_as<core::Duration>;
+  { same.is_batched() } -> std::same_as<bool>;
+  requires Source::kAxes == 1 || Source::kAxes == 3;
 };
 
 }  // namespace zerorate::drivers

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <span>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -56,21 +55,6 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
       break;
   }
   return core::deg_per_s(70e-3F);
-}
-
-/// Two bytes of two's complement, low byte first.
-[[nodiscard]] constexpr std::int16_t decode_int16(std::uint8_t low, std::uint8_t high) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | (high << 8U)));
-}
-
-/// One multiplication, so that raw 0 is exactly 0.
-[[nodiscard]] constexpr core::AngularRate decode_rate(std::int16_t raw, core::AngularRate lsb) {
-  return lsb * static_cast<float>(raw);
-}
-
-/// True at or beyond the nominal full scale.
-[[nodiscard]] constexpr bool is_saturated(std::int16_t raw) {
-  return raw >= kFullScaleRaw || raw <= -kFullScaleRaw;
 }
 
 /// 256 LSB a degree, 0 at 25 degC (DS12140, temperature sensor characteristics).

@@ -10,11 +10,15 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "drivers/common/byte_order.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/gyro_source.hpp"
+#include "drivers/common/overrun_report.hpp"
+#include "drivers/common/raw_rates.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/register_bus.hpp"
+#include "drivers/common/sample_clock.hpp"
 #include "drivers/lsm6dso/codec.hpp"
 #include "drivers/lsm6dso/registers.hpp"
 
@@ -44,6 +48,8 @@ struct Settings {
 template <RegisterBus Bus>
 class Lsm6dso {
  public:
+  static constexpr std::size_t kAxes = 3;
+
   constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
       : bus_(bus),
         settings_(settings),
@@ -82,6 +88,8 @@ class Lsm6dso {
 
   /// Nominal until start() has read the chip's trim.
   [[nodiscard]] constexpr core::Duration sample_period() const { return period_; }
+
+  [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:
   enum class Stage : std::uint8_t { off, resetting, running };
@@ -143,7 +151,7 @@ class Lsm6dso {
     if (!trim) return core::Unexpected{trim.error()};
     period_ = lsm6dso::decode_period(settings_.rate, static_cast<std::int8_t>(*trim));
     settled_at_ = now + lsm6dso::settling_time(settings_.rate, period_);
-    last_stamp_ = now;
+    sample_clock_.restart(now, period_);
     stage_ = Stage::running;
     return {};
   }
@@ -162,7 +170,7 @@ class Lsm6dso {
       return core::Unexpected{done.error()};
     }
     if (now < settled_at_) return std::size_t{0};
-    const auto temperature = lsm6dso::decode_temperature(lsm6dso::decode_int16(bytes[0], bytes[1]));
+    const auto temperature = lsm6dso::decode_temperature(decode_int16(bytes[0], bytes[1]));
     out = make_sample(now, std::span<const std::uint8_t, 6>{&bytes[2], 6}, temperature);
     return std::size_t{1};
   }
@@ -175,9 +183,9 @@ class Lsm6dso {
     if (const auto done = read_registers(bus_, lsm6dso::kOutTempL, temperature); !done) {
       return core::Unexpected{done.error()};
     }
-    return drain(
-        now, *words, out,
-        lsm6dso::decode_temperature(lsm6dso::decode_int16(temperature[0], temperature[1])));
+    sample_clock_.begin_batch(now, *words);
+    return drain(*words, out,
+                 lsm6dso::decode_temperature(decode_int16(temperature[0], temperature[1])));
   }
 
   core::Result<std::uint16_t, DriverError> read_fifo_level() {
@@ -189,19 +197,16 @@ class Lsm6dso {
     if (!status.is_plausible) {
       return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoStatus1.address);
     }
-    if (status.is_overrun) {
+    if (overrun_report_.is_due(status.is_overrun)) {
+      sample_clock_.lose_count();
       return refused(DriverErrorCode::fifo_overrun, lsm6dso::kFifoStatus1.address);
     }
     return status.words;
   }
 
-  /// Reads words until out is full or the FIFO is empty. Stamps never run backwards: where the chip
-  /// is faster than its trim says, the interval since the last stamp is divided evenly instead.
-  core::Result<std::size_t, DriverError> drain(core::Instant now, std::size_t words,
-                                               std::span<GyroSample> out,
+  /// Reads words until out is full or the FIFO is empty.
+  core::Result<std::size_t, DriverError> drain(std::size_t words, std::span<GyroSample> out,
                                                core::Temperature temperature) {
-    const core::Duration even = (now - last_stamp_) / static_cast<std::int64_t>(words);
-    const core::Duration step = std::max(core::Duration{}, std::min(period_, even));
     std::size_t count = 0;
     while (words > 0 && count < out.size()) {
       std::array<std::uint8_t, kBurstWords * lsm6dso::kFifoWordBytes> bytes{};
@@ -210,13 +215,14 @@ class Lsm6dso {
       if (const auto done = read_registers(bus_, lsm6dso::kFifoDataOutTag, used); !done) {
         return core::Unexpected{done.error()};
       }
+      words -= burst;
       for (auto rest = used; !rest.empty(); rest = rest.subspan(lsm6dso::kFifoWordBytes)) {
         if (!lsm6dso::is_gyro_tag(rest[0])) {
           return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoDataOutTag.address);
         }
-        last_stamp_ = now - step * static_cast<std::int64_t>(--words);
-        if (last_stamp_ < settled_at_) continue;
-        out[count++] = make_sample(last_stamp_, rest.template subspan<1, 6>(), temperature);
+        const core::Instant time = sample_clock_.next();
+        if (time < settled_at_) continue;
+        out[count++] = make_sample(time, rest.template subspan<1, 6>(), temperature);
       }
     }
     return count;
@@ -228,13 +234,10 @@ class Lsm6dso {
     sample.time = time;
     sample.temperature = temperature;
     sample.has_temperature = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int16_t raw = lsm6dso::decode_int16(bytes[2 * axis], bytes[2 * axis + 1]);
-      sample.rate[axis] = lsm6dso::decode_rate(raw, lsb_);
-      if (lsm6dso::is_saturated(raw)) {
-        sample.saturated_axes |= static_cast<std::uint8_t>(1U << axis);
-      }
-    }
+    set_rates(sample,
+              {decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
+               decode_int16(bytes[4], bytes[5])},
+              lsb_, lsm6dso::kFullScaleRaw);
     return sample;
   }
 
@@ -243,8 +246,9 @@ class Lsm6dso {
   core::AngularRate lsb_;
   core::Duration period_;
   ConfigurationTable<kEntries> configuration_;
+  SampleClock sample_clock_;
+  OverrunReport overrun_report_;
   core::Instant settled_at_;
-  core::Instant last_stamp_;
   Stage stage_ = Stage::off;
 };
 

@@ -40,9 +40,7 @@ template <class Node, drivers::GyroSource Gyro, hal::PulseInput Odometer, hal::D
 class NodeLoop {
  public:
   /// All of them must outlive the loop.
-  /// @param ready stamps the newest sample; with a FIFO, whose edge is older than its newest
-  /// sample,
-  ///        bind a pin that gives no edges
+  /// @param ready stamps the newest sample, unless the gyro is batched
   constexpr NodeLoop(Node& node, Gyro& gyro, Odometer& odometer, Ready& ready, Clock& clock,
                      Sink& sink)
       : node_(node), gyro_(gyro), odometer_(odometer), ready_(ready), clock_(clock), sink_(sink) {}
@@ -64,6 +62,7 @@ class NodeLoop {
 
  private:
   static constexpr std::size_t kBatch = 16;
+  static constexpr std::size_t kMostBatches = 64;  ///< of one poll; more than any FIFO holds
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
@@ -89,21 +88,26 @@ class NodeLoop {
   }
 
   constexpr void take_samples(core::Instant now) {
-    const core::Instant stamp = ready_.take_edge().value_or(now);
+    const auto edge = ready_.take_edge();
+    const core::Instant stamp = gyro_.is_batched() ? now : edge.value_or(now);
     std::array<drivers::GyroSample, kBatch> samples{};
-    const auto count = gyro_.read(stamp, samples);
-    if (!count) {
-      ++counters_.read_errors;
-      if (count.error().code == drivers::DriverErrorCode::fifo_overrun) {
-        ++counters_.overruns;  // the chip goes on by itself
-        counters_.last_error = count.error();
-      } else {
-        fail(count.error(), now);
-      }
-      return;
+    for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
+      const auto count = gyro_.read(stamp, samples);
+      if (!count) return fail_to_read(count.error(), now);
+      for (std::size_t i = 0; i < *count; ++i) publish(node_.step(samples[i]), now);
+      counters_.samples += static_cast<std::uint32_t>(*count);
+      if (*count < kBatch) return;
     }
-    for (std::size_t i = 0; i < *count; ++i) publish(node_.step(samples[i]), now);
-    counters_.samples += static_cast<std::uint32_t>(*count);
+  }
+
+  constexpr void fail_to_read(drivers::DriverError error, core::Instant now) {
+    ++counters_.read_errors;
+    if (error.code == drivers::DriverErrorCode::fifo_overrun) {
+      ++counters_.overruns;  // the chip goes on by itself
+      counters_.last_error = error;
+    } else {
+      fail(error, now);
+    }
   }
 
   /// Once a sample period, whether samples come or not: a chip that lost its power is silent.

@@ -1,10 +1,9 @@
 #include "hal/sim/lsm6dso.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
-#include <numbers>
+
+#include "hal/sim/conversion.hpp"
 
 namespace zerorate::hal::sim {
 namespace {
@@ -32,8 +31,6 @@ enum Address : std::uint8_t {
 
 constexpr core::Duration kResetTime = core::Duration::microseconds(50);
 constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(70);
-constexpr double kTransientDps =
-    20.0;  // of our choosing: large enough to be noticed if let through
 
 // The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
 bool is_writable(std::uint8_t address) {
@@ -53,17 +50,6 @@ double dps_per_lsb(std::uint8_t ctrl2) {
   if ((ctrl2 & 0x02U) != 0) return 0.004375;
   constexpr std::array kByRange{0.00875, 0.0175, 0.035, 0.07};
   return kByRange[(ctrl2 >> 2U) & 3U];
-}
-
-std::int16_t saturate(double lsb) {
-  using Limits = std::numeric_limits<std::int16_t>;
-  return static_cast<std::int16_t>(
-      std::clamp(std::round(lsb), double{Limits::min()}, double{Limits::max()}));
-}
-
-std::uint8_t byte_of(std::int16_t value, bool high) {
-  const auto bits = static_cast<std::uint16_t>(value);
-  return static_cast<std::uint8_t>(high ? bits >> 8U : bits & 0xFFU);
 }
 
 }  // namespace
@@ -107,19 +93,15 @@ core::Duration SimulatedLsm6dso::sample_period() const {
 }
 
 std::int16_t SimulatedLsm6dso::quantize(core::AngularRate rate) const {
-  double rate_dps = static_cast<double>(rate.in(core::rad_per_s)) * 180.0 / std::numbers::pi;
-  const core::Duration age = clock_->now() - powered_at_;
-  if (age < kTurnOnTime) {
-    rate_dps += kTransientDps *
-                (1.0 - static_cast<double>(age.ns()) / static_cast<double>(kTurnOnTime.ns()));
-  }
-  return saturate(rate_dps / dps_per_lsb(registers_[ctrl2_g]));
+  const double rate_dps =
+      in_deg_per_s(rate) + start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
+  return to_counts(rate_dps / dps_per_lsb(registers_[ctrl2_g]));
 }
 
 void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
                                core::Temperature temperature) {
   if (!is_powered()) return;
-  outputs_[0].value = saturate((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
+  outputs_[0].value = to_counts((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
   for (std::size_t axis = 0; axis < 3; ++axis) outputs_[axis + 1].value = quantize(rate[axis]);
   registers_[status_reg] = 0x06;  // GDA, TDA
   push_fifo_word();
@@ -153,7 +135,8 @@ void SimulatedLsm6dso::push_fifo_word() {
   time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
   FifoWord word{static_cast<std::uint8_t>(tag)};
   for (std::size_t i = 0; i < 6; ++i) {
-    word[i + 1] = byte_of(outputs_[1 + i / 2].value, i % 2 == 1);
+    const std::int16_t value = outputs_[1 + i / 2].value;
+    word[i + 1] = i % 2 == 1 ? high_byte(value) : low_byte(value);
   }
   fifo_.push_back(word);
 }
@@ -171,7 +154,7 @@ std::uint8_t SimulatedLsm6dso::read_output(std::uint8_t address) {
   } else if (is_blocked) {
     output.held = value;
   }
-  return byte_of(value, is_high);
+  return is_high ? high_byte(value) : low_byte(value);
 }
 
 std::uint8_t SimulatedLsm6dso::read_fifo_byte(std::uint8_t address) {

@@ -43,7 +43,7 @@ class SimulatedLsm6dso {
   [[nodiscard]] bool is_powered() const;
   /// Nominal period of the configured rate, trim included; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
-  [[nodiscard]] DataReadyPin& int1() { return int1_; }
+  [[nodiscard]] DataReadyPin& interrupt() { return int1_; }
   /// Writes to addresses that the datasheet reserves ("may cause permanent damage").
   [[nodiscard]] std::size_t reserved_writes() const { return reserved_writes_; }
 

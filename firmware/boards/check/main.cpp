@@ -17,6 +17,7 @@
 #include "core/noise/modes.hpp"
 #include "core/noise/random_walk.hpp"
 #include "drivers/common/register_bus.hpp"
+#include "drivers/icm42688/driver.hpp"
 #include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
@@ -141,6 +142,20 @@ void exercise_node() {
   loop.poll();
 }
 
+/// The drivers that the loop above is not bound to.
+template <drivers::GyroSource Source>
+[[gnu::noinline]] void exercise(Source& gyro) {
+  const SomeClock now;
+  std::array<drivers::GyroSample, 4> samples{};
+  if (!gyro.start(now.now()) || !gyro.verify_next()) return;
+  if (gyro.read(now.now(), samples)) report = samples[0].rate[0].in(core::rad_per_s);
+}
+
+void exercise_drivers() {
+  static drivers::Icm42688 icm42688{drivers::SpiRegisters{spi}};
+  exercise(icm42688);
+}
+
 }  // namespace
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
@@ -149,5 +164,6 @@ extern "C" [[noreturn]] int main() {
     exercise_base();
     exercise_estimators();
     exercise_node();
+    exercise_drivers();
   }
 }

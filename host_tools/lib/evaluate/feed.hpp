@@ -43,7 +43,7 @@ class ChipFeed {
         chip_(clock_),
         device_(chip_),
         gyro_(drivers::SpiRegisters{device_}),
-        loop_(node, gyro_, odometer_, chip_.int1(), clock_, sink_) {
+        loop_(node, gyro_, odometer_, chip_.interrupt(), clock_, sink_) {
     while (clock_.now() + kPoll < first_sample) {
       clock_.advance(kPoll);
       loop_.poll();

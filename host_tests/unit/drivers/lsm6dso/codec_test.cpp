@@ -26,22 +26,13 @@ double rad_s(double mdps) {
   return mdps * 1e-3 * std::numbers::pi / 180.0;
 }
 
-TEST(RateOfRawZero, IsExactlyZeroInEveryRange) {
+TEST(Lsb, IsTheSensitivityOfTheDatasheetToFloatAccuracy) {
+  // Three roundings in single precision: of the sensitivity, of pi / 180 and of their product; each
+  // is at most 2^-24 of the value.
+  const double tolerance = 3.0 * std::exp2(-24);
   for (const Range& range : kRanges) {
-    EXPECT_EQ(decode_rate(0, lsb(range.full_scale)).in(core::rad_per_s), 0.0F);
-  }
-}
-
-TEST(RateOfRawExtremes, IsTheSensitivityTimesTheCountToFloatAccuracy) {
-  // Three roundings in single precision: of the sensitivity, of pi / 180 and of their product, and
-  // one of the multiplication; each is at most 2^-24 of the value.
-  const double tolerance = 4.0 * std::exp2(-24);
-  for (const Range& range : kRanges) {
-    for (const std::int16_t raw : {kMin, kMax, std::int16_t{1}, std::int16_t{-1}}) {
-      const double expected = rad_s(range.mdps_per_lsb * raw);
-      const double got = decode_rate(raw, lsb(range.full_scale)).in(core::rad_per_s);
-      EXPECT_NEAR(got, expected, std::abs(expected) * tolerance) << raw;
-    }
+    const double expected = rad_s(range.mdps_per_lsb);
+    EXPECT_NEAR(lsb(range.full_scale).in(core::rad_per_s), expected, expected * tolerance);
   }
 }
 
@@ -49,23 +40,6 @@ TEST(FullScaleRaw, IsTheNominalFullScaleInEveryRange) {
   for (const Range& range : kRanges) {
     EXPECT_EQ(static_cast<int>(range.full_scale_dps * 1000.0 / range.mdps_per_lsb), kFullScaleRaw);
   }
-}
-
-TEST(Saturation, BeginsAtTheNominalFullScaleOnBothSides) {
-  EXPECT_FALSE(is_saturated(0));
-  EXPECT_FALSE(is_saturated(kFullScaleRaw - 1));
-  EXPECT_FALSE(is_saturated(-(kFullScaleRaw - 1)));
-  EXPECT_TRUE(is_saturated(kFullScaleRaw));
-  EXPECT_TRUE(is_saturated(-kFullScaleRaw));
-  EXPECT_TRUE(is_saturated(kMin));
-  EXPECT_TRUE(is_saturated(kMax));
-}
-
-TEST(Int16, IsLittleEndianTwosComplement) {
-  EXPECT_EQ(decode_int16(0x34, 0x12), 0x1234);
-  EXPECT_EQ(decode_int16(0xFF, 0xFF), -1);
-  EXPECT_EQ(decode_int16(0x00, 0x80), kMin);
-  EXPECT_EQ(decode_int16(0xFF, 0x7F), kMax);
 }
 
 TEST(Temperature, Is25DegreesAtZeroAnd256CountsADegree) {

@@ -10,7 +10,7 @@
 #include "drivers/lsm6dso/registers.hpp"
 #include "hal/sim/odometer.hpp"
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/unit/drivers/lsm6dso/rig.hpp"
+#include "host_tests/support/simulated_gyros.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 
 namespace zerorate::app {
@@ -41,7 +41,7 @@ struct FailingOdometer {
 
 /// A node's loop on the simulated chip, over SPI, with faults.
 struct LoopRig {
-  using Chip = drivers::Rig<drivers::OverSpi>;
+  using Chip = support::GyroRig<support::OverSpi<support::Lsm6dso>>;
   using Loop = NodeLoop<testing::Node, decltype(Chip::driver), FailingOdometer,
                         hal::sim::DataReadyPin, hal::sim::SimulatedClock, Published>;
 
@@ -79,7 +79,7 @@ struct LoopRig {
   Published published;
   testing::Node::Params params = testing::node_params();
   testing::Node node{params};
-  Loop loop{node, hardware.driver, odometer, hardware.chip.int1(), hardware.clock, published};
+  Loop loop{node, hardware.driver, odometer, hardware.chip.interrupt(), hardware.clock, published};
 };
 
 TEST(NodeLoopWithHealthyHardware, StartsOnceAndPublishesEverySample) {
@@ -239,6 +239,18 @@ TEST(NodeLoopWhoseChipLostItsSupply, StartsItAgainAndKeepsTheBias) {
   EXPECT_EQ(rig.counters().starts, 2U);
   EXPECT_GE(rig.node.measured_ticks(), before.measured_ticks);
   EXPECT_TRUE(rig.published.messages.back().health.calibrated);
+}
+
+TEST(NodeLoopWithAFifoPolledLate, PublishesAllThatWaitsInOnePoll) {
+  LoopRig rig{{.mode = drivers::lsm6dso::Mode::fifo}};
+  rig.start();
+  for (int i = 0; i < 100; ++i) rig.hardware.sample({});
+  rig.loop.poll();
+  ASSERT_EQ(rig.published.messages.size(), 100U);
+  for (std::size_t i = 1; i < 100; ++i) {
+    EXPECT_EQ(rig.published.messages[i].time - rig.published.messages[i - 1].time,
+              rig.hardware.driver.sample_period());
+  }
 }
 
 TEST(NodeLoopWithAFifoThatOverran, CountsItAndReadsOn) {

@@ -1,0 +1,117 @@
+/// @file
+/// What the ICM-42688-P's bits mean, as pure functions. Source: TDK DS-000347; README.md says of
+/// each fact how it was come by.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "drivers/icm42688/registers.hpp"
+
+namespace zerorate::drivers::icm42688 {
+
+/// Full scale; the values are the code of GYRO_FS_SEL.
+enum class FullScale : std::uint8_t {
+  dps_2000 = 0,
+  dps_1000 = 1,
+  dps_500 = 2,
+  dps_250 = 3,
+  dps_125 = 4,
+  dps_62_5 = 5,
+  dps_31_25 = 6,
+  dps_15_625 = 7,
+};
+
+/// Output data rate; the values are the code of GYRO_ODR.
+enum class OutputDataRate : std::uint8_t {
+  hz_12_5 = 11,
+  hz_25 = 10,
+  hz_50 = 9,
+  hz_100 = 8,
+  hz_200 = 7,
+  hz_500 = 15,
+  hz_1000 = 6,
+  hz_2000 = 5,
+};
+
+/// The chip clips here: one more would be kInvalidRaw on the negative side.
+inline constexpr std::int16_t kFullScaleRaw = 32767;
+/// Stands for "no sample".
+inline constexpr std::int16_t kInvalidRaw = -32768;
+
+/// The rate of one LSB: full scale by 2^15. The datasheet rounds its inverse to three digits.
+[[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
+  const unsigned code = static_cast<unsigned>(full_scale);
+  return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
+}
+
+/// 132.48 LSB a degree, 0 at 25 degC (DS-000347, 4.13).
+[[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
+  return core::Temperature::from_degc(25.0F + static_cast<float>(raw) / 132.48F);
+}
+
+/// INT_STATUS, FIFO_COUNTH and FIFO_COUNTL.
+struct FifoStatus {
+  std::uint16_t packets;  ///< complete ones that wait
+  bool is_full;           ///< it was full since INT_STATUS was last read: samples may be lost
+  bool is_plausible;      ///< the bit that is always 0 is 0, and the FIFO can hold so much
+};
+[[nodiscard]] constexpr FifoStatus decode_fifo_status(std::uint8_t int_status,
+                                                      std::uint8_t count_high,
+                                                      std::uint8_t count_low) {
+  const auto bytes = static_cast<std::uint16_t>((count_high << 8U) | count_low);
+  return {static_cast<std::uint16_t>(bytes / kFifoPacketBytes),
+          (int_status & bits::kIntStatusFifoFull) != 0,
+          (int_status & bits::kIntStatusAlwaysZero) == 0 && bytes <= kFifoBytes};
+}
+
+/// True if a FIFO packet's header says: a packet of gyro alone, 16 bits. The bits that it does not
+/// look at tell of time stamps and changes of rate.
+[[nodiscard]] constexpr bool is_gyro_header(std::uint8_t header) {
+  constexpr std::uint8_t kMessageAccelGyro20Bit = 0xF0;
+  constexpr std::uint8_t kGyroAlone = 0x20;
+  return (header & kMessageAccelGyro20Bit) == kGyroAlone;
+}
+
+/// GYRO_CONFIG0: range and rate.
+[[nodiscard]] constexpr std::uint8_t encode_gyro_config0(OutputDataRate rate,
+                                                         FullScale full_scale) {
+  return static_cast<std::uint8_t>((static_cast<unsigned>(full_scale) << 5U) |
+                                   static_cast<unsigned>(rate));
+}
+
+/// Nominal; the chip's oscillator may be 1 % off.
+[[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
+  switch (rate) {
+    case OutputDataRate::hz_12_5:
+      return core::Duration::milliseconds(80);
+    case OutputDataRate::hz_25:
+      return core::Duration::milliseconds(40);
+    case OutputDataRate::hz_50:
+      return core::Duration::milliseconds(20);
+    case OutputDataRate::hz_100:
+      return core::Duration::milliseconds(10);
+    case OutputDataRate::hz_200:
+      return core::Duration::milliseconds(5);
+    case OutputDataRate::hz_500:
+      return core::Duration::milliseconds(2);
+    case OutputDataRate::hz_1000:
+      return core::Duration::milliseconds(1);
+    case OutputDataRate::hz_2000:
+      break;
+  }
+  return core::Duration::microseconds(500);
+}
+
+/// No access for so long after a software reset.
+inline constexpr core::Duration kResetTime = core::Duration::milliseconds(1);
+
+/// How long after power-up the output may not be used: twice the typical start-up time of 30 ms,
+/// and three samples for the filter of half the output rate, and that samples are not aligned with
+/// our clock.
+[[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
+  return core::Duration::milliseconds(60) + period * 3;
+}
+
+}  // namespace zerorate::drivers::icm42688

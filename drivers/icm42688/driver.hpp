@@ -1,0 +1,266 @@
+/// @file
+/// Driver of the gyro in TDK's ICM-42688-P, over SPI or I2C, polled by data-ready or through the
+/// FIFO.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "drivers/common/byte_order.hpp"
+#include "drivers/common/configuration_table.hpp"
+#include "drivers/common/driver_error.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/overrun_report.hpp"
+#include "drivers/common/raw_rates.hpp"
+#include "drivers/common/register_access.hpp"
+#include "drivers/common/register_bus.hpp"
+#include "drivers/common/sample_clock.hpp"
+#include "drivers/icm42688/codec.hpp"
+#include "drivers/icm42688/registers.hpp"
+
+namespace zerorate::drivers {
+
+namespace icm42688 {
+
+enum class Mode : std::uint8_t {
+  data_ready,  ///< each read() gives the latest sample; INT1 pulses when there is a new one
+  fifo,        ///< the chip keeps up to 256 samples; INT1 pulses from the watermark on
+};
+
+/// Chosen once, for the life of the driver.
+struct Settings {
+  FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 7.6 mdps at 250 deg/s
+  OutputDataRate rate = OutputDataRate::hz_100;
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
+};
+
+}  // namespace icm42688
+
+/// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 24 MHz.
+///
+/// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
+/// back end's.
+template <RegisterBus Bus>
+class Icm42688 {
+ public:
+  static constexpr std::size_t kAxes = 3;
+
+  constexpr explicit Icm42688(Bus bus, icm42688::Settings settings = {})
+      : bus_(bus),
+        settings_(settings),
+        lsb_(icm42688::lsb(settings.full_scale)),
+        configuration_(configuration(settings)) {}
+
+  /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
+  /// 1 ms has passed, then identity, configuration (36 transactions) and success. When it runs, or
+  /// after any other error, a call begins anew. A chip that was left in another register bank is
+  /// brought back first, which takes one call more.
+  core::Result<void, DriverError> start(core::Instant now) {
+    const bool is_reset_pending = stage_ == Stage::resetting;
+    if (is_reset_pending && now - reset_at_ < icm42688::kResetTime) {
+      return refused(DriverErrorCode::not_ready, icm42688::kDeviceConfig.address);
+    }
+    stage_ = Stage::off;
+    if (const auto known = check_identity(); !known) return known;
+    return is_reset_pending ? finish_start(now) : begin_reset(now);
+  }
+
+  /// Data-ready mode: two transactions if there is a sample, one if not. FIFO mode: two, and one
+  /// for every 16 samples. Samples of the first 60 ms and more after power-up are dropped (README).
+  /// Errors: not_ready before start() succeeded; fifo_overrun once for each gap; corrupt_data.
+  core::Result<std::size_t, DriverError> read(core::Instant now, std::span<GyroSample> out) {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, icm42688::kPwrMgmt0.address);
+    }
+    if (out.empty()) return std::size_t{0};
+    return settings_.mode == icm42688::Mode::fifo ? read_fifo(now, out) : read_latest(now, out[0]);
+  }
+
+  /// One transaction. Does not stop the driver: whether to start again is the application's choice.
+  core::Result<void, DriverError> verify_next() {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, icm42688::kPwrMgmt0.address);
+    }
+    return configuration_.verify_next(bus_);
+  }
+
+  /// Nominal: the chip does not tell its trim.
+  [[nodiscard]] constexpr core::Duration sample_period() const {
+    return icm42688::sample_period(settings_.rate);
+  }
+
+  [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == icm42688::Mode::fifo; }
+
+ private:
+  enum class Stage : std::uint8_t { off, resetting, running };
+  static constexpr std::size_t kBurstPackets = 16;
+  static constexpr std::size_t kEntries = 12;
+  static constexpr std::size_t kPacketBytes = icm42688::kFifoPacketBytes;
+
+  static constexpr ConfigurationTable<kEntries> configuration(const icm42688::Settings& settings) {
+    using namespace icm42688;
+    namespace b = icm42688::bits;
+    const bool is_fifo = settings.mode == Mode::fifo;
+    const unsigned watermark_bytes = settings.fifo_watermark * kFifoPacketBytes;
+    const std::uint8_t packet =
+        is_fifo ? b::kFifoConfig1WmGtTh | b::kFifoConfig1TempEn | b::kFifoConfig1GyroEn
+                : std::uint8_t{0};
+    return ConfigurationTable<kEntries>{{{
+        configure(kRegBankSel, b::kRegBankSelBank, 0),
+        // Count in bytes, not held at the last value, big-endian: its ones and zeros tell a line
+        // that is stuck either way.
+        configure(kIntfConfig0, b::kIntfConfig0Data,
+                  b::kIntfConfig0FifoCountBigEndian | b::kIntfConfig0SensorDataBigEndian),
+        configure(kIntConfig, b::kIntConfigInt1,
+                  b::kIntConfigInt1PushPull | b::kIntConfigInt1ActiveHigh),
+        // "For proper INT1 and INT2 pin operation" says the register's description.
+        configure(kIntConfig1, b::kIntConfig1AsyncReset, 0),
+        configure(kIntSource0, b::kIntSource0All,
+                  is_fifo ? b::kIntSource0FifoThs : b::kIntSource0UiDrdy),
+        // Half the output rate: what is above it would fold into the white noise.
+        configure(kGyroAccelConfig0, b::kGyroUiFiltBw, 0),
+        configure(kFifoConfig1, b::kFifoConfig1All, packet),
+        configure(kFifoConfig2, 0xFF, static_cast<std::uint8_t>(watermark_bytes & 0xFFU)),
+        configure(kFifoConfig3, b::kFifoConfig3Wm,
+                  static_cast<std::uint8_t>(watermark_bytes >> 8U)),
+        configure(kFifoConfig, b::kFifoConfigMode, is_fifo ? b::kFifoModeStream : std::uint8_t{0}),
+        configure(kGyroConfig0, b::kGyroConfig0All,
+                  encode_gyro_config0(settings.rate, settings.full_scale)),
+        // Last: for 200 us after it no register may be written. Accelerometer off, temperature on.
+        configure(kPwrMgmt0, b::kPwrMgmt0All, b::kPwrMgmt0GyroLowNoise),
+    }}};
+  }
+
+  core::Result<void, DriverError> check_identity() {
+    std::array<std::uint8_t, 2> identity_and_bank{};
+    if (const auto done = read_registers(bus_, icm42688::kWhoAmI, identity_and_bank); !done) {
+      return done;
+    }
+    const unsigned bank = identity_and_bank[1];
+    if (bank > 0 && bank <= icm42688::bits::kRegBankSelBank) {
+      if (const auto done = write_register(bus_, icm42688::kRegBankSel, 0); !done) return done;
+      return refused(DriverErrorCode::not_ready, icm42688::kRegBankSel.address);
+    }
+    if (identity_and_bank[0] != icm42688::kWhoAmI.reset) {
+      return refused(DriverErrorCode::wrong_identity, icm42688::kWhoAmI.address);
+    }
+    return {};
+  }
+
+  core::Result<void, DriverError> begin_reset(core::Instant now) {
+    constexpr std::uint8_t kReset = icm42688::bits::kDeviceConfigSoftReset;
+    if (const auto done = write_register(bus_, icm42688::kDeviceConfig, kReset); !done) return done;
+    reset_at_ = now;
+    stage_ = Stage::resetting;
+    return refused(DriverErrorCode::not_ready, icm42688::kDeviceConfig.address);
+  }
+
+  core::Result<void, DriverError> finish_start(core::Instant now) {
+    if (const auto done = configuration_.apply(bus_); !done) return done;
+    settled_at_ = now + icm42688::settling_time(sample_period());
+    sample_clock_.restart(now, sample_period());
+    stage_ = Stage::running;
+    return {};
+  }
+
+  core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {
+    const auto status = read_register(bus_, icm42688::kIntStatus);
+    if (!status) return core::Unexpected{status.error()};
+    if ((*status & icm42688::bits::kIntStatusAlwaysZero) != 0) {
+      return refused(DriverErrorCode::corrupt_data, icm42688::kIntStatus.address);
+    }
+    if ((*status & icm42688::bits::kIntStatusDataRdy) == 0) return std::size_t{0};
+    // Temperature, three axes of the accelerometer that are of no use, and the gyro.
+    std::array<std::uint8_t, 14> bytes{};
+    if (const auto done = read_registers(bus_, icm42688::kTempData1, bytes); !done) {
+      return core::Unexpected{done.error()};
+    }
+    if (now < settled_at_) return std::size_t{0};
+    const auto temperature = icm42688::decode_temperature(decode_int16(bytes[1], bytes[0]));
+    const std::span<const std::uint8_t, 6> gyro{&bytes[8], 6};
+    return std::size_t{make_sample(now, gyro, temperature, out) ? 1U : 0U};
+  }
+
+  core::Result<std::size_t, DriverError> read_fifo(core::Instant now, std::span<GyroSample> out) {
+    const auto packets = read_fifo_level();
+    if (!packets) return core::Unexpected{packets.error()};
+    if (*packets == 0) return std::size_t{0};
+    std::array<std::uint8_t, 2> bytes{};
+    if (const auto done = read_registers(bus_, icm42688::kTempData1, bytes); !done) {
+      return core::Unexpected{done.error()};
+    }
+    sample_clock_.begin_batch(now, *packets);
+    return drain(*packets, out, icm42688::decode_temperature(decode_int16(bytes[1], bytes[0])));
+  }
+
+  core::Result<std::uint16_t, DriverError> read_fifo_level() {
+    std::array<std::uint8_t, 3> bytes{};
+    if (const auto done = read_registers(bus_, icm42688::kIntStatus, bytes); !done) {
+      return core::Unexpected{done.error()};
+    }
+    const auto status = icm42688::decode_fifo_status(bytes[0], bytes[1], bytes[2]);
+    if (!status.is_plausible) {
+      return refused(DriverErrorCode::corrupt_data, icm42688::kIntStatus.address);
+    }
+    if (overrun_report_.is_due(status.is_full)) {
+      sample_clock_.lose_count();
+      return refused(DriverErrorCode::fifo_overrun, icm42688::kIntStatus.address);
+    }
+    return status.packets;
+  }
+
+  /// Reads packets until out is full or the FIFO is empty.
+  core::Result<std::size_t, DriverError> drain(std::size_t packets, std::span<GyroSample> out,
+                                               core::Temperature temperature) {
+    std::size_t count = 0;
+    while (packets > 0 && count < out.size()) {
+      std::array<std::uint8_t, kBurstPackets * kPacketBytes> bytes{};
+      const std::size_t burst = std::min({kBurstPackets, packets, out.size() - count});
+      const auto used = std::span{bytes}.first(burst * kPacketBytes);
+      if (const auto done = read_registers(bus_, icm42688::kFifoData, used); !done) {
+        return core::Unexpected{done.error()};
+      }
+      packets -= burst;
+      for (auto rest = used; !rest.empty(); rest = rest.subspan(kPacketBytes)) {
+        if (!icm42688::is_gyro_header(rest[0])) {
+          return refused(DriverErrorCode::corrupt_data, icm42688::kFifoData.address);
+        }
+        const core::Instant time = sample_clock_.next();
+        if (time < settled_at_) continue;
+        if (make_sample(time, rest.template subspan<1, 6>(), temperature, out[count])) ++count;
+      }
+    }
+    return count;
+  }
+
+  /// False if the chip says that it has no sample.
+  bool make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
+                   core::Temperature temperature, GyroSample& out) const {
+    const std::array raw{decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
+                         decode_int16(bytes[5], bytes[4])};
+    if (std::ranges::find(raw, icm42688::kInvalidRaw) != raw.end()) return false;
+    out.time = time;
+    out.temperature = temperature;
+    out.has_temperature = true;
+    set_rates(out, raw, lsb_, icm42688::kFullScaleRaw);
+    return true;
+  }
+
+  Bus bus_;
+  icm42688::Settings settings_;
+  core::AngularRate lsb_;
+  ConfigurationTable<kEntries> configuration_;
+  SampleClock sample_clock_;
+  OverrunReport overrun_report_;
+  core::Instant reset_at_;
+  core::Instant settled_at_;
+  Stage stage_ = Stage::off;
+};
+
+}  // namespace zerorate::drivers

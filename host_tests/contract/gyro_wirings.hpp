@@ -1,0 +1,29 @@
+/// @file
+/// What the gyro suites run over.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/simulated_gyros.hpp"
+
+namespace zerorate::contract {
+
+using support::Icm42688;
+using support::Lsm6dso;
+using support::OverI2c;
+using support::OverSpi;
+
+using GyrosWithFifo =
+    ::testing::Types<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>>;
+using AllGyros = GyrosWithFifo;
+
+/// A wiring's name in the test's name.
+struct WiringName {
+  template <class Wiring>
+  static std::string GetName(int) {
+    const std::string gyro = Wiring::Gyro::kName;
+    return gyro + (std::is_same_v<Wiring, OverI2c<typename Wiring::Gyro>> ? "OverI2c" : "OverSpi");
+  }
+};
+
+}  // namespace zerorate::contract

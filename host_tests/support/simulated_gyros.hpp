@@ -1,0 +1,133 @@
+/// @file
+/// The gyros that there are, as the contract suite sees them: what a test has to know of a chip in
+/// order to expect something of its driver. Numbers are the datasheets', not the drivers'.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "drivers/common/register_bus.hpp"
+#include "drivers/icm42688/driver.hpp"
+#include "drivers/lsm6dso/driver.hpp"
+#include "hal/sim/i2c.hpp"
+#include "hal/sim/icm42688.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/spi.hpp"
+#include "hal/testing/fault_injector.hpp"
+#include "host_tests/support/gyro_rig.hpp"
+
+namespace zerorate::support {
+
+/// Settings of a full scale, the rate of its LSB, and how far the test goes.
+template <class Settings>
+struct Range {
+  Settings settings;
+  float lsb_dps;
+  float span_dps;
+};
+
+/// Bits of a register that the driver configures.
+struct ConfiguredBits {
+  std::uint8_t address;
+  std::uint8_t bits;
+};
+
+struct Lsm6dso {
+  static constexpr const char* kName = "Lsm6dso";
+  using Simulated = hal::sim::SimulatedLsm6dso;
+  using Settings = drivers::lsm6dso::Settings;
+  using FullScale = drivers::lsm6dso::FullScale;
+  template <class Bus>
+  using Driver = drivers::Lsm6dso<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x6A};
+
+  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F}};
+  static constexpr float kLsbDps = 8.75e-3F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 1.0F / 256.0F;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 512;
+
+  static constexpr std::uint8_t kIdentity = 0x0F;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x18, 0x02}, ConfiguredBits{0x13, 0x42},
+      ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x10, 0xF0}, ConfiguredBits{0x0D, 0xFF},
+      ConfiguredBits{0x07, 0xFF}, ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF},
+      ConfiguredBits{0x0A, 0xF7}, ConfiguredBits{0x11, 0xFF}};
+  static constexpr core::Duration kStartTime = core::Duration::microseconds(50);
+  /// When the first sample may come after start() succeeded, and when it must: 70 ms and three
+  /// samples of 104 Hz, and two more.
+  static constexpr core::Duration kEarliest = core::Duration::microseconds(98'800);
+  static constexpr core::Duration kLatest = core::Duration::microseconds(118'100);
+};
+
+struct Icm42688 {
+  static constexpr const char* kName = "Icm42688";
+  using Simulated = hal::sim::SimulatedIcm42688;
+  using Settings = drivers::icm42688::Settings;
+  using FullScale = drivers::icm42688::FullScale;
+  template <class Bus>
+  using Driver = drivers::Icm42688<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::icm42688::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::icm42688::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_15_625}, 1.0F / 2097.152F, 15.6F},
+      Range<Settings>{{.full_scale = FullScale::dps_31_25}, 1.0F / 1048.576F, 31.2F},
+      Range<Settings>{{.full_scale = FullScale::dps_62_5}, 1.0F / 524.288F, 62.4F},
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32767;
+  static constexpr float kTemperatureLsb = 1.0F / 132.48F;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 256;
+
+  static constexpr std::uint8_t kIdentity = 0x75;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x4C, 0xF0}, ConfiguredBits{0x14, 0x07},
+      ConfiguredBits{0x64, 0x10}, ConfiguredBits{0x65, 0x7F}, ConfiguredBits{0x52, 0x0F},
+      ConfiguredBits{0x5F, 0x7F}, ConfiguredBits{0x60, 0xFF}, ConfiguredBits{0x61, 0x0F},
+      ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(1);
+  /// 60 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(90);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(100);
+};
+
+/// How a chip is attached.
+template <class G>
+struct OverSpi {
+  using Gyro = G;
+  using Bus = hal::sim::SimulatedSpiDevice<typename G::Simulated>;
+  using Link = drivers::SpiRegisters<hal::testing::FaultInjector<Bus>>;
+  using Driver = typename G::template Driver<Link>;
+  static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
+  static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
+};
+template <class G>
+struct OverI2c {
+  using Gyro = G;
+  using Bus = hal::sim::SimulatedI2cBus<typename G::Simulated>;
+  using Link = drivers::I2cRegisters<hal::testing::FaultInjector<Bus>>;
+  using Driver = typename G::template Driver<Link>;
+  static Bus attach(typename G::Simulated& chip) { return Bus{chip, G::kAddress}; }
+  static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus, G::kAddress}; }
+};
+
+}  // namespace zerorate::support

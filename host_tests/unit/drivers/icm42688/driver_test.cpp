@@ -1,0 +1,92 @@
+/// @file
+/// What is particular to the ICM-42688-P; the rest is in host_tests/contract.
+
+#include "drivers/icm42688/driver.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hal/testing/scripted_bus.hpp"
+#include "host_tests/support/simulated_gyros.hpp"
+
+namespace zerorate::drivers {
+namespace {
+
+using core::deg_per_s;
+using hal::testing::Fault;
+using icm42688::Mode;
+using icm42688::Settings;
+using Rig = support::GyroRig<support::OverSpi<support::Icm42688>>;
+
+TEST(Icm42688, ConfiguresTheRegistersThatTheDatasheetNames) {
+  Rig rig{{.mode = Mode::fifo, .fifo_watermark = 40}};
+  ASSERT_TRUE(rig.start());
+  EXPECT_EQ(rig.chip.read_register(0x14), 0x03);  // INT_CONFIG: pulsed, push-pull, active high
+  EXPECT_EQ(rig.chip.read_register(0x16), 0x40);  // FIFO_CONFIG: stream
+  EXPECT_EQ(rig.chip.read_register(0x4C), 0x30);  // INTF_CONFIG0: bytes, big-endian
+  EXPECT_EQ(rig.chip.read_register(0x4E), 0x0C);  // PWR_MGMT0: gyro in low-noise mode
+  EXPECT_EQ(rig.chip.read_register(0x4F), 0x68);  // GYRO_CONFIG0: 250 deg/s, 100 Hz
+  EXPECT_EQ(rig.chip.read_register(0x52), 0x10);  // GYRO_ACCEL_CONFIG0: half the rate
+  EXPECT_EQ(rig.chip.read_register(0x5F), 0x26);  // FIFO_CONFIG1: gyro, temperature
+  EXPECT_EQ(rig.chip.read_register(0x60), 0x40);  // FIFO_CONFIG2 and 3: 320 bytes
+  EXPECT_EQ(rig.chip.read_register(0x61), 0x01);
+  EXPECT_EQ(rig.chip.read_register(0x64), 0x00);  // INT_CONFIG1: INT_ASYNC_RESET cleared
+  EXPECT_EQ(rig.chip.read_register(0x65), 0x04);  // INT_SOURCE0: FIFO threshold
+}
+
+TEST(Icm42688, IsBroughtBackFromAnotherRegisterBank) {
+  for (std::uint8_t bank = 1; bank <= 4; ++bank) {
+    Rig rig;
+    rig.chip.write_register(0x76, bank);
+    EXPECT_TRUE(rig.start());
+  }
+}
+
+TEST(Icm42688Fifo, KeepsASampleThatWasReadInPart) {
+  Rig rig{{.mode = Mode::fifo}};
+  ASSERT_TRUE(rig.start_and_settle());
+  rig.sample({deg_per_s(5.0F), {}, {}});
+  std::array<std::uint8_t, 5> part{};
+  SpiRegisters registers{rig.bus};
+  ASSERT_TRUE(registers.read(0x30, part));  // a burst that broke off
+  std::array<GyroSample, 4> out{};
+  ASSERT_EQ(rig.read(out).value_or(0), 1U);
+  EXPECT_NEAR(out[0].rate[0].in(deg_per_s), 5.0F, 0.005F);
+}
+
+TEST(Icm42688Fifo, AFlippedHeaderIsCorruptData) {
+  for (std::size_t bit = 4; bit < 8; ++bit) {
+    Rig rig{{.mode = Mode::fifo}};
+    ASSERT_TRUE(rig.start_and_settle());
+    rig.sample({});
+    rig.faults.inject(
+        {.kind = Fault::Kind::flipped_bit, .first = rig.faults.calls() + 2, .bit = bit});
+    std::array<GyroSample, 4> out{};
+    const auto read = rig.read(out);
+    ASSERT_FALSE(read) << bit;
+    EXPECT_EQ(read.error(), (DriverError{DriverErrorCode::corrupt_data, {}, 0x30}));
+  }
+}
+
+TEST(Icm42688DataReady, ASampleThatTheChipCallsInvalidIsNone) {
+  Rig rig;
+  ASSERT_TRUE(rig.start_and_settle());
+  rig.sample({});
+  rig.chip.upset(0x27, 0x80);  // GYRO_DATA_Y1: 0000h becomes 8000h
+  std::array<GyroSample, 1> out{};
+  EXPECT_EQ(rig.read(out).value_or(9), 0U);
+  rig.sample({});
+  EXPECT_EQ(rig.read(out).value_or(9), 1U);
+}
+
+TEST(Icm42688OnScriptedSpi, AsksForIdentityAndBankAndResetsTheChip) {
+  using hal::testing::reads;
+  using hal::testing::writes;
+  hal::testing::ScriptedSpiDevice spi;
+  spi.expect({writes({0xF5}), reads({0x47, 0x00})});
+  spi.expect({writes({0x11, 0x01})});
+  Icm42688 driver{SpiRegisters{spi}};
+  EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::not_ready);
+}
+
+}  // namespace
+}  // namespace zerorate::drivers

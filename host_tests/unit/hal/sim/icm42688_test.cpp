@@ -1,0 +1,154 @@
+/// @file
+/// The simulated chip against what is known of the real one, register by register.
+
+#include "hal/sim/icm42688.hpp"
+
+#include <gtest/gtest.h>
+
+namespace zerorate::hal::sim {
+namespace {
+
+using core::deg_per_s;
+constexpr core::Temperature kRoom = core::Temperature::from_degc(25.0F);
+
+class SimulatedIcm42688Test : public ::testing::Test {
+ protected:
+  void SetUp() override { clock_.advance(core::Duration::milliseconds(1)); }
+  /// Switches the gyro on and lets the transient pass.
+  void power_up(std::uint8_t gyro_config0 = 0x68) {
+    chip_.write_register(0x4F, gyro_config0);
+    chip_.write_register(0x4E, 0x0C);
+    clock_.advance(core::Duration::seconds(1));
+  }
+  void enable_fifo() {
+    chip_.write_register(0x5F, 0x06);
+    chip_.write_register(0x16, 0x40);
+  }
+  std::int16_t read_word(std::uint8_t high_address) {
+    const unsigned high = chip_.read_register(high_address);
+    const unsigned low = chip_.read_register(static_cast<std::uint8_t>(high_address + 1U));
+    return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | (high << 8U)));
+  }
+  std::array<std::uint8_t, 8> pop_packet() {
+    std::array<std::uint8_t, 8> packet{};
+    for (std::uint8_t& byte : packet) byte = chip_.read_register(0x30);
+    return packet;
+  }
+  void measure_x(float dps) { chip_.measure({deg_per_s(dps), {}, {}}, kRoom); }
+
+  SimulatedClock clock_;
+  SimulatedIcm42688 chip_{clock_};
+};
+
+TEST_F(SimulatedIcm42688Test, ReadsAsInvalidUntilItMeasures) {
+  EXPECT_EQ(read_word(0x25), -32768);
+  measure_x(10.0F);  // powered down
+  EXPECT_EQ(read_word(0x25), -32768);
+  power_up();
+  measure_x(10.0F);
+  EXPECT_EQ(read_word(0x25), 1311);
+}
+
+TEST_F(SimulatedIcm42688Test, ClipsOneLsbShortOfTheInvalidValue) {
+  power_up();
+  measure_x(1000.0F);
+  EXPECT_EQ(read_word(0x25), 32767);
+  measure_x(-1000.0F);
+  EXPECT_EQ(read_word(0x25), -32767);
+}
+
+TEST_F(SimulatedIcm42688Test, HasEightRanges) {
+  float full_scale_dps = 2000.0F;
+  for (unsigned code = 0; code < 8; ++code, full_scale_dps /= 2.0F) {
+    power_up(static_cast<std::uint8_t>((code << 5U) | 8U));
+    measure_x(full_scale_dps / 4.0F);
+    EXPECT_EQ(read_word(0x25), 8192) << code;
+  }
+}
+
+TEST_F(SimulatedIcm42688Test, DataReadyFallsWhenTheStatusIsRead) {
+  power_up();
+  chip_.read_register(0x2D);
+  measure_x(1.0F);
+  EXPECT_EQ(chip_.read_register(0x2D), 0x08);
+  EXPECT_EQ(chip_.read_register(0x2D), 0x00);
+}
+
+TEST_F(SimulatedIcm42688Test, FifoPacketsCarryGyroAndACoarseTemperature) {
+  enable_fifo();
+  power_up();
+  chip_.measure({deg_per_s(10.0F), deg_per_s(-10.0F), {}}, core::Temperature::from_degc(35.0F));
+  EXPECT_EQ(read_word(0x2E), 8);
+  // 10 deg/s is 1311 LSB, 051Fh; 10 degrees are 20.7 counts.
+  EXPECT_EQ(pop_packet(), (std::array<std::uint8_t, 8>{0x20, 0x05, 0x1F, 0xFA, 0xE1, 0, 0, 21}));
+  EXPECT_EQ(read_word(0x2E), 0);
+  EXPECT_EQ(chip_.read_register(0x30), 0xFF);
+}
+
+TEST_F(SimulatedIcm42688Test, StreamDropsTheOldestAndSaysFull) {
+  enable_fifo();
+  power_up();
+  chip_.read_register(0x2D);
+  for (int i = 0; i < 255; ++i) measure_x(0.0F);
+  EXPECT_EQ(chip_.read_register(0x2D) & 0x02U, 0x00U);
+  measure_x(10.0F);
+  EXPECT_EQ(chip_.read_register(0x2D) & 0x02U, 0x02U);
+  EXPECT_EQ(read_word(0x2E), 2048);
+  for (int i = 0; i < 255; ++i) measure_x(0.0F);
+  EXPECT_EQ(read_word(0x2E), 2048);
+  EXPECT_EQ(pop_packet()[1], 0x05) << "the oldest left is that of 10 deg/s";
+}
+
+TEST_F(SimulatedIcm42688Test, OtherBanksHideTheRegisters) {
+  chip_.write_register(0x76, 1);
+  EXPECT_EQ(chip_.read_register(0x75), 0x00);
+  EXPECT_EQ(chip_.read_register(0x76), 0x01);
+  chip_.write_register(0x76, 0);
+  EXPECT_EQ(chip_.read_register(0x75), 0x47);
+}
+
+TEST_F(SimulatedIcm42688Test, SoftwareResetTakesAMillisecond) {
+  power_up();
+  chip_.write_register(0x11, 0x01);
+  EXPECT_FALSE(chip_.is_powered());
+  chip_.write_register(0x4F, 0x68);  // refused: still in reset
+  EXPECT_EQ(chip_.read_register(0x4F), 0x06);
+  clock_.advance(core::Duration::milliseconds(1));
+  chip_.write_register(0x4F, 0x68);
+  EXPECT_EQ(chip_.read_register(0x4F), 0x68);
+}
+
+TEST_F(SimulatedIcm42688Test, CountsWritesToAddressesThatAreNotListed) {
+  chip_.write_register(0x75, 0x00);
+  chip_.write_register(0x25, 0x00);
+  EXPECT_EQ(chip_.reserved_writes(), 0U);
+  chip_.write_register(0x12, 0xFF);
+  EXPECT_EQ(chip_.reserved_writes(), 1U);
+  EXPECT_EQ(chip_.read_register(0x75), 0x47);
+}
+
+TEST_F(SimulatedIcm42688Test, PeriodIsThatOfTheRate) {
+  EXPECT_EQ(chip_.sample_period(), core::Duration{});
+  power_up(0x68);
+  EXPECT_EQ(chip_.sample_period(), core::Duration::milliseconds(10));
+  power_up(0x6B);
+  EXPECT_EQ(chip_.sample_period(), core::Duration::milliseconds(80));
+  power_up(0x6F);
+  EXPECT_EQ(chip_.sample_period(), core::Duration::milliseconds(2));
+  power_up(0x65);
+  EXPECT_EQ(chip_.sample_period(), core::Duration::microseconds(500));
+}
+
+TEST_F(SimulatedIcm42688Test, TheFirst30MillisecondsAreOff) {
+  chip_.write_register(0x4F, 0x68);
+  chip_.write_register(0x4E, 0x0C);
+  clock_.advance(core::Duration::milliseconds(15));
+  measure_x(0.0F);
+  EXPECT_NEAR(read_word(0x25), 10.0 * 131.072, 1.0);  // half of 20 deg/s
+  clock_.advance(core::Duration::milliseconds(15));
+  measure_x(0.0F);
+  EXPECT_EQ(read_word(0x25), 0);
+}
+
+}  // namespace
+}  // namespace zerorate::hal::sim
