@@ -182,8 +182,6 @@ void fill_holes(EvenSeries& series) {
       const double share = static_cast<double>(k - first + 1) / width;
       series.rate_rad_s[k] = (1.0 - share) * before + share * after;
     }
-    ++series.lost_runs;
-    series.lost_count += end - first;
   });
 }
 
@@ -211,8 +209,10 @@ Losses count_losses(const Record& record) {
 }
 
 EvenSeries even_series_of(const Record& record) {
-  EvenSeries series = count_losses(record).is_uneven ? on_ticks(record)
-                                                     : on_sample_grid(record, mean_period(record));
+  const Losses losses = count_losses(record);
+  EvenSeries series =
+      losses.is_uneven ? on_ticks(record) : on_sample_grid(record, mean_period(record));
+  series.losses = losses;
   keep_longest_stretch(series);
   fill_holes(series);
   return series;

@@ -10,23 +10,6 @@
 
 namespace zerorate::diagnose {
 
-struct EvenSeries {
-  double period_s = 0.0;
-  double start_s = 0.0;  ///< of the first sample, on the record's clock
-  std::vector<double> rate_rad_s;
-  std::vector<double> temperature_degc;  ///< as many, or none
-  std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
-  std::size_t lost_count = 0;
-  std::size_t lost_runs = 0;
-  /// Means over ticks, because the samples come too unevenly; a value holds some of them.
-  bool is_ticks = false;
-
-  [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
-  [[nodiscard]] double time_s(std::size_t k) const {
-    return start_s + period_s * static_cast<double>(k);
-  }
-};
-
 /// Losses of a record by its time stamps.
 struct Losses {
   std::size_t expected = 0;  ///< samples, had none been lost
@@ -37,6 +20,22 @@ struct Losses {
 };
 
 [[nodiscard]] Losses count_losses(const Record& record);
+
+struct EvenSeries {
+  double period_s = 0.0;
+  double start_s = 0.0;  ///< of the first sample, on the record's clock
+  std::vector<double> rate_rad_s;
+  std::vector<double> temperature_degc;  ///< as many, or none
+  std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
+  Losses losses;                         ///< of the whole record
+  /// Means over ticks, because the samples come too unevenly; a value holds some of them.
+  bool is_ticks = false;
+
+  [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
+  [[nodiscard]] double time_s(std::size_t k) const {
+    return start_s + period_s * static_cast<double>(k);
+  }
+};
 
 /// Samples go to the grid of their median interval where at least .7 of it is filled; else means
 /// are taken over ticks of which nearly all hold samples. Where holes are long, the longest stretch

@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kMostRounds = 8;
 constexpr double kConverged = 0.02;  // nats
-constexpr std::size_t kReach = 8;    // values on each side that a hole is filled from
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -23,28 +22,71 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Standard deviation of white noise from the differences of neighbours, most of which are good.
-double rough_sigma(const std::vector<double>& values) {
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    steps.push_back(std::abs(values[k] - values[k - 1]));
-  }
-  return median_of(std::move(steps)) / (0.6745 * std::numbers::sqrt2);
-}
-
-/// The mean of the good values next to a hole; `step` is +1 or -1.
-std::pair<double, double> level_beside(const std::vector<double>& values,
-                                       const std::vector<bool>& bad, std::size_t from, bool after) {
-  double sum = 0.0;
+/// Standard deviation of white noise from the differences of good neighbours.
+double rough_sigma(const std::vector<double>& values, const std::vector<bool>& bad) {
+  double squares = 0.0;
   double count = 0.0;
-  for (std::size_t i = 0; i < 8 * kReach && count < static_cast<double>(kReach); ++i) {
-    if (after ? from + i >= values.size() : i >= from) break;
-    const std::size_t k = after ? from + i : from - 1 - i;
-    if (bad[k]) continue;
-    sum += values[k];
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (bad[k] || bad[k - 1]) continue;
+    const double step = values[k] - values[k - 1];
+    squares += step * step;
     count += 1.0;
   }
-  return {count > 0.0 ? sum / count : 0.0, count};
+  return std::sqrt(0.5 * squares / std::max(count, 1.0));
+}
+
+/// The straight line across a hole [first, end) between the good values on both sides.
+class Bridge {
+ public:
+  Bridge(const std::vector<double>& values, const std::vector<bool>& bad, std::size_t first,
+         std::size_t end)
+      : first_(first), width_(static_cast<double>(end - first + 1)) {
+    for (std::size_t k = first; k-- > 0 && before_.count < kReach;) before_.add(values[k], bad[k]);
+    for (std::size_t k = end; k < values.size() && after_.count < kReach; ++k) {
+      after_.add(values[k], bad[k]);
+    }
+  }
+
+  [[nodiscard]] double at(std::size_t k) const {
+    if (before_.count == 0) return after_.mean();
+    if (after_.count == 0) return before_.mean();
+    const double share = static_cast<double>(k - first_ + 1) / width_;
+    return (1.0 - share) * before_.mean() + share * after_.mean();
+  }
+
+ private:
+  static constexpr std::size_t kReach = 8;
+  struct Side {
+    double sum = 0.0;
+    std::size_t count = 0;
+    void add(double value, bool bad) {
+      if (bad) return;
+      sum += value;
+      ++count;
+    }
+    [[nodiscard]] double mean() const {
+      return count == 0 ? 0.0 : sum / static_cast<double>(count);
+    }
+  };
+
+  std::size_t first_;
+  double width_;
+  Side before_;
+  Side after_;
+};
+
+double normal_share_below(double z) {
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+/// A normal number; beyond the end of the range where the measured value lies at that end.
+double draw_beyond(const Range& range, double measured, double mean, double sigma, double uniform) {
+  double lo = 0.0;
+  double hi = 1.0;
+  if (measured >= range.hi) lo = normal_share_below((range.hi - mean) / sigma);
+  if (measured <= range.lo) hi = normal_share_below((range.lo - mean) / sigma);
+  const double share = std::clamp(lo + uniform * (hi - lo), 1e-15, 1.0 - 1e-15);
+  return mean + sigma * simulate::normal_quantile(share);
 }
 
 double overlap(const Column& a, const Column& b, const std::vector<double>& density) {
@@ -82,6 +124,14 @@ Problem::Problem(const EvenSeries& series, std::uint64_t seed)
   }
 }
 
+std::vector<double> Problem::measured() const {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (!series_->lost[k]) values.push_back(rate_[k]);
+  }
+  return values;
+}
+
 Explanation::Explanation(const Problem& problem, std::vector<Part> parts, const Explanation* before)
     : problem_(&problem), parts_(std::move(parts)) {
   for (const Part& part : parts_) terms_ = terms_ | part.terms;
@@ -99,36 +149,40 @@ std::size_t Explanation::first_amplitude(std::size_t part) const {
 /// that the spectrum of the whole stays what it was.
 void Explanation::replace_values() {
   const std::size_t n = problem_->size();
-  clean_ = problem_->rate_rad_s();
-  is_replaced_.assign(problem_->series().lost.begin(),
-                      problem_->series().lost.begin() + static_cast<std::ptrdiff_t>(n));
-  bool any = problem_->series().lost_count > 0;
+  const std::vector<double>& rate = problem_->rate_rad_s();
+  clean_ = rate;
+  mark_replaced();
+  if (std::ranges::find(is_replaced_, true) == is_replaced_.end()) return;
+  Range clipped;
   for (const Part& part : parts_) {
-    for (const Run& run : part.replaced) {
-      any = true;
-      for (std::size_t k = run.first; k < std::min(run.end, n); ++k) is_replaced_[k] = true;
-    }
+    clipped = {std::max(clipped.lo, part.clipped.lo), std::min(clipped.hi, part.clipped.hi)};
   }
-  if (!any) return;
-  const double sigma = rough_sigma(problem_->rate_rad_s());
+  const double sigma = rough_sigma(rate, is_replaced_);
   const simulate::RandomStream noise =
       simulate::RandomStream(problem_->seed()).substream("replaced values");
-  for (std::size_t k = 0; k < n; ++k) {
-    if (!is_replaced_[k]) continue;
-    std::size_t end = k;
-    while (end < n && is_replaced_[end]) ++end;
-    const auto [before, count_before] =
-        level_beside(problem_->rate_rad_s(), is_replaced_, k, false);
-    const auto [after, count_after] = level_beside(problem_->rate_rad_s(), is_replaced_, end, true);
-    for (std::size_t i = k; i < end; ++i) {
-      const double share = static_cast<double>(i - k + 1) / static_cast<double>(end - k + 1);
-      const double weight_before = count_before > 0.0 ? 1.0 - share : 0.0;
-      const double weight_after = count_after > 0.0 ? share : 0.0;
-      const double weight = std::max(weight_before + weight_after, 1e-9);
-      clean_[i] = (weight_before * before + weight_after * after) / weight +
-                  sigma * noise.normal(static_cast<std::int64_t>(i));
+  for (std::size_t first = 0; first < n; ++first) {
+    if (!is_replaced_[first]) continue;
+    const auto end = static_cast<std::size_t>(
+        std::find(is_replaced_.begin() + static_cast<std::ptrdiff_t>(first), is_replaced_.end(),
+                  false) -
+        is_replaced_.begin());
+    const Bridge bridge(rate, is_replaced_, first, end);
+    for (std::size_t k = first; k < end; ++k) {
+      const double uniform = noise.uniform(static_cast<std::int64_t>(k));
+      clean_[k] = draw_beyond(clipped, rate[k], bridge.at(k), sigma, uniform);
     }
-    k = end;
+    first = end;
+  }
+}
+
+void Explanation::mark_replaced() {
+  const std::size_t n = problem_->size();
+  const std::vector<bool>& lost = problem_->series().lost;
+  is_replaced_.assign(lost.begin(), lost.begin() + static_cast<std::ptrdiff_t>(n));
+  for (const Part& part : parts_) {
+    for (const Run& run : part.replaced) {
+      for (std::size_t k = run.first; k < std::min(run.end, n); ++k) is_replaced_[k] = true;
+    }
   }
 }
 
@@ -221,6 +275,25 @@ const std::vector<double>& Explanation::whitened() const {
     whitened_ = problem_->transform().inverse(flat);
   }
   return whitened_;
+}
+
+Explanation::FastResidual Explanation::fast_residual() const {
+  const NoiseSpectrum& all = noise_.spectrum;
+  const NoiseSpectrum white{.white_variance = all.white_variance,
+                            .low_pass_share = all.low_pass_share};
+  std::vector<double> flat(residual_.size());
+  double kept = 0.0;
+  for (std::size_t k = 1; k < flat.size(); ++k) {
+    if (white.density(problem_->sines()[k], 0, flat.size()) < 0.5 * density_[k]) continue;
+    flat[k] = residual_[k] / std::sqrt(density_[k]);
+    kept += 1.0;
+  }
+  const double share = kept / static_cast<double>(flat.size());
+  constexpr double kTooLittle = 0.1;
+  if (share < kTooLittle) return {whitened(), 1.0};
+  FastResidual fast{problem_->transform().inverse(flat), share};
+  for (double& value : fast.values) value /= std::sqrt(share);
+  return fast;
 }
 
 const std::vector<double>& Explanation::weighted() const {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -32,6 +33,8 @@ class Problem {
   /// Deviation from the median [rad/s].
   [[nodiscard]] const std::vector<double>& rate_rad_s() const { return rate_; }
   [[nodiscard]] double median_rad_s() const { return median_; }
+  /// The same without the lost values.
+  [[nodiscard]] std::vector<double> measured() const;
   [[nodiscard]] const spectrum::CosineTransform& transform() const { return transform_; }
   /// 2 sin(w/2) of each DCT coefficient.
   [[nodiscard]] const std::vector<double>& sines() const { return sines_; }
@@ -60,6 +63,12 @@ struct Run {
   std::size_t end = 0;
 };
 
+/// The range of what could be measured, about the median of the record [rad/s].
+struct Range {
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+};
+
 /// What an effect contributes to a hypothesis. Most effects use one or two of the members.
 struct Part {
   std::string_view effect;
@@ -68,6 +77,7 @@ struct Part {
   std::vector<Column> columns;        ///< mean functions, whose amplitudes are fitted
   std::vector<double> shape;          ///< what else the effect wants to remember, its own affair
   std::vector<Run> replaced;          ///< values that say nothing of the noise
+  Range clipped;                      ///< replaced values at its ends are known to lie beyond them
   std::vector<float> relative_sigma;  ///< of the white noise, one a value; empty: 1
 };
 
@@ -101,6 +111,12 @@ class Explanation {
   [[nodiscard]] const std::vector<double>& weighted() const;
   /// The diagonal of Sigma^-1: a value predicted from all others has the variance 1 / this.
   [[nodiscard]] double information() const { return information_; }
+  /// Residual of the part of the spectrum where white noise prevails, made flat; variance 1.
+  struct FastResidual {
+    std::vector<double> values;
+    double degrees_of_freedom_per_value = 1.0;
+  };
+  [[nodiscard]] FastResidual fast_residual() const;
   /// Values that are replaced, by any part, or lost.
   [[nodiscard]] const std::vector<bool>& is_replaced() const { return is_replaced_; }
   /// The columns weighted by Sigma^-1 among themselves, inverted: for what is left of a further
@@ -109,6 +125,7 @@ class Explanation {
 
  private:
   void replace_values();
+  void mark_replaced();
   void fit(const Explanation* before);
   void fit_amplitudes(const std::vector<double>& coefficients);
   void update_density();

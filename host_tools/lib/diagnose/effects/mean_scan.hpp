@@ -33,6 +33,9 @@ class MeanScan {
 
   [[nodiscard]] const Problem& problem() const { return explanation_->problem(); }
   [[nodiscard]] const std::vector<double>& density() const { return explanation_->density(); }
+  [[nodiscard]] const NoiseSpectrum& noise() const { return explanation_->noise().spectrum; }
+  /// DCT coefficients of what is to be explained.
+  [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
   /// Gain of log likelihood by the best amplitudes of these columns.
   [[nodiscard]] double gain(std::span<const Column> columns) const;
   [[nodiscard]] double gain(const Column& column) const { return gain(std::span(&column, 1)); }

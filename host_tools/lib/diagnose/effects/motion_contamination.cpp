@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::size_t kShortest = 4;     // samples
+constexpr double kLongest = 1.0 / 16.0;  // of the record
+constexpr double kLengthGrid = 1.6;
+constexpr std::size_t kMostEvents = 40;
+
+struct Event {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  double gain_nats = 0.0;
+  double peak_rad_s = 0.0;
+};
+
+/// A half-sine of unit peak.
+double pulse(std::size_t i, std::size_t length) {
+  return std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+}
+
+/// Gains of a pulse of one length at all places at once: a matched filter on Sigma^-1 y.
+class Matched {
+ public:
+  explicit Matched(const Explanation& explanation)
+      : explanation_(&explanation),
+        fft_(explanation.problem().size()),
+        weighted_(fft_.bins()),
+        size_(explanation.problem().size()) {
+    fft_.forward(explanation.weighted(), weighted_);
+  }
+
+  /// Calls visit(place, gain, amplitude) for every place that the pulse fits in.
+  template <class Visit>
+  void scan(std::size_t length, Visit visit) const {
+    std::vector<double> shape(size_);
+    for (std::size_t i = 0; i < length; ++i) shape[i] = pulse(i, length);
+    std::vector<std::complex<double>> bins(fft_.bins());
+    fft_.forward(shape, bins);
+    // Its information is the same everywhere but at the very ends.
+    double information = 0.0;
+    const std::vector<double>& density = explanation_->density();
+    for (std::size_t j = 0; j < bins.size(); ++j) {
+      const double twice = j == 0 || 2 * j == size_ ? 1.0 : 2.0;
+      const std::size_t k = std::clamp<std::size_t>(2 * j, 1, size_ - 1);
+      information += twice * std::norm(bins[j]) / density[k];
+    }
+    information /= static_cast<double>(size_);
+    for (std::size_t j = 0; j < bins.size(); ++j) bins[j] = std::conj(bins[j]) * weighted_[j];
+    std::vector<double> match(size_);
+    fft_.inverse(bins, match);
+    for (std::size_t at = 0; at + length <= size_; ++at) {
+      visit(at, 0.5 * match[at] * match[at] / information, match[at] / information);
+    }
+  }
+
+ private:
+  const Explanation* explanation_;
+  spectrum::RealFft fft_;
+  std::vector<std::complex<double>> weighted_;
+  std::size_t size_;
+};
+
+/// Rotation inside what is held for a standstill. The part's shape: first, end and peak (rad/s) of
+/// every event, one after the other.
+class MotionContamination final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "motion_contamination"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    const double price = price_nats(without.problem().size());
+    const std::vector<Event> events = find_events(without, price);
+    if (events.empty()) return std::nullopt;
+    Offer offer{.part = {.effect = name()}};
+    for (const Event& event : events) {
+      const std::size_t margin = (event.end - event.first) / 4;
+      offer.part.replaced.push_back(
+          {event.first - std::min(event.first, margin), event.end + margin});
+      offer.part.shape.insert(
+          offer.part.shape.end(),
+          {static_cast<double>(event.first), static_cast<double>(event.end), event.peak_rad_s});
+      offer.gain_nats += event.gain_nats;
+      offer.surprise_nats += event.gain_nats - price;
+    }
+    offer.surprise_nats += 1.0;
+    return offer;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const std::vector<double>& shape = found.part().shape;
+    const Problem& problem = found.all.problem();
+    const auto events = static_cast<double>(shape.size() / 3);
+    double squares = 0.0;
+    double duration_s = 0.0;
+    Account account;
+    account.drawing.effect = name();
+    for (std::size_t i = 0; i < shape.size(); i += 3) {
+      duration_s += (shape[i + 1] - shape[i]) * problem.period_s() / events;
+      squares += shape[i + 2] * shape[i + 2] / events;
+      for (auto k = static_cast<std::size_t>(shape[i]); k < static_cast<std::size_t>(shape[i + 1]);
+           k += 1 + static_cast<std::size_t>(shape[i + 1] - shape[i]) / 50) {
+        account.drawing.marks.push_back(
+            {problem.series().time_s(k), problem.rate_rad_s()[k] + problem.median_rad_s()});
+      }
+    }
+    const double peak = std::sqrt(squares) * kDegPerRad;
+    const double error = 1.0 / std::sqrt(2.0 * events);
+    account.parameters = {{"events", events, events, events},
+                          positive_parameter("peak_sigma_dps", peak, error),
+                          positive_parameter("duration_s", duration_s, 0.5 / std::sqrt(events))};
+    account.sentence = fmt::format(
+        "The sensor was turned {:.0f} time{} although it was held for still, the first time at "
+        "{:.5g} s, "
+        "for about {:.2g} s at up to {:.2g} deg/s.",
+        events, events > 1.0 ? "s" : "",
+        problem.series().time_s(static_cast<std::size_t>(shape.front())), duration_s, peak);
+    return account;
+  }
+
+  void extend(const Found& /*found*/, model::SensorModel& model) const override {
+    constexpr double kGateSigma = 5.0;
+    model.gate = model::Gate{.threshold_sigma = kGateSigma};
+  }
+
+ private:
+  /// An event has a place and a length.
+  static double price_nats(std::size_t size) { return std::log(static_cast<double>(size)) + 2.0; }
+
+  static std::vector<Event> find_events(const Explanation& without, double price) {
+    const std::size_t n = without.problem().size();
+    const Matched matched(without);
+    std::vector<Event> peaks;
+    for (double length = kShortest; length < kLongest * static_cast<double>(n);
+         length *= kLengthGrid) {
+      const auto whole = static_cast<std::size_t>(length);
+      matched.scan(whole, [&](std::size_t at, double gain, double amplitude) {
+        if (gain < price + 1.0) return;
+        // Peaks of one length that overlap: the best of them.
+        if (!peaks.empty() && peaks.back().end - peaks.back().first == whole &&
+            at < peaks.back().end) {
+          if (gain > peaks.back().gain_nats) peaks.back() = {at, at + whole, gain, amplitude};
+        } else {
+          peaks.push_back({at, at + whole, gain, amplitude});
+        }
+      });
+    }
+    std::ranges::stable_sort(peaks, std::greater{}, &Event::gain_nats);
+    std::vector<Event> events;
+    for (const Event& peak : peaks) {
+      const std::size_t length = peak.end - peak.first;
+      const bool overlaps = std::ranges::any_of(events, [&](const Event& event) {
+        const std::size_t margin = event.end - event.first + length;
+        return peak.first < event.end + margin && event.first < peak.end + margin;
+      });
+      if (!overlaps) events.push_back(peak);
+      if (events.size() == kMostEvents) break;
+    }
+    std::ranges::sort(events, {}, &Event::first);
+    return events;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_motion_contamination() {
+  return std::make_unique<MotionContamination>();
+}
+
+}  // namespace zerorate::diagnose

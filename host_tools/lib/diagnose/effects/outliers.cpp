@@ -1,0 +1,186 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr double kMostProbable = 0.03;  // what is more frequent is not an outlier
+constexpr double kLeastSize = 2.0;      // in standard deviations of the rest
+constexpr double kBinsPerSigma = 20.0;
+constexpr std::size_t kBins = 2000;  // the last one holds all that is farther out
+
+/// A share p of N(0, v (1 + s^2)) in N(0, v).
+struct Mixture {
+  double variance = 1.0;
+  double probability = 1e-3;
+  double size = 6.0;
+
+  /// Log density over that of a standard normal, and the posterior probability of an outlier.
+  struct At {
+    double log_ratio;
+    double posterior;
+  };
+  [[nodiscard]] At at(double z) const {
+    const double wide = variance * (1.0 + size * size);
+    const double good =
+        std::log1p(-probability) - 0.5 * std::log(variance) - 0.5 * z * z / variance;
+    const double bad = std::log(probability) - 0.5 * std::log(wide) - 0.5 * z * z / wide;
+    const double larger = std::max(good, bad);
+    const double sum = larger + std::log(std::exp(good - larger) + std::exp(bad - larger));
+    return {sum + 0.5 * z * z, std::exp(bad - sum)};
+  }
+};
+
+/// Deletion residuals: how far each value is from what all others let expect, in sigma.
+std::vector<double> deletion_residuals(const Explanation& explanation) {
+  std::vector<double> residuals = explanation.weighted();
+  const double scale = 1.0 / std::sqrt(explanation.information());
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    residuals[k] = explanation.is_replaced()[k] ? 0.0 : residuals[k] * scale;
+  }
+  return residuals;
+}
+
+/// Counts and mean squares of |z|, so that fitting does not depend on the length of the record.
+class Histogram {
+ public:
+  explicit Histogram(const std::vector<double>& residuals) : bins_(kBins) {
+    for (const double z : residuals) {
+      const double place = std::min(std::abs(z) * kBinsPerSigma, double{kBins - 1});
+      Bin& bin = bins_[static_cast<std::size_t>(place)];
+      bin.count += 1.0;
+      bin.squares += z * z;
+    }
+  }
+
+  /// Expectation maximisation; the bounds make it say nothing where there are no outliers.
+  [[nodiscard]] Mixture fit(Mixture mixture) const {
+    for (int i = 0; i < 60; ++i) {
+      double bad = 0.0;
+      double bad_squares = 0.0;
+      double total = 0.0;
+      double good_squares = 0.0;
+      for (const Bin& bin : bins_) {
+        if (bin.count == 0.0) continue;
+        const double posterior = mixture.at(std::sqrt(bin.squares / bin.count)).posterior;
+        bad += posterior * bin.count;
+        bad_squares += posterior * bin.squares;
+        good_squares += (1.0 - posterior) * bin.squares;
+        total += bin.count;
+      }
+      mixture.variance = good_squares / (total - bad);
+      mixture.probability = std::clamp(bad / total, 1e-9, kMostProbable);
+      const double size = std::sqrt(std::max(0.0, bad_squares / bad / mixture.variance - 1.0));
+      mixture.size = std::max(size, kLeastSize);
+    }
+    return mixture;
+  }
+
+  /// Over one normal distribution of the best variance.
+  [[nodiscard]] double gain(const Mixture& mixture) const {
+    double squares = 0.0;
+    double total = 0.0;
+    double sum = 0.0;
+    for (const Bin& bin : bins_) {
+      if (bin.count == 0.0) continue;
+      squares += bin.squares;
+      total += bin.count;
+      sum += bin.count * (mixture.at(std::sqrt(bin.squares / bin.count)).log_ratio) -
+             0.5 * bin.squares;
+    }
+    return sum + 0.5 * total * (std::log(squares / total) + 1.0);
+  }
+
+ private:
+  struct Bin {
+    double count = 0.0;
+    double squares = 0.0;
+  };
+  std::vector<Bin> bins_;
+};
+
+/// Single wild samples. The part's shape: probability, size in sigma, sigma in rad/s.
+class Outliers final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "outliers"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    const std::vector<double> residuals = deletion_residuals(without);
+    const Histogram histogram(residuals);
+    Mixture best;
+    double best_gain = 0.0;
+    for (const double size : {3.0, 10.0, 50.0}) {
+      const Mixture mixture = histogram.fit({.size = size});
+      const double gain = histogram.gain(mixture);
+      if (gain <= best_gain) continue;
+      best = mixture;
+      best_gain = gain;
+    }
+    if (best_gain <= 0.0) return std::nullopt;
+    const double sigma = std::sqrt(best.variance / without.information());
+    Offer offer{.part = {.effect = name(),
+                         .shape = {best.probability, best.size, sigma},
+                         .replaced = replaced_by(best, residuals, without.problem().seed())},
+                .gain_nats = best_gain};
+    // Two parameters, searched over sizes; probability 0 lies at the edge.
+    offer.surprise_nats = surprise_of_search(best_gain, 2.0, 3.0);
+    return offer;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const auto count = static_cast<double>(found.part().replaced.size());
+    const auto size = static_cast<double>(found.all.problem().size());
+    const double probability = found.part().shape[0];
+    const double sigma = found.part().shape[1] * found.part().shape[2] * kDegPerRad;
+    const double relative_error = 1.0 / std::sqrt(std::max(count, 1.0));
+    Account account{
+        .parameters = {positive_parameter("probability", probability, relative_error),
+                       positive_parameter("sigma_dps", sigma, relative_error / std::sqrt(2.0))},
+        .sentence = fmt::format("About {:.0f} single samples are off by {:.2g} deg/s (rms), "
+                                "{:.3g} times the noise of the others.",
+                                probability * size, sigma, found.part().shape[1])};
+    account.drawing.effect = name();
+    for (const Run& run : found.part().replaced) {
+      const Problem& problem = found.all.problem();
+      account.drawing.marks.push_back({problem.series().time_s(run.first),
+                                       problem.rate_rad_s()[run.first] + problem.median_rad_s()});
+    }
+    return account;
+  }
+
+  /// A filter that does not believe them needs a gate.
+  void extend(const Found& /*found*/, model::SensorModel& model) const override {
+    constexpr double kGateSigma = 4.0;
+    model.gate = model::Gate{.threshold_sigma = kGateSigma};
+  }
+
+ private:
+  /// Each value goes with the probability that it is an outlier, so that those which stay are
+  /// normal, in the tails too.
+  static std::vector<Run> replaced_by(const Mixture& mixture, const std::vector<double>& residuals,
+                                      std::uint64_t seed) {
+    const simulate::RandomStream stream = simulate::RandomStream(seed).substream("outliers");
+    std::vector<Run> runs;
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      const double posterior = mixture.at(residuals[k]).posterior;
+      if (stream.uniform(static_cast<std::int64_t>(k)) < posterior) runs.push_back({k, k + 1});
+    }
+    return runs;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_outliers() {
+  return std::make_unique<Outliers>();
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::size_t kMostPoints = 32'768;
+constexpr std::size_t kFewestSwitches = 3;
+constexpr int kRounds = 14;
+constexpr int kAnnealed = 8;  // rounds in which the flicker noise is held back
+
+using Path = std::vector<std::uint8_t>;
+
+std::size_t switches(const Path& path) {
+  std::size_t count = 0;
+  for (std::size_t k = 1; k < path.size(); ++k) count += path[k] != path[k - 1] ? 1U : 0U;
+  return count;
+}
+
+/// What `count` switches in `size` places cost, log P of the path under the best Markov chain.
+double path_price(std::size_t count, std::size_t size) {
+  const auto k = static_cast<double>(count);
+  return count == 0 ? 0.0 : k * (std::log(static_cast<double>(size) / k) + 1.0);
+}
+
+/// The record at the resolution at which paths are searched: the lowest coefficients of the DCT,
+/// transformed back at their own length.
+class Coarse {
+ public:
+  explicit Coarse(const MeanScan& scan)
+      : size_(spectrum::fast_length_below(std::min(scan.problem().size(), kMostPoints))),
+        whole_(scan.problem().size()),
+        transform_(size_) {
+    const double block = static_cast<double>(whole_) / static_cast<double>(size_);
+    coefficients_.assign(scan.residual().begin(),
+                         scan.residual().begin() + static_cast<std::ptrdiff_t>(size_));
+    for (double& c : coefficients_) c /= std::sqrt(block);
+    white_ = scan.noise().white_variance / block;
+    slow_share_.resize(size_);
+    for (std::size_t k = 1; k < size_; ++k) {
+      const double density = scan.density()[k] / block;
+      slow_share_[k] = std::max(0.0, density - white_);
+    }
+    values_ = transform_.inverse(coefficients_);
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] double white_variance() const { return white_; }
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
+
+  /// Values without the slow noise that is expected once the path is taken away.
+  [[nodiscard]] std::vector<double> without_slow_noise(const std::vector<double>& path_mean,
+                                                       double slow_factor) const {
+    std::vector<double> slow = transform_.forward(path_mean);
+    slow[0] = 0.0;
+    for (std::size_t k = 1; k < size_; ++k) {
+      const double strength = slow_factor * slow_share_[k];
+      slow[k] = (coefficients_[k] - slow[k]) * strength / (strength + white_);
+    }
+    std::vector<double> rest = transform_.inverse(slow);
+    for (std::size_t k = 0; k < size_; ++k) rest[k] = values_[k] - rest[k];
+    return rest;
+  }
+
+  /// The path at the record's own resolution.
+  [[nodiscard]] std::vector<double> expand(const Path& path) const {
+    std::vector<double> values(whole_);
+    for (std::size_t k = 0; k < whole_; ++k) {
+      values[k] = path[std::min(k * size_ / whole_, size_ - 1)];
+    }
+    return values;
+  }
+
+ private:
+  std::size_t size_;
+  std::size_t whole_;
+  spectrum::CosineTransform transform_;
+  std::vector<double> coefficients_;
+  std::vector<double> slow_share_;
+  std::vector<double> values_;
+  double white_ = 0.0;
+};
+
+/// The path of greatest probability between two levels in white noise, each switch at a price.
+Path viterbi(const std::vector<double>& values, std::array<double, 2> levels, double variance,
+             double price) {
+  Path from_zero(values.size());
+  Path from_one(values.size());
+  std::array<double, 2> cost{};
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const bool zero_switched = cost[1] + price < cost[0];
+    const bool one_switched = cost[0] + price < cost[1];
+    from_zero[k] = zero_switched ? 1 : 0;
+    from_one[k] = one_switched ? 0 : 1;
+    cost = {zero_switched ? cost[1] + price : cost[0], one_switched ? cost[0] + price : cost[1]};
+    for (std::size_t s = 0; s < 2; ++s) {
+      const double error = values[k] - levels[s];
+      cost[s] += 0.5 * error * error / variance;
+    }
+  }
+  Path path(values.size());
+  std::uint8_t state = cost[1] < cost[0] ? 1 : 0;
+  for (std::size_t k = values.size(); k-- > 0;) {
+    path[k] = state;
+    state = state == 0 ? from_zero[k] : from_one[k];
+  }
+  return path;
+}
+
+/// Mean of the values in each state.
+std::array<double, 2> levels_of(const std::vector<double>& values, const Path& path) {
+  std::array<double, 2> sums{};
+  std::array<double, 2> counts{1e-9, 1e-9};
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    sums[path[k]] += values[k];
+    counts[path[k]] += 1.0;
+  }
+  return {sums[0] / counts[0], sums[1] / counts[1]};
+}
+
+/// Levels to begin with: the outer parts of the distribution of means over a window.
+std::array<double, 2> outer_levels(const std::vector<double>& values, std::size_t window) {
+  std::vector<double> means;
+  for (std::size_t first = 0; first + window <= values.size(); first += window) {
+    double sum = 0.0;
+    for (std::size_t k = first; k < first + window; ++k) sum += values[k];
+    means.push_back(sum / static_cast<double>(window));
+  }
+  std::ranges::sort(means);
+  return {means[means.size() / 6], means[means.size() - 1 - means.size() / 6]};
+}
+
+std::vector<double> mean_of(const Path& path, std::array<double, 2> levels) {
+  std::vector<double> mean(path.size());
+  for (std::size_t k = 0; k < path.size(); ++k) mean[k] = levels[path[k]];
+  return mean;
+}
+
+/// Path and slow noise in turn, the slow noise held back at first so that it does not take the
+/// path's place.
+Path alternate(const Coarse& coarse, std::array<double, 2> levels, std::optional<Path> path) {
+  const auto size = static_cast<double>(coarse.size());
+  const bool is_new = !path.has_value();
+  if (is_new) {
+    path = viterbi(coarse.values(), levels, coarse.white_variance(), std::log(size));
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    const double factor =
+        is_new ? std::pow(0.01, std::max(0.0, 1.0 - static_cast<double>(round) / kAnnealed)) : 1.0;
+    const std::vector<double> rest = coarse.without_slow_noise(mean_of(*path, levels), factor);
+    levels = levels_of(rest, *path);
+    const double count = std::max(1.0, static_cast<double>(switches(*path)));
+    Path next = viterbi(rest, levels, coarse.white_variance(), std::log(size / count));
+    const bool settled = next == *path && factor == 1.0;
+    path = std::move(next);
+    if (settled || switches(*path) == 0) break;
+  }
+  return *path;
+}
+
+/// A bias that switches between two levels. The part's shape: number of switches, of points, and
+/// the mean lengths of stay in s, low and high.
+class RandomTelegraphNoise final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "random_telegraph_noise"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    std::optional<Offer> best;
+    for (const std::size_t windows : {60U, 400U}) {
+      std::optional<Path> path;
+      std::optional<Offer> offer =
+          offer_of_mean(without, [&](const MeanScan& scan) { return search(scan, windows, path); });
+      if (!offer) continue;
+      const double price = price_of(*offer, without);
+      offer->gain_nats -= price;
+      // Three parameters: height and two lengths of stay.
+      offer->surprise_nats = offer->gain_nats - 2.0;
+      if (!best || offer->gain_nats > best->gain_nats) best = std::move(offer);
+    }
+    return best;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const std::vector<double>& shape = found.part().shape;
+    const double height = std::abs(found.amplitude(0)) * kDegPerRad;
+    const double half = std::max(1.0, 0.5 * shape[0]);
+    const double log_error = 1.0 / std::sqrt(half);
+    const bool is_up = found.amplitude(0) > 0.0;
+    return {
+        .parameters = {parameter("height_dps", height, found.amplitude_error(0) * kDegPerRad),
+                       positive_parameter("mean_low_s", shape[is_up ? 2 : 3], log_error),
+                       positive_parameter("mean_high_s", shape[is_up ? 3 : 2], log_error)},
+        .sentence = fmt::format("The bias switches {:.0f} times between two levels {:.3g} deg/s "
+                                "apart.",
+                                shape[0], height),
+        .drawing = drawing_of(found)};
+  }
+
+  /// For a filter, a process of the same variance and correlation: covariance a b h^2 e^(-t/tau),
+  /// 1/tau = 1/low + 1/high.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const std::vector<double>& shape = found.part().shape;
+    const double low = shape[2];
+    const double high = shape[3];
+    model.gauss_markov.push_back(
+        {.sigma_rad_s = std::abs(found.amplitude(0)) * std::sqrt(low * high) / (low + high),
+         .time_constant_s = low * high / (low + high)});
+  }
+
+ private:
+  [[nodiscard]] std::optional<Part> search(const MeanScan& scan, std::size_t windows,
+                                           std::optional<Path>& path) const {
+    const Coarse coarse(scan);
+    const std::size_t window = std::max<std::size_t>(1, coarse.size() / windows);
+    path = alternate(coarse, outer_levels(coarse.values(), window), path);
+    const std::size_t count = switches(*path);
+    if (count < kFewestSwitches || 8 * count > coarse.size()) return std::nullopt;
+    const std::vector<double> values = coarse.expand(*path);
+    double high = 0.0;
+    for (const double value : values) high += value;
+    const double stays = 0.5 * static_cast<double>(count + 1);
+    const double period_s = scan.problem().period_s();
+    return Part{.effect = name(),
+                .columns = {column_of(scan.problem(), values)},
+                .shape = {static_cast<double>(count), static_cast<double>(coarse.size()),
+                          (static_cast<double>(values.size()) - high) * period_s / stays,
+                          high * period_s / stays}};
+  }
+
+  /// Each switch has its price, less what is not known of its place: a jump of height h in white
+  /// noise r is known to about 4 r / h^2 values.
+  static double price_of(const Offer& offer, const Explanation& without) {
+    std::vector<Part> parts = without.parts();
+    parts.push_back(offer.part);
+    const std::size_t last = parts.size() - 1;
+    const Explanation with(without.problem(), std::move(parts), &without);
+    const double height = with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(last)));
+    const auto count = static_cast<std::size_t>(offer.part.shape[0]);
+    const double block = static_cast<double>(without.problem().size()) / offer.part.shape[1];
+    const double unknown_places =
+        4.0 * with.noise().spectrum.white_variance / (block * height * height);
+    return path_price(count, static_cast<std::size_t>(offer.part.shape[1])) -
+           static_cast<double>(count) * std::log1p(unknown_places);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_random_telegraph_noise() {
+  return std::make_unique<RandomTelegraphNoise>();
+}
+
+}  // namespace zerorate::diagnose

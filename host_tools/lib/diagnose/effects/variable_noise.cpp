@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+#include <span>
+
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::size_t kBlocks = 240;  // a change is searched for between blocks, then refined
+constexpr double kMostCycles = 40.0;  // of a periodic strength over the record
+constexpr std::size_t kShortest = 2;  // blocks
+constexpr double kDeepest = 0.98;     // modulation
+
+/// The strength of the noise over time, up to a factor.
+struct Profile {
+  enum class Kind { steps, periodic };
+  double gain_nats = 0.0;
+  double surprise_nats = 0.0;
+  Kind kind = Kind::steps;
+  std::size_t first = 0;  ///< values [first, end) have another variance ...
+  std::size_t end = 0;
+  double ratio = 1.0;   ///< ... by this factor
+  double cycles = 0.0;  ///< or the variance swings so often over the record,
+  double cosine = 0.0;  ///< as 1 + cosine cos + sine sin
+  double sine = 0.0;
+
+  [[nodiscard]] double variance(std::size_t k, std::size_t size) const {
+    if (kind == Kind::steps) return k >= first && k < end ? ratio : 1.0;
+    const double turn =
+        2.0 * std::numbers::pi * cycles * static_cast<double>(k) / static_cast<double>(size);
+    return std::max(1.0 + cosine * std::cos(turn) + sine * std::sin(turn), 1.0 - kDeepest);
+  }
+};
+
+class Squares {
+ public:
+  explicit Squares(const Explanation::FastResidual& residual)
+      : freedom_(residual.degrees_of_freedom_per_value), sums_(residual.values.size() + 1) {
+    for (std::size_t k = 0; k < residual.values.size(); ++k) {
+      sums_[k + 1] = sums_[k] + residual.values[k] * residual.values[k];
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return sums_.size() - 1; }
+  [[nodiscard]] double freedom() const { return freedom_; }
+  [[nodiscard]] double square(std::size_t k) const { return sums_[k + 1] - sums_[k]; }
+  [[nodiscard]] double mean() const { return sums_.back() / static_cast<double>(size()); }
+
+  /// Of another variance in [first, end) than elsewhere.
+  [[nodiscard]] double gain(std::size_t first, std::size_t end) const {
+    const auto all = static_cast<double>(size());
+    const auto inside = static_cast<double>(end - first);
+    const double outside = all - inside;
+    if (inside < 1.0 || outside < 1.0) return 0.0;
+    const double sum = sums_[end] - sums_[first];
+    const double rest = std::max(sums_.back() - sum, 1e-300);
+    return 0.5 * freedom_ *
+           (all * std::log(sums_.back() / all) - inside * std::log(std::max(sum, 1e-300) / inside) -
+            outside * std::log(rest / outside));
+  }
+  [[nodiscard]] double ratio(std::size_t first, std::size_t end) const {
+    const auto inside = static_cast<double>(end - first);
+    const double sum = sums_[end] - sums_[first];
+    const double rest = (sums_.back() - sum) / (static_cast<double>(size()) - inside);
+    return sum / inside / rest;
+  }
+
+ private:
+  double freedom_;
+  std::vector<double> sums_;
+};
+
+/// One change, or a stretch between two.
+Profile best_steps(const Squares& squares) {
+  const std::size_t n = squares.size();
+  const std::size_t block = std::max<std::size_t>(1, n / kBlocks);
+  Profile best;
+  for (std::size_t first = 0; first < n; first += block) {
+    for (std::size_t end = first + kShortest * block; end <= n; end += block) {
+      const double gain = squares.gain(first, std::min(end, n));
+      if (gain > best.gain_nats)
+        best = {.gain_nats = gain, .first = first, .end = std::min(end, n)};
+    }
+  }
+  for (std::size_t step = block; step > 0; step /= 2) {
+    for (const std::size_t shift : {step, std::size_t{0}}) {
+      const Profile at = best;
+      const auto try_one = [&](std::size_t first, std::size_t end) {
+        const double gain = squares.gain(first, end);
+        if (gain > best.gain_nats) {
+          best.gain_nats = gain;
+          best.first = first;
+          best.end = end;
+        }
+      };
+      if (at.first >= shift) try_one(at.first - shift, at.end);
+      if (at.first + shift < at.end) try_one(at.first + shift, at.end);
+      if (at.end + shift <= n) try_one(at.first, at.end + shift);
+      if (at.end > at.first + shift) try_one(at.first, at.end - shift);
+    }
+  }
+  if (best.gain_nats <= 0.0) return best;
+  best.ratio = squares.ratio(best.first, best.end);
+  const bool single = best.first == 0 || best.end == n;
+  const double places = static_cast<double>(n) * squares.freedom();
+  const double crossings = std::log(places) * (single ? 2.0 : 8.0 * std::log(places));
+  best.surprise_nats = surprise_of_search(best.gain_nats, 1.0, crossings);
+  return best;
+}
+
+/// The variance swings as a sine. The frequency from the spectrum of the squares, the depth by
+/// scoring.
+Profile best_periodic(const Squares& squares) {
+  const std::size_t n = spectrum::fast_length_below(squares.size());
+  const double mean = squares.mean();
+  constexpr std::size_t kPadding = 4;
+  const spectrum::RealFft fft(kPadding * n);
+  std::vector<double> excess(fft.length());
+  for (std::size_t k = 0; k < n; ++k) excess[k] = squares.square(k) / mean - 1.0;
+  std::vector<std::complex<double>> bins(fft.bins());
+  fft.forward(excess, bins);
+  const auto last = std::min(bins.size(), static_cast<std::size_t>(kMostCycles * kPadding));
+  std::size_t at = kPadding / 2;
+  for (std::size_t j = at; j < last; ++j) {
+    if (std::norm(bins[j]) > std::norm(bins[at])) at = j;
+  }
+  Profile best{.kind = Profile::Kind::periodic,
+               .cycles = static_cast<double>(at) / kPadding * static_cast<double>(squares.size()) /
+                         static_cast<double>(n)};
+  const double scale = 2.0 / static_cast<double>(n);
+  best.cosine = std::clamp(scale * bins[at].real(), -0.7, 0.7);
+  best.sine = std::clamp(-scale * bins[at].imag(), -0.7, 0.7);
+  for (int i = 0; i < 12; ++i) {
+    double log_sum = 0.0;
+    double scaled = 0.0;
+    std::array<double, 2> score{};
+    double information = 0.0;
+    std::vector<double> values;
+    for (std::size_t k = 0; k < squares.size(); ++k) {
+      const double variance = best.variance(k, squares.size());
+      const double turn = 2.0 * std::numbers::pi * best.cycles * static_cast<double>(k) /
+                          static_cast<double>(squares.size());
+      const double relative = squares.square(k) / (mean * variance);
+      log_sum += std::log(variance);
+      scaled += relative;
+      score[0] += (relative - 1.0) * std::cos(turn) / variance;
+      score[1] += (relative - 1.0) * std::sin(turn) / variance;
+      information += 0.5 / (variance * variance);
+    }
+    const auto all = static_cast<double>(squares.size());
+    const double gain = 0.5 * squares.freedom() * (-log_sum - all * std::log(scaled / all));
+    best.gain_nats = std::max(best.gain_nats, gain);
+    best.cosine += score[0] / information;
+    best.sine += score[1] / information;
+    const double depth = std::hypot(best.cosine, best.sine);
+    if (depth > kDeepest) {
+      best.cosine *= kDeepest / depth;
+      best.sine *= kDeepest / depth;
+    }
+  }
+  best.surprise_nats = surprise_of_search(best.gain_nats, 2.0, 1.5 * kMostCycles);
+  return best;
+}
+
+/// White noise whose strength changes: at a moment, over a stretch, or periodically. The part's
+/// shape: 0 for steps with first, end and ratio of the variances; 1 for periodic with cycles over
+/// the record and depth.
+class VariableNoise final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "variable_noise"; }
+
+  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    const Squares squares(without.fast_residual());
+    Profile best = best_steps(squares);
+    const Profile periodic = best_periodic(squares);
+    if (periodic.surprise_nats > best.surprise_nats) best = periodic;
+    if (best.gain_nats <= 0.0) return std::nullopt;
+    Offer offer{.part = {.effect = name()},
+                .gain_nats = best.gain_nats,
+                .surprise_nats = best.surprise_nats};
+    const std::size_t n = without.problem().size();
+    std::vector<float>& sigma = offer.part.relative_sigma;
+    double mean = 0.0;
+    for (std::size_t k = 0; k < n; ++k) mean += best.variance(k, n);
+    mean /= static_cast<double>(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      sigma.push_back(static_cast<float>(std::sqrt(best.variance(k, n) / mean)));
+    }
+    if (best.kind == Profile::Kind::steps) {
+      offer.part.shape = {0.0, static_cast<double>(best.first), static_cast<double>(best.end),
+                          best.ratio};
+    } else {
+      offer.part.shape = {1.0, best.cycles, std::hypot(best.cosine, best.sine)};
+    }
+    return offer;
+  }
+
+  [[nodiscard]] Account tell(const Found& found) const override {
+    const std::vector<double>& shape = found.part().shape;
+    return shape[0] == 0.0 ? tell_steps(found, shape) : tell_periodic(found, shape);
+  }
+
+  /// The filter keeps the mean strength, with which its interval is right on average.
+  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+
+ private:
+  static Account tell_steps(const Found& found, const std::vector<double>& shape) {
+    const Problem& problem = found.all.problem();
+    const double from_s = problem.series().time_s(static_cast<std::size_t>(shape[1]));
+    const double to_s = problem.series().time_s(static_cast<std::size_t>(shape[2]));
+    const double factor = std::sqrt(shape[3]);
+    const double inside = shape[2] - shape[1];
+    const double outside = static_cast<double>(problem.size()) - inside;
+    const double log_error = std::sqrt(0.5 / inside + 0.5 / outside);
+    return {.parameters = {positive_parameter("sigma_ratio", factor, log_error),
+                           {"from_s", from_s, from_s, from_s},
+                           {"to_s", to_s, to_s, to_s}},
+            .sentence = fmt::format("Between {:.4g} s and {:.4g} s the white noise is {:.2f} times "
+                                    "as strong as before and after.",
+                                    from_s, to_s, factor)};
+  }
+  static Account tell_periodic(const Found& found, const std::vector<double>& shape) {
+    const double period_s = found.all.problem().span_s() / shape[1];
+    const double depth_error = std::sqrt(4.0 / static_cast<double>(found.all.problem().size()));
+    const double resolution = 0.1 / shape[1];
+    return {.parameters = {positive_parameter("swing_period_s", period_s, resolution),
+                           parameter("variance_swing", shape[2], depth_error)},
+            .sentence = fmt::format("The variance of the white noise swings by {:.0f} % around its "
+                                    "mean, with a period of {:.3g} s.",
+                                    100.0 * shape[2], period_s)};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_variable_noise() {
+  return std::make_unique<VariableNoise>();
+}
+
+}  // namespace zerorate::diagnose
