@@ -14,6 +14,7 @@
 #include "drivers/common/byte_order.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
+#include "drivers/common/fifo_drain.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/overrun_report.hpp"
 #include "drivers/common/raw_rates.hpp"
@@ -99,7 +100,6 @@ class Icm42688 {
 
  private:
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr std::size_t kBurstPackets = 16;
   static constexpr std::size_t kEntries = 12;
   static constexpr std::size_t kPacketBytes = icm42688::kFifoPacketBytes;
 
@@ -215,28 +215,17 @@ class Icm42688 {
     return status.packets;
   }
 
-  /// Reads packets until out is full or the FIFO is empty.
   core::Result<std::size_t, DriverError> drain(std::size_t packets, std::span<GyroSample> out,
                                                core::Temperature temperature) {
-    std::size_t count = 0;
-    while (packets > 0 && count < out.size()) {
-      std::array<std::uint8_t, kBurstPackets * kPacketBytes> bytes{};
-      const std::size_t burst = std::min({kBurstPackets, packets, out.size() - count});
-      const auto used = std::span{bytes}.first(burst * kPacketBytes);
-      if (const auto done = read_registers(bus_, icm42688::kFifoData, used); !done) {
-        return core::Unexpected{done.error()};
-      }
-      packets -= burst;
-      for (auto rest = used; !rest.empty(); rest = rest.subspan(kPacketBytes)) {
-        if (!icm42688::is_gyro_header(rest[0])) {
-          return refused(DriverErrorCode::corrupt_data, icm42688::kFifoData.address);
-        }
-        const core::Instant time = sample_clock_.next();
-        if (time < settled_at_) continue;
-        if (make_sample(time, rest.template subspan<1, 6>(), temperature, out[count])) ++count;
-      }
-    }
-    return count;
+    const auto decode = [&](std::span<const std::uint8_t, kPacketBytes> packet,
+                            GyroSample& sample) {
+      if (!icm42688::is_gyro_header(packet[0])) return Frame::corrupt;
+      const core::Instant time = sample_clock_.next();
+      if (time < settled_at_) return Frame::no_sample;
+      const bool is_valid = make_sample(time, packet.template subspan<1, 6>(), temperature, sample);
+      return is_valid ? Frame::sample : Frame::no_sample;
+    };
+    return drain_fifo<kPacketBytes>(bus_, icm42688::kFifoData, packets, out, decode);
   }
 
   /// False if the chip says that it has no sample.

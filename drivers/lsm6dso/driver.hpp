@@ -2,7 +2,6 @@
 /// Driver of the gyro in ST's LSM6DSO, over SPI or I2C, polled by data-ready or through the FIFO.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include "drivers/common/byte_order.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
+#include "drivers/common/fifo_drain.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/overrun_report.hpp"
 #include "drivers/common/raw_rates.hpp"
@@ -93,7 +93,6 @@ class Lsm6dso {
 
  private:
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr std::size_t kBurstWords = 16;
   static constexpr std::size_t kEntries = 11;
 
   static constexpr ConfigurationTable<kEntries> configuration(const lsm6dso::Settings& settings) {
@@ -204,28 +203,17 @@ class Lsm6dso {
     return status.words;
   }
 
-  /// Reads words until out is full or the FIFO is empty.
   core::Result<std::size_t, DriverError> drain(std::size_t words, std::span<GyroSample> out,
                                                core::Temperature temperature) {
-    std::size_t count = 0;
-    while (words > 0 && count < out.size()) {
-      std::array<std::uint8_t, kBurstWords * lsm6dso::kFifoWordBytes> bytes{};
-      const std::size_t burst = std::min({kBurstWords, words, out.size() - count});
-      const auto used = std::span{bytes}.first(burst * lsm6dso::kFifoWordBytes);
-      if (const auto done = read_registers(bus_, lsm6dso::kFifoDataOutTag, used); !done) {
-        return core::Unexpected{done.error()};
-      }
-      words -= burst;
-      for (auto rest = used; !rest.empty(); rest = rest.subspan(lsm6dso::kFifoWordBytes)) {
-        if (!lsm6dso::is_gyro_tag(rest[0])) {
-          return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoDataOutTag.address);
-        }
-        const core::Instant time = sample_clock_.next();
-        if (time < settled_at_) continue;
-        out[count++] = make_sample(time, rest.template subspan<1, 6>(), temperature);
-      }
-    }
-    return count;
+    constexpr std::size_t kWordBytes = lsm6dso::kFifoWordBytes;
+    const auto decode = [&](std::span<const std::uint8_t, kWordBytes> word, GyroSample& sample) {
+      if (!lsm6dso::is_gyro_tag(word[0])) return Frame::corrupt;
+      const core::Instant time = sample_clock_.next();
+      if (time < settled_at_) return Frame::no_sample;
+      sample = make_sample(time, word.template subspan<1, 6>(), temperature);
+      return Frame::sample;
+    };
+    return drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
   }
 
   [[nodiscard]] GyroSample make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,

@@ -8,13 +8,14 @@
 
 namespace zerorate::contract {
 
+using support::Bmi088;
 using support::Icm42688;
 using support::Lsm6dso;
 using support::OverI2c;
 using support::OverSpi;
 
-using GyrosWithFifo =
-    ::testing::Types<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>>;
+using GyrosWithFifo = ::testing::Types<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>,
+                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>>;
 using AllGyros = GyrosWithFifo;
 
 /// A wiring's name in the test's name.

@@ -8,9 +8,11 @@
 #include <cstdint>
 
 #include "core/base/time.hpp"
+#include "drivers/bmi088/driver.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "drivers/icm42688/driver.hpp"
 #include "drivers/lsm6dso/driver.hpp"
+#include "hal/sim/bmi088.hpp"
 #include "hal/sim/i2c.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
@@ -55,6 +57,7 @@ struct Lsm6dso {
   static constexpr float kFullScaleDps = 250.0F;
   static constexpr std::int16_t kLowestRaw = -32768;
   static constexpr float kTemperatureLsb = 1.0F / 256.0F;
+  static constexpr bool kFramesAreMarked = true;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 512;
 
@@ -95,6 +98,7 @@ struct Icm42688 {
   static constexpr float kFullScaleDps = 250.0F;
   static constexpr std::int16_t kLowestRaw = -32767;
   static constexpr float kTemperatureLsb = 1.0F / 132.48F;
+  static constexpr bool kFramesAreMarked = true;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 256;
 
@@ -108,6 +112,42 @@ struct Icm42688 {
   /// 60 ms and three samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(90);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(100);
+};
+
+struct Bmi088 {
+  static constexpr const char* kName = "Bmi088";
+  using Simulated = hal::sim::SimulatedBmi088;
+  using Settings = drivers::bmi088::Settings;
+  using FullScale = drivers::bmi088::FullScale;
+  template <class Bus>
+  using Driver = drivers::Bmi088<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::bmi088::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::bmi088::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 0.0F;  // none
+  static constexpr bool kFramesAreMarked = false;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 100;
+
+  static constexpr std::uint8_t kIdentity = 0x00;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x1E, 0x88}, ConfiguredBits{0x11, 0xA0}, ConfiguredBits{0x0F, 0x07},
+      ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x16, 0x03}, ConfiguredBits{0x18, 0xA5},
+      ConfiguredBits{0x15, 0xC0}, ConfiguredBits{0x3D, 0xFF}, ConfiguredBits{0x3E, 0xC0}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(30);
+  /// 30 ms and ten samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(130);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
 };
 
 /// How a chip is attached.

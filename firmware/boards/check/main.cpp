@@ -16,6 +16,7 @@
 #include "core/noise/harmonic.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/random_walk.hpp"
+#include "drivers/bmi088/driver.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "drivers/icm42688/driver.hpp"
 #include "drivers/lsm6dso/driver.hpp"
@@ -153,7 +154,9 @@ template <drivers::GyroSource Source>
 
 void exercise_drivers() {
   static drivers::Icm42688 icm42688{drivers::SpiRegisters{spi}};
+  static drivers::Bmi088 bmi088{drivers::SpiRegisters{spi}};
   exercise(icm42688);
+  exercise(bmi088);
 }
 
 }  // namespace

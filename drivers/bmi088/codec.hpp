@@ -1,0 +1,85 @@
+/// @file
+/// What the bits of the BMI088's gyro mean, as pure functions. Source: Bosch BST-BMI088-DS001;
+/// README.md says of each fact how it was come by.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "drivers/bmi088/registers.hpp"
+
+namespace zerorate::drivers::bmi088 {
+
+/// Full scale; the values are the code of GYRO_RANGE.
+enum class FullScale : std::uint8_t {
+  dps_2000 = 0,
+  dps_1000 = 1,
+  dps_500 = 2,
+  dps_250 = 3,
+  dps_125 = 4,
+};
+
+/// Output data rate and the bandwidth of its filter; the values are the code of GYRO_BANDWIDTH.
+enum class OutputDataRate : std::uint8_t {
+  hz_2000_bandwidth_532 = 0,
+  hz_2000_bandwidth_230 = 1,
+  hz_1000_bandwidth_116 = 2,
+  hz_400_bandwidth_47 = 3,
+  hz_200_bandwidth_23 = 4,
+  hz_100_bandwidth_12 = 5,
+  hz_200_bandwidth_64 = 6,
+  hz_100_bandwidth_32 = 7,
+};
+
+/// Full scale is 32767 LSB, where the chip clips (DS001, 5.5.2).
+inline constexpr std::int16_t kFullScaleRaw = 32767;
+
+/// The rate of one LSB: full scale by 32767 in the table of 5.5.2, by 32768 in the sensitivities of
+/// table 3 (16.384 LSB/dps); the second, see README.md.
+[[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
+  const unsigned code = static_cast<unsigned>(full_scale);
+  return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
+}
+
+/// FIFO_STATUS.
+struct FifoStatus {
+  std::uint8_t frames;  ///< that wait, at most 100
+  bool is_overrun;      ///< frames were lost since the FIFO was cleared
+  bool is_plausible;    ///< the FIFO can hold so much
+};
+[[nodiscard]] constexpr FifoStatus decode_fifo_status(std::uint8_t status) {
+  const auto frames = static_cast<std::uint8_t>(status & bits::kFifoStatusFrames);
+  return {frames, (status & bits::kFifoStatusOverrun) != 0, frames <= kFifoFrames};
+}
+
+/// Nominal; the chip does not tell its trim.
+[[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
+  switch (rate) {
+    case OutputDataRate::hz_2000_bandwidth_532:
+    case OutputDataRate::hz_2000_bandwidth_230:
+      return core::Duration::microseconds(500);
+    case OutputDataRate::hz_1000_bandwidth_116:
+      return core::Duration::milliseconds(1);
+    case OutputDataRate::hz_400_bandwidth_47:
+      return core::Duration::microseconds(2500);
+    case OutputDataRate::hz_200_bandwidth_23:
+    case OutputDataRate::hz_200_bandwidth_64:
+      return core::Duration::milliseconds(5);
+    case OutputDataRate::hz_100_bandwidth_12:
+    case OutputDataRate::hz_100_bandwidth_32:
+      break;
+  }
+  return core::Duration::milliseconds(10);
+}
+
+/// No access for so long after a software reset.
+inline constexpr core::Duration kResetTime = core::Duration::milliseconds(30);
+
+/// How long after configuration the output may not be used: the start-up time of 30 ms, and ten
+/// samples, which in every setting are longer than one period of the filter's corner frequency.
+[[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
+  return core::Duration::milliseconds(30) + period * 10;
+}
+
+}  // namespace zerorate::drivers::bmi088

@@ -1,0 +1,52 @@
+/// @file
+/// Reading the frames that wait in a chip's FIFO.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "drivers/common/driver_error.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/register_access.hpp"
+#include "drivers/common/register_bus.hpp"
+
+namespace zerorate::drivers {
+
+/// What a frame turned out to be.
+enum class Frame : std::uint8_t { sample, no_sample, corrupt };
+
+/// Reads frames until out is full or so many were read; one transaction for every 16.
+/// @param data the register through which the FIFO is read; a burst stays on it
+/// @param waiting complete frames in the FIFO
+/// @param decode (span<const uint8_t, FrameBytes>, GyroSample&) -> Frame, called in the order of
+/// the
+///        FIFO; it is called for every frame that is read
+/// @return samples in out; or the bus's error, or corrupt_data at the first corrupt frame
+template <std::size_t FrameBytes, RegisterBus Bus, class DataRegister, class Decode>
+core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, std::size_t waiting,
+                                                  std::span<GyroSample> out, Decode decode) {
+  constexpr std::size_t kBurstFrames = 16;
+  std::size_t count = 0;
+  while (waiting > 0 && count < out.size()) {
+    std::array<std::uint8_t, kBurstFrames * FrameBytes> bytes{};
+    const std::size_t burst = std::min({kBurstFrames, waiting, out.size() - count});
+    const auto used = std::span{bytes}.first(burst * FrameBytes);
+    if (const auto done = read_registers(bus, data, used); !done) {
+      return core::Unexpected{done.error()};
+    }
+    waiting -= burst;
+    for (auto rest = used; !rest.empty(); rest = rest.subspan(FrameBytes)) {
+      const Frame frame =
+          decode(std::span<const std::uint8_t, FrameBytes>{rest.first(FrameBytes)}, out[count]);
+      if (frame == Frame::corrupt) return refused(DriverErrorCode::corrupt_data, data.address);
+      if (frame == Frame::sample) ++count;
+    }
+  }
+  return count;
+}
+
+}  // namespace zerorate::drivers
