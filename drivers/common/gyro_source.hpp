@@ -18,8 +18,8 @@ namespace zerorate::drivers {
 /// One reading of a gyro.
 struct GyroSample {
   core::Instant time;  ///< of the node's monotonic clock
-  /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis gives its rate on all three, so
-  /// that none of them reads an impossible silence.
+  /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis (its driver's kAxes is 1) gives
+  /// its rate on all three, so that none of them reads an impossible silence.
   std::array<core::AngularRate, 3> rate;
   core::Temperature temperature;  ///< valid only if has_temperature
   bool has_temperature = false;
@@ -44,7 +44,6 @@ struct GyroSample {
 /// - `is_batched()`: true if samples wait in a FIFO; then the `now` of read() must be the time of
 /// the
 ///   reading: the edge of a watermark is older than what came after it.
-/// - `kAxes`: how many axes the chip has, 1 or 3.
 template <class Source>
 concept GyroSource = requires(Source& source, const Source& same, core::Instant now,
                               std::span<GyroSample> out) {
@@ -53,7 +52,6 @@ concept GyroSource = requires(Source& source, const Source& same, core::Instant 
   { source.verify_next() } -> std::same_as<core::Result<void, DriverError>>;
   { same.sample_period() } -> std::same_as<core::Duration>;
   { same.is_batched() } -> std::same_as<bool>;
-  requires Source::kAxes == 1 || Source::kAxes == 3;
 };
 
 }  // namespace zerorate::drivers
