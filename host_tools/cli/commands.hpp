@@ -22,5 +22,6 @@ struct Command {
 [[nodiscard]] Command add_reproduce(CLI::App& app);
 [[nodiscard]] Command add_characterize(CLI::App& app);
 [[nodiscard]] Command add_evaluate(CLI::App& app);
+[[nodiscard]] Command add_diagnose(CLI::App& app);
 
 }  // namespace zerorate::cli

@@ -28,12 +28,6 @@ core::Duration seconds(double value, const char* option) {
   return core::Duration::nanoseconds(std::llround(value * 1e9));
 }
 
-/// A file if there is one of that name, else an entry of the catalogue.
-model::SensorModel load_model(const std::string& name) {
-  const bool is_file = std::filesystem::exists(name) || name.ends_with(".toml");
-  return is_file ? model::read_model(name) : model::find_model(name);
-}
-
 model::SensorModel chosen_model(const ReplayFlags& flags) {
   if (flags.arw_dps_rt_hz.has_value() != flags.bias_instability_dph.has_value()) {
     throw std::invalid_argument("--arw and --bias-instability belong together: give both");
@@ -74,6 +68,11 @@ void print_notes(const evaluate::ReplayResult& result) {
 }
 
 }  // namespace
+
+model::SensorModel load_model(const std::string& name) {
+  const bool is_file = std::filesystem::exists(name) || name.ends_with(".toml");
+  return is_file ? model::read_model(name) : model::find_model(name);
+}
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_option("--axis", flags.axis, "x, y, z or all")

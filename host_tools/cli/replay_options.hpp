@@ -26,6 +26,10 @@ struct ReplayFlags {
   double hold_back_s = 0.5;
 };
 
+/// A sensor model: a file if there is one of that name, else an entry of the catalogue. Throws
+/// model::ModelFileError, std::system_error, std::invalid_argument.
+[[nodiscard]] model::SensorModel load_model(const std::string& name);
+
 void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 
 /// Throws std::invalid_argument, model::ModelFileError.

@@ -1,0 +1,205 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "firmware/model/model_file.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/diagnose/diagnose.hpp"
+#include "host_tools/lib/diagnose/diagnosis_json.hpp"
+#include "host_tools/lib/diagnose/diagnosis_report.hpp"
+#include "host_tools/lib/diagnose/diagnosis_words.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+using diagnose::Diagnosis;
+
+struct Options {
+  std::string recording;
+  std::string axis = "all";
+  std::string model;
+  std::string model_out;
+  double holdout = 0.3;
+  std::string json;
+  std::string report;
+};
+
+/// The last part of a path: what a report and a model say of where they come from.
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+std::vector<Diagnosis> run_diagnosis(const Options& options) {
+  diagnose::DiagnoseOptions diagnose_options{.recording = file_name(options.recording),
+                                             .holdout = options.holdout};
+  if (!options.model.empty()) diagnose_options.base_model = load_model(options.model);
+  recording::Reader reader{options.recording};
+  const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
+  ProgressBar progress{"diagnosing"};
+  // Reading takes about a tenth of the time.
+  constexpr double kReading = 0.1;
+  identify::RestOptions rest;
+  rest.on_progress = [&](std::optional<double> share) {
+    progress.update(share ? std::optional{kReading * *share} : std::nullopt);
+  };
+  const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  std::vector<Diagnosis> diagnoses;
+  for (const std::size_t axis : axes) {
+    diagnose_options.on_progress = [&, done = diagnoses.size()](double share) {
+      const double of_all = (static_cast<double>(done) + share) / static_cast<double>(axes.size());
+      progress.update(kReading + (1.0 - kReading) * of_all);
+    };
+    diagnoses.push_back(diagnose::diagnose(diagnose::record_of(samples, axis), diagnose_options));
+  }
+  return diagnoses;
+}
+
+void print_causes(const Diagnosis& diagnosis) {
+  if (diagnosis.causes.empty()) return;
+  fmt::print("\n  {:<24}{:>12}{:>12}  {}\n", "cause", "gain nats", "p", "alternatives");
+  for (const diagnose::Cause& cause : diagnosis.causes) {
+    std::string rivals;
+    for (const diagnose::Alternative& rival : cause.alternatives) {
+      rivals += fmt::format("{}{} ({:.1f} behind)", rivals.empty() ? "" : ", ", rival.effect,
+                            rival.behind_nats);
+    }
+    fmt::print("  {:<24}{:>12.1f}{:>12.1e}  {}\n", cause.effect, cause.gain_nats, cause.p_value,
+               rivals.empty() ? "none" : rivals);
+    for (const diagnose::Parameter& parameter : cause.parameters) {
+      fmt::print("    {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", parameter.name, parameter.value,
+                 parameter.lo, parameter.hi);
+    }
+  }
+}
+
+void print_misfit(const Diagnosis& diagnosis) {
+  if (std::ranges::none_of(diagnosis.misfit, &diagnose::Misfit::is_outside)) return;
+  fmt::print("\n  {:<28}{:<24}{:>12}  {}\n", "statistic", "where", "recording",
+             "white + 1/f, simulated");
+  for (const diagnose::Misfit& row : diagnosis.misfit) {
+    if (!row.is_outside()) continue;
+    fmt::print("  {:<28}{:<24}{:>12.4g}  {:.4g} to {:.4g}\n", row.statistic, row.where,
+               row.measured, row.simulated_lo, row.simulated_hi);
+  }
+}
+
+void print_estimate(const char* what, const diagnose::IntervalEstimate& estimate) {
+  if (!std::isfinite(estimate.value)) return;
+  fmt::print("  {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
+             estimate.hi);
+}
+
+void print_gain(const Diagnosis& diagnosis) {
+  if (diagnosis.causes.empty()) return;
+  const diagnose::Gain& gain = diagnosis.gain;
+  fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
+  print_estimate("RSSE ratio", gain.rsse_ratio);
+  print_estimate("integrated error ratio", gain.ie_ratio);
+  print_estimate("heading drift ratio", gain.heading_drift_ratio);
+  print_estimate("coverage of 95 %, base", gain.coverage95_base);
+  print_estimate("coverage of 95 %, extended", gain.coverage95_extended);
+  print_estimate("log score gain [nats per sample]", gain.log_score_gain_nats_per_sample);
+}
+
+void print_diagnosis(const Diagnosis& diagnosis) {
+  fmt::print("axis {}: {}\n\n{}\n", diagnosis.axis, diagnose::name(diagnosis.verdict),
+             diagnose::in_words(diagnosis));
+  for (const std::string& remark : diagnosis.remarks) fmt::print("  note: {}\n", remark);
+  print_causes(diagnosis);
+  print_misfit(diagnosis);
+  print_gain(diagnosis);
+  fmt::print("\n");
+}
+
+/// FILE for a single axis; of several, FILE-x and so on before the extension.
+std::filesystem::path model_path(const Options& options, const Diagnosis& diagnosis,
+                                 std::size_t axes) {
+  const std::filesystem::path path = options.model_out;
+  if (axes == 1) return path;
+  return path.parent_path() /
+         fmt::format("{}-{}{}", path.stem().string(), diagnosis.axis, path.extension().string());
+}
+
+void write_results(const Options& options, const std::vector<Diagnosis>& diagnoses) {
+  const std::string recording = file_name(options.recording);
+  if (!options.report.empty()) {
+    diagnose::make_report(diagnoses, {.title = "Diagnosis of " + recording,
+                                      .recording = recording,
+                                      .provenance = fmt::format("zerorate {}, zerorate diagnose {}",
+                                                                ZERORATE_VERSION, recording)})
+        .write(options.report);
+  }
+  if (!options.json.empty()) write_text(options.json, diagnose::to_json(diagnoses));
+  if (options.model_out.empty()) return;
+  for (const Diagnosis& diagnosis : diagnoses) {
+    const auto path = model_path(options, diagnosis, diagnoses.size());
+    model::write_model(diagnosis.extended_model, path);
+    if (options.json != "-")
+      fmt::print("{}: the model of axis {}\n", path.string(), diagnosis.axis);
+  }
+}
+
+ExitCode run(const Options& options) {
+  const std::vector<Diagnosis> diagnoses = run_diagnosis(options);
+  if (options.json != "-") {
+    for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
+  }
+  write_results(options, diagnoses);
+  const bool unexplained = std::ranges::any_of(diagnoses, [](const Diagnosis& diagnosis) {
+    return diagnosis.verdict == diagnose::Verdict::unexplained;
+  });
+  return unexplained ? finding : success;
+}
+
+}  // namespace
+
+Command add_diagnose(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "diagnose",
+      "Find what white + 1/f noise does not explain in a recording, and extend the "
+      "model");
+  const auto options = std::make_shared<Options>();
+  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
+      ->required();
+  command->add_option("--axis", options->axis, "x, y, z or all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->capture_default_str();
+  command->add_option(
+      "--model", options->model,
+      "sensor model to be tested: a TOML file or a name from 'zerorate model list'; "
+      "without it, the white + 1/f model that fits the recording best");
+  command->add_option("--model-out", options->model_out,
+                      "write the extended model, for 'zerorate replay --model'; of several axes "
+                      "FILE-x.toml, FILE-y.toml and FILE-z.toml");
+  command
+      ->add_option("--holdout", options->holdout,
+                   "share at the end of the recording on which the gain is measured")
+      ->check(CLI::Range(0.1, 0.7))
+      ->capture_default_str();
+  command->add_option("--json", options->json,
+                      "write the diagnosis as JSON; - for standard output");
+  command->add_option("--report", options->report, "write a report with charts as HTML");
+  command->footer(
+      "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
+      "Verdicts: consistent (white + 1/f + constant does), explained (the causes named are "
+      "needed,\n"
+      "and nothing is left), unexplained (something is left; no cause is proven).\n"
+      "Exit codes: 0 consistent or explained, 1 unexplained, 2 wrong usage, 3 data that cannot be\n"
+      "used.\n"
+      "Examples:\n"
+      "  zerorate diagnose rest.csv.gz --report why.html\n"
+      "  zerorate diagnose rest.csv.gz --axis z --model-out extended.toml\n"
+      "  zerorate replay other.csv.gz --model extended.toml --schedule still=60,drive=300,seed=1\n"
+      "  zerorate diagnose rest.csv --model lsm6dso.toml --json -\n"
+      "The JSON is described in docs/reference/diagnosis-json.md.");
+  return {command, [options] { return run(*options); }};
+}
+
+}  // namespace zerorate::cli
