@@ -97,8 +97,8 @@ void print_estimate(const char* what, const diagnose::IntervalEstimate& estimate
 }
 
 void print_gain(const Diagnosis& diagnosis) {
-  if (diagnosis.causes.empty()) return;
   const diagnose::Gain& gain = diagnosis.gain;
+  if (diagnosis.causes.empty() || gain.holdout_samples == 0) return;
   fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
   print_estimate("RSSE ratio", gain.rsse_ratio);
   print_estimate("integrated error ratio", gain.ie_ratio);

@@ -30,7 +30,7 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
                        fmt::format("{:.1f} nats, p {}", cause.gain_nats, p_value(cause.p_value))});
   }
   const Gain& gain = diagnosis.gain;
-  if (!diagnosis.causes.empty() && std::isfinite(gain.heading_drift_ratio.value)) {
+  if (gain.holdout_samples > 0 && std::isfinite(gain.heading_drift_ratio.value)) {
     figures.push_back({"Heading drift",
                        fmt::format("{:.3g}° → {:.3g}°", gain.heading_drift_base_deg.value,
                                    gain.heading_drift_extended_deg.value),
@@ -166,7 +166,7 @@ void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportTe
     report.section("Evidence").chart(evidence_chart(diagnosis)).table(evidence_table(diagnosis));
   }
   if (diagnosis.causes.empty()) return;
-  add_gain(report, diagnosis.gain);
+  if (diagnosis.gain.holdout_samples > 0) add_gain(report, diagnosis.gain);
   add_model(report, diagnosis, text.recording);
 }
 

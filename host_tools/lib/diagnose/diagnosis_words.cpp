@@ -99,6 +99,7 @@ std::string drift_sentence(const Gain& gain) {
 }
 
 std::string gain_sentence(const Gain& gain) {
+  if (gain.holdout_samples == 0) return "";
   if (std::isfinite(gain.heading_drift_extended_deg.value)) {
     return drift_sentence(gain) +
            fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",
