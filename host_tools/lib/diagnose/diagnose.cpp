@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/even_series.hpp"
 #include "host_tools/lib/diagnose/models.hpp"
@@ -99,7 +100,11 @@ Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
                       .evidence = selection.evidence,
                       .drawings = drawings_of(selection),
                       .thinned = thinned(series)};
-  diagnosis.verdict = diagnosis.causes.empty() ? Verdict::consistent : Verdict::explained;
+  diagnosis.base_adequacy = examine_adequacy(selection.base);
+  diagnosis.extended_adequacy = examine_adequacy(selection.explanation);
+  diagnosis.verdict = !diagnosis.extended_adequacy.holds ? Verdict::unexplained
+                      : diagnosis.causes.empty()         ? Verdict::consistent
+                                                         : Verdict::explained;
   return diagnosis;
 }
 

@@ -78,6 +78,7 @@ struct Part {
   std::vector<double> shape;          ///< what else the effect wants to remember, its own affair
   std::vector<Run> replaced;          ///< values that say nothing of the noise
   Range clipped;                      ///< replaced values at its ends are known to lie beyond them
+  double step_rad_s = 0.0;            ///< the values lie on levels so far apart; 0: they do not
   std::vector<float> relative_sigma;  ///< of the white noise, one a value; empty: 1
 };
 

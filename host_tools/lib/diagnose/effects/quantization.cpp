@@ -24,7 +24,8 @@ class Quantization final : public Effect {
     if (!lattice || lattice->step * std::sqrt(without.information()) < kFinest) return std::nullopt;
     // A value without steps would lie within a tenth of a step from a level one time in five.
     const double gain = static_cast<double>(values.size() - lattice->counts.size()) * std::log(5.0);
-    return Offer{{.effect = name(), .shape = {lattice->step}}, gain, gain};
+    return Offer{
+        {.effect = name(), .shape = {lattice->step}, .step_rad_s = lattice->step}, gain, gain};
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {

@@ -1,0 +1,53 @@
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace zerorate::diagnose {
+namespace {
+
+/// Up to this step, in sigma of a value, its error is as good as independent noise.
+constexpr double kCoarseStep = 1.5;
+
+}  // namespace
+
+Remainder::Remainder(const Explanation& hypothesis)
+    : explanation(&hypothesis), values(hypothesis.whitened()) {
+  for (const Part& part : hypothesis.parts()) {
+    for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
+      values[k] /= double{part.relative_sigma[k]};
+    }
+    is_coarse = is_coarse || part.step_rad_s * std::sqrt(hypothesis.information()) > kCoarseStep;
+  }
+}
+
+Adequacy examine_adequacy(const Explanation& explanation) {
+  const Remainder remainder(explanation);
+  Tests tests = test_spectrum(remainder);
+  const auto add = [&](Tests more) {
+    tests.insert(tests.end(), std::make_move_iterator(more.begin()),
+                 std::make_move_iterator(more.end()));
+  };
+  add(test_spectrum_over_time(remainder));
+  add(test_temperature(remainder));
+  // Means over ticks of unequal numbers of samples have unequal variances.
+  const bool values_are_alike = !explanation.problem().series().is_ticks && !remainder.is_coarse;
+  if (values_are_alike) {
+    add(test_variance(remainder));
+    add(test_distribution(remainder));
+    add(test_levels(remainder));
+  }
+  std::ranges::stable_sort(tests, {}, &Test::log_p);
+  const auto count = static_cast<double>(tests.size());
+  Adequacy adequacy;
+  adequacy.p_value = -std::expm1(count * std::log1p(-std::exp(std::min(-1e-12, tests[0].log_p))));
+  const double threshold = std::log(kFamilyError / count);
+  for (const Test& test : tests) {
+    if (test.log_p < threshold) adequacy.failures.push_back(test.words);
+  }
+  adequacy.holds = adequacy.failures.empty();
+  return adequacy;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,50 @@
+/// @file
+/// Is a hypothesis enough? Tests of what it leaves, with the error of the whole family controlled
+/// (docs/design/diagnosis.md, section 6).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/diagnose/diagnosis.hpp"
+#include "host_tools/lib/diagnose/explanation.hpp"
+
+namespace zerorate::diagnose {
+
+/// A sound record fails the family with this probability.
+inline constexpr double kFamilyError = 0.01;
+
+/// One look at what is left; the probability is that of anything as odd, the places looked at
+/// included.
+struct Test {
+  std::string words;  ///< what is odd if it fails, e.g. "the noise is skewed"
+  double log_p = 0.0;
+};
+
+/// What is left of a record under a hypothesis.
+struct Remainder {
+  explicit Remainder(const Explanation& explanation);
+
+  const Explanation* explanation;
+  std::vector<double> values;  ///< whitened and divided by the relative sigma: independent, N(0, 1)
+  /// The steps are so coarse that values on levels cannot look normal.
+  bool is_coarse = false;
+};
+
+using Tests = std::vector<Test>;
+/// Bands of frequency, and the strongest line.
+[[nodiscard]] Tests test_spectrum(const Remainder& remainder);
+/// Variance in stretches of time, its periodicity and its clusters.
+[[nodiscard]] Tests test_variance(const Remainder& remainder);
+/// Bands of frequency in stretches of time, and tones that move.
+[[nodiscard]] Tests test_spectrum_over_time(const Remainder& remainder);
+/// Skewness and tails at several time scales, time asymmetry.
+[[nodiscard]] Tests test_distribution(const Remainder& remainder);
+/// Values that are too frequent or missing among their neighbours.
+[[nodiscard]] Tests test_levels(const Remainder& remainder);
+/// Dependence on temperature, its rate, its direction and its past.
+[[nodiscard]] Tests test_temperature(const Remainder& remainder);
+
+[[nodiscard]] Adequacy examine_adequacy(const Explanation& explanation);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+double frequency_hz(const Problem& problem, double index) {
+  return index / (2.0 * static_cast<double>(problem.size()) * problem.period_s());
+}
+
+/// c_k^2 / S_k summed over bands of a width given as a ratio.
+void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
+  const std::vector<double>& c = explanation.residual();
+  const std::vector<double>& density = explanation.density();
+  const std::size_t n = c.size();
+  for (std::size_t first = 1; first < n;) {
+    const auto grown = static_cast<std::size_t>(static_cast<double>(first) * ratio);
+    const std::size_t end = std::min(n, std::max(grown, first + 4));
+    double sum = 0.0;
+    for (std::size_t k = first; k < end; ++k) sum += c[k] * c[k] / density[k];
+    const auto freedom = static_cast<double>(end - first);
+    const Problem& problem = explanation.problem();
+    tests.push_back({fmt::format("between {:.3g} and {:.3g} Hz the noise has {:.2f} times the "
+                                 "expected power",
+                                 frequency_hz(problem, static_cast<double>(first)),
+                                 frequency_hz(problem, static_cast<double>(end)), sum / freedom),
+                     log_chi_squared_tails(sum, freedom)});
+    first = end;
+  }
+}
+
+/// Two neighbouring coefficients hold nearly all of a line.
+Test strongest_line(const Explanation& explanation) {
+  const std::vector<double>& c = explanation.residual();
+  const std::vector<double>& density = explanation.density();
+  double most = 0.0;
+  std::size_t at = 1;
+  for (std::size_t k = 1; k + 1 < c.size(); ++k) {
+    const double power = c[k] * c[k] / density[k] + c[k + 1] * c[k + 1] / density[k + 1];
+    if (power <= most) continue;
+    most = power;
+    at = k;
+  }
+  return {fmt::format("a line stands out at {:.4g} Hz",
+                      frequency_hz(explanation.problem(), static_cast<double>(at) + 0.5)),
+          log_of_smallest(-0.5 * most, static_cast<double>(c.size()))};
+}
+
+}  // namespace
+
+Tests test_spectrum(const Remainder& remainder) {
+  Tests tests;
+  for (const double ratio : {2.0, 1.2}) test_bands(*remainder.explanation, ratio, tests);
+  tests.push_back(strongest_line(*remainder.explanation));
+  return tests;
+}
+
+}  // namespace zerorate::diagnose

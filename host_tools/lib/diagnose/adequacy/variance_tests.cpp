@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+/// Squares summed over equal stretches: are they as alike as chance makes them?
+void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& tests) {
+  const std::vector<double>& u = remainder.values;
+  const std::size_t length = u.size() / stretches;
+  const auto freedom = static_cast<double>(length);
+  double sum = 0.0;
+  double most = 0.0;
+  std::size_t at = 0;
+  for (std::size_t b = 0; b < stretches; ++b) {
+    double squares = 0.0;
+    for (std::size_t k = b * length; k < (b + 1) * length; ++k) squares += u[k] * u[k];
+    const double z = normal_of_chi_squared(squares, freedom);
+    sum += z * z;
+    if (std::abs(z) > most) {
+      most = std::abs(z);
+      at = b;
+    }
+  }
+  const EvenSeries& series = remainder.explanation->problem().series();
+  tests.push_back({fmt::format("the strength of the noise varies over time, from one {:.3g} s to "
+                               "the next",
+                               freedom * series.period_s),
+                   log_chi_squared_tail(sum, static_cast<double>(stretches))});
+  tests.push_back({fmt::format("the strength of the noise is another near {:.4g} s",
+                               series.time_s(at * length + length / 2)),
+                   log_of_smallest(log_normal_tails(most), static_cast<double>(stretches))});
+}
+
+/// The strongest line in the spectrum of the squares.
+Test strongest_period(const Remainder& remainder) {
+  const std::size_t n = remainder.values.size();
+  std::vector<double> excess(n);
+  double mean = 0.0;
+  for (const double u : remainder.values) mean += u * u / static_cast<double>(n);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    // Bounded, so that a single wild value is left to the tests of the tails.
+    excess[k] = std::min(remainder.values[k] * remainder.values[k], 9.0) - mean;
+    squares += excess[k] * excess[k];
+  }
+  const spectrum::RealFft fft(n);
+  std::vector<std::complex<double>> bins(fft.bins());
+  fft.forward(excess, bins);
+  double most = 0.0;
+  std::size_t at = 1;
+  for (std::size_t j = 1; j + 1 < bins.size(); ++j) {
+    if (std::norm(bins[j]) <= most) continue;
+    most = std::norm(bins[j]);
+    at = j;
+  }
+  const double period_s = remainder.explanation->problem().span_s() / static_cast<double>(at);
+  return {fmt::format("the strength of the noise has a period of {:.4g} s", period_s),
+          log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
+}
+
+/// Large values follow large values.
+Test clusters(const Remainder& remainder) {
+  constexpr std::size_t kLags = 8;
+  const std::vector<double>& u = remainder.values;
+  double sum = 0.0;
+  for (std::size_t lag = 1; lag <= kLags; ++lag) {
+    for (std::size_t k = lag; k < u.size(); ++k) {
+      sum += (std::min(u[k] * u[k], 9.0) - 1.0) * (std::min(u[k - lag] * u[k - lag], 9.0) - 1.0);
+    }
+  }
+  // Var min(u^2, 9) = 1.84.
+  const double variance = 1.84 * 1.84 * static_cast<double>(kLags * u.size());
+  return {"large deviations come in clusters", log_normal_tails(sum / std::sqrt(variance))};
+}
+
+}  // namespace
+
+Tests test_variance(const Remainder& remainder) {
+  Tests tests;
+  for (const std::size_t stretches : {8U, 32U, 128U}) test_stretches(remainder, stretches, tests);
+  tests.push_back(strongest_period(remainder));
+  tests.push_back(clusters(remainder));
+  return tests;
+}
+
+}  // namespace zerorate::diagnose
