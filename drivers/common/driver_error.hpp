@@ -16,6 +16,7 @@ enum class DriverErrorCode : std::uint8_t {
   configuration_lost,  ///< a register does not hold what was written to it
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
+  sensor_fault,  ///< the chip's own supervision says that its data are not to be used
 };
 
 /// Fits in a register and is returned by value.

@@ -142,12 +142,12 @@ TYPED_TEST(GyroStart, MayBeRepeatedWhileTheChipRuns) {
   TestFixture::expect_right_rate(rig);
 }
 
-TYPED_TEST(GyroStart, IsFollowedByOneTransactionForEachVerification) {
+TYPED_TEST(GyroStart, IsFollowedByVerificationsOfOneRegisterEach) {
   typename TestFixture::Rig rig;
   ASSERT_TRUE(rig.start());
   const std::size_t before = rig.faults.calls();
   ASSERT_TRUE(rig.driver.verify_next());
-  EXPECT_EQ(rig.faults.calls(), before + 1);
+  EXPECT_EQ(rig.faults.calls(), before + TypeParam::Gyro::kVerifyTransactions);
 }
 
 TYPED_TEST(GyroStart, IsFollowedByAWatchOverEveryBitThatWasConfigured) {
@@ -162,7 +162,8 @@ TYPED_TEST(GyroStart, IsFollowedByAWatchOverEveryBitThatWasConfigured) {
         const auto verified = rig.driver.verify_next();
         if (verified) continue;
         ++refused_calls;
-        EXPECT_EQ(verified.error().code, DriverErrorCode::configuration_lost);
+        EXPECT_TRUE(verified.error().code == DriverErrorCode::configuration_lost ||
+                    verified.error().code == DriverErrorCode::sensor_fault);
       }
       EXPECT_GE(refused_calls, 1U) << "register " << int{entry.address} << " bit " << bit;
       ASSERT_TRUE(rig.start() || rig.start());

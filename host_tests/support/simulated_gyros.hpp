@@ -8,11 +8,15 @@
 #include <cstdint>
 
 #include "core/base/time.hpp"
+#include "drivers/adxrs453/driver.hpp"
 #include "drivers/bmi088/driver.hpp"
+#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "drivers/icm42688/driver.hpp"
 #include "drivers/lsm6dso/driver.hpp"
+#include "hal/sim/adxrs453.hpp"
 #include "hal/sim/bmi088.hpp"
+#include "hal/sim/frame_spi.hpp"
 #include "hal/sim/i2c.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
@@ -58,6 +62,7 @@ struct Lsm6dso {
   static constexpr std::int16_t kLowestRaw = -32768;
   static constexpr float kTemperatureLsb = 1.0F / 256.0F;
   static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 512;
 
@@ -99,6 +104,7 @@ struct Icm42688 {
   static constexpr std::int16_t kLowestRaw = -32767;
   static constexpr float kTemperatureLsb = 1.0F / 132.48F;
   static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 256;
 
@@ -136,6 +142,7 @@ struct Bmi088 {
   static constexpr std::int16_t kLowestRaw = -32768;
   static constexpr float kTemperatureLsb = 0.0F;  // none
   static constexpr bool kFramesAreMarked = false;
+  static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 100;
 
@@ -148,6 +155,36 @@ struct Bmi088 {
   /// 30 ms and ten samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(130);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
+};
+
+struct Adxrs453 {
+  static constexpr const char* kName = "Adxrs453";
+  using Simulated = hal::sim::SimulatedAdxrs453;
+  using Settings = drivers::adxrs453::Settings;
+  template <class Bus>
+  using Driver = drivers::Adxrs453<Bus>;
+
+  static constexpr Settings kDataReady{};
+  static constexpr Settings kFifo{.sample_period = core::Duration::milliseconds(10)};  // none
+  static constexpr std::array kRanges{Range<Settings>{{}, 1.0F / 80.0F, 299.0F}};
+  static constexpr float kLsbDps = 1.0F / 80.0F;
+  static constexpr float kFullScaleDps = 300.0F;
+  static constexpr std::int16_t kLowestRaw = -32000;
+  static constexpr float kTemperatureLsb = 0.2F;
+  static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 2;
+  static constexpr bool kIsSampledByReading = true;
+
+  static constexpr std::uint8_t kIdentity = 0x0C;
+  /// Nothing is configured; these are the serial number, which stands for the chip itself, and the
+  /// faults.
+  static constexpr std::array kConfigured{ConfiguredBits{0x0E, 0xFF}, ConfiguredBits{0x0F, 0xFF},
+                                          ConfiguredBits{0x10, 0xFF}, ConfiguredBits{0x11, 0xFF},
+                                          ConfiguredBits{0x0A, 0x0F}, ConfiguredBits{0x0B, 0xFE}};
+  /// 100 ms after power-on, and three times 50 ms.
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(250);
+  static constexpr core::Duration kEarliest{};
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(10);
 };
 
 /// How a chip is attached.
@@ -168,6 +205,16 @@ struct OverI2c {
   using Driver = typename G::template Driver<Link>;
   static Bus attach(typename G::Simulated& chip) { return Bus{chip, G::kAddress}; }
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus, G::kAddress}; }
+};
+
+template <class G>
+struct OverFrames {
+  using Gyro = G;
+  using Bus = hal::sim::SimulatedFrameSpi<typename G::Simulated>;
+  using Link = drivers::SpiFrames<hal::testing::FaultInjector<Bus>>;
+  using Driver = typename G::template Driver<Link>;
+  static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
+  static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
 };
 
 }  // namespace zerorate::support

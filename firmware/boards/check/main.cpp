@@ -16,7 +16,9 @@
 #include "core/noise/harmonic.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/random_walk.hpp"
+#include "drivers/adxrs453/driver.hpp"
 #include "drivers/bmi088/driver.hpp"
+#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "drivers/icm42688/driver.hpp"
 #include "drivers/lsm6dso/driver.hpp"
@@ -156,7 +158,9 @@ void exercise_drivers() {
   static drivers::Icm42688 icm42688{drivers::SpiRegisters{spi}};
   static drivers::Bmi088 bmi088{drivers::SpiRegisters{spi}};
   exercise(icm42688);
+  static drivers::Adxrs453 adxrs453{drivers::SpiFrames{spi}};
   exercise(bmi088);
+  exercise(adxrs453);
 }
 
 }  // namespace
