@@ -8,7 +8,9 @@
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/even_series.hpp"
+#include "host_tools/lib/diagnose/gain.hpp"
 #include "host_tools/lib/diagnose/models.hpp"
 #include "host_tools/lib/diagnose/selection.hpp"
 
@@ -60,6 +62,39 @@ std::vector<Drawing> drawings_of(const Selection& selection) {
   return drawings;
 }
 
+/// The first part of the record, which the models of the gain are fitted to.
+Record beginning_of(const Record& record, double share) {
+  const auto size = static_cast<std::size_t>(share * static_cast<double>(record.size()));
+  Record part = record;
+  part.time_s.resize(size);
+  part.rate_rad_s.resize(size);
+  if (!part.temperature_degc.empty()) part.temperature_degc.resize(size);
+  return part;
+}
+
+/// The same effects as the whole record needed, fitted to its first part and judged on the rest.
+Gain gain_of(const Record& record, const Selection& selection, const DiagnoseOptions& options) {
+  const Record first = beginning_of(record, 1.0 - options.holdout);
+  if (options.holdout <= 0.0 || first.size() < kFewestSamples) return {};
+  const EvenSeries series = even_series_of(first);
+  const Problem problem(series, options.seed);
+  const Explanation base(problem, {});
+  Explanation extended = base;
+  std::vector<Choice> choices;
+  for (const Choice& choice : selection.choices) {
+    std::optional<Offer> offer = choice.effect->examine(extended);
+    if (!offer) continue;
+    std::vector<Part> parts = extended.parts();
+    parts.push_back(std::move(offer->part));
+    choices.push_back(choice);
+    extended = Explanation(problem, std::move(parts), &extended);
+  }
+  const model::SensorModel base_model =
+      options.base_model.value_or(model_of(base, {}, options.recording));
+  return measure_gain(record, base_model, model_of(extended, choices, options.recording),
+                      options.holdout, options.seed);
+}
+
 /// The extremes of equal stretches, so that no peak is lost.
 std::vector<Point> thinned(const EvenSeries& series) {
   const std::size_t step = std::max<std::size_t>(1, 2 * series.size() / kDrawnPoints);
@@ -85,26 +120,47 @@ std::vector<Point> thinned(const EvenSeries& series) {
 
 Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
   require_usable(record);
+  const auto report_progress = [&](double share) {
+    if (options.on_progress) options.on_progress(share);
+  };
   const EvenSeries series = even_series_of(record);
   const Problem problem(series, options.seed);
   const std::vector<std::unique_ptr<Effect>> effects = make_effects();
   const Selection selection = select_effects(problem, effects);
+  report_progress(0.5);
 
   const std::string source = options.recording + ", axis " + record.axis;
-  Diagnosis diagnosis{.axis = record.axis,
-                      .samples = record.size(),
-                      .sample_period_s = record.sample_period_s,
-                      .causes = causes_of(selection),
-                      .base_model = model_of(selection.base, {}, source),
-                      .extended_model = model_of(selection.explanation, selection.choices, source),
-                      .evidence = selection.evidence,
-                      .drawings = drawings_of(selection),
-                      .thinned = thinned(series)};
-  diagnosis.base_adequacy = examine_adequacy(selection.base);
-  diagnosis.extended_adequacy = examine_adequacy(selection.explanation);
+  Diagnosis diagnosis{
+      .axis = record.axis,
+      .samples = record.size(),
+      .sample_period_s = record.sample_period_s,
+      .causes = causes_of(selection),
+      .base_adequacy = examine_adequacy(selection.base),
+      .extended_adequacy = examine_adequacy(selection.explanation),
+      .base_model = options.base_model.value_or(model_of(selection.base, {}, source)),
+      .extended_model = model_of(selection.explanation, selection.choices, source),
+      .evidence = selection.evidence,
+      .drawings = drawings_of(selection),
+      .thinned = thinned(series)};
   diagnosis.verdict = !diagnosis.extended_adequacy.holds ? Verdict::unexplained
                       : diagnosis.causes.empty()         ? Verdict::consistent
                                                          : Verdict::explained;
+  report_progress(0.7);
+  Envelopes envelopes = simulate_envelopes(selection.base, selection.explanation);
+  diagnosis.allan = std::move(envelopes.allan);
+  diagnosis.density = std::move(envelopes.density);
+  diagnosis.misfit = std::move(envelopes.misfit);
+  report_progress(0.9);
+  try {
+    diagnosis.gain = gain_of(record, selection, options);
+  } catch (const std::invalid_argument& reason) {
+    diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+  }
+  if (series.is_ticks) {
+    diagnosis.remarks.emplace_back(
+        "The samples come too unevenly for tests of single values; means over ticks were tested.");
+  }
+  report_progress(1.0);
   return diagnosis;
 }
 

@@ -40,8 +40,15 @@ class BiasJump final : public Effect {
         .drawing = drawing_of(found)};
   }
 
-  /// A jump that is over is nothing that a filter could be told; without it the noise is smaller.
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// Where the bias jumped once it may do so again: a filter that is to follow takes one such jump
+  /// a recording for a random walk of the same variance.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const double walk = found.amplitude(0) / std::sqrt(found.all.problem().span_s());
+    const double before =
+        model.rate_random_walk ? model.rate_random_walk->coefficient_rad_s_per_sqrt_s : 0.0;
+    model.rate_random_walk =
+        model::RateRandomWalk{.coefficient_rad_s_per_sqrt_s = std::hypot(before, walk)};
+  }
 
  private:
   [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {

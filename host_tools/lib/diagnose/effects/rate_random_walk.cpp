@@ -42,8 +42,10 @@ class RateRandomWalk final : public Effect {
   }
 
   void extend(const Found& found, model::SensorModel& model) const override {
-    model.rate_random_walk =
-        model::RateRandomWalk{.coefficient_rad_s_per_sqrt_s = coefficient_rad_s_per_sqrt_s(found)};
+    const double before =
+        model.rate_random_walk ? model.rate_random_walk->coefficient_rad_s_per_sqrt_s : 0.0;
+    model.rate_random_walk = model::RateRandomWalk{
+        .coefficient_rad_s_per_sqrt_s = std::hypot(before, coefficient_rad_s_per_sqrt_s(found))};
   }
 
  private:

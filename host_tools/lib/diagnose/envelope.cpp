@@ -1,0 +1,214 @@
+#include "host_tools/lib/diagnose/envelope.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/gamma.hpp>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kTausPerDecade = 6.0;
+constexpr double kWorkPerHypothesis = 1.2e6;  // samples
+constexpr std::size_t kFewestSimulations = 16;
+constexpr std::size_t kMostSimulations = 64;
+constexpr std::size_t kNarrowestBand = 6;  // coefficients
+
+struct Band {
+  double lo = 0.0;
+  double middle = 0.0;
+  double hi = 0.0;
+};
+
+/// Bounds that `rows` of them together keep with 95 %: each at 1 - .05 / rows.
+double quantile_of_family(std::size_t rows) {
+  return simulate::normal_quantile(1.0 -
+                                   0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
+}
+
+/// DCT coefficients of the mean functions of a hypothesis.
+std::vector<double> mean_coefficients(const Explanation& explanation) {
+  std::vector<double> mean(explanation.problem().size());
+  Eigen::Index amplitude = 0;
+  for (const Part& part : explanation.parts()) {
+    for (const Column& column : part.columns) {
+      const double size = explanation.amplitudes()(amplitude++);
+      for (std::size_t k = column.first; k < column.end(); ++k) {
+        mean[k] += size * column.coefficients[k - column.first];
+      }
+    }
+  }
+  return mean;
+}
+
+/// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.
+std::vector<Band> simulated_allan(const Explanation& explanation,
+                                  std::span<const std::size_t> factors) {
+  const Problem& problem = explanation.problem();
+  const std::size_t n = problem.size();
+  const auto runs =
+      std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
+                 kFewestSimulations, kMostSimulations);
+  const std::vector<double> mean = mean_coefficients(explanation);
+  const simulate::RandomStream stream =
+      simulate::RandomStream(problem.seed()).substream("envelope");
+  std::vector<double> sums(factors.size());
+  std::vector<double> squares(factors.size());
+  std::vector<double> coefficients(n);
+  for (std::size_t run = 0; run < runs; ++run) {
+    stream.substream(run).fill_normal(0, coefficients);
+    coefficients[0] = 0.0;
+    for (std::size_t k = 1; k < n; ++k) {
+      coefficients[k] = mean[k] + coefficients[k] * std::sqrt(explanation.density()[k]);
+    }
+    const std::vector<double> rate = problem.transform().inverse(coefficients);
+    const std::vector<double> variances = identify::allan_variances(rate, factors);
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      const double log_deviation = 0.5 * std::log(std::max(variances[i], 1e-300));
+      sums[i] += log_deviation;
+      squares[i] += log_deviation * log_deviation;
+    }
+  }
+  const auto count = static_cast<double>(runs);
+  const double z = quantile_of_family(factors.size());
+  std::vector<Band> bands;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const double middle = sums[i] / count;
+    const double spread =
+        std::sqrt(std::max(0.0, (squares[i] - count * middle * middle) / (count - 1.0)));
+    bands.push_back(
+        {std::exp(middle - z * spread), std::exp(middle), std::exp(middle + z * spread)});
+  }
+  return bands;
+}
+
+std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& extended) {
+  const Problem& problem = base.problem();
+  const auto factors = identify::averaging_factors(problem.size(), kTausPerDecade);
+  const std::vector<double> measured = identify::allan_variances(problem.rate_rad_s(), factors);
+  const std::vector<Band> before = simulated_allan(base, factors);
+  const std::vector<Band> after = simulated_allan(extended, factors);
+  std::vector<CurvePoint> curve;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    curve.push_back({static_cast<double>(factors[i]) * problem.period_s(), std::sqrt(measured[i]),
+                     before[i].lo, before[i].middle, before[i].hi, after[i].lo, after[i].middle,
+                     after[i].hi});
+  }
+  return curve;
+}
+
+/// The mean of `count` squares of normal numbers of a mean square: gamma distributed, so that
+/// simulations of it are known without making them.
+Band band_of_squares(double mean_square, double count, double z) {
+  const boost::math::gamma_distribution<> gamma(0.5 * count, 2.0 / count);
+  const double tail = 0.5 * std::erfc(z / std::numbers::sqrt2);
+  return {mean_square * boost::math::quantile(gamma, tail), mean_square,
+          mean_square * boost::math::quantile(boost::math::complement(gamma, tail))};
+}
+
+/// Mean expected square of the coefficients [first, end).
+double expected_square(const Explanation& explanation, const std::vector<double>& mean,
+                       std::size_t first, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t k = first; k < end; ++k) sum += explanation.density()[k] + mean[k] * mean[k];
+  return sum / static_cast<double>(end - first);
+}
+
+/// Bands of a seventh of a decade and no fewer than six coefficients.
+std::vector<Run> frequency_bands(std::size_t size) {
+  constexpr double kRatio = 1.39;
+  std::vector<Run> bands;
+  for (std::size_t first = 1; first < size;) {
+    const auto grown = static_cast<std::size_t>(static_cast<double>(first) * kRatio);
+    const std::size_t end = std::min(size, std::max(grown, first + kNarrowestBand));
+    bands.push_back({first, end});
+    first = end;
+  }
+  return bands;
+}
+
+std::vector<CurvePoint> density_curve(const Explanation& base, const Explanation& extended) {
+  const Problem& problem = base.problem();
+  std::vector<double> measured = problem.transform().forward(problem.rate_rad_s());
+  const std::vector<double> no_mean = mean_coefficients(base);
+  const std::vector<double> mean = mean_coefficients(extended);
+  const std::vector<Run> runs = frequency_bands(problem.size());
+  const double z = quantile_of_family(runs.size());
+  // Of a sample, two-sided, to one-sided of a hertz.
+  const double unit = 2.0 * problem.period_s();
+  std::vector<CurvePoint> curve;
+  for (const Run& run : runs) {
+    const auto count = static_cast<double>(run.end - run.first);
+    double squares = 0.0;
+    for (std::size_t k = run.first; k < run.end; ++k) squares += measured[k] * measured[k] / count;
+    const Band before =
+        band_of_squares(expected_square(base, no_mean, run.first, run.end), count, z);
+    const Band after =
+        band_of_squares(expected_square(extended, mean, run.first, run.end), count, z);
+    const double frequency_hz = 0.5 * static_cast<double>(run.first + run.end - 1) /
+                                (2.0 * static_cast<double>(problem.size()) * problem.period_s());
+    curve.push_back({frequency_hz, unit * squares, unit * before.lo, unit * before.middle,
+                     unit * before.hi, unit * after.lo, unit * after.middle, unit * after.hi});
+  }
+  return curve;
+}
+
+/// Moments of what the base model leaves, which are known for normal noise.
+std::vector<Misfit> whitened_rows(const Explanation& base) {
+  const std::vector<double>& u = base.whitened();
+  const auto n = static_cast<double>(u.size());
+  double neighbours = 0.0;
+  double squares = 0.0;
+  double third = 0.0;
+  double fourth = 0.0;
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    const double square = u[k] * u[k];
+    squares += square / n;
+    third += square * u[k] / n;
+    fourth += square * square / n;
+    if (k > 0) neighbours += u[k] * u[k - 1] / n;
+  }
+  const double z = quantile_of_family(4);
+  const auto row = [&](const char* statistic, double measured, double expected, double deviation) {
+    return Misfit{statistic, "", measured, expected - z * deviation, expected + z * deviation};
+  };
+  return {row("innovation_autocorrelation", neighbours / squares, 0.0, 1.0 / std::sqrt(n)),
+          row("normalised_innovation_squared", squares, 1.0, std::sqrt(2.0 / n)),
+          row("skewness", third / std::pow(squares, 1.5), 0.0, std::sqrt(6.0 / n)),
+          row("excess_kurtosis", fourth / (squares * squares) - 3.0, 0.0, std::sqrt(24.0 / n))};
+}
+
+std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Explanation& base) {
+  std::vector<Misfit> rows;
+  for (const CurvePoint& point : envelopes.allan) {
+    rows.push_back({"allan_deviation_dps", fmt::format("tau {:.3g} s", point.x),
+                    point.measured * kDegPerRad, point.base_lo * kDegPerRad,
+                    point.base_hi * kDegPerRad});
+  }
+  const auto root = [](double density) { return std::sqrt(density) * kDegPerRad; };
+  for (const CurvePoint& point : envelopes.density) {
+    rows.push_back({"density_dps_per_sqrt_hz", fmt::format("{:.3g} Hz", point.x),
+                    root(point.measured), root(point.base_lo), root(point.base_hi)});
+  }
+  const std::vector<Misfit> moments = whitened_rows(base);
+  rows.insert(rows.end(), moments.begin(), moments.end());
+  return rows;
+}
+
+}  // namespace
+
+Envelopes simulate_envelopes(const Explanation& base, const Explanation& extended) {
+  Envelopes envelopes{.allan = allan_curve(base, extended),
+                      .density = density_curve(base, extended)};
+  envelopes.misfit = misfit_rows(envelopes, base);
+  return envelopes;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,43 @@
+/// @file
+/// A model through the node's filter over a record with stops and drives.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
+
+namespace zerorate::diagnose {
+
+/// Ticks of one axis, and from which on the model is judged.
+struct ScoredTicks {
+  std::span<const identify::TickMean> ticks;  ///< the axis is the first one
+  core::Duration sample_period;
+  core::Duration tick;
+  std::uint32_t judged_from = 0;  ///< tick; everything before it is a stop
+  std::uint32_t stop_ticks = 1;
+  std::uint32_t drive_ticks = 1;
+};
+
+/// One drive: what the filter had predicted at its beginning, against what was measured.
+struct ScoredDrive {
+  double integrated_rad = 0.0;   ///< heading error: measured minus predicted, integrated
+  double sigma_rad = 0.0;        ///< as predicted, white noise included
+  double squares_rad2_s2 = 0.0;  ///< sum of squared errors of the tick means
+  std::size_t ticks = 0;
+};
+
+struct NodeScores {
+  std::vector<ScoredDrive> drives;
+  /// Log density of each innovation among the judged ticks when all of them are stops.
+  std::vector<double> log_scores;
+};
+
+/// Two passes of the node's filter, in its single precision. Throws std::invalid_argument for a
+/// model that the node cannot run.
+[[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks);
+
+}  // namespace zerorate::diagnose
