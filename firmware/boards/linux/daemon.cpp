@@ -1,0 +1,142 @@
+#include "firmware/boards/linux/daemon.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <sys/timerfd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <optional>
+#include <stdexcept>
+
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/linux_hardware.hpp"
+#include "firmware/boards/linux/metrics.hpp"
+#include "firmware/boards/linux/node_service.hpp"
+#include "firmware/boards/linux/process.hpp"
+#include "firmware/boards/linux/service_manager.hpp"
+#include "hal/linux/clock.hpp"
+#include "hal/linux/file_storage.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+/// The journal takes lines of the error stream, with the priority in front.
+void log_to_journal(std::string_view line) {
+  fmt::print(stderr, "{}\n", line);
+}
+
+/// Signals arrive as readable bytes, in one thread, between two turns of its loop.
+Descriptor open_signals() {
+  sigset_t signals{};
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // before any thread: all inherit it
+  return checked_descriptor(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC), "signalfd");
+}
+
+Descriptor open_seconds() {
+  Descriptor timer =
+      checked_descriptor(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC), "timerfd");
+  const itimerspec every_second{.it_interval = {.tv_sec = 1, .tv_nsec = 0},
+                                .it_value = {.tv_sec = 1, .tv_nsec = 0}};
+  (void)timerfd_settime(timer.get(), 0, &every_second, nullptr);
+  return timer;
+}
+
+/// The configuration that a reload leads to; none where the file is wrong.
+std::optional<Configuration> reload(const std::string& file) {
+  try {
+    return read_configuration(file);
+  } catch (const std::exception& error) {
+    log_to_journal(fmt::format("not reloaded: {}", error.what()));
+    return std::nullopt;
+  }
+}
+
+/// One node, for as long as its configuration lasts.
+class Run {
+ public:
+  Run(const Configuration& configuration, const Descriptor& signals)
+      : configuration_(configuration), signals_(signals) {
+    if (configuration.state) storage_.emplace(configuration.state->file, file_calls_);
+    service_.emplace(configuration_, hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
+                     log_to_journal);
+    (void)service_->restore();
+  }
+
+  /// @return the signal that ended it
+  int until_signalled() {
+    int signal = 0;
+    {
+      const MeasuringThread thread{configuration_.real_time.priority,
+                                   [this] { service_->measure(); }, [this] { hardware_.wake(); },
+                                   log_to_journal};
+      notify_service_manager("READY=1");
+      while (signal == 0) signal = turn();
+    }
+    service_->finish();
+    metrics_.update(*service_);
+    return signal;
+  }
+
+ private:
+  int turn() {
+    std::array<pollfd, 4> sources{{
+        {.fd = service_->queue().waiting().descriptor(), .events = POLLIN, .revents = 0},
+        {.fd = seconds_.get(), .events = POLLIN, .revents = 0},
+        {.fd = metrics_.descriptor(), .events = POLLIN, .revents = 0},
+        {.fd = signals_.get(), .events = POLLIN, .revents = 0},
+    }};
+    (void)poll(sources.data(), sources.size(), -1);
+    if (sources[0].revents != 0) service_->publish_waiting();
+    if (sources[1].revents != 0) each_second();
+    if (sources[2].revents != 0) metrics_.serve();
+    return sources[3].revents != 0 ? take_signal() : 0;
+  }
+
+  void each_second() {
+    std::uint64_t seconds = 0;
+    (void)!read(seconds_.get(), &seconds, sizeof seconds);
+    // A measuring thread that hangs is what the watchdog is for: it is not fed then.
+    if (service_->tick() && is_watched()) notify_service_manager("WATCHDOG=1");
+    metrics_.update(*service_);
+  }
+
+  int take_signal() {
+    signalfd_siginfo info{};
+    const bool is_read = read(signals_.get(), &info, sizeof info) == sizeof info;
+    return is_read ? static_cast<int>(info.ssi_signo) : 0;
+  }
+
+  const Configuration& configuration_;
+  const Descriptor& signals_;
+  LinuxHardware hardware_{configuration_};
+  hal::linux_os::FileCalls file_calls_;
+  std::optional<hal::linux_os::FileStorage> storage_;
+  std::optional<NodeService> service_;
+  MetricsEndpoint metrics_{configuration_.metrics};
+  Descriptor seconds_ = open_seconds();
+};
+
+}  // namespace
+
+void run_daemon(const std::string& configuration_file) {
+  std::optional<Configuration> configuration = read_configuration(configuration_file);
+  const Descriptor signals = open_signals();
+  (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
+  prepare_process(*configuration, log_to_journal);
+  for (;;) {
+    const int signal = Run{*configuration, signals}.until_signalled();
+    if (signal != SIGHUP) break;
+    notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
+                                       hal::linux_os::KernelClock::now().ns() / 1000));
+    if (auto changed = reload(configuration_file)) configuration = std::move(changed);
+  }
+  notify_service_manager("STOPPING=1");
+}
+
+}  // namespace zerorate::linux_node

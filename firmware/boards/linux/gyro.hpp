@@ -1,0 +1,68 @@
+/// @file
+/// The gyros that this board can be wired to, chosen by name at run time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "drivers/common/driver_error.hpp"
+#include "drivers/common/gyro_source.hpp"
+
+namespace zerorate::linux_node {
+
+enum class BusKind : std::uint8_t { spi, i2c };
+
+/// How one gyro is wired and set.
+struct GyroSettings {
+  std::string chip;                    ///< a ChipDescription's name
+  BusKind bus = BusKind::spi;          ///< which must be among the chip's
+  std::string device;                  ///< "/dev/spidev0.0" or "/dev/i2c-1"
+  std::uint8_t address = 0;            ///< on I2C
+  std::uint32_t speed_hz = 1'000'000;  ///< on SPI
+  double rate_hz = 0.0;                ///< one of the chip's
+  double full_scale_dps = 0.0;         ///< one of the chip's
+  bool fifo = false;                   ///< samples through the chip's FIFO
+};
+
+/// A GyroSource behind a table of functions, so that the loop is compiled once and not for every
+/// chip on every bus. One indirect call a sample costs nothing beside a system call.
+class Gyro {
+ public:
+  static constexpr std::size_t kAxes = 3;  ///< a chip with one gives its rate on all three
+
+  Gyro() = default;
+  Gyro(const Gyro&) = delete;
+  Gyro& operator=(const Gyro&) = delete;
+  virtual ~Gyro() = default;
+
+  virtual core::Result<void, drivers::DriverError> start(core::Instant now) = 0;
+  virtual core::Result<std::size_t, drivers::DriverError> read(
+      core::Instant now, std::span<drivers::GyroSample> out) = 0;
+  virtual core::Result<void, drivers::DriverError> verify_next() = 0;
+  [[nodiscard]] virtual core::Duration sample_period() const = 0;
+  [[nodiscard]] virtual bool is_batched() const = 0;
+};
+
+/// What a configuration may ask of a chip, and how it is made.
+struct ChipDescription {
+  std::string_view name;
+  std::span<const double> rates_hz;         ///< as the data sheet names them
+  std::span<const double> full_scales_dps;  ///< the same
+  std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
+  std::uint32_t highest_speed_hz;           ///< on SPI
+  bool has_fifo;
+  /// @param settings must be possible by this description
+  std::unique_ptr<Gyro> (*make)(const GyroSettings& settings);
+};
+
+/// All of them, by name.
+[[nodiscard]] std::span<const ChipDescription> chips();
+/// nullptr where there is none of that name.
+[[nodiscard]] const ChipDescription* find_chip(std::string_view name);
+
+}  // namespace zerorate::linux_node

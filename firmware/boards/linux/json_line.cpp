@@ -1,0 +1,78 @@
+#include "firmware/boards/linux/json_line.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/numeric.hpp"
+#include "firmware/wire/health_bits.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+/// Appends to the buffer; JsonBuffer is longer than the longest line (see the test).
+class Line {
+ public:
+  explicit Line(JsonBuffer& buffer) : buffer_(buffer) {}
+
+  template <class... Arguments>
+  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    const auto added = fmt::format_to_n(buffer_.data() + used_, buffer_.size() - used_, format,
+                                        std::forward<Arguments>(arguments)...);
+    used_ = std::min(used_ + added.size, buffer_.size());
+  }
+
+  void add_rates(std::string_view name, const app::RateMessage& message,
+                 core::AngularRate app::AxisRate::*member, bool is_known) {
+    add(",\"{}\":", name);
+    char separator = '[';
+    for (const app::AxisRate& axis : message.axes) {
+      const float rate = (axis.*member).in(core::deg_per_s);
+      if (is_known && core::is_finite(rate)) {
+        add("{}{}", separator, rate);
+      } else {
+        add("{}null", separator);
+      }
+      separator = ',';
+    }
+    add("]");
+  }
+
+  [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
+
+ private:
+  JsonBuffer& buffer_;
+  std::size_t used_ = 0;
+};
+
+constexpr std::string_view name_of(core::Motion motion) {
+  switch (motion) {
+    case core::Motion::moving:
+      return "moving";
+    case core::Motion::settling:
+      return "settling";
+    case core::Motion::still:
+      break;
+  }
+  return "still";
+}
+
+}  // namespace
+
+std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuffer& buffer) {
+  const app::RateMessage& message = numbered.message;
+  Line line(buffer);
+  line.add("{{\"sequence\":{},\"time_ns\":{},\"motion\":\"{}\"", numbered.sequence,
+           message.time.ns(), name_of(message.motion));
+  line.add_rates("rate_dps", message, &app::AxisRate::corrected, message.has_rate());
+  line.add_rates("measured_dps", message, &app::AxisRate::measured, message.has_rate());
+  line.add_rates("bias_dps", message, &app::AxisRate::bias, true);
+  line.add_rates("sigma_dps", message, &app::AxisRate::sigma, true);
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    line.add(",\"{}\":{}", bit.name, message.health.*bit.flag);
+  }
+  line.add("}}\n");
+  return line.text();
+}
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,73 @@
+#include "firmware/boards/linux/linux_hardware.hpp"
+
+#include <poll.h>
+
+#include <array>
+#include <ctime>
+
+#include "hal/linux/clock.hpp"
+
+namespace zerorate::linux_node {
+
+LinuxHardware::LinuxHardware(const Configuration& configuration)
+    : gyro_(find_chip(configuration.gyro.chip)->make(configuration.gyro)),
+      odometer_(configuration.odometer) {
+  if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
+}
+
+core::Result<void, drivers::DriverError> LinuxHardware::start(core::Instant now) {
+  return gyro_->start(now);
+}
+core::Result<std::size_t, drivers::DriverError> LinuxHardware::read(
+    core::Instant now, std::span<drivers::GyroSample> out) {
+  return gyro_->read(now, out);
+}
+core::Result<void, drivers::DriverError> LinuxHardware::verify_next() {
+  return gyro_->verify_next();
+}
+core::Duration LinuxHardware::sample_period() const {
+  return gyro_->sample_period();
+}
+bool LinuxHardware::is_batched() const {
+  return gyro_->is_batched();
+}
+core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
+    std::span<core::Instant> stamps) {
+  return odometer_.read_pulses(stamps);
+}
+core::Instant LinuxHardware::now() const {
+  return hal::linux_os::KernelClock::now();
+}
+
+std::optional<core::Instant> LinuxHardware::take_edge() {
+  if (!data_ready_) return std::nullopt;
+  const auto edge = data_ready_->edge.take_edge();
+  if (edge) data_ready_->newest = *edge;
+  return edge;
+}
+
+core::Duration LinuxHardware::longest_wait() const {
+  if (is_batched()) return sample_period() * 4;
+  const bool edges_come = data_ready_ && now() - data_ready_->newest < sample_period() * 4;
+  return edges_come ? sample_period() * 2 : sample_period() / 2;
+}
+
+void LinuxHardware::wait() {
+  const core::Duration at_most = longest_wait();
+  const std::timespec limit{.tv_sec = at_most.ns() / 1'000'000'000,
+                            .tv_nsec = at_most.ns() % 1'000'000'000};
+  // A negative descriptor, of a line that is not open, is passed over by the kernel.
+  std::array<pollfd, 3> sources{{
+      {.fd = wake_.descriptor(), .events = POLLIN, .revents = 0},
+      {.fd = odometer_.descriptor(), .events = POLLIN, .revents = 0},
+      {.fd = data_ready_ ? data_ready_->line.descriptor() : -1, .events = POLLIN, .revents = 0},
+  }};
+  (void)ppoll(sources.data(), sources.size(), &limit, nullptr);
+  wake_.hush();
+}
+
+void LinuxHardware::wake() {
+  wake_.ring();
+}
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,54 @@
+/// @file
+/// The hardware that a configuration names.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/event.hpp"
+#include "firmware/boards/linux/hardware.hpp"
+#include "hal/linux/gpio_line.hpp"
+#include "hal/linux/latest_edge.hpp"
+
+namespace zerorate::linux_node {
+
+/// A gyro on spidev or i2c-dev, and lines of GPIO chips.
+class LinuxHardware final : public Hardware {
+ public:
+  explicit LinuxHardware(const Configuration& configuration);
+
+  core::Result<void, drivers::DriverError> start(core::Instant now) override;
+  core::Result<std::size_t, drivers::DriverError> read(core::Instant now,
+                                                       std::span<drivers::GyroSample> out) override;
+  core::Result<void, drivers::DriverError> verify_next() override;
+  [[nodiscard]] core::Duration sample_period() const override;
+  [[nodiscard]] bool is_batched() const override;
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(
+      std::span<core::Instant> stamps) override;
+  std::optional<core::Instant> take_edge() override;
+  [[nodiscard]] core::Instant now() const override;
+
+  /// For at most two sample periods while data-ready edges come, for four of a gyro with a FIFO.
+  /// Without edges (no line, a broken wire, a gyro that does not run) for half a period: then the
+  /// gyro is read by the clock.
+  void wait() override;
+  void wake() override;
+
+ private:
+  struct DataReadyLine {
+    explicit DataReadyLine(const hal::linux_os::LineSettings& settings) : line(settings) {}
+    hal::linux_os::GpioLine line;
+    hal::linux_os::LatestEdge<hal::linux_os::GpioLine> edge{line};
+    core::Instant newest;
+  };
+
+  [[nodiscard]] core::Duration longest_wait() const;
+
+  std::unique_ptr<Gyro> gyro_;
+  hal::linux_os::GpioLine odometer_;
+  std::optional<DataReadyLine> data_ready_;
+  Event wake_;
+};
+
+}  // namespace zerorate::linux_node

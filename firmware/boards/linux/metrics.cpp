@@ -1,0 +1,157 @@
+#include "firmware/boards/linux/metrics.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+
+#include "firmware/wire/health_bits.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
+
+class Text {
+ public:
+  explicit Text(MetricsBuffer& buffer) : buffer_(buffer) {}
+
+  template <class... Arguments>
+  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    const auto added = fmt::format_to_n(buffer_.data() + used_, buffer_.size() - used_, format,
+                                        std::forward<Arguments>(arguments)...);
+    used_ = std::min(used_ + added.size, buffer_.size());
+  }
+  void counter(std::string_view name, std::string_view help, std::uint64_t value) {
+    head(name, help, "counter");
+    add("zerorate_{} {}\n", name, value);
+  }
+  void gauge(std::string_view name, std::string_view help, float value) {
+    head(name, help, "gauge");
+    add("zerorate_{} {}\n", name, value);
+  }
+  void head(std::string_view name, std::string_view help, std::string_view type) {
+    add("# HELP zerorate_{0} {1}\n# TYPE zerorate_{0} {2}\n", name, help, type);
+  }
+  void rates(std::string_view name, std::string_view help, const app::RateMessage& message,
+             core::AngularRate app::AxisRate::*member) {
+    head(name, help, "gauge");
+    for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
+      const float rate = (message.axes.at(i).*member).in(core::deg_per_s);
+      add("zerorate_{}{{axis=\"{}\"}} {}\n", name, kAxisNames.at(i), rate);
+    }
+  }
+  [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
+
+ private:
+  MetricsBuffer& buffer_;
+  std::size_t used_ = 0;
+};
+
+void add_counters(Text& text, const NodeService& service) {
+  const app::LoopCounters& loop = service.snapshot().counters;
+  text.gauge("gyro_running", "1 while the gyro is started and answers.",
+             service.snapshot().is_running ? 1.0F : 0.0F);
+  text.counter("samples_total", "Samples of the gyro.", loop.samples);
+  text.counter("pulses_total", "Odometer pulses.", loop.pulses);
+  text.counter("pulses_lost_total", "Odometer pulses that were dropped.", loop.pulses_lost);
+  text.counter("odometer_errors_total", "Failed reads of the odometer.", loop.odometer_errors);
+  text.counter("gyro_starts_total", "Successful starts of the gyro.", loop.starts);
+  text.counter("gyro_start_errors_total", "Failed starts of the gyro.", loop.start_errors);
+  text.counter("gyro_read_errors_total", "Failed reads of the gyro.", loop.read_errors);
+  text.counter("gyro_overruns_total", "Overflows of the gyro's FIFO.", loop.overruns);
+  text.counter("gyro_configurations_lost_total", "Times the gyro had lost its settings.",
+               loop.configurations_lost);
+  text.counter("silences_total", "Messages that said that there were no samples.", loop.silences);
+  text.counter("queue_dropped_total", "Messages that the publishing thread was too slow for.",
+               service.queue().dropped());
+  text.counter("state_saves_total", "Saves of the state.", service.counters().saves);
+  text.counter("state_save_errors_total", "Failed ones.", service.counters().save_errors);
+}
+
+void add_sinks(Text& text, const NodeService& service) {
+  text.head("sink_sent_total", "Messages given to a sink.", "counter");
+  for (const auto& sink : service.sinks()) {
+    text.add("zerorate_sink_sent_total{{sink=\"{}\"}} {}\n", sink->name(), sink->sent());
+  }
+  text.head("sink_dropped_total", "Messages that a sink could not take.", "counter");
+  for (const auto& sink : service.sinks()) {
+    text.add("zerorate_sink_dropped_total{{sink=\"{}\"}} {}\n", sink->name(), sink->dropped());
+  }
+}
+
+void add_message(Text& text, const app::RateMessage& message) {
+  text.gauge("motion", "0 moving, 1 settling, 2 still.", static_cast<float>(message.motion));
+  text.head("health", "Flags of the newest message.", "gauge");
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    text.add("zerorate_health{{flag=\"{}\"}} {}\n", bit.name, message.health.*bit.flag ? 1 : 0);
+  }
+  text.rates("bias_dps", "Predicted bias in deg/s.", message, &app::AxisRate::bias);
+  text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
+}
+
+Descriptor listen_at(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) {
+    throw std::invalid_argument("metrics: \"" + path + "\" is too long for a socket");
+  }
+  std::ranges::copy(path, std::begin(address.sun_path));
+  Descriptor listener = checked_descriptor(
+      socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "metrics: socket");
+  (void)unlink(path.c_str());  // of a run that was killed
+  constexpr int kBacklog = 4;
+  if (bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(listener.get(), kBacklog) != 0) {
+    throw std::system_error(errno, std::generic_category(), path);
+  }
+  return listener;
+}
+
+}  // namespace
+
+std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffer) {
+  Text text(buffer);
+  add_counters(text, service);
+  add_sinks(text, service);
+  if (service.latest()) add_message(text, service.latest()->message);
+  return text.text();
+}
+
+MetricsEndpoint::MetricsEndpoint(const MetricsSettings& settings)
+    : settings_(settings), file_while_written_(settings.file + ".new") {
+  if (!settings_.socket.empty()) listener_ = listen_at(settings_.socket);
+}
+
+MetricsEndpoint::~MetricsEndpoint() {
+  if (listener_.is_open()) (void)unlink(settings_.socket.c_str());
+}
+
+void MetricsEndpoint::update(const NodeService& service) {
+  if (settings_.file.empty() && !listener_.is_open()) return;
+  text_ = format_metrics(service, buffer_);
+  if (settings_.file.empty()) return;
+  constexpr mode_t kReadable = 0644;
+  const Descriptor file{
+      ::open(file_while_written_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable)};
+  if (file.is_open() &&
+      ::write(file.get(), text_.data(), text_.size()) == static_cast<ssize_t>(text_.size())) {
+    (void)std::rename(file_while_written_.c_str(), settings_.file.c_str());
+  }
+}
+
+void MetricsEndpoint::serve() const {
+  for (;;) {
+    const Descriptor reader{
+        accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
+    if (!reader.is_open()) return;
+    (void)!::send(reader.get(), text_.data(), text_.size(), MSG_NOSIGNAL);
+  }
+}
+
+}  // namespace zerorate::linux_node

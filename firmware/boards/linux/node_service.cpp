@@ -1,0 +1,190 @@
+#include "firmware/boards/linux/node_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace zerorate::linux_node {
+namespace {
+
+std::string_view name_of(drivers::DriverErrorCode code) {
+  switch (code) {
+    case drivers::DriverErrorCode::bus_failed:
+      return "bus failed";
+    case drivers::DriverErrorCode::wrong_identity:
+      return "wrong identity";
+    case drivers::DriverErrorCode::not_ready:
+      return "not ready";
+    case drivers::DriverErrorCode::configuration_lost:
+      return "configuration lost";
+    case drivers::DriverErrorCode::fifo_overrun:
+      return "FIFO overrun";
+    case drivers::DriverErrorCode::corrupt_data:
+      return "corrupt data";
+  }
+  return "unknown error";
+}
+
+std::string_view name_of(hal::BusError error) {
+  switch (error) {
+    case hal::BusError::nack:
+      return "not acknowledged";
+    case hal::BusError::arbitration_lost:
+      return "arbitration lost";
+    case hal::BusError::timeout:
+      return "timeout";
+    case hal::BusError::overrun:
+      return "overrun";
+    case hal::BusError::not_present:
+      return "not present";
+    case hal::BusError::io:
+      return "input/output error";
+  }
+  return "unknown";
+}
+
+std::string_view name_of(hal::StorageError error) {
+  switch (error) {
+    case hal::StorageError::empty:
+      return "nothing saved";
+    case hal::StorageError::corrupt:
+      return "both slots are damaged";
+    case hal::StorageError::too_large:
+      return "too large";
+    case hal::StorageError::full:
+      return "no space left";
+    case hal::StorageError::io:
+      return "input/output error";
+  }
+  return "unknown";
+}
+
+/// A line for the log, without a heap.
+template <class... Arguments>
+void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  std::array<char, 256> line{};
+  const auto written =
+      fmt::format_to_n(line.data(), line.size(), format, std::forward<Arguments>(arguments)...);
+  log({line.data(), std::min(written.size, line.size())});
+}
+
+}  // namespace
+
+std::string_view describe(const drivers::DriverError& error, std::span<char, 96> buffer) {
+  const bool is_bus = error.code == drivers::DriverErrorCode::bus_failed;
+  const auto written = fmt::format_to_n(
+      buffer.data(), buffer.size(), "{}{}{}{} at register {:#04x}", name_of(error.code),
+      is_bus ? " (" : "", is_bus ? name_of(error.bus) : "", is_bus ? ")" : "", error.reg);
+  return {buffer.data(), std::min(written.size, buffer.size())};
+}
+
+NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
+                         hal::linux_os::FileStorage* storage, const BootId& boot, Log log)
+    : configuration_(configuration),
+      hardware_(hardware),
+      storage_(storage),
+      record_(configuration.node, boot),
+      log_(log),
+      node_(configuration.node),
+      loop_(node_, hardware, hardware, hardware, hardware, queue_),
+      save_at_(hardware.now()) {
+  for (const SinkSettings& settings : configuration.sinks) sinks_.push_back(make_sink(settings));
+  if (configuration.state) save_at_ = save_at_ + configuration.state->save_interval;
+}
+
+bool NodeService::restore() {
+  if (storage_ == nullptr) return false;
+  StateRecord::Bytes bytes{};
+  const auto size = storage_->load(bytes);
+  if (!size) {
+    log_line(log_, "state: {}; starting without", name_of(size.error()));
+    return false;
+  }
+  const auto state = record_.decode(std::span{bytes}.first(*size));
+  if (!state) {
+    log_("state: saved in another boot or by another configuration; starting without");
+    return false;
+  }
+  node_.restore(*state);
+  log_("state: restored");
+  return true;
+}
+
+void NodeService::measure() {
+  hardware_.wait();
+  loop_.poll();
+  turns_.fetch_add(1, std::memory_order_relaxed);
+  if (handover_.load(std::memory_order_acquire) == Handover::requested) hand_over();
+}
+
+void NodeService::hand_over() {
+  shown_ = {.counters = loop_.counters(), .is_running = loop_.is_running(), .state = node_.state()};
+  handover_.store(Handover::ready, std::memory_order_release);
+}
+
+void NodeService::publish_waiting() {
+  queue_.waiting().hush();
+  while (const auto message = queue_.take()) {
+    for (const auto& sink : sinks_) sink->publish(*message);
+    latest_ = message;
+  }
+}
+
+bool NodeService::tick() {
+  if (handover_.load(std::memory_order_acquire) == Handover::ready) {
+    report_changes(shown_);
+    seen_ = shown_;
+    const core::Instant now = hardware_.now();
+    if (configuration_.state && now >= save_at_) {
+      save_at_ = now + configuration_.state->save_interval;
+      save(seen_.state);
+    }
+  }
+  handover_.store(Handover::requested, std::memory_order_release);
+  const std::uint32_t turns = turns_.load(std::memory_order_relaxed);
+  const bool is_alive = turns != turns_seen_;
+  turns_seen_ = turns;
+  return is_alive;
+}
+
+void NodeService::finish() {
+  publish_waiting();
+  hand_over();
+  report_changes(shown_);
+  seen_ = shown_;
+  if (configuration_.state) save(seen_.state);
+}
+
+void NodeService::report_changes(const Snapshot& now) const {
+  std::array<char, 96> words{};
+  const app::LoopCounters& before = seen_.counters;
+  if (now.counters.starts != before.starts) {
+    log_line(log_, "gyro: started ({} times)", now.counters.starts);
+  }
+  const bool has_failed = now.counters.start_errors != before.start_errors ||
+                          now.counters.read_errors != before.read_errors ||
+                          now.counters.configurations_lost != before.configurations_lost;
+  if (has_failed) {
+    log_line(log_, "gyro: {}{}", describe(now.counters.last_error, words),
+             now.is_running ? "" : "; trying again");
+  }
+  if (now.counters.odometer_errors != before.odometer_errors) {
+    log_("odometer: cannot be read; the vehicle counts as moving");
+  }
+  if (now.counters.pulses_lost != before.pulses_lost) {
+    log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
+  }
+}
+
+void NodeService::save(const Node::State& state) {
+  if (storage_ == nullptr) return;
+  if (const auto saved = storage_->save(record_.encode(state)); !saved) {
+    ++counters_.save_errors;
+    log_line(log_, "state: not saved: {}", name_of(saved.error()));
+    return;
+  }
+  ++counters_.saves;
+}
+
+}  // namespace zerorate::linux_node

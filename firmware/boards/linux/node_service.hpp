@@ -1,0 +1,101 @@
+/// @file
+/// The node as a service: measured by one thread, published, watched and saved by another.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "firmware/app/node_loop.hpp"
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/hardware.hpp"
+#include "firmware/boards/linux/message_queue.hpp"
+#include "firmware/boards/linux/saved_state.hpp"
+#include "firmware/boards/linux/sinks.hpp"
+#include "hal/linux/file_storage.hpp"
+
+namespace zerorate::linux_node {
+
+/// What the measuring side shows of itself when asked.
+struct Snapshot {
+  app::LoopCounters counters;
+  bool is_running = false;
+  Node::State state;
+};
+
+/// What happened on the publishing side since the start.
+struct ServiceCounters {
+  std::uint32_t saves = 0;
+  std::uint32_t save_errors = 0;
+};
+
+/// Where the service says what changed; one line a call, no newline at its end.
+using Log = void (*)(std::string_view line);
+
+/// No heap once it is made. Its functions belong to one of two threads each: the measuring one
+/// never waits for the publishing one, nor for anything but the bus.
+class NodeService {
+ public:
+  /// @param configuration, hardware, storage  must outlive the service
+  /// @param storage  nullptr: nothing is saved
+  NodeService(const Configuration& configuration, Hardware& hardware,
+              hal::linux_os::FileStorage* storage, const BootId& boot, Log log);
+
+  /// Takes up the saved state, if there is one that fits. Before measure().
+  /// @return whether it did
+  bool restore();
+
+  /// The measuring thread: sleeps until there is something to do, and does it.
+  void measure();
+
+  /// The publishing thread: everything that waits, to every sink.
+  void publish_waiting();
+  /// The publishing thread, about once a second: says what changed, saves when it is time.
+  /// @return whether the measuring thread has done anything since the last tick
+  bool tick();
+  /// After the measuring thread has ended: publishes what waits, and saves.
+  void finish();
+
+  [[nodiscard]] const MessageQueue& queue() const { return queue_; }
+  /// As of the last tick.
+  [[nodiscard]] const Snapshot& snapshot() const { return seen_; }
+  [[nodiscard]] const std::optional<wire::NumberedMessage>& latest() const { return latest_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<Sink>>& sinks() const { return sinks_; }
+  [[nodiscard]] const ServiceCounters& counters() const { return counters_; }
+
+ private:
+  enum class Handover : std::uint8_t { idle, requested, ready };
+
+  void hand_over();
+  void report_changes(const Snapshot& now) const;
+  void save(const Node::State& state);
+
+  const Configuration& configuration_;
+  Hardware& hardware_;
+  hal::linux_os::FileStorage* storage_;
+  StateRecord record_;
+  Log log_;
+
+  Node node_;
+  MessageQueue queue_;
+  app::NodeLoop<Node, Hardware, Hardware, Hardware, Hardware, MessageQueue> loop_;
+  std::atomic<std::uint32_t> turns_ = 0;
+  std::atomic<Handover> handover_ = Handover::idle;
+  Snapshot shown_;  ///< written by the measuring thread while requested, read while ready
+
+  std::vector<std::unique_ptr<Sink>> sinks_;
+  std::optional<wire::NumberedMessage> latest_;
+  Snapshot seen_;
+  ServiceCounters counters_;
+  std::uint32_t turns_seen_ = 0;
+  core::Instant save_at_;
+};
+
+/// For logs: "bus failed (nack) at register 0x0f".
+[[nodiscard]] std::string_view describe(const drivers::DriverError& error,
+                                        std::span<char, 96> buffer);
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,88 @@
+#include "firmware/boards/linux/process.hpp"
+
+#include <fmt/format.h>
+#include <grp.h>
+#include <pwd.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+namespace zerorate::linux_node {
+namespace {
+
+[[noreturn]] void fail(int error, const std::string& tried) {
+  throw std::system_error(error, std::generic_category(), tried);
+}
+
+/// Limits of another user are those that root leaves behind.
+void allow(int resource, rlim_t limit) {
+  const rlimit both{.rlim_cur = limit, .rlim_max = limit};
+  (void)setrlimit(static_cast<__rlimit_resource>(resource), &both);
+}
+
+void become(const std::string& user) {
+  errno = 0;
+  const passwd* const entry = getpwnam(user.c_str());
+  if (entry == nullptr) fail(errno != 0 ? errno : ENOENT, "user \"" + user + "\"");
+  if (initgroups(user.c_str(), entry->pw_gid) != 0 || setgid(entry->pw_gid) != 0 ||
+      setuid(entry->pw_uid) != 0) {
+    fail(errno, "becoming user \"" + user + "\"");
+  }
+}
+
+}  // namespace
+
+void prepare_process(const Configuration& configuration, Log log) {
+  const RealTimeSettings& real_time = configuration.real_time;
+  if (geteuid() == 0 && !configuration.user.empty()) {
+    allow(RLIMIT_MEMLOCK, RLIM_INFINITY);
+    allow(RLIMIT_RTPRIO, static_cast<rlim_t>(real_time.priority));
+    become(configuration.user);
+  }
+  if (real_time.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    log(fmt::format("memory cannot be locked: {}", std::strerror(errno)));
+  }
+}
+
+MeasuringThread::MeasuringThread(int priority, std::function<void()> turn,
+                                 std::function<void()> wake, Log log)
+    : turn_(std::move(turn)), wake_(std::move(wake)) {
+  constexpr std::size_t kStackBytes = 262'144;
+  pthread_attr_t attributes{};
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStackBytes);
+  if (priority > 0) {
+    const sched_param scheduling{.sched_priority = priority};
+    pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
+    pthread_attr_setschedpolicy(&attributes, SCHED_FIFO);
+    pthread_attr_setschedparam(&attributes, &scheduling);
+  }
+  int error = pthread_create(&thread_, &attributes, run, this);
+  if (error == EPERM && priority > 0) {
+    log("real-time priority is not permitted; measuring as an ordinary thread");
+    pthread_attr_setinheritsched(&attributes, PTHREAD_INHERIT_SCHED);
+    error = pthread_create(&thread_, &attributes, run, this);
+  }
+  pthread_attr_destroy(&attributes);
+  if (error != 0) fail(error, "starting the measuring thread");
+}
+
+MeasuringThread::~MeasuringThread() {
+  is_ending_ = true;
+  wake_();
+  pthread_join(thread_, nullptr);
+}
+
+void* MeasuringThread::run(void* self) {
+  auto* const thread = static_cast<MeasuringThread*>(self);
+  while (!thread->is_ending_) thread->turn_();
+  return nullptr;
+}
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,41 @@
+/// @file
+/// What the process asks of the kernel once, before it works: memory, priority, identity.
+#pragma once
+
+#include <pthread.h>
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/node_service.hpp"
+
+namespace zerorate::linux_node {
+
+/// Locks memory and becomes `user` (with that user's groups) where the process is root. What is not
+/// permitted is logged and left; only a user that does not exist, or that one cannot become, throws
+/// std::system_error, so that nothing runs as root by mistake.
+void prepare_process(const Configuration& configuration, Log log);
+
+/// A thread with a fixed, small stack and, where that is permitted, a real-time priority.
+class MeasuringThread {
+ public:
+  /// @param turn  is called again and again until the end
+  /// @param wake  ends a turn that sleeps
+  MeasuringThread(int priority, std::function<void()> turn, std::function<void()> wake, Log log);
+  MeasuringThread(const MeasuringThread&) = delete;
+  MeasuringThread& operator=(const MeasuringThread&) = delete;
+  /// Waits for the end of the present turn.
+  ~MeasuringThread();
+
+ private:
+  static void* run(void* self);
+
+  std::function<void()> turn_;
+  std::function<void()> wake_;
+  std::atomic<bool> is_ending_ = false;
+  pthread_t thread_{};
+};
+
+}  // namespace zerorate::linux_node

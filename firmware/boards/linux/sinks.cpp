@@ -1,0 +1,193 @@
+#include "firmware/boards/linux/sinks.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <linux/can.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+#include "firmware/boards/linux/event.hpp"
+#include "firmware/boards/linux/json_line.hpp"
+#include "firmware/wire/can_frames.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+class JsonSink final : public Sink {
+ public:
+  explicit JsonSink(const JsonSettings& settings)
+      : Sink("json:" + settings.file), descriptor_(open(settings.file)) {}
+
+ private:
+  static Descriptor open(const std::string& file) {
+    if (file == "-") return checked_descriptor(dup(STDOUT_FILENO), "standard output");
+    constexpr mode_t kReadable = 0644;
+    return checked_descriptor(
+        ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, kReadable), file.c_str());
+  }
+
+  bool send(const wire::NumberedMessage& message) override {
+    // A pipe that is writable takes a line of less than PIPE_BUF bytes whole and at once (POSIX).
+    pollfd ready{.fd = descriptor_.get(), .events = POLLOUT, .revents = 0};
+    if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return false;
+    const std::string_view line = format_json_line(message, buffer_);
+    return ::write(descriptor_.get(), line.data(), line.size()) ==
+           static_cast<ssize_t>(line.size());
+  }
+
+  Descriptor descriptor_;
+  JsonBuffer buffer_{};
+};
+
+/// An address of any family, as sendto() takes it.
+struct SocketAddress {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+};
+
+SocketAddress udp_address(const UdpSettings& settings) {
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  const std::string port = std::to_string(settings.port);
+  if (getaddrinfo(settings.address.c_str(), port.c_str(), &hints, &found) != 0) {
+    throw std::invalid_argument("udp: \"" + settings.address + "\" is not a numeric address");
+  }
+  SocketAddress address;
+  std::memcpy(&address.storage, found->ai_addr, found->ai_addrlen);
+  address.size = found->ai_addrlen;
+  freeaddrinfo(found);
+  return address;
+}
+
+SocketAddress unix_address(const std::string& path) {
+  sockaddr_un named{};
+  named.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof named.sun_path) {
+    throw std::invalid_argument("unix: \"" + path + "\" is not a path of at most " +
+                                std::to_string(sizeof named.sun_path - 1) + " bytes");
+  }
+  std::ranges::copy(path, std::begin(named.sun_path));
+  SocketAddress address;
+  std::memcpy(&address.storage, &named, sizeof named);
+  address.size = sizeof named;
+  return address;
+}
+
+/// Rate frames to one address. Unconnected, so that a receiver may come, go and come again.
+class DatagramSink final : public Sink {
+ public:
+  DatagramSink(std::string name, const SocketAddress& to)
+      : Sink(std::move(name)),
+        socket_(checked_descriptor(
+            socket(to.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "socket")),
+        to_(to) {}
+
+ private:
+  bool send(const wire::NumberedMessage& message) override {
+    const wire::RateFrame frame = wire::encode_rate_frame(message);
+    const auto* const to = reinterpret_cast<const sockaddr*>(&to_.storage);
+    return sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to, to_.size) ==
+           static_cast<ssize_t>(frame.size());
+  }
+
+  Descriptor socket_;
+  SocketAddress to_;
+};
+
+/// CAN frames through SocketCAN. The interface may be absent or down, at the start and later.
+class CanSink final : public Sink {
+ public:
+  explicit CanSink(const CanSettings& settings)
+      : Sink("can:" + settings.interface), settings_(settings) {
+    if (settings.interface.empty() || settings.interface.size() >= IFNAMSIZ) {
+      throw std::invalid_argument("can: \"" + settings.interface + "\" is not an interface's name");
+    }
+    (void)open();
+  }
+
+ private:
+  /// Messages between two attempts to open a socket on an interface that was not there.
+  static constexpr int kRetryAfter = 100;
+
+  bool open() {
+    Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
+    ifreq interface {};
+    std::ranges::copy(settings_.interface, std::begin(interface.ifr_name));
+    if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface) != 0) return false;
+    // Nothing is read: without this, frames of others would fill the socket's buffer.
+    (void)setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = interface.ifr_ifindex;
+    if (bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+      return false;
+    }
+    socket_ = std::move(opened);
+    return true;
+  }
+
+  bool send(const wire::NumberedMessage& message) override {
+    if (!socket_.is_open()) {
+      if (++waited_ < kRetryAfter) return false;
+      waited_ = 0;
+      if (!open()) return false;
+    }
+    for (const wire::CanFrame& frame : wire::encode_can_frames(message, settings_.id)) {
+      if (!write_frame(frame)) return false;
+    }
+    return true;
+  }
+
+  bool write_frame(const wire::CanFrame& frame) {
+    can_frame out{};
+    out.can_id = frame.id;
+    out.can_dlc = CAN_MAX_DLEN;
+    std::ranges::copy(frame.data, std::begin(out.data));
+    if (write(socket_.get(), &out, sizeof out) == static_cast<ssize_t>(sizeof out)) return true;
+    // Down (ENETDOWN) or full (ENOBUFS, EAGAIN) passes; a removed interface needs a new socket.
+    if (errno == ENODEV || errno == ENXIO) socket_.reset(-1);
+    return false;
+  }
+
+  CanSettings settings_;
+  Descriptor socket_;
+  int waited_ = 0;
+};
+
+struct MakeSink {
+  std::unique_ptr<Sink> operator()(const JsonSettings& json) const {
+    return std::make_unique<JsonSink>(json);
+  }
+  std::unique_ptr<Sink> operator()(const UdpSettings& udp) const {
+    return std::make_unique<DatagramSink>(fmt::format("udp:{}:{}", udp.address, udp.port),
+                                          udp_address(udp));
+  }
+  std::unique_ptr<Sink> operator()(const UnixSettings& local) const {
+    return std::make_unique<DatagramSink>("unix:" + local.path, unix_address(local.path));
+  }
+  std::unique_ptr<Sink> operator()(const CanSettings& can) const {
+    return std::make_unique<CanSink>(can);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Sink> make_sink(const SinkSettings& settings) {
+  return std::visit(MakeSink{}, settings);
+}
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,50 @@
+/// @file
+/// Where messages go: files, datagrams, CAN. All of them may be there several times.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/wire/rate_frame.hpp"
+
+namespace zerorate::linux_node {
+
+/// A receiver that is absent, slow or broken costs messages, which are counted, never time.
+class Sink {
+ public:
+  explicit Sink(std::string name) : name_(std::move(name)) {}
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
+  virtual ~Sink() = default;
+
+  /// Never blocks for a receiver; no heap.
+  void publish(const wire::NumberedMessage& message) {
+    if (send(message)) {
+      ++sent_;
+    } else {
+      ++dropped_;
+    }
+  }
+  /// For logs and metrics: "udp:127.0.0.1:4242".
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  virtual bool send(const wire::NumberedMessage& message) = 0;
+
+  std::string name_;
+  std::uint64_t sent_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+/// Throws std::system_error, std::invalid_argument where the sink cannot even be tried: a file that
+/// cannot be opened, an address that is none. A receiver or a CAN interface that is absent may come
+/// later.
+[[nodiscard]] std::unique_ptr<Sink> make_sink(const SinkSettings& settings);
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,180 @@
+#include "firmware/boards/linux/configuration.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "firmware/toml/error.hpp"
+#include "firmware/toml/strict_table.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kFull = R"(schema = "zerorate.daemon/1"
+user = "gyro"
+[gyro]
+chip = "lsm6dso"
+bus = "i2c"
+device = "/dev/i2c-1"
+address = 0x6B
+rate_hz = 208
+full_scale_dps = 500
+fifo = true
+[data_ready]
+chip = "/dev/gpiochip1"
+line = "GYRO_DRDY"
+[odometer]
+chip = "/dev/gpiochip0"
+line = 24
+edge = "both"
+[model]
+name = "bmi088"
+[filter]
+rate_hz = 4
+settle_s = 2
+hold_back_s = 0.25
+predictor = "moving_average"
+[state]
+file = "/var/lib/zerorate/state"
+save_interval_s = 30
+[real_time]
+priority = 40
+lock_memory = false
+[metrics]
+file = "/run/zerorate/metrics.prom"
+socket = "/run/zerorate/metrics.sock"
+[[sink]]
+type = "json"
+[[sink]]
+type = "udp"
+address = "::1"
+port = 4000
+[[sink]]
+type = "unix"
+path = "/run/rate"
+[[sink]]
+type = "can"
+interface = "can0"
+id = 0x310
+)";
+
+std::string message_of(const std::string& toml) {
+  try {
+    (void)parse_configuration(toml, "z.toml");
+  } catch (const toml_file::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// The full file with one piece of text replaced.
+std::string with(const std::string& piece, const std::string& replacement) {
+  std::string toml = kFull;
+  const std::size_t at = toml.find(piece);
+  EXPECT_NE(at, std::string::npos) << piece;
+  return toml.replace(at, piece.size(), replacement);
+}
+
+TEST(ConfigurationWithEverything, IsReadAsItStandsThere) {
+  const Configuration c = parse_configuration(kFull, "z.toml");
+  EXPECT_EQ(c.user, "gyro");
+  EXPECT_EQ(c.gyro.chip, "lsm6dso");
+  EXPECT_EQ(c.gyro.bus, BusKind::i2c);
+  EXPECT_EQ(c.gyro.device, "/dev/i2c-1");
+  EXPECT_EQ(c.gyro.address, 0x6B);
+  EXPECT_EQ(c.gyro.rate_hz, 208.0);
+  EXPECT_EQ(c.gyro.full_scale_dps, 500.0);
+  EXPECT_TRUE(c.gyro.fifo);
+  EXPECT_EQ(c.data_ready->chip, "/dev/gpiochip1");
+  EXPECT_EQ(c.data_ready->line, "GYRO_DRDY");
+  EXPECT_EQ(c.odometer.line, "24");
+  EXPECT_EQ(c.odometer.edge, hal::linux_os::Edge::both);
+  EXPECT_EQ(c.node.modes.tick, core::Duration::milliseconds(250));
+  EXPECT_EQ(c.node.sample_period, core::Duration::nanoseconds(4807692));  // 1 / 208 Hz
+  EXPECT_EQ(c.node.standstill.settle, core::Duration::seconds(2));
+  EXPECT_EQ(c.node.standstill.hold_back, core::Duration::milliseconds(250));
+  EXPECT_EQ(c.node.published, app::Predictor::moving_average);
+  EXPECT_EQ(c.state->file, "/var/lib/zerorate/state");
+  EXPECT_EQ(c.state->save_interval, core::Duration::seconds(30));
+  EXPECT_EQ(c.real_time.priority, 40);
+  EXPECT_FALSE(c.real_time.lock_memory);
+  EXPECT_EQ(c.metrics.file, "/run/zerorate/metrics.prom");
+  EXPECT_EQ(c.metrics.socket, "/run/zerorate/metrics.sock");
+  ASSERT_EQ(c.sinks.size(), 4U);
+  EXPECT_EQ(std::get<JsonSettings>(c.sinks[0]).file, "-");
+  EXPECT_EQ(std::get<UdpSettings>(c.sinks[1]).port, 4000);
+  EXPECT_EQ(std::get<UnixSettings>(c.sinks[2]).path, "/run/rate");
+  EXPECT_EQ(std::get<CanSettings>(c.sinks[3]).id, 0x310);
+}
+
+TEST(ConfigurationThatIsInstalled, IsValid) {
+  const Configuration c =
+      read_configuration(ZERORATE_REPOSITORY "/firmware/boards/linux/zerorated.toml");
+  EXPECT_EQ(c.gyro.speed_hz, 8'000'000U);
+  EXPECT_EQ(c.sinks.size(), 1U);
+}
+
+struct Mistake {
+  std::string toml;
+  std::string message;
+};
+
+TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
+  const std::vector<Mistake> mistakes{
+      {with("daemon/1", "daemon/2"), "z.toml:1:10: \"schema\": expected \"zerorate.daemon/1\""},
+      {with("[gyro]\n", "[gyro\n"), "z.toml:3:"},
+      {with("user", "usr"), "z.toml:2:1: unknown key \"usr\"; did you mean \"user\"?"},
+      {with("chip = \"lsm6dso\"", "chip = \"lsm6ds\""),
+       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\"; did you mean \"lsm6dso\"?"},
+      {with("bus = \"i2c\"", "bus = \"simulated\""),
+       "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\" or \"i2c\""},
+      {with("device = \"/dev/i2c-1\"\n", ""),
+       "z.toml:3:1: missing \"device\" in [gyro]; expected text in quotes"},
+      {with("0x6B", "0x11"), "z.toml:7:11: \"address\" in [gyro]: the chip answers at 0x6a, 0x6b"},
+      {with("0x6B", "200"), "z.toml:7:11: \"address\" in [gyro]: expected a 7-bit address"},
+      {with("address = 0x6B", "speed_hz = 5"), "z.toml:7:1: unknown key \"speed_hz\" in [gyro]"},
+      {with("= 208", "= 200"), "z.toml:8:11: \"rate_hz\" in [gyro]: the chip offers 12.5, 26, 52"},
+      {with("= 208", "= \"208\""),
+       "z.toml:8:11: \"rate_hz\" in [gyro]: expected a positive number"},
+      {with("= 500", "= 300"),
+       "z.toml:9:18: \"full_scale_dps\" in [gyro]: the chip offers 125, 250, 500"},
+      {with("fifo = true", "fifo = 1"), "z.toml:10:8: \"fifo\" in [gyro]: expected true or false"},
+      {with("\"GYRO_DRDY\"", "-1"),
+       "z.toml:13:8: \"line\" in [data_ready]: expected a line's name"},
+      {with("\"both\"", "\"any\""),
+       "z.toml:17:8: \"edge\" in [odometer]: expected \"rising\", \"falling\" or \"both\""},
+      {with("bmi088", "bmi08"), "z.toml:19:8: \"name\" in [model]: no sensor model \"bmi08\""},
+      {with("rate_hz = 4", "rate_hz = 400"), "z.toml:20:1: \"filter\": rate_hz may not exceed"},
+      {with("0.25", "60"), "z.toml:20:1: \"filter\": hold_back_s is longer than the node can hold"},
+      {with("0.25", "-1"), "z.toml:23:15: \"hold_back_s\" in [filter]: expected seconds"},
+      {with("interval_s = 30", "interval_s = 0"),
+       "z.toml:27:19: \"save_interval_s\" in [state]: expected seconds, from 1"},
+      {with("priority = 40", "priority = 40.5"),
+       "z.toml:29:12: \"priority\" in [real_time]: expected"},
+      {with("\"json\"", "\"tcp\""),
+       "z.toml:35:8: \"type\" in [sink]: expected \"json\", \"udp\", \"unix\" or \"can\""},
+      {with("port = 4000", "port = 70000"), "z.toml:39:8: \"port\" in [sink]: expected"},
+      {with("0x310", "0x7FD"), "z.toml:46:6: \"id\" in [sink]: expected an identifier from 0 to"},
+      {with("interface", "interfaces"), "z.toml:45:1: unknown key \"interfaces\" in [sink]"},
+  };
+  for (const Mistake& mistake : mistakes) {
+    EXPECT_THAT(message_of(mistake.toml), HasSubstr(mistake.message));
+  }
+}
+
+TEST(ConfigurationWithFastSpi, IsRefusedBeyondTheChipsLimit) {
+  const std::string toml = with("bus = \"i2c\"", "bus = \"spi\"");
+  const std::string fast = [&] {
+    std::string text = toml;
+    const std::string address = "address = 0x6B";
+    return text.replace(text.find(address), address.size(), "speed_hz = 20_000_000");
+  }();
+  EXPECT_THAT(message_of(fast),
+              HasSubstr("z.toml:7:12: \"speed_hz\" in [gyro]: the chip takes at most 10000000"));
+}
+
+}  // namespace
+}  // namespace zerorate::linux_node

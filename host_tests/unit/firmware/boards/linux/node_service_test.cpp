@@ -1,0 +1,281 @@
+#include "firmware/boards/linux/node_service.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "firmware/boards/linux/metrics.hpp"
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+using hal::testing::Fault;
+
+constexpr BootId kBoot{'a'};
+
+std::vector<std::string>& log_lines() {
+  static std::vector<std::string> lines;
+  return lines;
+}
+void keep_line(std::string_view line) {
+  log_lines().emplace_back(line);
+}
+void forget_line(std::string_view) {}
+
+bool was_logged(const std::string& piece) {
+  return std::ranges::any_of(
+      log_lines(), [&](const std::string& line) { return line.find(piece) != std::string::npos; });
+}
+
+/// A service on simulated hardware, both of its threads played by the test.
+struct ServiceRig {
+  explicit ServiceRig(Log log = keep_line, const BootId& boot = kBoot) {
+    log_lines().clear();
+    configuration.sinks.emplace_back(UnixSettings{(folder.path() / "rate").string()});
+    configuration.sinks.emplace_back(JsonSettings{(folder.path() / "rate.jsonl").string()});
+    configuration.state =
+        StateSettings{(folder.path() / "state").string(), core::Duration::seconds(10)};
+    service.emplace(configuration, hardware, &storage, boot, log);
+  }
+
+  /// Sample by sample, with a tick each second.
+  void run(int samples) {
+    for (int i = 0; i < samples; ++i) {
+      service->measure();
+      service->publish_waiting();
+      if (++samples_ % 104 == 0) (void)service->tick();
+    }
+  }
+  [[nodiscard]] const app::RateMessage& latest() const { return service->latest()->message; }
+
+  testing::ScratchFolder folder;
+  hal::linux_os::FileCalls calls;
+  hal::linux_os::FileStorage storage{(folder.path() / "state").string(), calls};
+  Configuration configuration = parse_configuration(kMinimalConfiguration, "test.toml");
+  SimulatedHardware hardware;
+  std::optional<NodeService> service;
+  int samples_ = 0;
+};
+
+/// A receiver of datagrams on a Unix socket.
+class Receiver {
+ public:
+  explicit Receiver(const std::filesystem::path& path)
+      : socket_(checked_descriptor(socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0), "socket")) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::ranges::copy(path.string(), std::begin(address.sun_path));
+    EXPECT_EQ(bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  std::vector<wire::NumberedMessage> take() {
+    std::vector<wire::NumberedMessage> messages;
+    std::array<std::uint8_t, 256> bytes{};
+    for (;;) {
+      const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), 0);
+      if (size < 0) return messages;
+      const auto message =
+          wire::decode_rate_frame(std::span{bytes}.first(static_cast<std::size_t>(size)));
+      EXPECT_TRUE(message);
+      if (message) messages.push_back(*message);
+    }
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+TEST(NodeServiceOnHealthyHardware, PublishesCorrectedRateToEverySink) {
+  ServiceRig rig;
+  Receiver receiver{rig.folder.path() / "rate"};
+  std::vector<wire::NumberedMessage> received;
+  for (int i = 0; i < 1040; ++i) {
+    rig.run(1);
+    for (const auto& message : receiver.take()) received.push_back(message);
+  }
+  ASSERT_GT(received.size(), 1000U);
+  for (std::size_t i = 1; i < received.size(); ++i) {
+    EXPECT_EQ(received[i].sequence, received[i - 1].sequence + 1);
+  }
+  const app::RateMessage& last = received.back().message;
+  EXPECT_TRUE(last.health.calibrated);
+  EXPECT_EQ(last.motion, core::Motion::still);
+  EXPECT_NEAR(last.axes[0].bias.in(core::deg_per_s), 0.35F, 1e-3F);
+
+  std::ifstream file{rig.folder.path() / "rate.jsonl"};
+  std::size_t lines = 0;
+  for (std::string line; std::getline(file, line); ++lines) {
+    const auto json = nlohmann::json::parse(line);
+    EXPECT_EQ(json["sequence"], received.at(lines).sequence);
+    EXPECT_EQ(json["rate_dps"][2].get<float>(),
+              received[lines].message.axes[2].corrected.in(core::deg_per_s));
+  }
+  EXPECT_EQ(lines, received.size());
+  EXPECT_EQ(rig.service->sinks()[0]->sent(), received.size());
+  EXPECT_TRUE(was_logged("gyro: started"));
+}
+
+TEST(NodeServiceWithoutReceivers, DropsCountsAndGoesOnAndFindsThemWhenTheyCome) {
+  ServiceRig rig;
+  rig.run(300);
+  const Sink& sink = *rig.service->sinks()[0];
+  EXPECT_EQ(sink.sent(), 0U);
+  EXPECT_GT(sink.dropped(), 250U);
+  Receiver receiver{rig.folder.path() / "rate"};
+  rig.run(10);
+  EXPECT_EQ(sink.sent(), 10U);
+  EXPECT_EQ(receiver.take().size(), 10U);
+}
+
+TEST(NodeServiceOnceMade, NeverAllocates) {
+  ServiceRig rig{forget_line};
+  MetricsEndpoint metrics{{.file = (rig.folder.path() / "metrics").string(),
+                           .socket = (rig.folder.path() / "metrics.sock").string()}};
+  rig.run(200);
+  const std::size_t excused_before = rig.hardware.allocations;
+  const support::AllocationCounter allocations;
+  for (int second = 0; second < 60; ++second) {
+    rig.hardware.is_moving = second % 20 >= 15;
+    if (second == 30) rig.hardware.rig.faults.inject({.first = rig.hardware.rig.faults.calls()});
+    if (second == 40) rig.hardware.rig.chip.cycle_power();
+    rig.hardware.odometer_fails = second == 50;
+    rig.run(104);
+    metrics.update(*rig.service);
+    metrics.serve();
+  }
+  rig.service->finish();
+  // The faults are the test's own doing.
+  const std::size_t by_the_test = 1;
+  EXPECT_LE(allocations.count() - (rig.hardware.allocations - excused_before), by_the_test);
+  EXPECT_GE(rig.service->counters().saves, 5U);
+  EXPECT_GE(rig.service->snapshot().counters.starts, 3U);
+}
+
+TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, SaysSoAndRecoversWithoutARestart) {
+  ServiceRig rig;
+  rig.run(1040);
+  EXPECT_TRUE(rig.latest().health.calibrated);
+  rig.hardware.rig.faults.inject({.first = rig.hardware.rig.faults.calls(),
+                                  .calls = Fault::kForEver,
+                                  .error = hal::BusError::not_present});
+  rig.run(520);
+  EXPECT_TRUE(rig.latest().health.sensor_fault);
+  EXPECT_FALSE(rig.latest().has_rate());
+  EXPECT_EQ(rig.latest().motion, core::Motion::moving);
+  EXPECT_FALSE(rig.service->snapshot().is_running);
+  EXPECT_TRUE(was_logged("bus failed (not present)"));
+  rig.hardware.rig.faults.clear();
+  rig.run(312);
+  EXPECT_FALSE(rig.latest().health.sensor_fault);
+  EXPECT_TRUE(rig.latest().has_rate());
+  EXPECT_NEAR(rig.latest().axes[1].corrected.in(core::deg_per_s), 0.0F, 1e-2F);
+  EXPECT_EQ(rig.service->snapshot().counters.starts, 2U);
+}
+
+TEST(NodeServiceWhoseOdometerFails, NeverClaimsStandstillMeanwhile) {
+  ServiceRig rig;
+  rig.run(520);
+  rig.hardware.odometer_fails = true;
+  rig.run(208);
+  EXPECT_EQ(rig.latest().motion, core::Motion::moving);
+  EXPECT_TRUE(rig.latest().health.pulses_lost);
+  EXPECT_TRUE(was_logged("odometer: cannot be read"));
+  rig.hardware.odometer_fails = false;
+  rig.run(520);
+  EXPECT_EQ(rig.latest().motion, core::Motion::still);
+  EXPECT_FALSE(rig.latest().health.pulses_lost);
+}
+
+TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
+  ServiceRig rig;
+  rig.run(2000);
+  const float bias = rig.latest().axes[0].bias.in(core::rad_per_s);
+  rig.service->finish();
+
+  SimulatedHardware hardware;
+  hardware.rig.clock.advance_to(rig.hardware.now());
+  NodeService again{rig.configuration, hardware, &rig.storage, kBoot, keep_line};
+  EXPECT_TRUE(again.restore());
+  again.measure();
+  hardware.is_moving = true;  // nothing can be learnt
+  for (int i = 0; i < 30; ++i) again.measure();
+  again.publish_waiting();
+  EXPECT_TRUE(again.latest()->message.health.calibrated);
+  EXPECT_NEAR(again.latest()->message.axes[0].bias.in(core::rad_per_s), bias, 1e-6F);
+}
+
+TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedState) {
+  ServiceRig rig;
+  rig.run(2000);
+  rig.service->finish();
+  NodeService again{rig.configuration, rig.hardware, &rig.storage, BootId{'b'}, keep_line};
+  EXPECT_FALSE(again.restore());
+  EXPECT_TRUE(was_logged("another boot"));
+}
+
+TEST(NodeServiceWithAnotherModel, StartsWithoutTheSavedState) {
+  ServiceRig rig;
+  rig.run(2000);
+  rig.service->finish();
+  Configuration changed = rig.configuration;
+  changed.node.white_variance_rad2_s2 *= 2.0F;
+  NodeService again{changed, rig.hardware, &rig.storage, kBoot, keep_line};
+  EXPECT_FALSE(again.restore());
+}
+
+TEST(NodeServiceWhoseStateCannotBeSaved, SaysSoAndGoesOn) {
+  ServiceRig rig;
+  std::filesystem::create_directory(rig.folder.path() / "state.0.new");  // in the way of both slots
+  std::filesystem::create_directory(rig.folder.path() / "state.1.new");
+  rig.run(2080);
+  EXPECT_GE(rig.service->counters().save_errors, 1U);
+  EXPECT_EQ(rig.service->counters().saves, 0U);
+  EXPECT_TRUE(was_logged("state: not saved"));
+  EXPECT_TRUE(rig.latest().has_rate());
+}
+
+TEST(NodeServiceTick, TellsWhetherTheMeasuringThreadLives) {
+  ServiceRig rig;
+  rig.service->measure();
+  EXPECT_TRUE(rig.service->tick());
+  EXPECT_FALSE(rig.service->tick());
+  rig.service->measure();
+  EXPECT_TRUE(rig.service->tick());
+}
+
+TEST(Metrics, HoldTheCountersAndTheNewestMessage) {
+  ServiceRig rig;
+  rig.run(2080);
+  const std::string socket_path = (rig.folder.path() / "metrics.sock").string();
+  MetricsEndpoint metrics{{.file = (rig.folder.path() / "m.prom").string(), .socket = socket_path}};
+  metrics.update(*rig.service);
+  std::ifstream file{rig.folder.path() / "m.prom"};
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto samples = std::to_string(rig.service->snapshot().counters.samples);
+  EXPECT_NE(text.find("\nzerorate_samples_total " + samples + "\n"), std::string::npos);
+  EXPECT_NE(text.find("# TYPE zerorate_samples_total counter\n"), std::string::npos);
+  EXPECT_NE(text.find("zerorate_health{flag=\"calibrated\"} 1\n"), std::string::npos);
+  EXPECT_NE(text.find("zerorate_bias_dps{axis=\"z\"} 0.3"), std::string::npos);
+  EXPECT_NE(text.find("zerorate_gyro_running 1\n"), std::string::npos);
+
+  const Descriptor reader{socket(AF_UNIX, SOCK_STREAM, 0)};
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::ranges::copy(socket_path, std::begin(address.sun_path));
+  ASSERT_EQ(connect(reader.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  metrics.serve();
+  std::string served(65536, '\0');
+  const ssize_t size = recv(reader.get(), served.data(), served.size(), MSG_WAITALL);
+  ASSERT_GT(size, 0);
+  served.resize(static_cast<std::size_t>(size));
+  EXPECT_EQ(served, text);
+}
+
+}  // namespace
+}  // namespace zerorate::linux_node

@@ -1,0 +1,191 @@
+/// @file
+/// The single parts of the way out: JSON, sinks, the queue between the threads, the service
+/// manager.
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "firmware/boards/linux/json_line.hpp"
+#include "firmware/boards/linux/message_queue.hpp"
+#include "firmware/boards/linux/service_manager.hpp"
+#include "firmware/boards/linux/sinks.hpp"
+#include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/unit/firmware/wire/messages.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+using wire::NumberedMessage;
+using wire::testing::random_message;
+
+NumberedMessage widest_message() {
+  NumberedMessage widest{.sequence = std::numeric_limits<std::uint32_t>::max(), .message = {}};
+  widest.message.time = core::Instant::from_ns(std::numeric_limits<std::int64_t>::min());
+  widest.message.motion = core::Motion::settling;
+  for (app::AxisRate& axis : widest.message.axes) {
+    axis.measured = axis.corrected = axis.bias = axis.sigma = core::rad_per_s(-1.17549435e-38F);
+  }
+  return widest;
+}
+
+TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
+  std::mt19937_64 random{6};
+  JsonBuffer buffer{};
+  for (int i = 0; i < 500; ++i) {
+    const NumberedMessage sent = random_message(random);
+    const std::string_view line = format_json_line(sent, buffer);
+    ASSERT_EQ(line.find('\n'), line.size() - 1);
+    const auto json = nlohmann::json::parse(line);
+    EXPECT_EQ(json["sequence"], sent.sequence);
+    EXPECT_EQ(json["time_ns"], sent.message.time.ns());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const app::AxisRate& rate = sent.message.axes[axis];
+      EXPECT_EQ(json["bias_dps"][axis].get<float>(), rate.bias.in(core::deg_per_s));
+      EXPECT_EQ(json["sigma_dps"][axis].get<float>(), rate.sigma.in(core::deg_per_s));
+      EXPECT_EQ(json["rate_dps"][axis].is_null(), !sent.message.has_rate());
+      if (sent.message.has_rate()) {
+        EXPECT_EQ(json["rate_dps"][axis].get<float>(), rate.corrected.in(core::deg_per_s));
+        EXPECT_EQ(json["measured_dps"][axis].get<float>(), rate.measured.in(core::deg_per_s));
+      }
+    }
+    for (const wire::HealthBit& bit : wire::kHealthBits) {
+      EXPECT_EQ(json[std::string(bit.name)], sent.message.health.*bit.flag);
+    }
+  }
+}
+
+TEST(JsonLineOfTheWidestMessage, FitsIntoItsBufferWithoutAHeap) {
+  JsonBuffer buffer{};
+  const NumberedMessage widest = widest_message();
+  const support::AllocationCounter allocations;
+  const std::string_view line = format_json_line(widest, buffer);
+  EXPECT_EQ(allocations.count(), 0U);
+  EXPECT_LT(line.size(), buffer.size());
+  EXPECT_EQ(line.back(), '\n');
+}
+
+TEST(JsonLineWithoutCalibration, HasNoDeviation) {
+  NumberedMessage sent;
+  sent.message.axes[0].sigma = core::rad_per_s(std::numeric_limits<float>::infinity());
+  JsonBuffer buffer{};
+  const auto json = nlohmann::json::parse(format_json_line(sent, buffer));
+  EXPECT_TRUE(json["sigma_dps"][0].is_null());
+  EXPECT_EQ(json["sigma_dps"][1], 0.0);
+}
+
+TEST(UdpSink, SendsOneFrameADatagram) {
+  const Descriptor receiver{socket(AF_INET, SOCK_DGRAM, 0)};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(receiver.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(getsockname(receiver.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const timeval limit{.tv_sec = 5, .tv_usec = 0};
+  setsockopt(receiver.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+
+  const auto sink = make_sink(UdpSettings{"127.0.0.1", ntohs(address.sin_port)});
+  std::mt19937_64 random{7};
+  for (int i = 0; i < 100; ++i) {
+    const NumberedMessage sent = random_message(random);
+    sink->publish(sent);
+    std::array<std::uint8_t, 200> bytes{};
+    const ssize_t received = recv(receiver.get(), bytes.data(), bytes.size(), 0);
+    ASSERT_EQ(received, static_cast<ssize_t>(wire::kRateFrameBytes));
+    EXPECT_EQ(*wire::decode_rate_frame(std::span{bytes}.first(wire::kRateFrameBytes)), sent);
+  }
+  EXPECT_EQ(sink->sent(), 100U);
+}
+
+TEST(UdpSinkWithoutAReceiver, GoesOn) {
+  const auto sink = make_sink(UdpSettings{"127.0.0.1", 9});
+  for (int i = 0; i < 10; ++i) sink->publish({});
+  EXPECT_EQ(sink->sent() + sink->dropped(), 10U);
+}
+
+TEST(SinksThatCannotBeTried, AreRefused) {
+  EXPECT_THROW((void)make_sink(UdpSettings{"localhost", 9}), std::invalid_argument);
+  EXPECT_THROW((void)make_sink(UnixSettings{std::string(200, 'x')}), std::invalid_argument);
+  EXPECT_THROW((void)make_sink(CanSettings{"a-name-that-is-too-long", 0}), std::invalid_argument);
+  EXPECT_THROW((void)make_sink(JsonSettings{"/no/such/folder/file"}), std::system_error);
+}
+
+TEST(CanSinkWithoutItsInterface, DropsAndGoesOn) {
+  const auto sink = make_sink(CanSettings{"zrnone0", 0x200});
+  for (int i = 0; i < 250; ++i) sink->publish({});
+  EXPECT_EQ(sink->dropped(), 250U);
+}
+
+TEST(JsonSinkWhoseReaderStalls, DropsInsteadOfWaiting) {
+  testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "pipe").string();
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  const Descriptor reader{open(path.c_str(), O_RDONLY | O_NONBLOCK)};
+  const auto sink = make_sink(JsonSettings{path});
+  for (int i = 0; i < 500; ++i) sink->publish({});  // a pipe holds 64 KiB
+  EXPECT_GT(sink->sent(), 50U);
+  EXPECT_GT(sink->dropped(), 50U);
+}
+
+TEST(MessageQueueBetweenTwoThreads, KeepsOrderAndShowsEveryLossAsAGap) {
+  const auto queue = std::make_unique<MessageQueue>();
+  constexpr std::uint32_t kMessages = 200'000;
+  std::thread writer([&] {
+    for (std::uint32_t i = 0; i < kMessages; ++i) {
+      queue->publish({.time = core::Instant::from_ns(i)});
+    }
+  });
+  std::uint32_t expected = 0;
+  std::uint32_t missing = 0;
+  std::uint32_t taken = 0;
+  const auto take_all = [&] {
+    while (const auto message = queue->take()) {
+      EXPECT_EQ(message->message.time.ns(), message->sequence);
+      missing += message->sequence - expected;
+      expected = message->sequence + 1;
+      ++taken;
+    }
+  };
+  while (expected < kMessages / 2 && queue->dropped() + taken < kMessages) take_all();
+  writer.join();
+  take_all();
+  missing += kMessages - expected;
+  EXPECT_EQ(missing, queue->dropped());
+  EXPECT_EQ(taken + missing, kMessages);
+}
+
+TEST(ServiceManager, IsToldThroughItsSocket) {
+  testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "notify").string();
+  const Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)};
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::ranges::copy(path, std::begin(address.sun_path));
+  ASSERT_EQ(bind(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(setenv("NOTIFY_SOCKET", path.c_str(), 1), 0);
+  notify_service_manager("READY=1");
+  unsetenv("NOTIFY_SOCKET");
+  notify_service_manager("WATCHDOG=1");  // to nobody
+  std::array<char, 64> text{};
+  EXPECT_EQ(recv(socket.get(), text.data(), text.size(), 0), 7);
+  EXPECT_STREQ(text.data(), "READY=1");
+  EXPECT_LT(recv(socket.get(), text.data(), text.size(), 0), 0);
+}
+
+}  // namespace
+}  // namespace zerorate::linux_node

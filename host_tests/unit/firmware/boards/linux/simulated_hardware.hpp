@@ -1,0 +1,80 @@
+/// @file
+/// The Linux node's hardware as a simulated chip, an odometer and a clock, with faults.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/hardware.hpp"
+#include "hal/sim/odometer.hpp"
+#include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/support/simulated_gyros.hpp"
+
+namespace zerorate::linux_node {
+
+/// Each wait() lets one sample period pass and the chip measure once. What the simulation allocates
+/// is counted, so that a test can leave it out.
+class SimulatedHardware final : public Hardware {
+ private:
+  template <class Action>
+  auto excused(Action action) {
+    const support::AllocationCounter counter;
+    auto result = action();
+    allocations += counter.count();
+    return result;
+  }
+
+ public:
+  core::Result<void, drivers::DriverError> start(core::Instant now) override {
+    return excused([&] { return rig.driver.start(now); });
+  }
+  core::Result<std::size_t, drivers::DriverError> read(
+      core::Instant now, std::span<drivers::GyroSample> out) override {
+    return excused([&] { return rig.driver.read(now, out); });
+  }
+  core::Result<void, drivers::DriverError> verify_next() override {
+    return excused([&] { return rig.driver.verify_next(); });
+  }
+  [[nodiscard]] core::Duration sample_period() const override { return rig.driver.sample_period(); }
+  [[nodiscard]] bool is_batched() const override { return rig.driver.is_batched(); }
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(
+      std::span<core::Instant> stamps) override {
+    if (odometer_fails) return core::Unexpected{hal::BusError::io};
+    return excused([&] { return odometer.read_pulses(stamps); });
+  }
+  std::optional<core::Instant> take_edge() override { return rig.chip.interrupt().take_edge(); }
+  [[nodiscard]] core::Instant now() const override { return rig.clock.now(); }
+  void wake() override {}
+
+  void wait() override {
+    excused([&] {
+      rig.sample({rate, rate, rate});
+      if (is_moving) odometer.pulse(rig.clock.now());
+      return 0;
+    });
+  }
+
+  support::GyroRig<support::OverSpi<support::Lsm6dso>> rig{
+      {.rate = drivers::lsm6dso::OutputDataRate::hz_104}, core::Instant::from_ns(1'000'000'000)};
+  hal::sim::SimulatedOdometer odometer;
+  core::AngularRate rate = core::deg_per_s(0.35F);
+  bool is_moving = false;
+  bool odometer_fails = false;
+  std::size_t allocations = 0;
+};
+
+inline constexpr const char* kMinimalConfiguration = R"(schema = "zerorate.daemon/1"
+[gyro]
+chip = "lsm6dso"
+bus = "spi"
+device = "/dev/spidev0.0"
+rate_hz = 104
+full_scale_dps = 250
+[odometer]
+chip = "/dev/gpiochip0"
+line = 24
+)";
+
+}  // namespace zerorate::linux_node
