@@ -22,6 +22,8 @@ std::string_view name_of(drivers::DriverErrorCode code) {
       return "FIFO overrun";
     case drivers::DriverErrorCode::corrupt_data:
       return "corrupt data";
+    case drivers::DriverErrorCode::sensor_fault:
+      return "the chip reports a fault";
   }
   return "unknown error";
 }
