@@ -8,7 +8,8 @@
 namespace zerorate::linux_node {
 
 std::span<const ChipDescription> chips() {
-  static const std::array kChips{describe_bmi088(), describe_icm42688(), describe_lsm6dso()};
+  static const std::array kChips{describe_adxrs453(), describe_bmi088(), describe_icm42688(),
+                                 describe_lsm6dso()};
   return kChips;
 }
 

@@ -6,6 +6,7 @@
 
 namespace zerorate::linux_node {
 
+[[nodiscard]] ChipDescription describe_adxrs453();
 [[nodiscard]] ChipDescription describe_bmi088();
 [[nodiscard]] ChipDescription describe_icm42688();
 [[nodiscard]] ChipDescription describe_lsm6dso();

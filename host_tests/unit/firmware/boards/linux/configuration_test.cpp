@@ -117,6 +117,21 @@ TEST(ConfigurationThatIsInstalled, IsValid) {
   EXPECT_EQ(c.sinks.size(), 1U);
 }
 
+TEST(ConfigurationOfEachChip, MakesItsGyro) {
+  for (const ChipDescription& chip : chips()) {
+    const GyroSettings settings{.chip = std::string(chip.name),
+                                .bus = BusKind::spi,
+                                .device = "/dev/there-is-no-such-device",
+                                .rate_hz = chip.rates_hz.back(),
+                                .full_scale_dps = chip.full_scales_dps.front()};
+    const auto gyro = chip.make(settings);
+    const auto nominal_ns = static_cast<std::int64_t>(1e9 / chip.rates_hz.back());
+    EXPECT_NEAR(static_cast<double>(gyro->sample_period().ns()), static_cast<double>(nominal_ns),
+                1e-3 * static_cast<double>(nominal_ns))
+        << chip.name;
+  }
+}
+
 struct Mistake {
   std::string toml;
   std::string message;
