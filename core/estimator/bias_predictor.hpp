@@ -11,6 +11,7 @@ namespace zerorate::core {
 /// A predictor lives at the tick of its newest measurement. It is fed with the means of ticks at
 /// standstill and asked for any later tick; between stops nothing is computed.
 ///
+/// - `Coefficients`: made from core::Modes; what the predictor is made from, shared by all axes.
 /// - `begin_stop()`: a new standstill begins. Predictors without memory across stops start again.
 /// - `advance(span)`: time passes. Call it before each measurement with the span since the last.
 /// - `observe(rate, variance)`: the mean measured rate of this tick [rad/s] and its white variance.
@@ -22,6 +23,7 @@ template <class P>
 concept BiasPredictor = requires(P predictor, const P& settled, const typename P::Span& span,
                                  float rate_rad_s, float variance_rad2_s2) {
   typename P::State;
+  typename P::Coefficients;
   { predictor.begin_stop() } -> std::same_as<void>;
   { predictor.advance(span) } -> std::same_as<void>;
   { predictor.observe(rate_rad_s, variance_rad2_s2) } -> std::same_as<Innovation>;

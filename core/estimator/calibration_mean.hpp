@@ -16,6 +16,7 @@ namespace zerorate::core {
 template <std::size_t R, std::size_t C>
 class CalibrationMean {
  public:
+  using Coefficients = Modes<R, C>;
   using Span = Transition<R, C>;
 
   struct State {

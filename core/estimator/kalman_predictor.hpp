@@ -7,27 +7,31 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "core/base/unrolled.hpp"
+#include "core/estimator/kalman_coefficients.hpp"
+#include "core/estimator/pair_covariance.hpp"
 #include "core/estimator/prediction.hpp"
-#include "core/estimator/symmetric.hpp"
 #include "core/noise/modes.hpp"
 
 namespace zerorate::core {
 
-/// Kalman filter of one axis with R decaying and C rotating modes; N = R + 2 C.
+/// Kalman filter of one axis with R decaying and C rotating modes.
 ///
 /// The first state is the whole bias s = level + sum of the modes, not the level. A measurement
 /// then sees one state (h = e_0), so an update needs no matrix product and cannot cancel: the
-/// variance of s is multiplied by r / S. The diffuse start is exact, without a large number. With
-/// g_j = Re(F_j - 1) the bias moves by s' = s + g'z + noise. docs/design/kalman-predictor.md
-/// derives it, docs/adr/0006 compares it with the other forms.
+/// variance of s is multiplied by r / S. The diffuse start is exact, without a large number. The
+/// other states are the drifts w of KalmanCoefficients: s' = s + sum of w + noise.
+/// docs/design/kalman-predictor.md derives it, docs/adr/0006 and 0007 compare the forms.
 ///
-/// Cost per tick at R = 6, C = 0: about 340 floating-point operations and one division; stack
-/// below 150 bytes; no square root. Not re-entrant; one instance per axis.
+/// Cost of a tick and its measurement at R = 6, C = 0: 207 floating-point operations and one
+/// division (docs/reference/benchmarks.md); no square root. Not re-entrant; one instance per axis.
 template <std::size_t R, std::size_t C>
 class KalmanPredictor {
  public:
-  static constexpr std::size_t N = R + 2 * C;
+  using Coefficients = KalmanCoefficients<R, C>;
   using Span = Transition<R, C>;
+  using Drifts = typename Coefficients::Drifts;
+  static constexpr std::size_t kPairs = Coefficients::kPairs;
 
   /// Everything the filter remembers: plain data, may be stored and restored bit for bit.
   struct State {
@@ -36,21 +40,19 @@ class KalmanPredictor {
                                    ///< large bias does not use up the mantissa
     float bias_rad_s = 0.0F;       ///< s
     float bias_variance = 0.0F;    ///< Var s [rad2/s2]
-    std::array<float, N> z{};      ///< the modes [rad/s], decaying first
-    std::array<float, N> bias_covariance{};  ///< p = Cov(s, z)
-    Symmetric<N> covariance{};               ///< Z = Cov(z)
+    Drifts drift{};                ///< w [rad/s a tick]
+    Drifts bias_covariance{};      ///< p = Cov(s, w)
+    PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
   /// Starts before the first measurement, with the modes at their initial variance.
-  constexpr explicit KalmanPredictor(const Modes<R, C>& modes) {
-    for (std::size_t i = 0; i < R; ++i) {
-      state_.covariance(i, i) = modes.decaying[i].initial_variance;
+  /// @param coefficients of all axes; must outlive the predictor
+  constexpr explicit KalmanPredictor(const KalmanCoefficients<R, C>& coefficients)
+      : coefficients_(&coefficients) {
+    for (std::size_t i = 0; i < coefficients.kDrifts; ++i) {
+      state_.covariance.set(i, i, coefficients.initial_variance[i]);
     }
-    for (std::size_t i = R; i < N; ++i) {
-      state_.covariance(i, i) = modes.rotating[(i - R) / 2].initial_variance;
-    }
-    tick_s_ = modes.tick.in_seconds();
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -60,52 +62,50 @@ class KalmanPredictor {
   constexpr void begin_stop() {}
 
   constexpr void advance(const Span& span) {
-    const Moved moved = move_bias(span);
-    state_.bias_rad_s = moved.bias_rad_s;
-    state_.bias_variance = moved.variance;
-    for (std::size_t i = 0; i < N; ++i) state_.bias_covariance[i] += moved.cross[i];
-    apply_factors(span, state_.z);
-    apply_factors(span, state_.bias_covariance);
-    for (std::size_t i = 0; i < R; ++i) state_.bias_covariance[i] += span.decaying[i].noise;
-    for (std::size_t i = 0; i < C; ++i) {
-      state_.bias_covariance[R + 2 * i] += span.rotating[i].noise;
+    if (span.ticks == 1) {
+      Registers x{state_};
+      x.advance(*coefficients_);
+      x.store(state_);
+    } else {
+      advance_gap(span);
     }
-    advance_covariance(span);
   }
 
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
     if (!state_.calibrated) return observe_first(rate_rad_s, white_variance);
-    State& x = state_;
-    const Innovation innovation{.accepted = true,
-                                .residual_rad_s = (rate_rad_s - x.reference_rad_s) - x.bias_rad_s,
-                                .variance_rad2_s2 = x.bias_variance + white_variance};
-    const float inverse_variance = 1.0F / innovation.variance_rad2_s2;
-    const float weighted_residual = innovation.residual_rad_s * inverse_variance;
-    std::array<float, N> gain;
-    for (std::size_t i = 0; i < N; ++i) gain[i] = x.bias_covariance[i] * inverse_variance;
-
-    x.bias_rad_s += x.bias_variance * weighted_residual;
-    for (std::size_t i = 0; i < N; ++i) x.z[i] += x.bias_covariance[i] * weighted_residual;
-    for (std::size_t i = 0; i < N; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) x.covariance(i, j) -= gain[i] * x.bias_covariance[j];
-    }
-    const float remaining = white_variance * inverse_variance;  // 1 - K_0, without the difference
-    x.bias_variance *= remaining;
-    for (float& p : x.bias_covariance) p *= remaining;
+    Registers x{state_};
+    const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
+    x.store(state_);
     return innovation;
+  }
+
+  /// advance() and observe() in one, which spares the way through memory.
+  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+    if (span.ticks == 1 && state_.calibrated && is_measurement(rate_rad_s, white_variance)) {
+      Registers x{state_};
+      x.advance(*coefficients_);
+      const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
+      x.store(state_);
+      return innovation;
+    }
+    advance(span);
+    return observe(rate_rad_s, white_variance);
   }
 
   [[nodiscard]] constexpr float bias_rad_s(const Span& lead) const {
     if (!state_.calibrated) return 0.0F;
-    const auto g = weights(lead, &ModeSpan<float>::forgotten, &ModeSpan<Complex>::forgotten);
-    return state_.reference_rad_s + moved_bias(g);
+    return state_.reference_rad_s +
+           (state_.bias_rad_s + dot(Coefficients::movement(lead), state_.drift));
   }
 
   [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
     if (!state_.calibrated) return {};
-    const Moved moved = move_bias(lead);
-    return {state_.reference_rad_s + moved.bias_rad_s, moved.variance};
+    const State& x = state_;
+    const Drifts g = Coefficients::movement(lead);
+    const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
+    return {x.reference_rad_s + (x.bias_rad_s + dot(g, x.drift)),
+            (x.bias_variance + moved) + lead.noise()};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
@@ -117,12 +117,9 @@ class KalmanPredictor {
   }
 
  private:
-  /// The bias after a span, and what the span adds to Cov(s, z) before the factors apply.
-  struct Moved {
-    float bias_rad_s;
-    float variance;
-    std::array<float, N> cross;  ///< Z g
-  };
+  static constexpr std::size_t kDecayingPairs = Coefficients::kDecayingPairs;
+  using Blocks = std::array<Block, kPairs>;
+  static_assert(kPairs > 0);
 
   constexpr Innovation observe_first(float rate_rad_s, float white_variance) {
     // A diffuse level: s is what was measured, and its error is independent of the modes.
@@ -134,108 +131,150 @@ class KalmanPredictor {
     return {.accepted = true, .first = true, .variance_rad2_s2 = white_variance};
   }
 
-  [[nodiscard]] constexpr Moved move_bias(const Span& span) const {
-    const State& x = state_;
-    const auto g = weights(span, &ModeSpan<float>::forgotten, &ModeSpan<Complex>::forgotten);
-    Moved moved{moved_bias(g), 0.0F, times_covariance(g)};
-    float gained = 0.0F;
-    for (std::size_t i = 0; i < N; ++i) {
-      gained += g[i] * (2.0F * x.bias_covariance[i] + moved.cross[i]);
-    }
-    moved.variance = (x.bias_variance + gained) + span.noise();
-    return moved;
-  }
+  /// The state while it is computed with. Nothing in here goes through memory: see unrolled().
+  struct Registers {
+    float bias;
+    float variance;
+    Blocks drift;                                           ///< in both rows
+    Blocks cross;                                           ///< p, in both rows
+    std::array<Block, kPairs*(kPairs + 1) / 2> covariance;  ///< on and below the diagonal
 
-  [[nodiscard]] constexpr float moved_bias(const std::array<float, N>& g) const {
-    float bias = state_.bias_rad_s;
-    for (std::size_t i = 0; i < N; ++i) bias += g[i] * state_.z[i];
-    return bias;
+    [[gnu::always_inline]] explicit Registers(const State& state)
+        : bias(state.bias_rad_s), variance(state.bias_variance) {
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
+        drift[i] = rows(&state.drift[2 * i]);
+        cross[i] = rows(&state.bias_covariance[2 * i]);
+        unrolled<i + 1>([&](auto j) __attribute__((always_inline)) {
+          covariance[below(i, j)] = state.covariance.block(i, j);
+        });
+      });
+    }
+    [[gnu::always_inline]] void store(State& state) const {
+      state.bias_rad_s = bias;
+      state.bias_variance = variance;
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
+        store_row(drift[i], &state.drift[2 * i]);
+        store_row(cross[i], &state.bias_covariance[2 * i]);
+        unrolled<i + 1>([&](auto j) __attribute__((always_inline)) {
+          state.covariance.set_block(i, j, covariance[below(i, j)]);
+        });
+      });
+    }
+
+    /// One tick: s' = s + 1'w, v' = v + 1'(2 p + W 1) + Q, p' = F (p + W 1) + cross noise,
+    /// W' = F W F' + noise.
+    [[gnu::always_inline]] void advance(const Coefficients& a) {
+      Blocks moved;  // W 1
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) { moved[i] = row_sums(i); });
+      const float cross_sum = sum(cross);
+      variance = ((variance + a.bias_noise) + (cross_sum + cross_sum)) + sum(moved);
+      bias += sum(drift);
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
+        drift[i] = a.kept_row(i, drift[i]);
+        cross[i] = a.kept_row(i, cross[i] + moved[i]) + rows(&a.cross_noise[2 * i]);
+        unrolled<i>([&](auto j) __attribute__((always_inline)) {
+          covariance[below(i, j)] = a.kept_block(i, j, covariance[below(i, j)]);
+        });
+        covariance[below(i, i)] = symmetric(a.kept_block(i, i, covariance[below(i, i)]) +
+                                            diagonal(&a.drift_noise[2 * i]));
+      });
+    }
+
+    /// K = (v, p) / S; s += K_0 e, w += K e, v *= r / S, p *= r / S, W -= K p'.
+    [[gnu::always_inline]] Innovation observe(float measured, float white_variance) {
+      const Innovation innovation{.accepted = true,
+                                  .residual_rad_s = measured - bias,
+                                  .variance_rad2_s2 = variance + white_variance};
+      const float inverse = 1.0F / innovation.variance_rad2_s2;
+      const float remaining = white_variance * inverse;  // 1 - K_0, without the difference
+      bias += variance * (innovation.residual_rad_s * inverse);
+      variance *= remaining;
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
+        const Block gain = cross[i] * all(inverse);
+        drift[i] = drift[i] + gain * all(innovation.residual_rad_s);
+        unrolled<i>([&](auto j) __attribute__((always_inline)) {
+          covariance[below(i, j)] = covariance[below(i, j)] - transposed(gain) * cross[j];
+        });
+        covariance[below(i, i)] = symmetric(covariance[below(i, i)] - transposed(gain) * cross[i]);
+      });
+      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
+        cross[i] = cross[i] * all(remaining);
+      });
+      return innovation;
+    }
+
+   private:
+    static constexpr std::size_t below(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
+
+    /// The row sums of the covariance that belong to pair i, in both rows.
+    template <class Index>
+    [[gnu::always_inline]] Block row_sums(Index i) const {
+      Block columns = covariance[below(i, i)];
+      unrolled<kPairs>([&](auto j) __attribute__((always_inline)) {
+        if constexpr (j < i) columns = columns + transposed(covariance[below(i, j)]);
+        if constexpr (j > i) columns = columns + covariance[below(j, i)];
+      });
+      return columns + rows_exchanged(columns);
+    }
+    [[gnu::always_inline]] static float sum(const Blocks& of_rows) {
+      Block total = of_rows[0];
+      unrolled<kPairs - 1>([&](auto i)
+                               __attribute__((always_inline)) { total = total + of_rows[i + 1]; });
+      return sum_of_row(total);
+    }
+  };
+
+  /// The same for any other span: every drift moves the bias by a weight of its own.
+  constexpr void advance_gap(const Span& span) {
+    State& x = state_;
+    const Coefficients& a = *coefficients_;
+    const Drifts g = Coefficients::movement(span);
+    const Drifts moved = times_covariance(g);
+    x.bias_variance += 2.0F * dot(g, x.bias_covariance) + dot(g, moved) + span.noise();
+    x.bias_rad_s += dot(g, x.drift);
+    const Drifts cross_noise = a.cross_noise_of(span);
+    const Drifts drift_noise = a.drift_noise_of(span);
+    for (std::size_t i = 0; i < kPairs; ++i) {
+      const auto forgetting = Coefficients::of_pair(span, i);
+      const Block p = rows(&x.bias_covariance[2 * i]) + rows(&moved[2 * i]);
+      store_row(forgetting.kept_row(rows(&x.drift[2 * i])), &x.drift[2 * i]);
+      store_row(forgetting.kept_row(p) + rows(&cross_noise[2 * i]), &x.bias_covariance[2 * i]);
+      for (std::size_t j = 0; j <= i; ++j) {
+        x.covariance.set_block(
+            i, j, forgetting.kept(x.covariance.block(i, j), Coefficients::of_pair(span, j)));
+      }
+      x.covariance.set_block(i, i,
+                             symmetric(x.covariance.block(i, i) + diagonal(&drift_noise[2 * i])));
+    }
   }
 
   /// The sum of the bias over a drive that begins now, with its variance.
   [[nodiscard]] constexpr HeadingPrediction integrate(const Span& drive) const {
     const State& x = state_;
     const auto ticks = static_cast<float>(drive.ticks);
-    const auto g = weights(drive, &ModeSpan<float>::lag, &ModeSpan<Complex>::lag);
-    const auto cross = times_covariance(g);
-    float sum = ticks * x.bias_rad_s;
-    float variance = ticks * ticks * x.bias_variance + drive.sum_variance();
-    for (std::size_t i = 0; i < N; ++i) {
-      sum += g[i] * x.z[i];
-      variance += g[i] * (2.0F * ticks * x.bias_covariance[i] + cross[i]);
-    }
-    return {(ticks * x.reference_rad_s + sum) * tick_s_, variance * tick_s_ * tick_s_};
+    const Drifts g = coefficients_->movement_of_sum(drive);
+    const float sum = ticks * x.bias_rad_s + dot(g, x.drift);
+    const float variance = ticks * ticks * x.bias_variance + drive.sum_variance() +
+                           2.0F * ticks * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
+    const float tick_s = coefficients_->tick_s;
+    return {(ticks * x.reference_rad_s + sum) * tick_s, variance * tick_s * tick_s};
   }
 
-  /// How the bias (or its sum) depends on the modes: minus Re(share z), share by share.
-  [[nodiscard]] static constexpr std::array<float, N> weights(
-      const Span& span, float ModeSpan<float>::*decaying, Complex ModeSpan<Complex>::*rotating) {
-    std::array<float, N> g{};
-    for (std::size_t i = 0; i < R; ++i) g[i] = -(span.decaying[i].*decaying);
-    for (std::size_t i = 0; i < C; ++i) {
-      g[R + 2 * i] = -(span.rotating[i].*rotating).re;
-      g[R + 2 * i + 1] = (span.rotating[i].*rotating).im;
-    }
-    return g;
+  [[nodiscard]] static constexpr float dot(const Drifts& a, const Drifts& b) {
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
   }
-
-  [[nodiscard]] constexpr std::array<float, N> times_covariance(
-      const std::array<float, N>& g) const {
-    std::array<float, N> product{};
-    for (std::size_t i = 0; i < N; ++i) {
-      for (std::size_t j = 0; j < N; ++j) product[i] += state_.covariance(i, j) * g[j];
+  [[nodiscard]] constexpr Drifts times_covariance(const Drifts& g) const {
+    Drifts product{};
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      for (std::size_t j = 0; j < g.size(); ++j) product[i] += state_.covariance(i, j) * g[j];
     }
     return product;
   }
 
-  /// v = F v; slow modes lose a small share of themselves, so the share is subtracted.
-  static constexpr void apply_factors(const Span& span, std::array<float, N>& v) {
-    for (std::size_t i = 0; i < R; ++i) v[i] -= span.decaying[i].forgotten * v[i];
-    for (std::size_t i = 0; i < C; ++i) {
-      float& re = v[R + 2 * i];
-      float& im = v[R + 2 * i + 1];
-      const Complex lost = span.rotating[i].forgotten * Complex{re, im};
-      re -= lost.re;
-      im -= lost.im;
-    }
-  }
-
-  /// Z = F Z F' + Q.
-  constexpr void advance_covariance(const Span& span) {
-    Symmetric<N>& covariance = state_.covariance;
-    for (std::size_t i = 0; i < R; ++i) {
-      const float a = span.decaying[i].forgotten;
-      for (std::size_t j = 0; j <= i; ++j) {
-        const float b = span.decaying[j].forgotten;
-        covariance(i, j) -= (a + b - a * b) * covariance(i, j);
-      }
-      covariance(i, i) += span.decaying[i].noise;
-    }
-    if constexpr (C > 0) advance_rotating_rows(span);
-  }
-
-  /// The rows of the rotating modes: each is a vector to which F applies from the right, and each
-  /// pair of rows is then turned from the left.
-  constexpr void advance_rotating_rows(const Span& span) {
-    std::array<std::array<float, N>, 2 * C> rows{};
-    for (std::size_t i = 0; i < 2 * C; ++i) {
-      for (std::size_t j = 0; j < N; ++j) rows[i][j] = state_.covariance(R + i, j);
-      apply_factors(span, rows[i]);
-    }
-    for (std::size_t i = 0; i < C; ++i) {
-      for (std::size_t j = 0; j <= R + 2 * i + 1; ++j) {
-        const Complex pair{rows[2 * i][j], rows[2 * i + 1][j]};
-        const Complex turned = pair - span.rotating[i].forgotten * pair;
-        state_.covariance(R + 2 * i, j) = turned.re;
-        state_.covariance(R + 2 * i + 1, j) = turned.im;
-      }
-      state_.covariance(R + 2 * i, R + 2 * i) += span.rotating[i].noise;
-      state_.covariance(R + 2 * i + 1, R + 2 * i + 1) += span.rotating[i].noise;
-    }
-  }
-
+  const Coefficients* coefficients_;
   State state_{};
-  float tick_s_ = 0.0F;
 };
 
 /// The promise of the product page: six decades and the bias fit into 192 bytes an axis.

@@ -21,6 +21,7 @@ namespace zerorate::core {
 template <std::size_t R, std::size_t C>
 class MovingAverage {
  public:
+  using Coefficients = Modes<R, C>;
   using Span = Transition<R, C>;
 
   struct State {

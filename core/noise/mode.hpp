@@ -19,8 +19,9 @@ namespace zerorate::core {
 /// @tparam Scalar float for a decaying mode, Complex for a rotating one
 template <class Scalar>
 struct Mode {
-  /// alpha = 1 - F, kept instead of F because F of a slow mode rounds to 1.
-  Scalar forgetting{};
+  /// alpha = 1 - F, kept instead of F because F of a slow mode rounds to 1. Never 0, which would be
+  /// a walk of the level.
+  Scalar forgetting{1.0F};
   /// Variance of Re w per tick [rad2/s2].
   float noise_variance = 0.0F;
   /// Variance of Re z when the filter starts [rad2/s2]: 0, or the stationary one.

@@ -84,7 +84,8 @@ struct Modes {
   [[nodiscard]] constexpr Transition<R, C> over(std::uint32_t ticks) const {
     Transition<R, C> span;
     span.ticks = ticks;
-    span.level = core::over(DecayingMode{.noise_variance = walk_variance}, ticks);
+    span.level =
+        core::over(DecayingMode{.forgetting = 0.0F, .noise_variance = walk_variance}, ticks);
     for (std::size_t i = 0; i < R; ++i) span.decaying[i] = core::over(decaying[i], ticks);
     for (std::size_t i = 0; i < C; ++i) span.rotating[i] = core::over(rotating[i], ticks);
     return span;

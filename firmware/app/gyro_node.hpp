@@ -87,9 +87,14 @@ class GyroNode {
         one_tick_(params.modes.one_tick()),
         standstill_(params.standstill),
         average_(params.modes.tick, params.sample_period),
-        axes_{Axis{params.modes}, Axis{params.modes}, Axis{params.modes}} {
+        coefficients_(params.modes),
+        axes_{Axis{params.modes, coefficients_}, Axis{params.modes, coefficients_},
+              Axis{params.modes, coefficients_}} {
     ZERORATE_ASSERT(check(params).has_value());
   }
+  GyroNode(const GyroNode&) = delete;  // its axes point into it
+  GyroNode& operator=(const GyroNode&) = delete;
+  ~GyroNode() = default;
 
   /// An odometer pulse. Before step() with a sample that is not older.
   constexpr void pulse(core::Instant at) {
@@ -153,8 +158,9 @@ class GyroNode {
     core::CalibrationMean<R, C> calibration_mean;
     core::InnovationMonitor monitor;
 
-    constexpr explicit Axis(const core::Modes<R, C>& modes)
-        : kalman(modes), moving_average(modes), calibration_mean(modes) {}
+    constexpr Axis(const core::Modes<R, C>& modes,
+                   const core::KalmanCoefficients<R, C>& coefficients)
+        : kalman(coefficients), moving_average(modes), calibration_mean(modes) {}
 
     template <class Action>
     constexpr auto visit(Predictor which, Action action) const {
@@ -175,10 +181,9 @@ class GyroNode {
       calibration_mean.begin_stop();
     }
     constexpr void observe(const Span& since_last, float rate_rad_s, float white_variance) {
-      kalman.advance(since_last);
       moving_average.advance(since_last);
       calibration_mean.advance(since_last);
-      monitor.observe(kalman.observe(rate_rad_s, white_variance));
+      monitor.observe(kalman.step(since_last, rate_rad_s, white_variance));
       (void)moving_average.observe(rate_rad_s, white_variance);
       (void)calibration_mean.observe(rate_rad_s, white_variance);
     }
@@ -199,6 +204,7 @@ class GyroNode {
   core::Standstill standstill_;
   core::TickAverage<kAxes> average_;
   HoldBack held_;
+  core::KalmanCoefficients<R, C> coefficients_;
   std::array<Axis, kAxes> axes_;
   std::array<core::Prediction, kAxes> predicted_{};  ///< by the published predictor, for this tick
   Span lead_{};

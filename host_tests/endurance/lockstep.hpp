@@ -89,7 +89,7 @@ class DoubleFilter {
   Matrix p_ = Matrix::Zero(), phi_outer_;
 };
 
-/// The covariance of (bias, z) that the filter under test holds.
+/// The covariance of (bias, drifts) that the filter under test holds: (bias, z), scaled.
 inline Eigen::Matrix<double, 7, 7> covariance_of(
     const core::KalmanPredictor<kDecades, 0>::State& state) {
   Eigen::Matrix<double, 7, 7> p;
@@ -136,7 +136,8 @@ struct Lockstep {
 /// @param r white variance of a measurement; the fastest decade has the variance 1
 inline Lockstep run_in_lockstep(const Decades& modes, double r, std::uint64_t steps,
                                 std::uint64_t check_every) {
-  core::KalmanPredictor<kDecades, 0> filter{modes};
+  const core::KalmanCoefficients coefficients{modes};
+  core::KalmanPredictor filter{coefficients};
   DoubleFilter oracle{modes, r};
   const auto tick = modes.one_tick();
   const auto single_r = static_cast<float>(r);
@@ -147,12 +148,11 @@ inline Lockstep run_in_lockstep(const Decades& modes, double r, std::uint64_t st
   (void)filter.observe(0.0F, single_r);
   for (std::uint64_t k = 1; k <= steps; ++k) {
     oracle.predict();
-    filter.advance(tick);
     const double predicted = oracle.bias();
     const auto y = static_cast<float>(
         predicted + std::sqrt(oracle.bias_variance() + double{single_r}) * normal(random));
     oracle.update(double{y} - predicted, double{single_r});
-    (void)filter.observe(y, single_r);
+    (void)filter.step(tick, y, single_r);
     const double error =
         (double{filter.state().bias_rad_s} - oracle.bias()) / std::sqrt(oracle.bias_variance());
     squares += error * error;

@@ -72,7 +72,9 @@ core::Modes<7, 1> sensor_noise() {
 constinit core::Modes<7, 1> noise{.tick = kTick};
 constinit core::Transition<7, 1> tick;
 constinit core::Transition<7, 1> drive;
-constinit core::KalmanPredictor<7, 1> kalman{core::Modes<7, 1>{.tick = kTick}};
+constexpr core::KalmanCoefficients<7, 1> kNoNoise{core::Modes<7, 1>{.tick = kTick}};
+constinit core::KalmanCoefficients<7, 1> coefficients{kNoNoise};
+constinit core::KalmanPredictor<7, 1> kalman{kNoNoise};
 constinit core::MovingAverage<7, 1> moving_average{noise};
 constinit core::CalibrationMean<7, 1> calibration_mean{noise};
 
@@ -91,7 +93,8 @@ void exercise_estimators() {
   noise = sensor_noise();
   tick = noise.one_tick();
   drive = noise.over(static_cast<std::uint32_t>(clock_ns));
-  kalman = core::KalmanPredictor<7, 1>{noise};
+  coefficients = core::KalmanCoefficients<7, 1>{noise};
+  kalman = core::KalmanPredictor<7, 1>{coefficients};
   exercise(kalman);
   exercise(moving_average);
   exercise(calibration_mean);

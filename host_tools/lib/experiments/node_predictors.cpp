@@ -60,7 +60,7 @@ class OnNode : public Predictor {
                         .own_sigma = {},
                         .nis = {}};
     for (Index run = 0; run < calibration.cols(); ++run) {
-      P predictor{node_.modes};
+      P predictor{coefficients_};
       const double nis = calibrate(predictor, calibration.col(run));
       if (!std::isnan(nis)) forecasts.nis.push_back(nis);
       for (Index lead = 0; lead < sigma_.rows(); ++lead) {
@@ -90,7 +90,7 @@ class OnNode : public Predictor {
 
   /// The intervals do not depend on the data: any calibration gives them.
   void state_sigmas(const Lengths& lengths) {
-    P predictor{node_.modes};
+    P predictor{coefficients_};
     calibrate(predictor, Eigen::VectorXd::Zero(static_cast<Index>(lengths.calibration)));
     sigma_.resize(static_cast<Index>(lengths.prediction), 1);
     for (Index lead = 0; lead < sigma_.rows(); ++lead) {
@@ -101,6 +101,7 @@ class OnNode : public Predictor {
   }
 
   Node node_;
+  typename P::Coefficients coefficients_{node_.modes};
   Span tick_;
   std::vector<Span> leads_;
   MatrixXd sigma_;

@@ -25,12 +25,13 @@ template <std::size_t R, std::size_t C>
 Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
   const auto node = model::make_node_model<R, C>(model, sample_period_, tick_);
   const auto one_tick = node.modes.one_tick();
-  core::KalmanPredictor<R, C> filter{node.modes};
+  const core::KalmanCoefficients<R, C> coefficients{node.modes};
+  core::KalmanPredictor<R, C> filter{coefficients};
   Likelihood likelihood;
   for (const Measurement& measurement : measurements_) {
-    filter.advance(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks));
     const core::Innovation innovation =
-        filter.observe(measurement.rate_rad_s, node.white_variance_rad2_s2 / measurement.samples);
+        filter.step(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks),
+                    measurement.rate_rad_s, node.white_variance_rad2_s2 / measurement.samples);
     if (innovation.first) continue;
     const double variance = double{innovation.variance_rad2_s2};
     const double residual = double{innovation.residual_rad_s};

@@ -60,7 +60,8 @@ struct Figures {
 template <class Predictor>
 void run(Figures& figures, std::size_t run, const std::vector<double>& noise,
          const SensorNoise& sensor) {
-  Predictor predictor{sensor.modes};
+  const typename Predictor::Coefficients coefficients{sensor.modes};
+  Predictor predictor{coefficients};
   const auto tick = sensor.modes.one_tick();
   predictor.begin_stop();
   for (std::size_t k = 0; k < kSamples; ++k) {

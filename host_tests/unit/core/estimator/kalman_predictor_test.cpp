@@ -119,7 +119,8 @@ struct Disagreement {
 template <class ModesType>
 Disagreement compare(const ModesType& modes, double level, double r, int stop, int drive,
                      int steps) {
-  KalmanPredictor filter{modes};
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor filter{coefficients};
   DenseFilter oracle{modes};
   SimulatedSensor sensor{modes, level, r, 7};
   Disagreement worst;
@@ -184,7 +185,8 @@ TEST(KalmanPredictorHeading, HasTheVarianceOfTheExplicitConditionalCovariance) {
   const double variance =
       sum.dot(c * sum) - cross.dot(solver.solve(cross)) + unexplained * unexplained / information;
 
-  KalmanPredictor filter{modes};
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor filter{coefficients};
   SimulatedSensor sensor{modes, 5.0, r, 3};
   Eigen::VectorXd y(kStop);
   for (int k = 0; k < kStop; ++k) {
@@ -201,14 +203,16 @@ TEST(KalmanPredictorHeading, HasTheVarianceOfTheExplicitConditionalCovariance) {
 
 TEST(KalmanPredictorBeforeTheFirstMeasurement, KnowsThatItKnowsNothing) {
   const auto modes = mixed_modes(Start::stationary);
-  const KalmanPredictor filter{modes};
+  const KalmanCoefficients coefficients{modes};
+  const KalmanPredictor filter{coefficients};
   EXPECT_FALSE(filter.predict(modes.over(1)).is_available());
   EXPECT_FALSE(filter.predict_heading(modes.over(1), modes.over(10)).is_available());
 }
 
 TEST(KalmanPredictorGivenNonsense, RefusesItAndStaysAsItWas) {
   const auto modes = mixed_modes(Start::stationary);
-  KalmanPredictor filter{modes};
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor filter{coefficients};
   filter.observe(1.0F, 2.0F);
   filter.advance(modes.one_tick());
   filter.observe(1.5F, 2.0F);
@@ -231,12 +235,13 @@ TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
   const auto modes = mixed_modes(Start::stationary);
   const auto tick = modes.one_tick();
   SimulatedSensor sensor{modes, 3.0, 1.0, 11};
-  KalmanPredictor uninterrupted{modes};
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor uninterrupted{coefficients};
   for (int k = 0; k < 500; ++k) {
     uninterrupted.advance(tick);
     uninterrupted.observe(sensor.next(), 1.0F);
   }
-  KalmanPredictor resumed{modes};
+  KalmanPredictor resumed{coefficients};
   resumed.restore(uninterrupted.state());
   for (int k = 0; k < 500; ++k) {
     const float y = sensor.next();
@@ -251,12 +256,13 @@ TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
 TEST(KalmanPredictorUnderItsOwnModel, HasNormalisedInnovationsOfUnitVariance) {
   const Duration tick = Duration::seconds(1);
   const auto modes = compose(tick, Start::stationary, flicker_like<5>(tick, 0.5));
+  const KalmanCoefficients coefficients{modes};
   const auto step = modes.one_tick();
   double sum = 0.0;
   int n = 0;
   for (unsigned seed = 0; seed < 50; ++seed) {
     SimulatedSensor sensor{modes, 0.0, 3.0, seed};
-    KalmanPredictor filter{modes};
+    KalmanPredictor filter{coefficients};
     for (int k = 0; k < 2000; ++k) {
       filter.advance(step);
       const Innovation innovation = filter.observe(sensor.next(), 3.0F);

@@ -73,7 +73,7 @@ inline void expect_same(const core::KalmanPredictor<4, 0>::State& a,
   EXPECT_EQ(a.reference_rad_s, b.reference_rad_s);
   EXPECT_EQ(a.bias_rad_s, b.bias_rad_s);
   EXPECT_EQ(a.bias_variance, b.bias_variance);
-  EXPECT_EQ(a.z, b.z);
+  EXPECT_EQ(a.drift, b.drift);
   EXPECT_EQ(a.bias_covariance, b.bias_covariance);
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = 0; j <= i; ++j) EXPECT_EQ(a.covariance(i, j), b.covariance(i, j));

@@ -1,0 +1,174 @@
+/// @file
+/// What the Kalman predictors of all axes share: the noise in the coordinates of the filter.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/estimator/pair_covariance.hpp"
+#include "core/noise/modes.hpp"
+
+namespace zerorate::core {
+
+/// What a pair of drifts forgets over a span: F X = X - straight X - crossed (X, rows exchanged),
+/// element by element.
+struct PairForgetting {
+  Block straight;
+  Block crossed;
+
+  /// F X.
+  [[gnu::always_inline]] [[nodiscard]] Block kept(Block x) const {
+    return x - (straight * x + crossed * rows_exchanged(x));
+  }
+  /// F X G'.
+  [[gnu::always_inline]] [[nodiscard]] Block kept(Block x, const PairForgetting& g) const {
+    return transposed(g.kept(transposed(kept(x))));
+  }
+  /// F x of a vector, which stands in both rows.
+  [[gnu::always_inline]] [[nodiscard]] Block kept_row(Block x) const {
+    return transposed(kept(transposed(x)));
+  }
+};
+
+/// The filter does not hold a mode z but its drift w = beta z, scaled so that the bias moves over
+/// one tick by the plain sum of the drifts: w = -alpha z for a decaying mode. Drifts come in pairs:
+/// two decaying modes (an odd one beside a zero), or the two components of a rotating one, which
+/// beta = -(1 + j) alpha / 2 turns so that their sum is Re(-alpha z).
+/// docs/design/kalman-predictor.md, eq. 6.
+template <std::size_t R, std::size_t C>
+struct KalmanCoefficients {
+  static constexpr std::size_t kDecayingPairs = (R + 1) / 2;
+  static constexpr std::size_t kPairs = kDecayingPairs + C;
+  static constexpr std::size_t kDrifts = 2 * kPairs;
+  using Drifts = std::array<float, kDrifts>;
+  using Span = Transition<R, C>;
+
+  /// The drift that holds the real part of a rotating mode; the imaginary part is the next.
+  static constexpr std::size_t rotating(std::size_t i) { return 2 * (kDecayingPairs + i); }
+
+  float tick_s = 0.0F;
+  float bias_noise = 0.0F;  ///< what the bias gains in a tick [rad2/s2]
+  Drifts cross_noise{};     ///< covariance of that with what the drifts gain
+  Drifts drift_noise{};     ///< variance that the drifts gain
+  Drifts initial_variance{};
+  Drifts forgotten{};                             ///< alpha of the decaying modes
+  std::array<Complex, C> turned{};                ///< alpha of the rotating modes
+  PairCovariance<kDecayingPairs> pair_forgotten;  ///< 1 - (1 - alpha_i)(1 - alpha_j)
+  std::array<float, R> decaying_scale{};          ///< beta
+  std::array<Complex, C> rotating_scale{};
+
+  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes)
+      : tick_s(modes.tick.in_seconds()), bias_noise(modes.one_tick().noise()) {
+    for (std::size_t i = 0; i < R; ++i) {
+      const DecayingMode& mode = modes.decaying[i];
+      forgotten[i] = mode.forgetting;
+      decaying_scale[i] = -mode.forgetting;
+      for (std::size_t j = 0; j <= i; ++j) {
+        pair_forgotten.set(i, j, forgotten[i] + forgotten[j] - forgotten[i] * forgotten[j]);
+      }
+      initial_variance[i] = decaying_scale[i] * decaying_scale[i] * mode.initial_variance;
+    }
+    for (std::size_t i = 0; i < C; ++i) {
+      const RotatingMode& mode = modes.rotating[i];
+      turned[i] = mode.forgetting;
+      rotating_scale[i] = Complex{-0.5F, -0.5F} * mode.forgetting;
+      initial_variance[rotating(i)] = initial_variance[rotating(i) + 1] =
+          squared_magnitude(rotating_scale[i]) * mode.initial_variance;
+    }
+    const Span tick = modes.one_tick();
+    cross_noise = cross_noise_of(tick);
+    drift_noise = drift_noise_of(tick);
+  }
+
+  [[nodiscard]] constexpr Drifts cross_noise_of(const Span& span) const {
+    Drifts noise{};
+    for (std::size_t i = 0; i < R; ++i) noise[i] = decaying_scale[i] * span.decaying[i].noise;
+    for (std::size_t i = 0; i < C; ++i) {
+      noise[rotating(i)] = rotating_scale[i].re * span.rotating[i].noise;
+      noise[rotating(i) + 1] = rotating_scale[i].im * span.rotating[i].noise;
+    }
+    return noise;
+  }
+  [[nodiscard]] constexpr Drifts drift_noise_of(const Span& span) const {
+    Drifts noise{};
+    for (std::size_t i = 0; i < R; ++i) {
+      noise[i] = decaying_scale[i] * decaying_scale[i] * span.decaying[i].noise;
+    }
+    for (std::size_t i = 0; i < C; ++i) {
+      noise[rotating(i)] = noise[rotating(i) + 1] =
+          squared_magnitude(rotating_scale[i]) * span.rotating[i].noise;
+    }
+    return noise;
+  }
+
+  /// What pair i forgets over a span.
+  [[nodiscard]] static PairForgetting of_pair(const Span& span, std::size_t i) {
+    if (i >= kDecayingPairs) return of_rotating(span.rotating[i - kDecayingPairs].forgotten);
+    const std::size_t second = 2 * i + 1;
+    return of_decaying(span.decaying[2 * i].forgotten,
+                       second < R ? span.decaying[second].forgotten : 0.0F);
+  }
+  /// The same over a tick.
+  [[gnu::always_inline]] [[nodiscard]] PairForgetting of_pair(std::size_t i) const {
+    return i < kDecayingPairs ? of_decaying(forgotten[2 * i], forgotten[2 * i + 1])
+                              : of_rotating(turned[i - kDecayingPairs]);
+  }
+
+  /// F w of pair i over a tick; slow modes lose a small share of themselves, which is subtracted.
+  template <class Index>
+  [[gnu::always_inline]] [[nodiscard]] Block kept_row(Index i, Block x) const {
+    if constexpr (i < kDecayingPairs) {
+      return x - rows(&forgotten[2 * i]) * x;
+    } else {
+      return of_pair(i).kept_row(x);
+    }
+  }
+  /// F_i W_ij F_j' over a tick, j <= i.
+  template <class Row, class Column>
+  [[gnu::always_inline]] [[nodiscard]] Block kept_block(Row i, Column j, Block x) const {
+    if constexpr (i < kDecayingPairs) {
+      return x - pair_forgotten.block(i, j) * x;
+    } else {
+      return of_pair(i).kept(x, of_pair(j));
+    }
+  }
+
+  /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick.
+  [[nodiscard]] static constexpr Drifts movement(const Span& span) {
+    Drifts weight{};
+    for (std::size_t i = 0; i < R; ++i) {
+      weight[i] = span.decaying[i].reach + span.decaying[i].forgotten;
+    }
+    for (std::size_t i = 0; i < C; ++i) {
+      set_rotating(weight, i, span.rotating[i].reach + span.rotating[i].forgotten);
+    }
+    return weight;
+  }
+  /// The same for the sum of the bias over the ticks of a span: lag / alpha.
+  [[nodiscard]] constexpr Drifts movement_of_sum(const Span& span) const {
+    Drifts weight{};
+    for (std::size_t i = 0; i < R; ++i) weight[i] = span.decaying[i].lag / forgotten[i];
+    for (std::size_t i = 0; i < C; ++i) {
+      const Complex over_square = Complex{1.0F / squared_magnitude(turned[i])};
+      set_rotating(weight, i, span.rotating[i].lag * conjugate(turned[i]) * over_square);
+    }
+    return weight;
+  }
+
+ private:
+  [[gnu::always_inline]] static PairForgetting of_decaying(float first, float second) {
+    return {Block{first, first, second, second}, all(0.0F)};
+  }
+  [[gnu::always_inline]] static PairForgetting of_rotating(Complex share) {
+    return {all(share.re), Block{-share.im, -share.im, share.im, share.im}};
+  }
+
+  /// The bias moves by Re((1 - j) share w).
+  static constexpr void set_rotating(Drifts& weight, std::size_t i, Complex share) {
+    const Complex factor = Complex{1.0F, -1.0F} * share;
+    weight[rotating(i)] = factor.re;
+    weight[rotating(i) + 1] = -factor.im;
+  }
+};
+
+}  // namespace zerorate::core
