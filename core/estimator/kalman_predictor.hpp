@@ -175,8 +175,9 @@ class KalmanPredictor {
         unrolled<i>([&](auto j) __attribute__((always_inline)) {
           covariance[below(i, j)] = a.kept_block(i, j, covariance[below(i, j)]);
         });
-        covariance[below(i, i)] = symmetric(a.kept_block(i, i, covariance[below(i, i)]) +
-                                            diagonal(&a.drift_noise[2 * i]));
+        covariance[below(i, i)] =
+            symmetric(a.kept_block(i, i, covariance[below(i, i)]) +
+                      diagonal(a.drift_noise[2 * i], a.drift_noise[2 * i + 1]));
       });
     }
 
@@ -244,7 +245,8 @@ class KalmanPredictor {
             i, j, forgetting.kept(x.covariance.block(i, j), Coefficients::of_pair(span, j)));
       }
       x.covariance.set_block(i, i,
-                             symmetric(x.covariance.block(i, i) + diagonal(&drift_noise[2 * i])));
+                             symmetric(x.covariance.block(i, i) +
+                                       diagonal(drift_noise[2 * i], drift_noise[2 * i + 1])));
     }
   }
 

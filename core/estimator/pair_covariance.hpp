@@ -19,9 +19,9 @@ using Block = Lanes;
 [[gnu::always_inline]] inline Block all(float x) {
   return Block{x, x, x, x};
 }
-/// x on the diagonal. -0 adds nothing to whatever there is, and compilers know it.
-[[gnu::always_inline]] inline Block diagonal(const float* x) {
-  return Block{x[0], -0.0F, -0.0F, x[1]};
+/// Two numbers on the diagonal. -0 adds nothing to whatever there is, and compilers know it.
+[[gnu::always_inline]] inline Block diagonal(float first, float second) {
+  return Block{first, -0.0F, -0.0F, second};
 }
 [[gnu::always_inline]] inline Block transposed(Block x) {
   return picked<0, 2, 1, 3>(x);
