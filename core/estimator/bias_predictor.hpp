@@ -15,6 +15,7 @@ namespace zerorate::core {
 /// - `begin_stop()`: a new standstill begins. Predictors without memory across stops start again.
 /// - `advance(span)`: time passes. Call it before each measurement with the span since the last.
 /// - `observe(rate, variance)`: the mean measured rate of this tick [rad/s] and its white variance.
+/// - `step(span, rate, variance)`: both in one, which may be quicker.
 /// - `bias_rad_s(lead)`: the bias `lead` after the newest measurement; before the first, 0.
 /// - `predict(lead)`: the same with its variance, which costs more.
 /// - `predict_heading(lead, drive)`: the integral of the bias over the ticks of `drive`, which
@@ -27,6 +28,7 @@ concept BiasPredictor = requires(P predictor, const P& settled, const typename P
   { predictor.begin_stop() } -> std::same_as<void>;
   { predictor.advance(span) } -> std::same_as<void>;
   { predictor.observe(rate_rad_s, variance_rad2_s2) } -> std::same_as<Innovation>;
+  { predictor.step(span, rate_rad_s, variance_rad2_s2) } -> std::same_as<Innovation>;
   { settled.bias_rad_s(span) } -> std::same_as<float>;
   { settled.predict(span) } -> std::same_as<Prediction>;
   { settled.predict_heading(span, span) } -> std::same_as<HeadingPrediction>;

@@ -58,6 +58,12 @@ class CalibrationMean {
     return innovation;
   }
 
+  /// advance() and observe() in one.
+  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+    advance(span);
+    return observe(rate_rad_s, white_variance);
+  }
+
   [[nodiscard]] constexpr float bias_rad_s(const Span& /*lead*/) const { return mean(); }
 
   [[nodiscard]] constexpr Prediction predict(const Span& lead) const {

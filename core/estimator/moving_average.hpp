@@ -62,6 +62,12 @@ class MovingAverage {
     return innovation;
   }
 
+  /// advance() and observe() in one.
+  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+    advance(span);
+    return observe(rate_rad_s, white_variance);
+  }
+
   [[nodiscard]] constexpr float bias_rad_s(const Span& lead) const {
     return state_.sums.count() == 0 ? 0.0F : mean_of_newest(window_length(lead));
   }

@@ -181,11 +181,9 @@ class GyroNode {
       calibration_mean.begin_stop();
     }
     constexpr void observe(const Span& since_last, float rate_rad_s, float white_variance) {
-      moving_average.advance(since_last);
-      calibration_mean.advance(since_last);
       monitor.observe(kalman.step(since_last, rate_rad_s, white_variance));
-      (void)moving_average.observe(rate_rad_s, white_variance);
-      (void)calibration_mean.observe(rate_rad_s, white_variance);
+      (void)moving_average.step(since_last, rate_rad_s, white_variance);
+      (void)calibration_mean.step(since_last, rate_rad_s, white_variance);
     }
   };
 

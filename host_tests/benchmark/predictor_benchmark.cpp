@@ -105,17 +105,6 @@ class Measurements {
   std::size_t newest_ = 0;
 };
 
-/// As a node calls it.
-template <class Predictor>
-core::Innovation learn(Predictor& predictor, const core::Transition<6, 0>& tick, float y) {
-  if constexpr (requires { predictor.step(tick, y, kWhiteVariance); }) {
-    return predictor.step(tick, y, kWhiteVariance);
-  } else {
-    predictor.advance(tick);
-    return predictor.observe(y, kWhiteVariance);
-  }
-}
-
 /// One sample: the prediction it is corrected by, then what is learnt from it.
 template <class Predictor>
 void predictor_sample(benchmark::State& state) {
@@ -126,7 +115,7 @@ void predictor_sample(benchmark::State& state) {
   Measurements measurements;
   for (auto _ : state) {
     benchmark::DoNotOptimize(predictor.bias_rad_s(tick));
-    benchmark::DoNotOptimize(learn(predictor, tick, measurements.next()));
+    benchmark::DoNotOptimize(predictor.step(tick, measurements.next(), kWhiteVariance));
     benchmark::DoNotOptimize(predictor);  // its state lies in memory, as in a node
   }
 }

@@ -78,9 +78,8 @@ class OnNode : public Predictor {
     int count = 0;
     predictor.begin_stop();
     for (const double sample : samples) {
-      predictor.advance(tick_);
       const core::Innovation innovation =
-          predictor.observe(static_cast<float>(sample), node_.white_variance_rad2_s2);
+          predictor.step(tick_, static_cast<float>(sample), node_.white_variance_rad2_s2);
       if (innovation.first || !(innovation.variance_rad2_s2 > 0.0F)) continue;
       sum += static_cast<double>(innovation.normalised_squared());
       ++count;

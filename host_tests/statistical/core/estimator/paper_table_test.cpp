@@ -65,8 +65,7 @@ void run(Figures& figures, std::size_t run, const std::vector<double>& noise,
   const auto tick = sensor.modes.one_tick();
   predictor.begin_stop();
   for (std::size_t k = 0; k < kSamples; ++k) {
-    predictor.advance(tick);
-    (void)predictor.observe(static_cast<float>(noise[k]), sensor.white_variance);
+    (void)predictor.step(tick, static_cast<float>(noise[k]), sensor.white_variance);
   }
   double squares = 0.0;
   Transition<kDecades, 0> lead{};

@@ -130,9 +130,8 @@ Disagreement compare(const ModesType& modes, double level, double r, int stop, i
     const float y = sensor.next();
     if (k > 0) oracle.predict(), ++missed;
     if (k % (stop + drive) < stop) {
-      filter.advance(missed == 1 ? tick : modes.over(missed));
+      filter.step(missed == 1 ? tick : modes.over(missed), y, static_cast<float>(r));
       missed = 0;
-      filter.observe(y, static_cast<float>(r));
       oracle.update(double{y}, double{static_cast<float>(r)});
     }
     if (missed % 16 != 0) continue;
@@ -231,6 +230,24 @@ TEST(KalmanPredictorGivenNonsense, RefusesItAndStaysAsItWas) {
   }
 }
 
+TEST(KalmanPredictorThatCrossesOneTickAsAGap, AgreesWithTheStep) {
+  const auto modes = mixed_modes(Start::stationary);
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor stepped{coefficients};
+  KalmanPredictor crossed{coefficients};
+  SimulatedSensor sensor{modes, 3.0, 1.0, 13};
+  for (int k = 0; k < 2000; ++k) {
+    const float y = sensor.next();
+    stepped.step(modes.one_tick(), y, 1.0F);
+    crossed.advance(modes.one_tick());
+    crossed.observe(y, 1.0F);
+  }
+  const Prediction a = stepped.predict(modes.over(50));
+  const Prediction b = crossed.predict(modes.over(50));
+  EXPECT_NEAR(a.bias_rad_s, b.bias_rad_s, 1e-4F * a.sigma_rad_s());
+  EXPECT_NEAR(a.sigma_rad_s() / b.sigma_rad_s(), 1.0F, 1e-5F);
+}
+
 TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
   const auto modes = mixed_modes(Start::stationary);
   const auto tick = modes.one_tick();
@@ -238,16 +255,14 @@ TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
   const KalmanCoefficients coefficients{modes};
   KalmanPredictor uninterrupted{coefficients};
   for (int k = 0; k < 500; ++k) {
-    uninterrupted.advance(tick);
-    uninterrupted.observe(sensor.next(), 1.0F);
+    uninterrupted.step(tick, sensor.next(), 1.0F);
   }
   KalmanPredictor resumed{coefficients};
   resumed.restore(uninterrupted.state());
   for (int k = 0; k < 500; ++k) {
     const float y = sensor.next();
     for (auto* filter : {&uninterrupted, &resumed}) {
-      filter->advance(tick);
-      filter->observe(y, 1.0F);
+      filter->step(tick, y, 1.0F);
     }
   }
   EXPECT_EQ(std::memcmp(&uninterrupted.state(), &resumed.state(), sizeof resumed.state()), 0);
@@ -264,8 +279,7 @@ TEST(KalmanPredictorUnderItsOwnModel, HasNormalisedInnovationsOfUnitVariance) {
     SimulatedSensor sensor{modes, 0.0, 3.0, seed};
     KalmanPredictor filter{coefficients};
     for (int k = 0; k < 2000; ++k) {
-      filter.advance(step);
-      const Innovation innovation = filter.observe(sensor.next(), 3.0F);
+      const Innovation innovation = filter.step(step, sensor.next(), 3.0F);
       if (innovation.first) continue;
       sum += double{innovation.normalised_squared()};
       ++n;
