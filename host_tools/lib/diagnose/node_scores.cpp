@@ -17,28 +17,27 @@ using NodeModel = model::NodeModel<kDecaying, kRotating>;
 /// The filter at a tick; what is between the ticks that it is shown is a gap.
 class Node {
  public:
-  explicit Node(const NodeModel& node) : node_(&node), filter_(node.modes) {}
+  explicit Node(const NodeModel& node)
+      : node_(node), one_tick_(node.modes.one_tick()), coefficients_(node.modes) {}
 
   core::Innovation observe(const identify::TickMean& mean) {
-    advance_to(mean.tick + 1);
-    return filter_.observe(mean.rate_rad_s[0],
-                           node_->white_variance_rad2_s2 / static_cast<float>(mean.samples));
+    const std::uint32_t ticks = mean.tick + 1 - ticks_;
+    ticks_ = mean.tick + 1;
+    return filter_.step(ticks == 1 ? one_tick_ : node_.modes.over(ticks), mean.rate_rad_s[0],
+                        node_.white_variance_rad2_s2 / static_cast<float>(mean.samples));
   }
   [[nodiscard]] double bias_rad_s(const identify::TickMean& mean) const {
-    return double{filter_.bias_rad_s(node_->modes.over(mean.tick + 1 - ticks_))};
+    return double{filter_.bias_rad_s(node_.modes.over(mean.tick + 1 - ticks_))};
   }
   [[nodiscard]] core::HeadingPrediction predict_drive(std::uint32_t drive_ticks) const {
-    return filter_.predict_heading(node_->modes.over(0), node_->modes.over(drive_ticks));
+    return filter_.predict_heading(node_.modes.over(0), node_.modes.over(drive_ticks));
   }
 
  private:
-  void advance_to(std::uint32_t ticks) {
-    if (ticks > ticks_) filter_.advance(node_->modes.over(ticks - ticks_));
-    ticks_ = ticks;
-  }
-
-  const NodeModel* node_;
-  Filter filter_;
+  const NodeModel& node_;
+  Filter::Span one_tick_;
+  Filter::Coefficients coefficients_;
+  Filter filter_{coefficients_};
   std::uint32_t ticks_ = 0;  ///< that the filter has seen the end of
 };
 
