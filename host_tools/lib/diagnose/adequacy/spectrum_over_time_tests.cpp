@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <kissfft/kissfft.hh>
+#include <numbers>
 #include <span>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
@@ -12,7 +14,8 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr std::size_t kMostBins = 2500;
+/// Of the search for a moving tone; a longer record takes too long and tells it by its patches.
+constexpr std::size_t kMostStretches = 32;
 
 /// Power of each frequency in each stretch of time, of mean 1.
 struct Spectrogram {
@@ -70,36 +73,82 @@ void test_patches(const Remainder& remainder, std::size_t stretches, std::size_t
        log_of_smallest(log_normal_tails(most), patches)});
 }
 
-/// The straight line through the spectrogram that holds the most power.
-Test moving_tone(const Remainder& remainder, std::size_t stretches) {
-  const Spectrogram spectrogram = spectrogram_of(remainder.values, stretches);
-  const std::size_t bins = spectrogram.bins;
-  const std::size_t last = stretches - 1;
-  double most = 0.0;
-  double lines = 0.0;
-  // Neighbouring lines share most of their bins; every other end is enough where there are many.
-  const std::size_t stride = bins > 600 ? 2 : 1;
-  const std::size_t reach = std::min(bins, kMostBins / 4 * stride);
-  for (std::size_t from = 0; from < bins; ++from) {
-    const std::size_t least = from > reach ? from - reach : 0;
-    const std::size_t end = std::min(bins, from + reach);
-    for (std::size_t to = least; to < end; to += stride) {
-      double power = 0.0;
-      const double slope =
-          (static_cast<double>(to) - static_cast<double>(from)) / static_cast<double>(last);
-      double place = static_cast<double>(from) + 0.5;
-      for (std::size_t s = 0; s < stretches; ++s) {
-        power += spectrogram.power[s * bins + static_cast<std::size_t>(place)];
-        place += slope;
-      }
-      most = std::max(most, power);
-      lines += 1.0;
+/// A tone whose frequency moves at a constant rate. Each stretch is turned back at the rate before
+/// it is transformed, so that a fast sweep keeps its power in one bin; the powers along the line
+/// are then summed.
+class MovingTone {
+ public:
+  MovingTone(const std::vector<double>& values, std::size_t stretches)
+      : values_(values),
+        stretches_(stretches),
+        length_(spectrum::fast_length_below(values.size() / stretches)),
+        fft_(length_, false),
+        turned_(length_),
+        bins_(length_),
+        power_(stretches * half()) {}
+
+  [[nodiscard]] Test strongest() {
+    const double fastest = kWidestSweep * static_cast<double>(length_) /
+                           static_cast<double>(stretches_);  // bins in a stretch
+    for (double sweep = -fastest; sweep <= fastest; sweep += 1.0) {
+      transform(sweep);
+      // The line is placed more finely than the turning needs.
+      const double step = 1.0 / static_cast<double>(stretches_);
+      for (double fine = sweep - 0.5; fine < sweep + 0.5 - 0.5 * step; fine += step)
+        sum_along(fine);
+    }
+    const double freedom = 2.0 * static_cast<double>(stretches_);
+    return {"a tone moves through the spectrum",
+            log_of_smallest(log_chi_squared_tail(2.0 * most_, freedom), lines_)};
+  }
+
+ private:
+  static constexpr double kWidestSweep = 0.3;  // cycles a sample, over the record
+
+  [[nodiscard]] std::size_t half() const { return length_ / 2; }
+
+  void transform(double sweep) {
+    const auto length = static_cast<double>(length_);
+    for (std::size_t i = 0; i < length_; ++i) {
+      const double place = (static_cast<double>(i) + 0.5) / length - 0.5;
+      turned_[i] = std::polar(1.0, -std::numbers::pi * sweep * place * place);
+    }
+    std::vector<std::complex<double>> stretch(length_);
+    for (std::size_t s = 0; s < stretches_; ++s) {
+      const std::size_t first = s * (values_.size() / stretches_);
+      for (std::size_t i = 0; i < length_; ++i) stretch[i] = values_[first + i] * turned_[i];
+      fft_.transform(stretch.data(), bins_.data());
+      for (std::size_t j = 0; j < half(); ++j)
+        power_[s * half() + j] = std::norm(bins_[j]) / length;
     }
   }
-  return {"a tone moves through the spectrum",
-          log_of_smallest(log_chi_squared_tail(2.0 * most, 2.0 * static_cast<double>(stretches)),
-                          lines)};
-}
+
+  void sum_along(double sweep) {
+    const auto bins = static_cast<double>(half());
+    for (std::size_t from = 1; from < half(); ++from) {
+      const double end = static_cast<double>(from) + sweep * static_cast<double>(stretches_ - 1);
+      if (end < 1.0 || end >= bins - 1.0) continue;
+      double sum = 0.0;
+      double place = static_cast<double>(from) + 0.5;
+      for (std::size_t s = 0; s < stretches_; ++s) {
+        sum += power_[s * half() + static_cast<std::size_t>(place)];
+        place += sweep;
+      }
+      most_ = std::max(most_, sum);
+      lines_ += 1.0;
+    }
+  }
+
+  const std::vector<double>& values_;
+  std::size_t stretches_;
+  std::size_t length_;
+  kissfft<double> fft_;
+  std::vector<std::complex<double>> turned_;
+  std::vector<std::complex<double>> bins_;
+  std::vector<double> power_;
+  double most_ = 0.0;
+  double lines_ = 0.0;
+};
 
 }  // namespace
 
@@ -107,10 +156,11 @@ Tests test_spectrum_over_time(const Remainder& remainder) {
   Tests tests;
   test_patches(remainder, 8, 8, tests);
   test_patches(remainder, 32, 16, tests);
-  for (const std::size_t stretches : {4U, 8U, 16U, 32U, 64U}) {
-    if (remainder.values.size() / stretches < 32) break;
-    if (remainder.values.size() / stretches > 2 * kMostBins) continue;
-    tests.push_back(moving_tone(remainder, stretches));
+  // Eight stretches; more where they would be too long to try every rate.
+  constexpr std::size_t kLongest = 4096;
+  const std::size_t stretches = std::max<std::size_t>(8, remainder.values.size() / kLongest);
+  if (stretches <= kMostStretches) {
+    tests.push_back(MovingTone(remainder.values, stretches).strongest());
   }
   return tests;
 }

@@ -55,7 +55,7 @@ Test strongest_line(const Explanation& explanation) {
 
 Tests test_spectrum(const Remainder& remainder) {
   Tests tests;
-  for (const double ratio : {2.0, 1.2}) test_bands(*remainder.explanation, ratio, tests);
+  for (const double ratio : {2.0, 1.3}) test_bands(*remainder.explanation, ratio, tests);
   tests.push_back(strongest_line(*remainder.explanation));
   return tests;
 }

@@ -6,6 +6,7 @@
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -43,9 +44,20 @@ class SensorBandwidth final : public Effect {
                                     cut_off)};
   }
 
-  /// Means over the filter's ticks do not see it; the white noise of the model is that below the
-  /// cut-off.
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// The filter sees means over its ticks, whose white noise is that below half their rate: the
+  /// mean of 1 / (1 + (f / f_c)^2) up to f is atan(f / f_c) f_c / f.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const Problem& problem = found.all.problem();
+    const auto nanoseconds = [](double seconds) {
+      return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+    };
+    const core::Duration tick = identify::identification_tick(nanoseconds(problem.span_s()),
+                                                              nanoseconds(problem.period_s()));
+    const double share = found.all.noise().spectrum.low_pass_share;
+    const double ratio = 0.5 / (static_cast<double>(tick.ns()) * 1e-9) /
+                         cut_off_hz(found, std::log(share / (1.0 - share)));
+    model.white.angle_random_walk_rad_per_sqrt_s *= std::sqrt(std::atan(ratio) / ratio);
+  }
 
  private:
   static double cut_off_hz(const Found& found, double logit) {
