@@ -23,8 +23,17 @@ using zerorate::testing::ScratchFolder;
 
 constexpr ScheduleParams kShortDrives{.still_s = 20.0, .drive_s = 40.0, .seed = 3};
 constexpr ScheduleParams kLongRest{.still_s = 400.0, .drive_s = 40.0, .seed = 3};
-/// LSM6DSO at 250 deg/s (DS12140, table 2).
-constexpr double kLsbRadS = 8.75e-3 * testing::kRadPerDeg;
+constexpr recording::Columns kOneRate{1, recording::RateUnit::rad_per_s, false, false, false};
+
+struct ChipUnderTest {
+  Chip chip;
+  double lsb_dps;  ///< of the datasheet, at 250 deg/s, or of the only range
+  recording::Columns columns;
+};
+constexpr std::array kChips{ChipUnderTest{Chip::lsm6dso, 8.75e-3, kRates},
+                            ChipUnderTest{Chip::icm42688, 1.0 / 131.072, kRates},
+                            ChipUnderTest{Chip::bmi088, 1.0 / 131.072, kRates},
+                            ChipUnderTest{Chip::adxrs453, 1.0 / 80.0, kOneRate}};
 
 void expect_identical(const Replayed& a, const Replayed& b) {
   EXPECT_EQ(a.messages, b.messages);
@@ -39,6 +48,26 @@ void expect_identical(const Replayed& a, const Replayed& b) {
 
 // Every measured rate is off by at most half an LSB, so a mean of them is, and so is any weighted
 // mean with positive weights. The filter's weights may be negative, but little: twice the bound.
+void expect_same_but_for_rounding(const Replayed& chip, const Replayed& source, double lsb_dps,
+                                  app::Predictor published) {
+  const double rounding = 1e-7;  // of single precision, at rates below .02 rad/s
+  const double lsb_rad_s = lsb_dps * testing::kRadPerDeg;
+  const double bias_bound = published == app::Predictor::kalman ? lsb_rad_s : 0.5 * lsb_rad_s;
+  ASSERT_EQ(chip.messages.size(), source.messages.size());
+  for (std::size_t k = 0; k < source.messages.size(); ++k) {
+    ASSERT_EQ(chip.messages[k].time, source.messages[k].time);
+    ASSERT_EQ(chip.messages[k].motion, source.messages[k].motion);
+    ASSERT_EQ(chip.messages[k].health.calibrated, source.messages[k].health.calibrated);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto& a = chip.messages[k].axes[axis];
+      const auto& b = source.messages[k].axes[axis];
+      ASSERT_NEAR(a.measured.in(core::rad_per_s), b.measured.in(core::rad_per_s),
+                  0.5 * lsb_rad_s + rounding);
+      ASSERT_NEAR(a.bias.in(core::rad_per_s), b.bias.in(core::rad_per_s), bias_bound + rounding);
+    }
+  }
+}
+
 TEST(ReplayThroughChipAndSource, AgreeToTheRoundingOfTheChip) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(60'000, 0.01, 1));
@@ -51,22 +80,35 @@ TEST(ReplayThroughChipAndSource, AgreeToTheRoundingOfTheChip) {
     const Replayed chip = replay_file(path, options);
     EXPECT_EQ(chip.result.loop.samples, 60'000U);
     EXPECT_EQ(chip.result.loop.read_errors, 0U);
-    ASSERT_EQ(chip.messages.size(), source.messages.size());
-    const double rounding = 1e-7;  // of single precision, at rates below .02 rad/s
-    const double bias_bound = published == app::Predictor::kalman ? kLsbRadS : 0.5 * kLsbRadS;
-    for (std::size_t k = 0; k < source.messages.size(); ++k) {
-      ASSERT_EQ(chip.messages[k].time, source.messages[k].time);
-      ASSERT_EQ(chip.messages[k].motion, source.messages[k].motion);
-      ASSERT_EQ(chip.messages[k].health.calibrated, source.messages[k].health.calibrated);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& a = chip.messages[k].axes[axis];
-        const auto& b = source.messages[k].axes[axis];
-        ASSERT_NEAR(a.measured.in(core::rad_per_s), b.measured.in(core::rad_per_s),
-                    0.5 * kLsbRadS + rounding);
-        ASSERT_NEAR(a.bias.in(core::rad_per_s), b.bias.in(core::rad_per_s), bias_bound + rounding);
-      }
-    }
+    expect_same_but_for_rounding(chip, source, kChips[0].lsb_dps, published);
   }
+}
+
+TEST(ReplayThroughEveryChip, AgreesToItsRounding) {
+  const ScratchFolder folder;
+  for (const ChipUnderTest& under_test : kChips) {
+    SCOPED_TRACE(std::string(name(under_test.chip)));
+    const auto path =
+        write_rows(folder.path() / "rest.csv", under_test.columns, rows_at_rest(12'000, 0.01, 1));
+    ReplayOptions options{.model = sensor_model(), .schedule = kShortDrives};
+    const Replayed source = replay_file(path, options);
+    options.through = Through::chip;
+    options.chip = under_test.chip;
+    const Replayed chip = replay_file(path, options);
+    EXPECT_EQ(chip.result.loop.samples, 12'000U);
+    EXPECT_EQ(chip.result.loop.read_errors, 0U);
+    EXPECT_EQ(chip.result.loop.starts, 1U);
+    expect_same_but_for_rounding(chip, source, under_test.lsb_dps, options.published);
+  }
+}
+
+TEST(ReplayThroughAChipOfOneAxis, RefusesThreeAxes) {
+  const ScratchFolder folder;
+  const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(100, 0.01, 1));
+  EXPECT_THROW(
+      replay_file(path,
+                  {.model = sensor_model(), .through = Through::chip, .chip = Chip::adxrs453}),
+      std::invalid_argument);
 }
 
 TEST(ReplayOfTheSameRecording, IsTheSameTwiceAndPackedOrNot) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -42,6 +43,22 @@ model::SensorModel chosen_model(const ReplayFlags& flags) {
                                                            kRadPerDeg / floor_per_b};
   model::validate(model);
   return model;
+}
+
+std::vector<std::string> chip_names() {
+  std::vector<std::string> names;
+  names.reserve(evaluate::kAllChips.size());
+  for (const evaluate::Chip chip : evaluate::kAllChips) names.emplace_back(evaluate::name(chip));
+  return names;
+}
+
+evaluate::Chip chip_called(const std::string& name) {
+  const auto* const found = std::ranges::find_if(
+      evaluate::kAllChips, [&](evaluate::Chip chip) { return evaluate::name(chip) == name; });
+  if (found == evaluate::kAllChips.end()) {
+    throw std::invalid_argument("--chip: unknown chip " + name);
+  }
+  return *found;
 }
 
 app::Predictor predictor_called(const std::string& name) {
@@ -92,9 +109,11 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "stops and drives for a recording at rest, exponential lengths around means in "
                  "seconds: still=60,drive=300,seed=1");
   app.add_option("--through", flags.through,
-                 "chip: by a simulated LSM6DSO and its driver; source: straight into the node")
+                 "chip: by a simulated chip and its driver; source: straight into the node")
       ->check(CLI::IsMember({"chip", "source"}))
       ->capture_default_str();
+  app.add_option("--chip", flags.chip, "the chip of --through chip; default lsm6dso")
+      ->check(CLI::IsMember(chip_names()));
   app.add_option("--predictor", flags.predictor,
                  "whose bias corrects the published rate: kalman, moving_average, calibration_mean")
       ->capture_default_str();
@@ -115,6 +134,12 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   options.filter_rate_hz = flags.filter_rate_hz;
   if (!flags.schedule.empty()) options.schedule = evaluate::parse_schedule(flags.schedule);
   options.through = flags.through == "chip" ? evaluate::Through::chip : evaluate::Through::source;
+  if (flags.chip) {
+    if (options.through != evaluate::Through::chip) {
+      throw std::invalid_argument("--chip needs --through chip");
+    }
+    options.chip = chip_called(*flags.chip);
+  }
   options.published = predictor_called(flags.predictor);
   options.standstill = {.settle = seconds(flags.settle_s, "--settle"),
                         .hold_back = seconds(flags.hold_back_s, "--hold-back")};

@@ -20,6 +20,7 @@ struct ReplayFlags {
   std::optional<double> bias_instability_dph;
   std::string schedule;
   std::string through = "source";
+  std::optional<std::string> chip;  ///< of --through chip
   std::string predictor = "kalman";
   std::optional<double> filter_rate_hz;
   double settle_s = 1.0;

@@ -2,18 +2,16 @@
 /// The two ways by which a replayed sample reaches the node.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "drivers/common/register_bus.hpp"
-#include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/odometer.hpp"
-#include "hal/sim/spi.hpp"
+#include "host_tools/lib/evaluate/simulated_gyro.hpp"
 
 namespace zerorate::evaluate {
 
@@ -33,18 +31,17 @@ class DirectFeed {
   Node& node_;
 };
 
-/// Sends them through the simulated chip, the SPI bus, the driver and the node's loop.
+/// Sends them through a simulated chip, the SPI bus, the driver and the node's loop.
 template <class Node>
 class ChipFeed {
  public:
   /// Powers the chip on so long before the first sample that its start-up is over by then.
-  ChipFeed(Node& node, core::Instant first_sample)
+  ChipFeed(Node& node, Chip chip, core::Instant first_sample)
       : clock_(first_sample - kStartUp),
-        chip_(clock_),
-        device_(chip_),
-        gyro_(drivers::SpiRegisters{device_}),
-        loop_(node, gyro_, odometer_, chip_.interrupt(), clock_, sink_) {
-    while (clock_.now() + kPoll < first_sample) {
+        gyro_(make_simulated_gyro(chip, clock_)),
+        loop_(node, *gyro_, odometer_, gyro_->interrupt(), clock_, sink_) {
+    // No further than that: a chip that measures whenever it is read would give samples of nothing.
+    while (!loop_.is_running() && clock_.now() + kPoll < first_sample) {
       clock_.advance(kPoll);
       loop_.poll();
     }
@@ -53,7 +50,7 @@ class ChipFeed {
   app::RateMessage feed(const drivers::GyroSample& sample, std::span<const core::Instant> pulses) {
     clock_.advance_to(sample.time);
     for (const core::Instant pulse : pulses) odometer_.pulse(pulse);
-    chip_.measure(sample.rate, sample.temperature);
+    gyro_->measure(sample.rate, sample.temperature);
     sink_.message.reset();
     loop_.poll();
     // A sample that the driver dropped (a fault, a restart) leaves its time without a rate.
@@ -70,16 +67,12 @@ class ChipFeed {
     std::optional<app::RateMessage> message;
     void publish(const app::RateMessage& published) { message = published; }
   };
-  using Device = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
-  using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<Device>>;
 
   hal::sim::SimulatedClock clock_;
-  hal::sim::SimulatedLsm6dso chip_;
+  std::unique_ptr<SimulatedGyro> gyro_;
   hal::sim::SimulatedOdometer odometer_;
-  Device device_;
-  Gyro gyro_;
   LatestMessage sink_;
-  app::NodeLoop<Node, Gyro, hal::sim::SimulatedOdometer, hal::sim::DataReadyPin,
+  app::NodeLoop<Node, SimulatedGyro, hal::sim::SimulatedOdometer, hal::sim::DataReadyPin,
                 hal::sim::SimulatedClock, LatestMessage>
       loop_;
 };

@@ -253,7 +253,7 @@ void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOption
   const auto run = std::make_unique<Run<R, C>>(rows, reader, options, observer, result);
   using Node = typename Run<R, C>::Node;
   if (options.through == Through::chip) {
-    run->to_the_end(ChipFeed<Node>{run->node(), run->start()});
+    run->to_the_end(ChipFeed<Node>{run->node(), options.chip, run->start()});
   } else {
     run->to_the_end(DirectFeed<Node>{run->node()});
   }
@@ -278,6 +278,11 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   BufferedRows rows{reader};
   ReplayResult result;
   result.axis_count = reader.columns().axis_count;
+  if (options.through == Through::chip && result.axis_count > axis_count(options.chip)) {
+    throw std::invalid_argument(std::string(name(options.chip)) +
+                                " has one axis, the recording has " +
+                                std::to_string(result.axis_count));
+  }
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
   result.sample_period = rows.sample_period();
   result.filter_tick = filter_tick(options, result.sample_period);

@@ -17,6 +17,7 @@
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/drive_scores.hpp"
 #include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/evaluate/simulated_gyro.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::evaluate {
@@ -28,7 +29,7 @@ inline constexpr std::array kAllPredictors = {
 /// How a sample reaches the node.
 enum class Through : std::uint8_t {
   source,  ///< handed over directly
-  chip,    ///< converted by a simulated LSM6DSO, read by its driver, stepped by the node's loop
+  chip,    ///< converted by a simulated chip, read by its driver, stepped by the node's loop
 };
 
 struct ReplayOptions {
@@ -38,6 +39,7 @@ struct ReplayOptions {
   std::optional<double> filter_rate_hz;
   std::optional<ScheduleParams> schedule;
   Through through = Through::source;
+  Chip chip = Chip::lsm6dso;  ///< if through chip; its axes must be as many as the recording's
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;
 };

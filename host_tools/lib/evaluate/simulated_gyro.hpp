@@ -1,0 +1,55 @@
+/// @file
+/// Any of the simulated chips with its bus and its driver, as one GyroSource.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "drivers/common/gyro_source.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/data_ready_pin.hpp"
+
+namespace zerorate::evaluate {
+
+enum class Chip : std::uint8_t { lsm6dso, icm42688, bmi088, adxrs453 };
+inline constexpr std::array kAllChips = {Chip::lsm6dso, Chip::icm42688, Chip::bmi088,
+                                         Chip::adxrs453};
+[[nodiscard]] std::string_view name(Chip chip);
+
+/// How many axes the chip has: 3, or 1, which is z and comes out on all three.
+[[nodiscard]] std::size_t axis_count(Chip chip);
+
+/// What measure() is given comes out of read(), rounded as the chip rounds.
+class SimulatedGyro {
+ public:
+  SimulatedGyro() = default;
+  SimulatedGyro(const SimulatedGyro&) = delete;
+  SimulatedGyro& operator=(const SimulatedGyro&) = delete;
+  virtual ~SimulatedGyro() = default;
+
+  /// One conversion of the chip, at the time of its clock.
+  virtual void measure(const std::array<core::AngularRate, 3>& rate,
+                       core::Temperature temperature) = 0;
+  /// Of the chip's conversions; a chip without a pin never drives it.
+  virtual hal::sim::DataReadyPin& interrupt() = 0;
+
+  // The driver's side (GyroSource).
+  virtual core::Result<void, drivers::DriverError> start(core::Instant now) = 0;
+  virtual core::Result<std::size_t, drivers::DriverError> read(
+      core::Instant now, std::span<drivers::GyroSample> out) = 0;
+  virtual core::Result<void, drivers::DriverError> verify_next() = 0;
+  [[nodiscard]] virtual core::Duration sample_period() const = 0;
+  [[nodiscard]] virtual bool is_batched() const = 0;
+};
+static_assert(drivers::GyroSource<SimulatedGyro>);
+
+/// In data-ready mode and over SPI, at the driver's default range.
+/// @param clock must outlive the gyro
+[[nodiscard]] std::unique_ptr<SimulatedGyro> make_simulated_gyro(
+    Chip chip, const hal::sim::SimulatedClock& clock);
+
+}  // namespace zerorate::evaluate
