@@ -18,7 +18,8 @@ namespace zerorate::core {
 /// Fixed memory for any length of stop; SuffixSums states how near it comes to the exact mean.
 /// Cost: observe 2 additions on average, bias one addition per block, at most 328; an interval
 /// about 2 log2(count) compositions, a heading interval one composition per block.
-template <std::size_t R, std::size_t C>
+/// @tparam Levels of SuffixSums: fewer save memory and shorten the stop of which all is remembered
+template <std::size_t R, std::size_t C, std::size_t Levels = 22>
 class MovingAverage {
  public:
   using Coefficients = Modes<R, C>;
@@ -26,7 +27,7 @@ class MovingAverage {
 
   struct State {
     bool restart = true;           ///< the next measurement is the first of a stop
-    SuffixSums sums;               ///< of the deviations from the reference
+    SuffixSums<Levels> sums;       ///< of the deviations from the reference
     std::uint32_t age = 0;         ///< ticks from the start to the newest measurement
     float reference_rad_s = 0.0F;  ///< the stop's first measurement
     float white_variance_sum = 0.0F;
@@ -107,7 +108,7 @@ class MovingAverage {
   /// older than the newest: every prediction whose window reaches it takes a share.
   class DriveWeights {
    public:
-    constexpr DriveWeights(const SuffixSums& sums, std::uint32_t lead, std::uint32_t drive)
+    constexpr DriveWeights(const SuffixSums<Levels>& sums, std::uint32_t lead, std::uint32_t drive)
         : lead_(lead), averaged_until_(std::min(lead + drive, sums.count())) {
       const std::uint32_t whole_mean_from = std::max(lead, sums.count());
       if (lead + drive > whole_mean_from) {

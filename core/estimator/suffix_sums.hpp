@@ -18,11 +18,14 @@ namespace zerorate::core {
 /// kPerLevel - 1 blocks of every shorter length are newer, so the suffix mean is wrong by at most
 /// 1 / (4 (kPerLevel - 1)) of the difference between the means of the two parts of that one block;
 /// suffixes that end between blocks are exact, as are all of the newest kExact - 1.
+/// @tparam Levels how many rings. They hold 12 2^(Levels + 1) measurements (22: 1e8, 16: 1.6e6);
+/// what
+///         is older stays in the last block. Each costs 50 bytes.
+template <std::size_t Levels = 22>
 class SuffixSums {
  public:
   static constexpr std::size_t kExact = 64;
   static constexpr std::size_t kPerLevel = 12;
-  static constexpr std::size_t kLevels = 22;  // 5e7 measurements; older ones stay in the last block
 
   [[nodiscard]] constexpr std::uint32_t count() const { return count_; }
 
@@ -73,7 +76,7 @@ class SuffixSums {
     for (std::size_t i = exact_used_; i-- > 0;) {
       if (!visit(1U, exact_[(oldest_exact_ + i) % kExact])) return;
     }
-    for (std::size_t level = 0; level < kLevels; ++level) {
+    for (std::size_t level = 0; level < Levels; ++level) {
       for (std::size_t i = used_[level]; i-- > 0;) {
         if (!visit(size_of_block(level, i), block(level, i))) return;
       }
@@ -83,7 +86,7 @@ class SuffixSums {
   /// Calls visit(size, sum) for each block.
   template <class Visitor>
   constexpr void for_each_oldest_first(Visitor visit) const {
-    for (std::size_t level = kLevels; level-- > 0;) {
+    for (std::size_t level = Levels; level-- > 0;) {
       for (std::size_t i = 0; i < used_[level]; ++i) {
         visit(size_of_block(level, i), block(level, i));
       }
@@ -103,12 +106,12 @@ class SuffixSums {
   /// 2^(level + 1), but the oldest of the last level has swallowed all that came before.
   [[nodiscard]] constexpr std::uint32_t size_of_block(std::size_t level, std::size_t i) const {
     const std::uint32_t size = 2U << level;
-    return level == kLevels - 1 && i == 0 ? size + swallowed_ : size;
+    return level == Levels - 1 && i == 0 ? size + swallowed_ : size;
   }
 
   constexpr void push_block(std::size_t level, float sum) {
     // A loop, not a recursion: the target's stack use stays a constant.
-    for (; used_[level] == kPerLevel && level + 1 < kLevels; ++level) {
+    for (; used_[level] == kPerLevel && level + 1 < Levels; ++level) {
       const float merged = block(level, 0) + block(level, 1);
       drop_oldest(level);
       drop_oldest(level);
@@ -136,9 +139,9 @@ class SuffixSums {
   }
 
   std::array<float, kExact> exact_{};
-  std::array<std::array<float, kPerLevel>, kLevels> blocks_{};
-  std::array<std::uint8_t, kLevels> oldest_{};
-  std::array<std::uint8_t, kLevels> used_{};
+  std::array<std::array<float, kPerLevel>, Levels> blocks_{};
+  std::array<std::uint8_t, Levels> oldest_{};
+  std::array<std::uint8_t, Levels> used_{};
   std::uint32_t count_ = 0;
   std::uint32_t swallowed_ = 0;
   std::uint8_t oldest_exact_ = 0;

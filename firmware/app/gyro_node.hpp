@@ -46,20 +46,27 @@ struct NodeParams {
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
 };
 
+/// How much a node remembers, for boards that count bytes. The results are the same as long as
+/// nothing is beyond it.
+struct NodeCapacity {
+  std::size_t held_ticks = 64;      ///< of the hold-back line, 32 bytes each
+  std::size_t average_levels = 22;  ///< of core::SuffixSums, 50 bytes each on every axis
+};
+
 /// One sensor with three axes. Chip-free and board-free; no heap; one thread (the caller's).
 /// Cost per sample: a few additions; per tick: see the predictors.
-template <std::size_t R, std::size_t C>
+template <std::size_t R, std::size_t C, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
   static constexpr std::size_t kAxes = 3;
-  static constexpr std::size_t kHeldTicks = 64;
+  static constexpr std::size_t kHeldTicks = Capacity.held_ticks;
   using Params = NodeParams<R, C>;
   using Span = core::Transition<R, C>;
   using HoldBack = core::HoldBackLine<core::TickMean<kAxes>, kHeldTicks>;
 
   struct AxisState {
     typename core::KalmanPredictor<R, C>::State kalman;
-    typename core::MovingAverage<R, C>::State moving_average;
+    typename core::MovingAverage<R, C, Capacity.average_levels>::State moving_average;
     typename core::CalibrationMean<R, C>::State calibration_mean;
     core::InnovationMonitor::State monitor;
   };
@@ -154,7 +161,7 @@ class GyroNode {
  private:
   struct Axis {
     core::KalmanPredictor<R, C> kalman;
-    core::MovingAverage<R, C> moving_average;
+    core::MovingAverage<R, C, Capacity.average_levels> moving_average;
     core::CalibrationMean<R, C> calibration_mean;
     core::InnovationMonitor monitor;
 
@@ -213,8 +220,8 @@ class GyroNode {
   bool pulses_lost_ = false;
 };
 
-template <std::size_t R, std::size_t C>
-constexpr core::Result<void, ParamsError> GyroNode<R, C>::check(const Params& params) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr core::Result<void, ParamsError> GyroNode<R, C, Capacity>::check(const Params& params) {
   using core::Unexpected;
   constexpr core::Duration kZero;
   if (params.modes.tick <= kZero || params.sample_period <= kZero) {
@@ -236,8 +243,8 @@ constexpr core::Result<void, ParamsError> GyroNode<R, C>::check(const Params& pa
   return {};
 }
 
-template <std::size_t R, std::size_t C>
-constexpr RateMessage GyroNode<R, C>::step(const drivers::GyroSample& sample) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr RateMessage GyroNode<R, C, Capacity>::step(const drivers::GyroSample& sample) {
   RateMessage message{.time = sample.time};
   const bool refused = is_refused(sample, message.health);
   if (!refused) take_in(sample);
@@ -248,8 +255,8 @@ constexpr RateMessage GyroNode<R, C>::step(const drivers::GyroSample& sample) {
   return message;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr RateMessage GyroNode<R, C>::step_without_sample(core::Instant now) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr RateMessage GyroNode<R, C, Capacity>::step_without_sample(core::Instant now) {
   RateMessage message{.time = now};
   message.health.sensor_fault = true;
   describe(message, {});
@@ -257,9 +264,9 @@ constexpr RateMessage GyroNode<R, C>::step_without_sample(core::Instant now) {
 }
 
 /// Fills in what does not depend on whether there was a sample.
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::describe(RateMessage& message,
-                                        const std::array<core::AngularRate, kAxes>& rate) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::describe(
+    RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
   message.health.calibrated = measured_ticks_ > 0;
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
@@ -269,8 +276,9 @@ constexpr void GyroNode<R, C>::describe(RateMessage& message,
   }
 }
 
-template <std::size_t R, std::size_t C>
-constexpr bool GyroNode<R, C>::is_refused(const drivers::GyroSample& sample, Health& health) const {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr bool GyroNode<R, C, Capacity>::is_refused(const drivers::GyroSample& sample,
+                                                    Health& health) const {
   health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), [](auto rate) {
     return core::is_finite(rate.in(core::rad_per_s));
   });
@@ -279,8 +287,8 @@ constexpr bool GyroNode<R, C>::is_refused(const drivers::GyroSample& sample, Hea
   return health.sample_refused || health.time_refused;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::take_in(const drivers::GyroSample& sample) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::take_in(const drivers::GyroSample& sample) {
   newest_sample_ = sample.time;
   standstill_.start(sample.time);
   const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
@@ -298,22 +306,22 @@ constexpr void GyroNode<R, C>::take_in(const drivers::GyroSample& sample) {
 
 /// Learns from the ticks that are held back and end no later than this; says whether there were
 /// any.
-template <std::size_t R, std::size_t C>
-constexpr bool GyroNode<R, C>::learn_until(core::Instant certain) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr bool GyroNode<R, C, Capacity>::learn_until(core::Instant certain) {
   const std::size_t held = held_.size();
   held_.release_until(certain, [this](const core::TickMean<kAxes>& mean) { learn(mean); });
   return held_.size() < held;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::end_stop(core::Instant pulse) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::end_stop(core::Instant pulse) {
   standstill_.pulse(pulse);
   average_.clear();
   stop_open_ = false;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::learn(const core::TickMean<kAxes>& mean) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::learn(const core::TickMean<kAxes>& mean) {
   const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
   const Span since_last = ticks == 1 ? one_tick_ : params_.modes.over(ticks);
   const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples);
@@ -325,14 +333,14 @@ constexpr void GyroNode<R, C>::learn(const core::TickMean<kAxes>& mean) {
   measured_ticks_ = mean.tick + 1;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::predict_tick() {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::predict_tick() {
   update_lead();
   for (std::size_t i = 0; i < kAxes; ++i) predicted_[i] = predict(params_.published, i);
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::update_lead() {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::update_lead() {
   const std::uint32_t ticks = average_.tick() + 1 - measured_ticks_;
   if (ticks == lead_.ticks) return;
   // One more tick is one composition. Every 1024 the span is made afresh by doubling, so that the
@@ -342,8 +350,9 @@ constexpr void GyroNode<R, C>::update_lead() {
                                                            : params_.modes.over(ticks);
 }
 
-template <std::size_t R, std::size_t C>
-constexpr AxisRate GyroNode<R, C>::corrected(std::size_t axis, core::AngularRate measured) const {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr AxisRate GyroNode<R, C, Capacity>::corrected(std::size_t axis,
+                                                       core::AngularRate measured) const {
   const core::AngularRate bias = core::rad_per_s(predicted_[axis].bias_rad_s);
   return {.measured = measured,
           .corrected = measured - bias,
@@ -351,8 +360,8 @@ constexpr AxisRate GyroNode<R, C>::corrected(std::size_t axis, core::AngularRate
           .sigma = core::rad_per_s(predicted_[axis].sigma_rad_s())};
 }
 
-template <std::size_t R, std::size_t C>
-constexpr typename GyroNode<R, C>::State GyroNode<R, C>::state() const {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr typename GyroNode<R, C, Capacity>::State GyroNode<R, C, Capacity>::state() const {
   State state{.newest_sample = newest_sample_,
               .has_sample = has_sample_,
               .stop_open = stop_open_,
@@ -372,8 +381,8 @@ constexpr typename GyroNode<R, C>::State GyroNode<R, C>::state() const {
   return state;
 }
 
-template <std::size_t R, std::size_t C>
-constexpr void GyroNode<R, C>::restore(const State& state) {
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::restore(const State& state) {
   newest_sample_ = state.newest_sample;
   has_sample_ = state.has_sample;
   stop_open_ = state.stop_open;

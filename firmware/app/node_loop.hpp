@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,12 +32,15 @@ struct LoopCounters {
   std::uint32_t configurations_lost = 0;
   std::uint32_t silences = 0;  ///< messages that had to say that there are no samples
   drivers::DriverError last_error{};
+
+  constexpr bool operator==(const LoopCounters&) const = default;
 };
 
 /// Binds a node to its hardware. Call poll() from the main loop, at least once a sample
 /// (data-ready) or once a FIFO period; it never blocks longer than its bus transactions.
+/// @tparam Batch samples and pulses that are taken at once; smaller saves stack, 48 bytes each
 template <class Node, drivers::GyroSource Gyro, hal::PulseInput Odometer, hal::DataReady Ready,
-          hal::MonotonicClock Clock, RateSink Sink>
+          hal::MonotonicClock Clock, RateSink Sink, std::size_t Batch = 16>
 class NodeLoop {
  public:
   /// All of them must outlive the loop.
@@ -50,9 +54,11 @@ class NodeLoop {
 
   constexpr void poll() {
     const core::Instant now = clock_.now();
+    // Before the pulses, so that no pulse is missing that is older than the sample.
+    const std::optional<core::Instant> edge = ready_.take_edge();
     take_pulses(now);
     if (running_) {
-      take_samples(now);
+      if (edge || now >= next_edge_by_) take_samples(now, edge);
       if (running_ && now >= verify_at_) verify(now);
     } else if (now >= retry_at_) {
       start(now);
@@ -61,14 +67,13 @@ class NodeLoop {
   }
 
  private:
-  static constexpr std::size_t kBatch = 16;
   static constexpr std::size_t kMostBatches = 64;  ///< of one poll; more than any FIFO holds
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
 
   constexpr void take_pulses(core::Instant now) {
-    std::array<core::Instant, kBatch> stamps{};
+    std::array<core::Instant, Batch> stamps{};
     for (;;) {
       const auto batch = odometer_.read_pulses(stamps);
       if (!batch) {
@@ -83,20 +88,23 @@ class NodeLoop {
         counters_.pulses_lost += batch->lost;
         node_.report_lost_pulses(now);
       }
-      if (batch->count < kBatch) return;
+      if (batch->count < Batch) return;
     }
   }
 
-  constexpr void take_samples(core::Instant now) {
-    const auto edge = ready_.take_edge();
-    const core::Instant stamp = gyro_.is_batched() ? now : edge.value_or(now);
-    std::array<drivers::GyroSample, kBatch> samples{};
+  constexpr void take_samples(core::Instant now, std::optional<core::Instant> edge) {
+    // A pin that works will tell of the next sample too; read before it did, the sample would carry
+    // the time of this loop. If no edge comes, the samples are looked for without.
+    const bool is_stamped = edge && !gyro_.is_batched();
+    if (is_stamped) next_edge_by_ = *edge + gyro_.sample_period() * 2;
+    const core::Instant stamp = is_stamped ? *edge : now;
+    std::array<drivers::GyroSample, Batch> samples{};
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
       for (std::size_t i = 0; i < *count; ++i) publish(node_.step(samples[i]), now);
       counters_.samples += static_cast<std::uint32_t>(*count);
-      if (*count < kBatch) return;
+      if (*count < Batch) return;
     }
   }
 
@@ -166,6 +174,7 @@ class NodeLoop {
   LoopCounters counters_;
   bool running_ = false;
   std::optional<core::Instant> published_at_;
+  core::Instant next_edge_by_;
   core::Instant verify_at_;
   core::Instant retry_at_;
   core::Duration retry_after_ = kFirstRetry;

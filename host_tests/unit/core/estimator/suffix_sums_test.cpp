@@ -25,10 +25,10 @@ std::vector<float> wandering_rates(std::size_t n) {
 
 TEST(SuffixSums, AreExactForTheNewestMeasurements) {
   const auto rates = wandering_rates(100'000);
-  SuffixSums sums;
+  SuffixSums<> sums;
   for (const float rate : rates) sums.push(rate);
   float exact = 0.0F;
-  for (std::uint32_t length = 1; length < SuffixSums::kExact; ++length) {
+  for (std::uint32_t length = 1; length < SuffixSums<>::kExact; ++length) {
     exact += rates[rates.size() - length];
     EXPECT_EQ(sums.sum_of_newest(length), exact);
   }
@@ -36,8 +36,8 @@ TEST(SuffixSums, AreExactForTheNewestMeasurements) {
 
 TEST(SuffixSums, StayWithinTheStatedDeviationOfTheExactMean) {
   const auto rates = wandering_rates(300'000);
-  const double fraction = 1.0 / (4.0 * (SuffixSums::kPerLevel - 1));
-  SuffixSums sums;
+  const double fraction = 1.0 / (4.0 * (SuffixSums<>::kPerLevel - 1));
+  SuffixSums<> sums;
   std::vector<double> prefix{0.0};
   for (const float rate : rates) {
     sums.push(rate);
@@ -64,7 +64,7 @@ TEST(SuffixSums, StayWithinTheStatedDeviationOfTheExactMean) {
 }
 
 TEST(SuffixSumsOfAHundredMillion, CountEveryMeasurement) {
-  SuffixSums sums;
+  SuffixSums<> sums;
   constexpr std::uint32_t kMany = 110'000'000;  // more than the rings hold: the oldest swallows
   for (std::uint32_t k = 0; k < kMany; ++k) sums.push(1.0F);
   EXPECT_EQ(sums.count(), kMany);

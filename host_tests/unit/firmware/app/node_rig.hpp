@@ -82,7 +82,7 @@ inline void expect_same(const core::KalmanPredictor<4, 0>::State& a,
 
 inline void expect_same(const core::MovingAverage<4, 0>::State& a,
                         const core::MovingAverage<4, 0>::State& b) {
-  const auto blocks = [](const core::SuffixSums& sums) {
+  const auto blocks = [](const core::SuffixSums<>& sums) {
     std::vector<std::pair<std::uint32_t, float>> all;
     sums.for_each_newest_first([&](std::uint32_t size, float sum) {
       all.emplace_back(size, sum);
