@@ -53,7 +53,8 @@ TEST(CobsOfAFullBlock, MayEndWithAnEmptyBlock) {
   const Bytes frame = counting(1, 254);
   EXPECT_EQ(encoded(frame), Bytes{255} + frame + (Bytes{1, 0}));
   EXPECT_EQ(frames_in(encoded(frame)), std::vector<Bytes>{frame});
-  EXPECT_EQ(frames_in(Bytes{255} + frame + Bytes{0}), std::vector<Bytes>{frame});  // the paper's own form
+  EXPECT_EQ(frames_in(Bytes{255} + frame + Bytes{0}),
+            std::vector<Bytes>{frame});  // the paper's own form
 }
 
 TEST(CobsOfRandomFrames, HasNoZeroInsideAndIsReadBack) {
