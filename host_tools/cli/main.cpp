@@ -42,9 +42,9 @@ ExitCode run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 1 done with a finding, 2 wrong usage, 3 data that cannot be used.\n"
       "'zerorate COMMAND --help' shows the options and examples of a command.");
-  const std::array commands = {add_replay(app),  add_demo(app),      add_characterize(app),
-                               add_model(app),   add_reproduce(app), add_evaluate(app),
-                               add_diagnose(app)};
+  const std::array commands = {add_replay(app),   add_demo(app),    add_characterize(app),
+                               add_model(app),    add_export(app),  add_reproduce(app),
+                               add_evaluate(app), add_diagnose(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

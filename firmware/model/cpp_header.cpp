@@ -1,0 +1,98 @@
+#include "firmware/model/cpp_header.hpp"
+
+#include <array>
+#include <charconv>
+#include <cstddef>
+
+#include "firmware/model/node_model.hpp"
+
+namespace zerorate::model {
+namespace {
+
+std::string literal(float value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  std::string text{digits.data(), end};
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text + "F";
+}
+
+std::string literal(const core::Complex& value) {
+  return "{" + literal(value.re) + ", " + literal(value.im) + "}";
+}
+
+std::string nanoseconds(core::Duration duration) {
+  return "core::Duration::nanoseconds(" + std::to_string(duration.ns()) + ")";
+}
+
+/// `.name = {{...}}`, or nothing where there are none: an empty array takes no initialiser.
+template <class Mode>
+std::string modes(const std::string& name, const Mode* first, std::size_t count) {
+  if (count == 0) return {};
+  std::string text = "              ." + name + " = {{\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    text += "                  {.forgetting = " + literal(first[i].forgetting) +
+            ", .noise_variance = " + literal(first[i].noise_variance) +
+            ", .initial_variance = " + literal(first[i].initial_variance) + "},\n";
+  }
+  return text + "              }},\n";
+}
+
+/// For a comment: a name cannot end the line and go on as source.
+std::string on_one_line(std::string text) {
+  for (char& character : text) {
+    if (static_cast<unsigned char>(character) < ' ' || character == '\\') character = ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
+                              core::Duration filter_tick) {
+  auto node = make_full_node_model(model, sample_period, filter_tick);
+  const std::size_t decaying = detail::move_active_to_front(node.modes.decaying);
+  const std::size_t rotating = detail::move_active_to_front(node.modes.rotating);
+  const bool is_stationary = node.modes.start == core::Start::stationary;
+  return "/// @file\n"
+         "/// Sensor model: " +
+         on_one_line(model.name) +
+         ".\n"
+         "/// Made by `zerorate export --cpp`; change the model and make it again.\n"
+         "#pragma once\n\n"
+         "#include <cstddef>\n\n"
+         "#include \"core/base/time.hpp\"\n"
+         "#include \"core/noise/modes.hpp\"\n"
+         "#include \"firmware/app/gyro_node.hpp\"\n\n"
+         "namespace zerorate::exported {\n\n"
+         "inline constexpr std::size_t kDecayingModes = " +
+         std::to_string(decaying) +
+         ";\n"
+         "inline constexpr std::size_t kRotatingModes = " +
+         std::to_string(rotating) +
+         ";\n\n"
+         "// clang-format off\n"
+         "inline constexpr app::NodeParams<kDecayingModes, kRotatingModes> kNodeParams{\n"
+         "    .modes = {.tick = " +
+         nanoseconds(filter_tick) +
+         ",\n"
+         "              .start = core::Start::" +
+         (is_stationary ? "stationary" : "zero") +
+         ",\n"
+         "              .walk_variance = " +
+         literal(node.modes.walk_variance) + ",\n" +
+         modes("decaying", node.modes.decaying.data(), decaying) +
+         modes("rotating", node.modes.rotating.data(), rotating) +
+         "    },\n"
+         "    .white_variance_rad2_s2 = " +
+         literal(node.white_variance_rad2_s2) +
+         ",\n"
+         "    .sample_period = " +
+         nanoseconds(sample_period) +
+         ",\n"
+         "};\n"
+         "// clang-format on\n\n"
+         "}  // namespace zerorate::exported\n";
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,62 @@
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/time.hpp"
+#include "firmware/model/cpp_header.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/replay_options.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+struct ExportFlags {
+  std::string model;
+  bool cpp = false;
+  double sample_rate_hz = 6667.0 / 64.0;
+  double filter_rate_hz = 2.0;
+  std::string output = "-";
+};
+
+core::Duration period_of(double rate_hz, const char* option) {
+  const double period_ns = 1e9 / rate_hz;
+  if (!(period_ns >= 1.0 && period_ns <= 1e15)) {
+    throw std::invalid_argument(std::string{option} + ": expected a rate in Hz");
+  }
+  return core::Duration::nanoseconds(std::llround(period_ns));
+}
+
+ExitCode run_export(const ExportFlags& flags) {
+  const model::SensorModel model = load_model(flags.model);
+  write_text(flags.output,
+             model::format_cpp_header(model, period_of(flags.sample_rate_hz, "--sample-rate"),
+                                      period_of(flags.filter_rate_hz, "--filter-rate")));
+  return success;
+}
+
+}  // namespace
+
+Command add_export(CLI::App& app) {
+  const auto flags = std::make_shared<ExportFlags>();
+  auto* command = app.add_subcommand("export", "Write a sensor model as source for firmware");
+  command->add_option("MODEL", flags->model, "a TOML file or a name from 'zerorate model list'")
+      ->required();
+  command->add_flag("--cpp", flags->cpp, "as a C++ header of constants")->required();
+  command
+      ->add_option("--sample-rate", flags->sample_rate_hz,
+                   "samples of the sensor per second [Hz]; default that of an LSM6DSO at 104 Hz")
+      ->capture_default_str();
+  command
+      ->add_option("--filter-rate", flags->filter_rate_hz,
+                   "ticks of the predictors per second [Hz]")
+      ->capture_default_str();
+  command->add_option("-o,--output", flags->output, "file to write; - is the standard output")
+      ->capture_default_str();
+  command->footer(
+      "Example:\n"
+      "  zerorate export mine.toml --cpp -o firmware/boards/pico/model.hpp");
+  return {command, [flags] { return run_export(*flags); }};
+}
+
+}  // namespace zerorate::cli
