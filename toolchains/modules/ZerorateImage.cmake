@@ -5,6 +5,7 @@ find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 find_program(ZERORATE_NM arm-none-eabi-nm REQUIRED)
 find_program(ZERORATE_SIZE arm-none-eabi-size REQUIRED)
 set(ZERORATE_IMAGE_GATE "${CMAKE_CURRENT_LIST_DIR}/../gates/image_gate.py")
+set(ZERORATE_RP2040_IMAGE "${CMAKE_CURRENT_LIST_DIR}/../images/rp2040_image.py")
 
 # zerorate_image(NAME LINKER_SCRIPT file SOURCES files... DEPENDS targets...)
 #
@@ -23,4 +24,11 @@ function(zerorate_image name)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM
     COMMAND "${Python3_EXECUTABLE}" "${ZERORATE_IMAGE_GATE}" --nm "${ZERORATE_NM}"
             --size "${ZERORATE_SIZE}" "$<TARGET_FILE:${name}>")
+endfunction()
+
+# rp2040_files(NAME): seals the second boot stage of NAME.elf and writes NAME.bin and NAME.uf2.
+function(rp2040_files name)
+  add_custom_command(TARGET ${name} POST_BUILD VERBATIM
+    COMMAND "${Python3_EXECUTABLE}" -B "${ZERORATE_RP2040_IMAGE}" "$<TARGET_FILE:${name}>"
+    BYPRODUCTS ${name}.bin ${name}.uf2)
 endfunction()

@@ -1,0 +1,62 @@
+/// @file
+/// What leaves the node on its serial line: frames for programs, or lines for people.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "firmware/app/node_loop.hpp"
+#include "firmware/app/rate_message.hpp"
+#include "firmware/wire/cobs.hpp"
+#include "firmware/wire/rate_frame.hpp"
+#include "firmware/wire/rate_text.hpp"
+#include "firmware/wire/status_frame.hpp"
+
+namespace zerorate::pico {
+
+/// A RateSink. A message for which the line has no room is dropped whole and counted; its number is
+/// used up, so that the reader sees the gap.
+/// @tparam Line has `bool send(std::span<const std::uint8_t>)`, all or nothing
+template <class Line>
+class Console {
+ public:
+  explicit Console(Line& line) : line_(line) {}
+
+  /// What a person typed: 't' for text, 'b' for frames; anything else means nothing.
+  void obey(char key) {
+    if (key == 't') is_text_ = true;
+    if (key == 'b') is_text_ = false;
+  }
+
+  void publish(const app::RateMessage& message) {
+    const wire::NumberedMessage numbered{.sequence = sequence_++, .message = message};
+    if (is_text_) {
+      wire::TextLine text;
+      send(wire::write_rate(message, text));
+    } else {
+      send_frame(wire::encode_rate_frame(numbered));
+    }
+  }
+
+  void report(const app::LoopCounters& counters) {
+    if (!is_text_) send_frame(wire::encode_status_frame({counters, dropped_}));
+  }
+
+ private:
+  template <std::size_t Size>
+  void send_frame(const std::array<std::uint8_t, Size>& frame) {
+    std::array<std::uint8_t, wire::cobs_bytes(Size)> stuffed{};
+    send(std::span{stuffed}.first(wire::encode_cobs(frame, stuffed)));
+  }
+  void send(std::span<const std::uint8_t> bytes) {
+    if (!line_.send(bytes)) ++dropped_;
+  }
+
+  Line& line_;
+  std::uint32_t sequence_ = 0;
+  std::uint32_t dropped_ = 0;
+  bool is_text_ = false;
+};
+
+}  // namespace zerorate::pico
