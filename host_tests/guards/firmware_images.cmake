@@ -10,9 +10,10 @@ endfunction()
 
 # configure_test(NAME source dir processor SETS_UP fixture): a test that configures for a processor.
 function(configure_test name source directory processor)
-  cmake_parse_arguments(configure "" "SETS_UP" "" ${ARGN})
+  cmake_parse_arguments(configure "" "SETS_UP;OPTIONS" "" ${ARGN})
   add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -S "${source}" -B "${directory}" -G Ninja
-    --toolchain "${PROJECT_SOURCE_DIR}/toolchains/arm-none-eabi-${processor}.cmake" -DBUILD_TESTING=OFF)
+    --toolchain "${PROJECT_SOURCE_DIR}/toolchains/arm-none-eabi-${processor}.cmake" -DBUILD_TESTING=OFF
+    ${configure_OPTIONS})
   set_tests_properties(${name} PROPERTIES LABELS guards TIMEOUT 120
     FIXTURES_SETUP ${configure_SETS_UP} RESOURCE_LOCK "${directory}")
 endfunction()
@@ -30,9 +31,11 @@ set(offender_big_state "RAM: no room for the stack")
 foreach(processor cortex-m4f cortex-m0plus)
   set(images "${PROJECT_SOURCE_DIR}/build/mcu-${processor}")
   configure_test(guards.${processor}.configure "${PROJECT_SOURCE_DIR}" "${images}" ${processor}
-    SETS_UP images_${processor})
+    SETS_UP images_${processor} OPTIONS -DZERORATE_MUTANTS=ON)
   build_test(guards.${processor}.images_and_every_header "${images}"
     REQUIRES images_${processor} TARGETS all all_verify_interface_header_sets)
+  set_tests_properties(guards.${processor}.images_and_every_header PROPERTIES
+    FIXTURES_SETUP built_${processor})
 
   set(offenders "${CMAKE_CURRENT_BINARY_DIR}/offenders-${processor}")
   configure_test(guards.${processor}.configure_offenders

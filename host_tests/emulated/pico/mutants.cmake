@@ -1,0 +1,34 @@
+# Images with one mistake each, which the emulated board must notice (mutants.test.mjs). A mutant is the
+# Pico's image with one place of one header replaced; the place must still be there, exactly once.
+
+# pico_mutant(NAME file from to)
+function(pico_mutant name file from to)
+  file(READ "${PROJECT_SOURCE_DIR}/${file}" text)
+  string(FIND "${text}" "${from}" first)
+  string(FIND "${text}" "${from}" last REVERSE)
+  if(first EQUAL -1 OR NOT first EQUAL last)
+    message(FATAL_ERROR "mutant ${name}: ${file} does not hold its text exactly once")
+  endif()
+  string(REPLACE "${from}" "${to}" text "${text}")
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/mutants/${name}")
+  file(CONFIGURE OUTPUT "${folder}/${file}" CONTENT "${text}" @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${file}")
+  pico_image(mutant-${name} SPI)
+  target_include_directories(mutant-${name} BEFORE PRIVATE "${folder}")
+  target_compile_options(mutant-${name} PRIVATE -Wno-unused)
+endfunction()
+
+pico_mutant(no-reset-release hal/rp2040/chip.hpp
+  "resets::kReset.clear(blocks);\n  resets::kResetDone.await(blocks);" "static_cast<void>(blocks);")
+pico_mutant(no-peripheral-clock hal/rp2040/chip.hpp
+  "clocks::kPeriCtrl.write(clocks::kPeriEnable)" "clocks::kPeriCtrl.write(0)")
+pico_mutant(no-timer-tick hal/rp2040/chip.hpp
+  "kCrystalMHz | watchdog::kTickEnable" "kCrystalMHz")
+pico_mutant(wrong-pin-mux hal/rp2040/spi_device.hpp
+  "connect<MosiPin>(io_bank0::spi)" "connect<MosiPin>(io_bank0::uart)")
+pico_mutant(spi-not-enabled hal/rp2040/spi_device.hpp
+  "spi0::kControl1.write(spi0::kEnable)" "spi0::kControl1.write(0)")
+pico_mutant(no-fifo-wait hal/rp2040/uart.hpp
+  " && (uart0::kFlags.read() & uart0::kTransmitFull) == 0" "")
+pico_mutant(lost-wake-up hal/rp2040/interrupts.hpp
+  "  const InterruptLock lock;\n  if (!has_work())" "  if (!has_work())")

@@ -1,0 +1,74 @@
+// A board with its gyro, and scenarios that happen to both.
+
+import { spawnSync } from 'node:child_process';
+import path from 'node:path';
+import { Board } from './board.mjs';
+import { framesIn } from './frames.mjs';
+import { I2cPort, Lsm6dso, SpiPort } from './lsm6dso.mjs';
+
+export const image = (name = 'zerorate-pico') => path.join(process.env.PICO_IMAGES, name);
+const ODOMETER_PIN = 15;
+const PULSE_US = 50;
+
+// bus: 'spi' or 'i2c'
+export class Rig {
+  constructor({ name = 'zerorate-pico', bus = 'spi', identity } = {}) {
+    this.board = new Board(image(name));
+    this.chip = new Lsm6dso(this.board, { identity });
+    this.port = bus === 'spi' ? new SpiPort(this.board, this.chip) : new I2cPort(this.board, this.chip);
+  }
+  get frames() { return framesIn(this.board.uart.sent); }
+
+  pulse() {
+    const pin = this.board.mcu.gpio[ODOMETER_PIN];
+    pin.setInputValue(true);
+    this.board.at(this.board.now_us + PULSE_US, () => pin.setInputValue(false));
+  }
+  // Conversions of the same numbers at a constant rate, for ever.
+  measureForEver(rates, { from_us = 200_000, period_us = 9600 } = {}) {
+    let time = from_us;
+    const next = () => {
+      this.chip.measure(rates, 0);
+      time += period_us;
+      this.board.at(time, next);
+    };
+    this.board.at(time, next);
+  }
+  // Schedules one event after the other: a list of a hundred thousand would slow the emulator down.
+  play(events) {
+    let index = 0;
+    const next = () => {
+      const event = events[index++];
+      if (event.isPulse) this.pulse();
+      else this.chip.measure(event.rates, event.temperature);
+      if (index < events.length) this.board.at(events[index].time_us, next);
+    };
+    this.board.at(events[0].time_us, next);
+  }
+}
+
+function run(input, ...operands) {
+  const done = spawnSync(process.env.PICO_SCENARIO, operands, { input, maxBuffer: 1 << 30 });
+  if (done.status !== 0) throw new Error(`pico_scenario ${operands}: ${done.stderr}`);
+  return done.stdout;
+}
+export const driveText = (duration_s, seed) => run('', 'drive', String(duration_s), String(seed));
+export const replayed = (text) => run(text, 'replay');
+
+export function parseScenario(text) {
+  return text.toString('latin1').trimEnd().split('\n').map((line) => {
+    const [kind, time, x, y, z, temperature] = line.split(' ');
+    return { isPulse: kind === 'p', time_us: Number(time),
+      rates: [x, y, z].map(Number), temperature: Number(temperature) };
+  });
+}
+
+// Runs a drive on a new board. Gives what a test compares: rate frames, their replay, and figures.
+export function drive(duration_s, seed, options = {}) {
+  const text = driveText(duration_s, seed);
+  const events = parseScenario(text);
+  const rig = new Rig(options);
+  rig.play(events);
+  rig.board.run(events.at(-1).time_us + 100_000);
+  return { rig, events, expected: replayed(text) };
+}

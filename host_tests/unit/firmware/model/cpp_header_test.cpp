@@ -1,0 +1,54 @@
+#include "firmware/model/cpp_header.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "firmware/boards/pico/node.hpp"
+#include "firmware/model/catalogue.hpp"
+#include "firmware/model/node_model.hpp"
+
+namespace zerorate::model {
+namespace {
+
+constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'599'520);
+constexpr auto kTick = core::Duration::milliseconds(500);
+
+TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model.hpp");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, format_cpp_header(find_model("lsm6dso"), kSamplePeriod, kTick))
+      << "run: zerorate export lsm6dso --cpp -o firmware/boards/pico/model.hpp";
+}
+
+// What the compiler made of the header, beside what the tools compute with.
+TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
+  const auto node = make_node_model<exported::kDecayingModes, exported::kRotatingModes>(
+      find_model("lsm6dso"), kSamplePeriod, kTick);
+  const auto& params = exported::kNodeParams;
+  EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
+  EXPECT_EQ(params.sample_period, kSamplePeriod);
+  EXPECT_EQ(params.modes.tick, kTick);
+  EXPECT_EQ(params.modes.start, node.modes.start);
+  EXPECT_EQ(params.modes.walk_variance, node.modes.walk_variance);
+  for (std::size_t i = 0; i < exported::kDecayingModes; ++i) {
+    EXPECT_EQ(params.modes.decaying[i].forgetting, node.modes.decaying[i].forgetting);
+    EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
+    EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
+  }
+}
+
+TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {
+  SensorModel model = find_model("lsm6dso");
+  model.name = "two\nlines \\";
+  model.harmonic.push_back({.rms_rad_s = 1e-4, .frequency_hz = 0.3, .coherence_time_s = 10.0});
+  const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
+  EXPECT_NE(text.find("kRotatingModes = 1;"), std::string::npos);
+  EXPECT_NE(text.find(".rotating = {{"), std::string::npos);
+  EXPECT_NE(text.find("/// Sensor model: two lines  ."), std::string::npos);
+}
+
+}  // namespace
+}  // namespace zerorate::model
