@@ -1,0 +1,84 @@
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/simulate/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr std::size_t kSamples = 8192;
+
+EvenSeries series_of(std::vector<double> values) {
+  EvenSeries series{.period_s = 0.1, .rate_rad_s = std::move(values)};
+  series.lost.resize(series.size());
+  return series;
+}
+
+std::vector<double> white(std::uint64_t run) {
+  std::vector<double> values(kSamples);
+  simulate::RandomStream(3, run).fill_normal(0, values);
+  return values;
+}
+
+Adequacy adequacy_of(std::vector<double> values) {
+  const EvenSeries series = series_of(std::move(values));
+  const Problem problem(series, 1);
+  return examine_adequacy(Explanation(problem, {}));
+}
+
+TEST(AdequacyOfWhiteNoise, HoldsButForOneRecordInAHundred) {
+  constexpr int kRuns = 60;
+  int failures = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    failures += adequacy_of(white(static_cast<std::uint64_t>(run))).holds ? 0 : 1;
+  }
+  // Poisson of mean .6: more than four have a probability below 1e-3.
+  EXPECT_LE(failures, 4);
+}
+
+TEST(AdequacyWithSkewedNoise, FailsAndSaysSo) {
+  std::vector<double> values = white(1);
+  for (double& value : values) value = value + 0.15 * (value * value - 1.0);
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("skewed")));
+}
+
+TEST(AdequacyWithASweep, FailsAndSaysSo) {
+  std::vector<double> values = white(2);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double share = static_cast<double>(k) / kSamples;
+    values[k] += 0.25 * std::cos(2.0 * std::numbers::pi * (500.0 + 400.0 * share) * share);
+  }
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("tone moves")));
+}
+
+TEST(AdequacyWithPeriodicStrength, FailsAndSaysSo) {
+  std::vector<double> values = white(3);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] *= 1.0 + 0.3 * std::sin(static_cast<double>(k));
+  }
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("has a period")));
+}
+
+TEST(AdequacyWithAFavouriteValue, FailsAndSaysSo) {
+  std::vector<double> values = white(4);
+  for (double& value : values) value = std::abs(value) < 0.05 ? 0.0 : value;
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("far more often")));
+}
+
+TEST(Tails, AgreeWithTables) {
+  EXPECT_NEAR(std::exp(log_normal_tails(1.959964)), 0.05, 1e-6);
+  EXPECT_NEAR(std::exp(log_chi_squared_tail(18.307, 10.0)), 0.05, 1e-5);
+  EXPECT_NEAR(std::exp(log_poisson_tail(3.0, 1.0)), 1.0 - 2.5 * std::exp(-1.0), 1e-9);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose

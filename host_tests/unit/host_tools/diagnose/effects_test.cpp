@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/diagnose/diagnose.hpp"
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using zerorate::testing::kRadPerDeg;
+
+constexpr std::size_t kSamples = 10'000;
+constexpr double kPeriod = 0.1;
+
+/// An effect so strong that it must be named, and one of its figures.
+struct Case {
+  simulate::Effect effect;
+  std::string parameter;
+  double value;
+  double relative_tolerance;  ///< as wide as the effect's own interval has to be at this length
+};
+
+void PrintTo(const Case& example, std::ostream* out) {
+  *out << simulate::name(example.effect);
+}
+
+/// The white noise of a sample is .04 / sqrt(.1) = .126 deg/s.
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all{
+      {simulate::RateRandomWalk{8e-3 * kRadPerDeg}, "coefficient_dps_per_sqrt_s", 8e-3, 0.3},
+      {simulate::CorrelatedNoise{0.06 * kRadPerDeg, 2.0}, "time_constant_s", 2.0, 0.5},
+      {simulate::SensorBandwidth{1.0}, "cut_off_hz", 1.0, 0.1},
+      {simulate::RateRamp{3e-4 * kRadPerDeg}, "slope_dps_per_s", 3e-4, 0.2},
+      {simulate::WarmUpTransient{0.2 * kRadPerDeg, 60.0}, "time_constant_s", 60.0, 0.4},
+      {simulate::PeriodicDisturbance{0.02 * kRadPerDeg, 0.7}, "frequency_hz", 0.7, 1e-3},
+      {simulate::Quantization{0.1 * kRadPerDeg}, "step_dps", 0.1, 1e-3},
+      {simulate::BiasJump{0.08 * kRadPerDeg, 400.0}, "time_s", 400.0, 0.02},
+      {simulate::Outliers{1.0 * kRadPerDeg, 3e-3}, "sigma_dps", 1.0, 0.4},
+      {simulate::DroppedSamples{0.01, 2.0}, "mean_run_samples", 2.0, 0.3},
+      {simulate::Saturation{0.4 * kRadPerDeg}, "upper_end_dps", 0.4, 1e-3},
+      {simulate::MotionContamination{1.5 * kRadPerDeg, 200.0, 2.0}, "duration_s", 2.0, 0.6},
+      {simulate::VariableNoise{0.08 * kRadPerDeg, 400.0}, "swing_period_s", 400.0, 0.1},
+      {simulate::RandomTelegraphNoise{0.2 * kRadPerDeg, 40.0, 40.0}, "height_dps", 0.2, 0.2},
+  };
+  return all;
+}
+
+class StrongEffect : public ::testing::TestWithParam<Case> {};
+
+TEST_P(StrongEffect, IsTheFirstCauseAndItsFigureIsRight) {
+  const Case& example = GetParam();
+  const std::vector<simulate::Effect> effects{
+      simulate::ConstantBias{0.3 * kRadPerDeg}, simulate::WhiteNoise{0.04 * kRadPerDeg},
+      simulate::FlickerNoise{15.0 / 3600.0 * kRadPerDeg, 0.5}, example.effect};
+  const simulate::Signal signal =
+      simulate::simulate(simulate::Signal(kSamples, kPeriod), effects, simulate::RandomStream(5));
+  const Diagnosis diagnosis =
+      diagnose(record_of(zerorate::testing::rest_samples_of(signal), 0), {.holdout = 0.0});
+
+  ASSERT_FALSE(diagnosis.causes.empty());
+  EXPECT_EQ(diagnosis.causes.front().effect, simulate::name(example.effect));
+  for (const Parameter& parameter : diagnosis.causes.front().parameters) {
+    EXPECT_LE(parameter.lo, parameter.value) << parameter.name;
+    EXPECT_GE(parameter.hi, parameter.value) << parameter.name;
+    if (parameter.name != example.parameter) continue;
+    EXPECT_NEAR(parameter.value, example.value, example.relative_tolerance * example.value);
+    return;
+  }
+  ADD_FAILURE() << "no parameter " << example.parameter;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, StrongEffect, ::testing::ValuesIn(cases()),
+                         [](const auto& example) {
+                           return std::string(simulate::name(example.param.effect));
+                         });
+
+TEST(Catalogue, HasSixteenEffectsOfDifferentNames) {
+  std::vector<std::string> names;
+  for (const auto make : kEffects) names.emplace_back(make()->name());
+  std::ranges::sort(names);
+  EXPECT_EQ(names.size(), 16U);
+  EXPECT_EQ(std::ranges::unique(names).size(), 0U);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose

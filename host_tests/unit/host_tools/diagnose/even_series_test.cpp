@@ -1,0 +1,82 @@
+#include "host_tools/lib/diagnose/even_series.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace zerorate::diagnose {
+namespace {
+
+Record steady(std::size_t size, double period_s) {
+  Record record{.axis = "rate", .sample_period_s = period_s};
+  for (std::size_t k = 0; k < size; ++k) {
+    record.time_s.push_back(period_s * static_cast<double>(k));
+    record.rate_rad_s.push_back(static_cast<double>(k));
+  }
+  return record;
+}
+
+void lose(Record& record, std::size_t first, std::size_t count) {
+  const auto cut = [&](std::vector<double>& values) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+    values.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
+  };
+  cut(record.time_s);
+  cut(record.rate_rad_s);
+}
+
+TEST(SeriesOfASteadyRecord, IsTheRecord) {
+  const EvenSeries series = even_series_of(steady(1000, 0.01));
+  EXPECT_EQ(series.rate_rad_s, steady(1000, 0.01).rate_rad_s);
+  EXPECT_EQ(series.losses.lost, 0U);
+  EXPECT_FALSE(series.is_ticks);
+}
+
+TEST(SeriesOfARecordWithLosses, BridgesThemByAStraightLine) {
+  Record record = steady(1000, 0.01);
+  lose(record, 700, 3);
+  lose(record, 100, 1);
+  const EvenSeries series = even_series_of(record);
+  ASSERT_EQ(series.size(), 1000U);
+  EXPECT_EQ(series.losses.lost, 4U);
+  EXPECT_EQ(series.losses.runs, 2U);
+  EXPECT_TRUE(series.lost[100]);
+  EXPECT_NEAR(series.rate_rad_s[100], 100.0, 1e-9);
+  EXPECT_NEAR(series.rate_rad_s[701], 701.0, 1e-9);
+}
+
+TEST(SeriesOfAJitteryRecord, LosesNothing) {
+  Record record = steady(1000, 0.01);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.time_s[k] += 0.002 * std::sin(static_cast<double>(k * k));
+  }
+  const EvenSeries series = even_series_of(record);
+  EXPECT_EQ(series.size(), 1000U);
+  EXPECT_EQ(series.losses.lost, 0U);
+  EXPECT_GT(series.losses.jitter, 0.1);
+}
+
+TEST(SeriesOfARecordInBursts, HoldsMeansOverTicks) {
+  Record record{.axis = "rate", .sample_period_s = 0.001};
+  for (std::size_t burst = 0; burst < 2000; ++burst) {
+    for (std::size_t i = 0; i < 10; ++i) {
+      record.time_s.push_back(0.1 * static_cast<double>(burst) + 0.001 * static_cast<double>(i));
+      record.rate_rad_s.push_back(static_cast<double>(i));
+    }
+  }
+  const EvenSeries series = even_series_of(record);
+  EXPECT_TRUE(series.is_ticks);
+  EXPECT_TRUE(series.losses.is_uneven);
+  EXPECT_GE(series.size(), 256U);
+}
+
+TEST(SeriesOfARecordWithALongHole, IsItsLongestStretch) {
+  Record record = steady(1000, 0.01);
+  lose(record, 300, 100);
+  const EvenSeries series = even_series_of(record);
+  EXPECT_EQ(series.size(), 600U);
+  EXPECT_NEAR(series.start_s, 4.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose

@@ -1,0 +1,94 @@
+#include "host_tools/lib/diagnose/noise_spectrum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::size_t kSize = 20'000;
+
+/// Coefficients whose squares are just what a spectrum lets expect, computed without the class's
+/// own density: at the maximum of the likelihood stands the spectrum itself.
+std::vector<SpectralBin> expected_bins(const NoiseSpectrum& spectrum) {
+  std::vector<double> coefficients(kSize);
+  for (std::size_t k = 1; k < kSize; ++k) {
+    const double w = std::numbers::pi * static_cast<double>(k) / static_cast<double>(kSize);
+    const double square = 2.0 - 2.0 * std::cos(w);
+    const double phi = std::exp(-1.0 / spectrum.markov_samples);
+    const double a = spectrum.low_pass_share;
+    const double inner =
+        spectrum.white_variance + spectrum.flicker_variance * std::pow(square, -spectrum.order) +
+        spectrum.walk_variance / square +
+        spectrum.markov_variance * (1.0 - phi * phi) / (1.0 + phi * phi - 2.0 * phi * std::cos(w));
+    const double pass = a * a / (1.0 + (1.0 - a) * (1.0 - a) - 2.0 * (1.0 - a) * std::cos(w));
+    coefficients[k] = std::sqrt(inner * pass);
+  }
+  return bin_coefficients(coefficients);
+}
+
+SpectrumFit fit(const NoiseSpectrum& truth, const NoiseTerms& terms, NoiseSpectrum start) {
+  const auto bins = expected_bins(truth);
+  return fit_spectrum(bins, kSize, terms, std::vector{start});
+}
+
+TEST(SpectrumOfWhiteAndFlickerNoise, IsFittedFromARoughStart) {
+  const NoiseSpectrum truth{.white_variance = 2.0, .flicker_variance = 0.05};
+  const SpectrumFit result = fit(truth, {}, rough_spectrum(expected_bins(truth)));
+  // The lowest coefficients of flicker noise are some percent below nominal, which these are not.
+  EXPECT_NEAR(result.spectrum.white_variance, 2.0, 0.002);
+  EXPECT_NEAR(result.spectrum.flicker_variance, 0.05, 0.001);
+  // Half the information of n white coefficients at least.
+  EXPECT_NEAR(result.errors.log_white_variance, std::sqrt(2.0 / kSize),
+              0.6 * std::sqrt(2.0 / kSize));
+}
+
+TEST(SpectrumWithARandomWalk, IsFitted) {
+  const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.01, .walk_variance = 1e-4};
+  NoiseSpectrum start = truth;
+  start.walk_variance = 1e-6;
+  start.flicker_variance = 0.05;
+  const SpectrumFit result = fit(truth, {.random_walk = true}, start);
+  EXPECT_NEAR(result.spectrum.walk_variance, 1e-4, 2e-6);
+}
+
+TEST(SpectrumOfAnotherOrder, IsFitted) {
+  const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.05, .order = 0.7};
+  const SpectrumFit result =
+      fit(truth, {.free_order = true}, {.white_variance = 1.0, .flicker_variance = 0.1});
+  EXPECT_NEAR(result.spectrum.order, 0.7, 0.01);
+}
+
+TEST(SpectrumWithGaussMarkovNoise, IsFittedWithItsTimeConstant) {
+  const NoiseSpectrum truth{.white_variance = 1.0,
+                            .flicker_variance = 0.01,
+                            .markov_variance = 0.5,
+                            .markov_samples = 40.0};
+  NoiseSpectrum start = truth;
+  start.markov_variance = 0.1;
+  start.markov_samples = 12.0;
+  const SpectrumFit result = fit(truth, {.gauss_markov = true}, start);
+  EXPECT_NEAR(result.spectrum.markov_variance, 0.5, 0.01);
+  EXPECT_NEAR(result.spectrum.markov_samples, 40.0, 1.0);
+}
+
+TEST(SpectrumBehindALowPass, IsFittedWithItsShare) {
+  const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.01, .low_pass_share = 0.4};
+  NoiseSpectrum start = truth;
+  start.low_pass_share = 0.9;
+  const SpectrumFit result = fit(truth, {.low_pass = true}, start);
+  EXPECT_NEAR(result.spectrum.low_pass_share, 0.4, 0.001);
+}
+
+TEST(SpectralBins, HoldEveryCoefficientButTheMean) {
+  const auto bins = expected_bins({.white_variance = 1.0});
+  double count = 0.0;
+  for (const SpectralBin& bin : bins) count += bin.count;
+  EXPECT_EQ(count, static_cast<double>(kSize - 1));
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
