@@ -126,7 +126,10 @@ export class Board {
     mcu.clkSys = mcu.roscFreq;
     const watchdog = mcu.peripherals[0x40058];
     watchdog.tickEnable = false;
-    watchdog.onWatchdogTrigger = () => { this.watchdogBites++; };
+    watchdog.onWatchdogTrigger = () => { // the chip would restart; here its run ends
+      this.watchdogBites++;
+      watchdog.alarm.enable = false;
+    };
     const timer = mcu.peripherals[0x40054];
     const read = timer.readUint32.bind(timer);
     timer.readUint32 = (offset) => {
