@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "core/estimator/gate.hpp"
 #include "core/estimator/pair_covariance.hpp"
 #include "core/noise/modes.hpp"
 
@@ -47,18 +48,22 @@ struct KalmanCoefficients {
   static constexpr std::size_t rotating(std::size_t i) { return 2 * (kDecayingPairs + i); }
 
   float tick_s = 0.0F;
+  Gate gate;
   float bias_noise = 0.0F;  ///< what the bias gains in a tick [rad2/s2]
   Drifts cross_noise{};     ///< covariance of that with what the drifts gain
   Drifts drift_noise{};     ///< variance that the drifts gain
   Drifts initial_variance{};
+  Drifts initial_mean{};
   Drifts forgotten{};                             ///< alpha of the decaying modes
   std::array<Complex, C> turned{};                ///< alpha of the rotating modes
   PairCovariance<kDecayingPairs> pair_forgotten;  ///< 1 - (1 - alpha_i)(1 - alpha_j)
   std::array<float, R> decaying_scale{};          ///< beta
   std::array<Complex, C> rotating_scale{};
 
-  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes)
-      : tick_s(modes.tick.in_seconds()), bias_noise(modes.one_tick().noise()) {
+  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes, const Gate& innovation_gate = {})
+      : tick_s(modes.tick.in_seconds()),
+        gate(innovation_gate),
+        bias_noise(modes.one_tick().noise()) {
     for (std::size_t i = 0; i < R; ++i) {
       const DecayingMode& mode = modes.decaying[i];
       forgotten[i] = mode.forgetting;
@@ -67,6 +72,7 @@ struct KalmanCoefficients {
         pair_forgotten.set(i, j, forgotten[i] + forgotten[j] - forgotten[i] * forgotten[j]);
       }
       initial_variance[i] = decaying_scale[i] * decaying_scale[i] * mode.initial_variance;
+      initial_mean[i] = decaying_scale[i] * mode.initial_mean;
     }
     for (std::size_t i = 0; i < C; ++i) {
       const RotatingMode& mode = modes.rotating[i];

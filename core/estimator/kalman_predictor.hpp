@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "core/base/unrolled.hpp"
@@ -36,10 +37,12 @@ class KalmanPredictor {
   /// Everything the filter remembers: plain data, may be stored and restored bit for bit.
   struct State {
     bool calibrated = false;       ///< a first measurement has been seen
+    std::uint16_t rejected = 0;    ///< measurements since one was accepted (see Gate)
     float reference_rad_s = 0.0F;  ///< the first measurement; all else is relative to it, so that a
                                    ///< large bias does not use up the mantissa
     float bias_rad_s = 0.0F;       ///< s
-    float bias_variance = 0.0F;    ///< Var s [rad2/s2]
+    float bias_variance = 0.0F;    ///< Var s [rad2/s2], if what was rejected were knocks
+    float doubt_variance = 0.0F;   ///< what they add to it, because they may be none
     Drifts drift{};                ///< w [rad/s a tick]
     Drifts bias_covariance{};      ///< p = Cov(s, w)
     PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
@@ -53,6 +56,7 @@ class KalmanPredictor {
     for (std::size_t i = 0; i < coefficients.kDrifts; ++i) {
       state_.covariance.set(i, i, coefficients.initial_variance[i]);
     }
+    state_.drift = coefficients.initial_mean;
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -68,15 +72,21 @@ class KalmanPredictor {
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
     if (!state_.calibrated) return observe_first(rate_rad_s, white_variance);
+    const float measured = rate_rad_s - state_.reference_rad_s;
+    const Innovation expected{.rejected = true,
+                              .residual_rad_s = measured - state_.bias_rad_s,
+                              .variance_rad2_s2 = state_.bias_variance + white_variance};
+    if (coefficients_->gate.is_on() && is_knock(expected)) return expected;
     Registers x{state_};
-    const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
+    const Innovation innovation = x.observe(measured, white_variance);
     x.store(state_);
     return innovation;
   }
 
-  /// advance() and observe() in one, which for a single tick is much quicker.
+  /// advance() and observe() in one, which for a single tick without a gate is much quicker.
   constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
-    if (span.ticks == 1 && state_.calibrated && is_measurement(rate_rad_s, white_variance)) {
+    if (span.ticks == 1 && state_.calibrated && is_measurement(rate_rad_s, white_variance) &&
+        !coefficients_->gate.is_on()) {
       Registers x{state_};
       x.advance(*coefficients_);
       const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
@@ -99,7 +109,7 @@ class KalmanPredictor {
     const Drifts g = Coefficients::movement(lead);
     const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
     return {x.reference_rad_s + (x.bias_rad_s + dot(g, x.drift)),
-            (x.bias_variance + moved) + lead.noise()};
+            (x.bias_variance + x.doubt_variance + moved) + lead.noise()};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
@@ -123,6 +133,23 @@ class KalmanPredictor {
     state_.bias_variance = white_variance;
     state_.bias_covariance = {};
     return {.accepted = true, .first = true, .variance_rad2_s2 = white_variance};
+  }
+
+  /// Keeps account of what the gate makes of a measurement; false where it is to be learnt from.
+  constexpr bool is_knock(const Innovation& expected) {
+    const Gate& gate = coefficients_->gate;
+    const float square = expected.residual_rad_s * expected.residual_rad_s;
+    const bool is_outlier = gate.is_outlier(expected.residual_rad_s, expected.variance_rad2_s2);
+    if (is_outlier && state_.rejected < gate.longest_knock_ticks) {
+      ++state_.rejected;
+      state_.doubt_variance = square * static_cast<float>(state_.rejected) /
+                              static_cast<float>(gate.longest_knock_ticks);
+      return true;
+    }
+    if (is_outlier) state_.bias_variance += square;  // it was a jump of about this size
+    state_.rejected = 0;
+    state_.doubt_variance = 0.0F;
+    return false;
   }
 
   /// The state while it is computed with. Nothing in here goes through memory: see unrolled().
@@ -250,8 +277,9 @@ class KalmanPredictor {
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
     const float sum = ticks * x.bias_rad_s + dot(g, x.drift);
-    const float variance = ticks * ticks * x.bias_variance + drive.sum_variance() +
-                           2.0F * ticks * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
+    const float variance = ticks * ticks * (x.bias_variance + x.doubt_variance) +
+                           drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
+                           dot(g, times_covariance(g));
     const float tick_s = coefficients_->tick_s;
     return {(ticks * x.reference_rad_s + sum) * tick_s, variance * tick_s * tick_s};
   }

@@ -34,8 +34,9 @@ struct HeadingPrediction {
 /// What became of one measurement.
 struct Innovation {
   bool accepted =
-      false;           ///< false: not finite, or a variance that is not positive; nothing changed
-  bool first = false;  ///< accepted as the first ever: there was no prediction to compare with
+      false;  ///< false: not finite, or a variance that is not positive; nothing changed
+  bool rejected = false;  ///< not accepted, because too far from the prediction (see Gate)
+  bool first = false;     ///< accepted as the first ever: there was no prediction to compare with
   float residual_rad_s = 0.0F;    ///< measured - predicted
   float variance_rad2_s2 = 0.0F;  ///< predicted variance of the residual
 

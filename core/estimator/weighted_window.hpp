@@ -57,9 +57,13 @@ class WeightedWindow {
 
   /// @param age ticks from the start of the sensor's noise (Modes::initial_variance) to the window
   constexpr WeightedWindow(const Modes<R, C>& modes, std::uint32_t age) {
-    for (std::size_t i = 0; i < R; ++i) decaying_[i].variance = modes.decaying[i].initial_variance;
+    for (std::size_t i = 0; i < R; ++i) {
+      // A mean does not know what is expected of a transient: that is error too.
+      const float mean = modes.decaying[i].initial_mean;
+      decaying_[i].variance = modes.decaying[i].initial_variance + mean * mean;
+    }
     for (std::size_t i = 0; i < C; ++i) rotating_[i].variance = modes.rotating[i].initial_variance;
-    if (modes.start == Start::stationary) return;  // age changes nothing
+    if (modes.is_stationary) return;  // age changes nothing
     const Span before = modes.over(age);
     for (std::size_t i = 0; i < R; ++i) {
       decaying_[i].variance = variance_after(before.decaying[i], decaying_[i].variance);

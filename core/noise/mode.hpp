@@ -26,6 +26,8 @@ struct Mode {
   float noise_variance = 0.0F;
   /// Variance of Re z when the filter starts [rad2/s2]: 0, or the stationary one.
   float initial_variance = 0.0F;
+  /// Expectation of Re z when the filter starts [rad/s].
+  float initial_mean = 0.0F;
 };
 
 using DecayingMode = Mode<float>;

@@ -73,6 +73,7 @@ struct Modes {
 
   Duration tick;
   Start start = Start::stationary;
+  bool is_stationary = true;   ///< every mode starts at, and so keeps, its stationary variance
   float walk_variance = 0.0F;  ///< what the level gains per tick [rad2/s2]
   std::array<DecayingMode, R> decaying{};
   std::array<RotatingMode, C> rotating{};
@@ -107,6 +108,14 @@ class ModeWriter {
         .initial_variance = modes_.start == Start::stationary ? stationary_variance : 0.0F};
     place(mode);
   }
+  /// A decaying mode that starts apart from its stationary state, however the filter starts.
+  constexpr void add_transient(float forgetting, float noise_variance, float mean, float variance) {
+    modes_.is_stationary = false;
+    place(DecayingMode{.forgetting = forgetting,
+                       .noise_variance = noise_variance,
+                       .initial_variance = variance,
+                       .initial_mean = mean});
+  }
   constexpr void add_walk(float variance_per_tick) { modes_.walk_variance += variance_per_tick; }
 
  private:
@@ -131,6 +140,7 @@ template <class... Blocks>
   Modes<(Blocks::kDecaying + ... + 0), (Blocks::kRotating + ... + 0)> modes;
   modes.tick = tick;
   modes.start = start;
+  modes.is_stationary = start == Start::stationary;
   ModeWriter writer{modes};
   (blocks.contribute(tick, writer), ...);
   return modes;

@@ -13,6 +13,7 @@
 
 #include "core/base/result.hpp"
 #include "core/estimator/calibration_mean.hpp"
+#include "core/estimator/gate.hpp"
 #include "core/estimator/kalman_predictor.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/estimator/tick_average.hpp"
@@ -39,9 +40,11 @@ enum class ParamsError : std::uint8_t {
 /// What a node is built from. R decaying and C rotating modes as in core::Modes.
 template <std::size_t R, std::size_t C>
 struct NodeParams {
-  core::Modes<R, C> modes;              ///< the slow noise at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;  ///< of one sensor sample
-  core::Duration sample_period;         ///< nominal; the stamps of the samples decide
+  core::Modes<R, C> modes;                   ///< the slow noise at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample
+  float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
+  core::Gate gate;                           ///< of the Kalman predictor; off by default
+  core::Duration sample_period;              ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
 };
@@ -94,7 +97,7 @@ class GyroNode {
         one_tick_(params.modes.one_tick()),
         standstill_(params.standstill),
         average_(params.modes.tick, params.sample_period),
-        coefficients_(params.modes),
+        coefficients_(params.modes, params.gate),
         axes_{Axis{params.modes, coefficients_}, Axis{params.modes, coefficients_},
               Axis{params.modes, coefficients_}} {
     ZERORATE_ASSERT(check(params).has_value());
@@ -324,7 +327,8 @@ template <std::size_t R, std::size_t C, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, Capacity>::learn(const core::TickMean<kAxes>& mean) {
   const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
   const Span since_last = ticks == 1 ? one_tick_ : params_.modes.over(ticks);
-  const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples);
+  const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples) +
+                               params_.unaveraged_variance_rad2_s2;
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (!stop_open_) axes_[i].begin_stop();
     axes_[i].observe(since_last, mean.rate_rad_s[i], white_variance);

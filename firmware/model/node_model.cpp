@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -13,6 +15,8 @@
 #include "core/noise/gauss_markov.hpp"
 #include "core/noise/harmonic.hpp"
 #include "core/noise/random_walk.hpp"
+#include "core/noise/rate_ramp.hpp"
+#include "core/noise/warm_up.hpp"
 #include "firmware/model/flicker_fit.hpp"
 #include "firmware/model/validation.hpp"
 
@@ -35,6 +39,11 @@ float single(double value) {
   return rounded;
 }
 
+/// What is below single precision's smallest normal number does not count.
+float single_or_zero(double value) {
+  return std::isnormal(static_cast<float>(value)) ? static_cast<float>(value) : 0.0F;
+}
+
 Decades decades_of(const FlickerFit& fit) {
   Decades decades;
   decades.time_constant_s.fill(1.0F);
@@ -49,7 +58,8 @@ Decades decades_of(const FlickerFit& fit) {
 void require_finite(const core::Modes<kMostDecaying, kMostRotating>& modes) {
   bool finite = core::is_finite(modes.walk_variance);
   for (const auto& mode : modes.decaying) {
-    finite = finite && core::is_finite(mode.noise_variance);
+    finite = finite && core::is_finite(mode.noise_variance) &&
+             core::is_finite(mode.initial_variance) && core::is_finite(mode.initial_mean);
   }
   for (const auto& mode : modes.rotating) {
     finite = finite && core::is_finite(mode.noise_variance);
@@ -88,19 +98,48 @@ std::array<Block, N> blocks_of(std::span<const Part> parts, std::string_view tab
 }
 
 void require_supported(const SensorModel& model) {
-  const auto refuse = [](bool is_given, std::string_view table) {
-    if (is_given) {
-      throw std::invalid_argument("the node does not run [" + std::string(table) + "] yet");
-    }
-  };
-  refuse(model.temperature.has_value(), "temperature");
-  refuse(model.warm_up.has_value(), "warm_up");
-  refuse(model.rate_ramp.has_value(), "rate_ramp");
-  refuse(model.quantization.has_value(), "quantization");
-  refuse(model.gate.has_value(), "gate");
+  if (model.temperature) {
+    throw std::invalid_argument("the node does not run [temperature] yet");
+  }
+}
+
+core::WarmUp warm_up_of(const WarmUp& transient) {
+  return {.amplitude_rad_s = single(transient.amplitude_rad_s),
+          .sigma_rad_s = single(transient.amplitude_sigma_rad_s),
+          .time_constant_s = single(transient.time_constant_s)};
+}
+
+core::RateRamp rate_ramp_of(const RateRamp& ramp) {
+  return {.slope_rad_s2 = single(ramp.slope_rad_s2),
+          .sigma_rad_s2 = single(ramp.slope_sigma_rad_s2)};
+}
+
+core::Gate gate_of(const Gate& gate, double tick_s) {
+  const double ticks = std::ceil(gate.longest_knock_s / tick_s);
+  return {.threshold_sigma = single(gate.threshold_sigma),
+          .longest_knock_ticks = static_cast<std::uint16_t>(
+              std::min(ticks, double{std::numeric_limits<std::uint16_t>::max()}))};
+}
+
+/// Variance of a quantizer's error that noise of standard deviation sigma does not average away:
+/// the mean error of a rate x is sum over k of step / (pi k) exp(-2 (pi k sigma / step)^2)
+/// sin(2 pi k x / step), here squared and averaged over x.
+double unaveraged_variance(double step, double sigma) {
+  using std::numbers::pi;
+  double variance = 0.0;
+  for (int k = 1; k <= 1000; ++k) {
+    const double ratio = pi * k * sigma / step;
+    variance += step * step / (2.0 * pi * pi * k * k) * std::exp(-4.0 * ratio * ratio);
+  }
+  return variance;
 }
 
 }  // namespace
+
+bool fits_six_decades(const SensorModel& model) {
+  return model.gauss_markov.empty() && model.harmonic.empty() && !model.warm_up &&
+         !model.rate_ramp && (!model.flicker || model.flicker->decades <= 6);
+}
 
 NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& model,
                                                              core::Duration sample_period,
@@ -128,11 +167,22 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
       [&](const auto&... blocks) {
         return core::compose(filter_tick, model.node.start, decades,
                              random_walk_of(model.rate_random_walk.value_or(RateRandomWalk{})),
-                             blocks...);
+                             warm_up_of(model.warm_up.value_or(WarmUp{.time_constant_s = 1.0})),
+                             rate_ramp_of(model.rate_ramp.value_or(RateRamp{})), blocks...);
       },
       std::tuple_cat(markovs, lines));
   require_finite(node.modes);
-  node.white_variance_rad2_s2 = single(white_variance_of_tick * tick_s / seconds(sample_period));
+  double white_variance = white_variance_of_tick * tick_s / seconds(sample_period);
+  if (model.quantization) {
+    const double step = model.quantization->step_rad_s;
+    const double unaveraged = unaveraged_variance(step, arw / std::sqrt(seconds(sample_period)));
+    node.unaveraged_variance_rad2_s2 = single_or_zero(unaveraged);
+    white_variance += std::max(step * step / 12.0 - unaveraged, 0.0);
+  }
+  node.white_variance_rad2_s2 = single(white_variance);
+  if (model.gate) {
+    node.gate = gate_of(*model.gate, tick_s);
+  }
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/base/time.hpp"
+#include "core/estimator/gate.hpp"
 #include "core/noise/modes.hpp"
 #include "firmware/model/sensor_model.hpp"
 
@@ -17,15 +18,26 @@ namespace zerorate::model {
 /// What no model exceeds.
 inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
-inline constexpr std::size_t kMostDecaying = kMostDecades + kMostGaussMarkov;
+inline constexpr std::size_t kMostDecaying = kMostDecades + kMostGaussMarkov + 2;  // warm-up, ramp
 inline constexpr std::size_t kMostRotating = 2;
 
 /// The noise of one axis as the node needs it.
 template <std::size_t R, std::size_t C>
 struct NodeModel {
-  core::Modes<R, C> modes;              ///< the slow noise, at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;  ///< of one sensor sample, r in S(f) = r + ...
+  core::Modes<R, C> modes;                   ///< the slow noise, at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample, r in S(f) = r + ...
+  float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
+  core::Gate gate;
+
+  /// Of the mean of a tick's samples.
+  [[nodiscard]] constexpr float measurement_variance(float samples) const {
+    return white_variance_rad2_s2 / samples + unaveraged_variance_rad2_s2;
+  }
 };
+
+/// Whether the model consists of at most six decades, a random walk, and what is no state: then it
+/// runs in a node of six decaying modes.
+[[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
 namespace detail {
 /// Modes of one kind that do something, moved to the front; how many there are.
@@ -33,7 +45,7 @@ template <class Mode, std::size_t N>
 [[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes) {
   std::size_t active = 0;
   for (const Mode mode : modes) {
-    if (mode.noise_variance > 0.0F) {
+    if (mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F) {
       modes[active++] = mode;
     }
   }
@@ -43,6 +55,8 @@ template <class Mode, std::size_t N>
 
 /// The model at its full size, unused modes being zero.
 ///
+/// The steps of a quantizer are noise of step^2 / 12, of which that share is averaged away that the
+/// white noise of a sample moves from step to step (Widrow and Kollar, Quantization Noise, 2008).
 /// White noise of a sample is N^2 / sample_period and the share of the flicker fit that is white at
 /// the tick, so that the mean over a tick has N^2 / filter_tick and that share.
 /// Throws std::invalid_argument for an impossible model (see validate()), unless
@@ -69,10 +83,13 @@ template <std::size_t R, std::size_t C>
   NodeModel<R, C> fitting;
   fitting.modes.tick = full.modes.tick;
   fitting.modes.start = full.modes.start;
+  fitting.modes.is_stationary = full.modes.is_stationary;
   fitting.modes.walk_variance = full.modes.walk_variance;
   std::copy_n(full.modes.decaying.begin(), decaying, fitting.modes.decaying.begin());
   std::copy_n(full.modes.rotating.begin(), rotating, fitting.modes.rotating.begin());
   fitting.white_variance_rad2_s2 = full.white_variance_rad2_s2;
+  fitting.unaveraged_variance_rad2_s2 = full.unaveraged_variance_rad2_s2;
+  fitting.gate = full.gate;
   return fitting;
 }
 

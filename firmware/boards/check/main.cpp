@@ -16,6 +16,8 @@
 #include "core/noise/harmonic.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/random_walk.hpp"
+#include "core/noise/rate_ramp.hpp"
+#include "core/noise/warm_up.hpp"
 #include "drivers/adxrs453/driver.hpp"
 #include "drivers/bmi088/driver.hpp"
 #include "drivers/common/frame_bus.hpp"
@@ -59,13 +61,15 @@ constexpr auto kTick = core::Duration::milliseconds(10);
 /// A sensor with every noise block that there is; the figures are of no importance.
 core::Modes<7, 1> sensor_noise() {
   const float sigma_rad_s = gyro_deg_per_s * core::kRadPerDeg;
-  core::FlickerDecades<6> flicker;
-  flicker.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F, 1e3F, 1e4F};
+  core::FlickerDecades<4> flicker;
+  flicker.time_constant_s = {1.0F, 10.0F, 100.0F, 1e3F};
   flicker.variance_rad2_s2.fill(sigma_rad_s * sigma_rad_s);
   return core::compose(kTick, core::Start::stationary, flicker,
                        core::GaussMarkov{.sigma_rad_s = sigma_rad_s, .time_constant_s = 3.0F},
                        core::Harmonic{.rms_rad_s = sigma_rad_s, .frequency_hz = 7.0F},
-                       core::RandomWalk{.coefficient_rad_s_sqrt_s = sigma_rad_s});
+                       core::RandomWalk{.coefficient_rad_s_sqrt_s = sigma_rad_s},
+                       core::WarmUp{.sigma_rad_s = sigma_rad_s, .time_constant_s = 600.0F},
+                       core::RateRamp{.sigma_rad_s2 = sigma_rad_s});
 }
 
 // Static, as in firmware: estimators and spans are never put on the stack.
@@ -93,7 +97,8 @@ void exercise_estimators() {
   noise = sensor_noise();
   tick = noise.one_tick();
   drive = noise.over(static_cast<std::uint32_t>(clock_ns));
-  coefficients = core::KalmanCoefficients<7, 1>{noise};
+  coefficients = core::KalmanCoefficients<7, 1>{
+      noise, core::Gate{.threshold_sigma = 5.0F, .longest_knock_ticks = 10}};
   kalman = core::KalmanPredictor<7, 1>{coefficients};
   exercise(kalman);
   exercise(moving_average);

@@ -18,13 +18,13 @@ using NodeModel = model::NodeModel<kDecaying, kRotating>;
 class Node {
  public:
   explicit Node(const NodeModel& node)
-      : node_(node), one_tick_(node.modes.one_tick()), coefficients_(node.modes) {}
+      : node_(node), one_tick_(node.modes.one_tick()), coefficients_(node.modes, node.gate) {}
 
   core::Innovation observe(const identify::TickMean& mean) {
     const std::uint32_t ticks = mean.tick + 1 - ticks_;
     ticks_ = mean.tick + 1;
     return filter_.step(ticks == 1 ? one_tick_ : node_.modes.over(ticks), mean.rate_rad_s[0],
-                        node_.white_variance_rad2_s2 / static_cast<float>(mean.samples));
+                        node_.measurement_variance(static_cast<float>(mean.samples)));
   }
   [[nodiscard]] double bias_rad_s(const identify::TickMean& mean) const {
     return double{filter_.bias_rad_s(node_.modes.over(mean.tick + 1 - ticks_))};

@@ -138,11 +138,14 @@ class Run {
                                            const ReplayResult& result) {
     const auto model =
         model::make_node_model<R, C>(options.model, result.sample_period, result.filter_tick);
-    const typename Node::Params params{.modes = model.modes,
-                                       .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-                                       .sample_period = result.sample_period,
-                                       .standstill = options.standstill,
-                                       .published = options.published};
+    const typename Node::Params params{
+        .modes = model.modes,
+        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+        .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
+        .gate = model.gate,
+        .sample_period = result.sample_period,
+        .standstill = options.standstill,
+        .published = options.published};
     if (const auto checked = Node::check(params); !checked) {
       throw std::invalid_argument(std::string(explain(checked.error())));
     }
@@ -287,9 +290,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.sample_period = rows.sample_period();
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
-  const bool is_plain = options.model.gauss_markov.empty() && options.model.harmonic.empty() &&
-                        (!options.model.flicker || options.model.flicker->decades <= 6);
-  if (is_plain) {
+  if (model::fits_six_decades(options.model)) {
     run<6, 0>(rows, reader, options, observer, result);
   } else {
     run<model::kMostDecaying, model::kMostRotating>(rows, reader, options, observer, result);

@@ -25,13 +25,13 @@ template <std::size_t R, std::size_t C>
 Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
   const auto node = model::make_node_model<R, C>(model, sample_period_, tick_);
   const auto one_tick = node.modes.one_tick();
-  const core::KalmanCoefficients<R, C> coefficients{node.modes};
+  const core::KalmanCoefficients<R, C> coefficients{node.modes, node.gate};
   core::KalmanPredictor<R, C> filter{coefficients};
   Likelihood likelihood;
   for (const Measurement& measurement : measurements_) {
     const core::Innovation innovation =
         filter.step(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks),
-                    measurement.rate_rad_s, node.white_variance_rad2_s2 / measurement.samples);
+                    measurement.rate_rad_s, node.measurement_variance(measurement.samples));
     if (innovation.first) continue;
     const double variance = double{innovation.variance_rad2_s2};
     const double residual = double{innovation.residual_rad_s};
@@ -44,9 +44,8 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
   // The same choice as a replay's: six flicker decades, or the largest node.
-  const bool is_plain = model.gauss_markov.empty() && model.harmonic.empty() &&
-                        (!model.flicker || model.flicker->decades <= 6);
-  return is_plain ? run<6, 0>(model) : run<model::kMostDecaying, model::kMostRotating>(model);
+  return model::fits_six_decades(model) ? run<6, 0>(model)
+                                        : run<model::kMostDecaying, model::kMostRotating>(model);
 }
 
 }  // namespace zerorate::identify

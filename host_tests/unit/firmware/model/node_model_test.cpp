@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 
 #include "firmware/model/catalogue.hpp"
@@ -108,6 +109,55 @@ TEST(NodeModelOfEachNoise, HasThePhysicalSpectrum) {
   line.harmonic = {{.rms_rad_s = 1e-4, .frequency_hz = 0.03, .coherence_time_s = 100.0},
                    {.rms_rad_s = 1e-4, .frequency_hz = 0.05, .coherence_time_s = 60.0}};
   expect_same_spectrum(line, 1e-3, 0.002);
+}
+
+TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
+  constexpr double kStep = 1e-2;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> rate(0.0, 1.0);
+  for (const double sigma_in_steps : {0.05, 0.2, 0.3, 1.0}) {
+    const double sigma = sigma_in_steps * kStep;
+    SensorModel model = white_only(sigma * std::sqrt(kSampleS));
+    model.quantization = Quantization{.step_rad_s = kStep};
+    const auto node = make_node_model<0, 0>(model, kSample, kTick);
+    // The mean of 20 quantized samples about its rate, over all rates within a step.
+    std::normal_distribution<double> white(0.0, sigma);
+    double squares = 0.0;
+    constexpr int kTrials = 20'000;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const double x = rate(random);
+      double sum = 0.0;
+      for (int i = 0; i < 20; ++i) sum += kStep * std::round(x + white(random) / kStep) - kStep * x;
+      squares += sum * sum / 400.0;
+    }
+    // A mean of squares of bounded or normal deviations: relative standard error below sqrt(2 / n).
+    EXPECT_NEAR(double{node.measurement_variance(20.0F)} / (squares / kTrials), 1.0,
+                4.0 * std::sqrt(2.0 / kTrials))
+        << sigma_in_steps;
+  }
+}
+
+TEST(NodeModelOfTransients, StartsApartFromItsStationaryState) {
+  SensorModel model = find_model("adis16405");
+  EXPECT_TRUE(fits_six_decades(model));
+  model.warm_up =
+      WarmUp{.amplitude_rad_s = 1e-3, .amplitude_sigma_rad_s = 0.0, .time_constant_s = 600.0};
+  model.rate_ramp = RateRamp{.slope_rad_s2 = 0.0, .slope_sigma_rad_s2 = 1e-8};
+  EXPECT_FALSE(fits_six_decades(model));
+  const auto node = make_node_model<8, 0>(model, kSample, kTick);
+  EXPECT_FALSE(node.modes.is_stationary);
+  EXPECT_FLOAT_EQ(node.modes.decaying[6].initial_mean, 1e-3F);
+  EXPECT_NEAR(node.modes.decaying[6].forgetting, 0.2F / 600.0F, 1e-7F);
+  EXPECT_GT(node.modes.decaying[7].initial_variance, 0.0F);
+}
+
+TEST(NodeModelOfAGate, CountsTheLongestKnockInTicks) {
+  SensorModel model = find_model("adis16405");
+  model.gate = Gate{.threshold_sigma = 4.5, .longest_knock_s = 3.1};
+  const auto node = make_node_model<6, 0>(model, kSample, kTick);
+  EXPECT_EQ(node.gate.threshold_sigma, 4.5F);
+  EXPECT_EQ(node.gate.longest_knock_ticks, 16);
+  EXPECT_FALSE((make_node_model<6, 0>(find_model("adis16405"), kSample, kTick)).gate.is_on());
 }
 
 TEST(NodeModelOfTheCatalogue, FitsANodeOfSixDecades) {

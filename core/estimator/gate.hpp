@@ -1,0 +1,28 @@
+/// @file
+/// What to think of a measurement that is too far from its prediction.
+#pragma once
+
+#include <cstdint>
+
+namespace zerorate::core {
+
+/// A measurement farther than `threshold_sigma` of the innovation from its prediction is a knock,
+/// unless there have been `longest_knock_ticks` of them without one that agreed: then it was a
+/// change of the bias.
+///
+/// Until that is decided the knock's square counts as variance of the prediction, by the share of
+/// the time that has passed; when one agrees, the doubt is gone and nothing was lost. When the time
+/// is over, the level is taken to have jumped by about what was measured last, and is learnt anew
+/// from that measurement; the noise, whose state a jump of the level does not change, is kept. So a
+/// jump is re-acquired at the (longest_knock_ticks + 1)th measurement after it.
+struct Gate {
+  float threshold_sigma = 0.0F;  ///< 0: no gate
+  std::uint16_t longest_knock_ticks = 0;
+
+  [[nodiscard]] constexpr bool is_on() const { return threshold_sigma > 0.0F; }
+  [[nodiscard]] constexpr bool is_outlier(float residual, float variance) const {
+    return residual * residual > threshold_sigma * threshold_sigma * variance;
+  }
+};
+
+}  // namespace zerorate::core
