@@ -16,6 +16,12 @@ namespace zerorate::core {
   return (std::bit_cast<std::uint32_t>(x) & 0x7F800000U) != 0x7F800000U;
 }
 
+/// False for zero, negative numbers, NaN and infinity. One comparison: the bits of positive numbers
+/// are in the order of the numbers, between those of 0 and of infinity.
+[[nodiscard]] constexpr bool is_finite_positive(float x) {
+  return std::bit_cast<std::uint32_t>(x) - 1U < 0x7F7FFFFFU;
+}
+
 /// The nearest float to a 64-bit integer, ties to even, as every processor with a conversion
 /// instruction rounds it. The compiler's own routine for the Cortex-M0+ goes through double.
 [[nodiscard]] constexpr float to_float(std::int64_t x) {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
+
 namespace zerorate::core {
 
 /// A measurement farther than `threshold_sigma` of the innovation from its prediction is a knock,
@@ -19,7 +21,7 @@ struct Gate {
   float threshold_sigma = 0.0F;  ///< 0: no gate
   std::uint16_t longest_knock_ticks = 0;
 
-  [[nodiscard]] constexpr bool is_on() const { return threshold_sigma > 0.0F; }
+  [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(threshold_sigma); }
   [[nodiscard]] constexpr bool is_outlier(float residual, float variance) const {
     return residual * residual > threshold_sigma * threshold_sigma * variance;
   }

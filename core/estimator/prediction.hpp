@@ -48,7 +48,7 @@ struct Innovation {
 
 /// A measurement that a predictor may learn from.
 [[nodiscard]] constexpr bool is_measurement(float rate_rad_s, float variance_rad2_s2) {
-  return is_finite(rate_rad_s) && is_finite(variance_rad2_s2) && variance_rad2_s2 > 0.0F;
+  return is_finite(rate_rad_s) && is_finite_positive(variance_rad2_s2);
 }
 
 }  // namespace zerorate::core

@@ -78,5 +78,17 @@ TEST(IsFinite, KnowsNanAndInfinity) {
   EXPECT_FALSE(is_finite(Limits::quiet_NaN()));
 }
 
+TEST(IsFinitePositive, HoldsForPositiveNumbersOnly) {
+  using Limits = std::numeric_limits<float>;
+  for (const float x : {Limits::denorm_min(), Limits::min(), 1.0F, Limits::max()}) {
+    EXPECT_TRUE(is_finite_positive(x)) << x;
+    EXPECT_FALSE(is_finite_positive(-x)) << x;
+  }
+  for (const float x : {0.0F, -0.0F, Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(),
+                        -Limits::quiet_NaN()}) {
+    EXPECT_FALSE(is_finite_positive(x)) << x;
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::core
