@@ -158,7 +158,7 @@ void NodeService::finish() {
   if (configuration_.state) save(seen_.state);
 }
 
-void NodeService::report_changes(const Snapshot& now) const {
+void NodeService::report_changes(const Snapshot& now) {
   std::array<char, 96> words{};
   const app::LoopCounters& before = seen_.counters;
   if (now.counters.starts != before.starts) {
@@ -167,13 +167,17 @@ void NodeService::report_changes(const Snapshot& now) const {
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
-  if (has_failed) {
+  // The same failure of a gyro that stays away is said once, not at every attempt.
+  const bool is_news = before.last_error != now.counters.last_error || seen_.is_running;
+  if (has_failed && is_news) {
     log_line(log_, "gyro: {}{}", describe(now.counters.last_error, words),
              now.is_running ? "" : "; trying again");
   }
-  if (now.counters.odometer_errors != before.odometer_errors) {
+  const bool odometer_fails = now.counters.odometer_errors != before.odometer_errors;
+  if (odometer_fails && !odometer_failed_) {
     log_("odometer: cannot be read; the vehicle counts as moving");
   }
+  odometer_failed_ = odometer_fails;
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
   }

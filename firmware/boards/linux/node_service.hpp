@@ -70,7 +70,7 @@ class NodeService {
   enum class Handover : std::uint8_t { idle, requested, ready };
 
   void hand_over();
-  void report_changes(const Snapshot& now) const;
+  void report_changes(const Snapshot& now);
   void save(const Node::State& state);
 
   const Configuration& configuration_;
@@ -89,6 +89,7 @@ class NodeService {
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::optional<wire::NumberedMessage> latest_;
   Snapshot seen_;
+  bool odometer_failed_ = false;  ///< between the last two ticks
   ServiceCounters counters_;
   std::uint32_t turns_seen_ = 0;
   core::Instant save_at_;

@@ -1,0 +1,29 @@
+# What all cross builds for Debian on Arm have in common. Included by one small file an architecture,
+# which sets ZERORATE_TRIPLET and ZERORATE_DEBIAN_ARCH first.
+#
+# The compiler brings the C and C++ libraries; headers that are the same for every architecture come from
+# this machine; the one library that is neither, libgpiod, is unpacked from Debian's package of the target
+# architecture into build/sysroot (toolchains/fetch-sysroot.sh), without touching this machine's packages.
+
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_C_COMPILER ${ZERORATE_TRIPLET}-gcc)
+set(CMAKE_CXX_COMPILER ${ZERORATE_TRIPLET}-g++)
+set(CMAKE_LIBRARY_ARCHITECTURE ${ZERORATE_TRIPLET})
+set(CMAKE_SKIP_RPATH ON)  # the sysroot is no place on the target
+
+set(_zerorate_sysroot "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot/${ZERORATE_DEBIAN_ARCH}")
+cmake_path(NORMAL_PATH _zerorate_sysroot)
+if(NOT EXISTS "${_zerorate_sysroot}/usr/include/gpiod.h")
+  execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" libgpiod-dev libgpiod2
+    COMMAND_ERROR_IS_FATAL ANY)
+endif()
+set(ENV{PKG_CONFIG_LIBDIR} "${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}/pkgconfig")
+set(ENV{PKG_CONFIG_SYSROOT_DIR} "${_zerorate_sysroot}")
+
+# Libraries of the target only; headers and packages of headers from here too.
+set(CMAKE_FIND_ROOT_PATH "${_zerorate_sysroot}" "/usr/${ZERORATE_TRIPLET}")
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)

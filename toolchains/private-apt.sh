@@ -1,0 +1,32 @@
+# Sourced: packages of any architecture from this machine's own Debian sources, by a private index, so that
+# nothing is added to the machine's.
+
+# private_apt_root ARCH DIR: makes the index once.
+private_apt_root() {
+  local arch=$1 root=$2
+  if [[ -e $root/ready ]]; then return; fi
+  mkdir -p "$root"/etc/{preferences.d,sources.list.d} "$root/state/lists/partial" "$root/cache/archives/partial"
+  : >"$root/status"
+  if [[ -e /etc/apt/sources.list.d/debian.sources ]]; then
+    sed "/^URIs:/a Architectures: $arch" /etc/apt/sources.list.d/debian.sources >"$root/etc/sources.list.d/debian.sources"
+  else
+    sed -n "s/^deb  *\(\[[^]]*\]  *\)\{0,1\}\(.*debian.*\)/deb [arch=$arch] \2/p" /etc/apt/sources.list >"$root/etc/sources.list.d/debian.list"
+  fi
+  cat >"$root/apt.conf" <<CONF
+APT::Architecture "$arch"; APT::Architectures { "$arch"; };
+Dir::Etc::sourcelist "/dev/null"; Dir::Etc::sourceparts "$root/etc/sources.list.d"; Dir::Etc::preferencesparts "$root/etc/preferences.d";
+Dir::State "$root/state"; Dir::State::status "$root/status"; Dir::Cache "$root/cache";
+Acquire::Languages "none"; APT::Sandbox::User "root";
+CONF
+  # A mirror in the middle of its own update gives part of its index: once more, and then with that part.
+  APT_CONFIG="$root/apt.conf" apt-get -qq update || APT_CONFIG="$root/apt.conf" apt-get -qq update || true
+  touch "$root/ready"
+}
+
+# private_apt_download ROOT FOLDER PACKAGE...: the .deb files, into the folder.
+private_apt_download() {
+  local root=$1 folder=$2
+  shift 2
+  mkdir -p "$folder"
+  (cd "$folder" && APT_CONFIG="$root/apt.conf" apt-get -qq download "$@")
+}
