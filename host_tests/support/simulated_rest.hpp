@@ -40,6 +40,7 @@ inline identify::RestSamples rest_samples_of(const simulate::Signal& signal) {
   const auto period_ns = std::llround(signal.sample_period_s * 1e9);
   identify::RestSamples samples{.axis_count = 1,
                                 .sample_period = core::Duration::nanoseconds(period_ns),
+                                .mean_period = core::Duration::nanoseconds(period_ns),
                                 .rows = signal.size()};
   for (std::size_t k = 0; k < signal.size(); ++k) {
     if (signal.missing[k]) continue;

@@ -157,6 +157,8 @@ Command add_characterize(CLI::App& app) {
                       "of the one whose slow noise is the middle one");
   command->footer(
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
+      "The error of the order by local Whittle is that of its finite number of frequencies; the\n"
+      "textbook's 1/(2 sqrt(m)) is 15 % too low at m = 44 (docs/design/identification.md).\n"
       "Exit codes: 0 done (also if no flicker noise is detectable), 1 the bias drifts more than\n"
       "flicker noise can, 2 wrong usage, 3 data that cannot be used.\n"
       "Examples:\n"

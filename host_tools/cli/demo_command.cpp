@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numbers>
+#include <utility>
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 #include "host_tools/lib/evaluate/simulated_drive.hpp"
@@ -28,22 +27,14 @@ struct Options {
 
 /// A replay that leaves its results in the demo's directory.
 void replay_and_report(const Options& options, const std::string& recording,
-                       const evaluate::ReplayOptions& replay_options,
-                       evaluate::ReplayObserver observer, const evaluate::RestRecord& rest,
-                       const evaluate::ReplayReportText& text) {
+                       const evaluate::ReplayOptions& replay_options, evaluate::TrueRate true_rate,
+                       const evaluate::RestRecord& rest, const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
   recording::Reader reader{recording};
   const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
   evaluate::ReplayTrace trace{axes.back()};
-  observer.on_sample = [&](const evaluate::ReplayedSample& sample) { trace.add(sample); };
-  observer.on_drive = [&](const evaluate::ReplayedDrive& drive) { trace.add(drive); };
-  evaluate::ReplayResult result;
-  {
-    ProgressBar progress{"replaying"};
-    observer.on_progress = [&](std::optional<double> share) { progress.update(share); };
-    result = evaluate::replay(reader, replay_options, observer);
-  }
-  trace.finish();
+  const evaluate::ReplayResult result =
+      replay_watched(reader, replay_options, {.trace = &trace}, std::move(true_rate));
   write_text(directory / "replay.json", evaluate::to_json(result, axes));
   const auto report = directory / "report.html";
   evaluate::make_report(result, axes, trace, rest, replay_options.model, text).write(report);
@@ -65,7 +56,7 @@ ExitCode run_simulated(Options& options) {
              std::filesystem::absolute(recording).string());
   replay_and_report(
       options, recording.string(), replay_options,
-      {.true_rate = [&](std::uint64_t row) { return drive.true_rate_rad_s(row); }},
+      [&](std::uint64_t row) { return drive.true_rate_rad_s(row); },
       {.rate_rad_s = drive.rest_rate_rad_s(kYaw),
        .sample_period_s = drive.sample_period_s(),
        .caption = "The simulated sensor as it would read if the vehicle had not moved, against the "

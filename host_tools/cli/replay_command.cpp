@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
-#include "host_tools/lib/evaluate/corrected_writer.hpp"
+#include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 
@@ -25,32 +25,14 @@ ExitCode run(const Options& options) {
   recording::Reader reader{options.recording};
   const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
 
-  std::unique_ptr<evaluate::CorrectedWriter> corrected;
-  if (!options.out.empty()) {
-    corrected =
-        std::make_unique<evaluate::CorrectedWriter>(options.out, reader.columns().axis_count);
-  }
+  std::optional<evaluate::CorrectedWriter> corrected;
+  if (!options.out.empty()) corrected.emplace(options.out, reader.columns().axis_count);
   evaluate::ReplayTrace trace{axes.back()};
   const bool traced = !options.report.empty();
-  evaluate::ReplayObserver observer;
-  if (corrected || traced) {
-    observer.on_sample = [&](const evaluate::ReplayedSample& sample) {
-      if (corrected) corrected->write(sample);
-      if (traced) trace.add(sample);
-    };
-  }
-  observer.on_drive = [&](const evaluate::ReplayedDrive& drive) {
-    if (traced) trace.add(drive);
-  };
-  evaluate::ReplayResult result;
-  {
-    ProgressBar progress{"replaying"};
-    observer.on_progress = [&](std::optional<double> share) { progress.update(share); };
-    result = evaluate::replay(reader, replay_options, observer);
-  }
-  if (corrected) corrected->finish();
+  const evaluate::ReplayResult result = replay_watched(
+      reader, replay_options,
+      {.trace = traced ? &trace : nullptr, .corrected = corrected ? &*corrected : nullptr});
   if (traced) {
-    trace.finish();
     evaluate::make_report(
         result, axes, trace, {}, replay_options.model,
         {.title = "Replay of " + options.recording,

@@ -20,6 +20,7 @@ class BufferedRows {
   explicit BufferedRows(recording::Reader& reader) : reader_(reader) {
     recording::Row row;
     while (ahead_.size() < kAhead && reader_.next(row)) ahead_.push_back(row);
+    period_ns_ = reader_.findings().mean_interval_ns();
   }
 
   bool next(recording::Row& row) {
@@ -31,20 +32,13 @@ class BufferedRows {
 
   [[nodiscard]] std::int64_t first_time_ns() const { return ahead_.front().time_ns; }
 
-  /// The median time between rows, which jitter and gaps leave alone.
+  /// The mean interval of the rows read ahead, holes left out.
   [[nodiscard]] core::Duration sample_period() const {
-    std::vector<std::int64_t> steps_ns;
-    for (std::size_t i = 1; i < ahead_.size(); ++i) {
-      const std::int64_t step = ahead_[i].time_ns - ahead_[i - 1].time_ns;
-      if (step > 0) steps_ns.push_back(step);
-    }
-    if (steps_ns.empty()) {
+    if (period_ns_ == 0) {
       throw std::invalid_argument(
           "the recording has fewer than two rows in time order: its sample rate cannot be told");
     }
-    const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
-    std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-    return core::Duration::nanoseconds(*middle);
+    return core::Duration::nanoseconds(period_ns_);
   }
 
  private:
@@ -52,6 +46,7 @@ class BufferedRows {
 
   recording::Reader& reader_;
   std::deque<recording::Row> ahead_;
+  std::int64_t period_ns_ = 0;
 };
 
 core::Duration filter_tick(const ReplayOptions& options, core::Duration sample_period) {

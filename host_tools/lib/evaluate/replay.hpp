@@ -61,9 +61,12 @@ struct ReplayedDrive {
   DriveOutcome outcome;
 };
 
+/// The vehicle's true rate at a row of the recording [rad/s].
+using TrueRate = std::function<std::array<float, 3>(std::uint64_t row)>;
+
 struct ReplayObserver {
   /// The true rate at a row (counted from 0) [rad/s]; unset: zero, the sensor was at rest.
-  std::function<std::array<float, 3>(std::uint64_t row)> true_rate;
+  TrueRate true_rate;
   std::function<void(const ReplayedSample&)> on_sample;
   std::function<void(const ReplayedDrive&)> on_drive;
   /// Called now and then with the share of the recording that is done, if known.
@@ -72,7 +75,7 @@ struct ReplayObserver {
 
 struct ReplayResult {
   std::size_t axis_count = 3;
-  core::Duration sample_period;  ///< the median of the first rows
+  core::Duration sample_period;  ///< mean interval of the first rows, holes left out
   core::Duration filter_tick;
   std::uint64_t rows = 0;
   std::uint64_t samples_refused = 0;  ///< by the node: not finite, or out of time order

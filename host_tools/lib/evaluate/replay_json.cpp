@@ -1,40 +1,27 @@
 #include "host_tools/lib/evaluate/replay_json.hpp"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "host_tools/lib/recording/json.hpp"
 
 namespace zerorate::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using recording::number;
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-Json figure(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json scores_json(const DriveScores& scores, const DriveScores& baseline) {
   return {{"drives", scores.drives()},
-          {"heading_drift_rms_deg", figure(scores.heading_drift_rms_rad() * kDegPerRad)},
+          {"heading_drift_rms_deg", number(scores.heading_drift_rms_rad() * kDegPerRad)},
           {"ratio_to_calibration_mean",
-           figure(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
-          {"coverage95", figure(scores.coverage95())},
-          {"sigma_over_rms", figure(scores.sigma_over_rms())},
-          {"rsse_dps", figure(scores.mean_rsse_rad_s() * kDegPerRad)},
-          {"ie_deg", figure(scores.mean_integrated_rad() * kDegPerRad)}};
-}
-
-Json findings_json(const recording::Findings& findings) {
-  Json json = Json::object();
-  for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
-    const auto finding = static_cast<recording::Finding>(i);
-    if (findings.count(finding) == 0) continue;
-    json[std::string(recording::description(finding))] = {
-        {"rows", findings.count(finding)}, {"first_line", findings.first_line(finding)}};
-  }
-  return json;
+           number(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
+          {"coverage95", number(scores.coverage95())},
+          {"sigma_over_rms", number(scores.sigma_over_rms())},
+          {"rsse_dps", number(scores.mean_rsse_rad_s() * kDegPerRad)},
+          {"ie_deg", number(scores.mean_integrated_rad() * kDegPerRad)}};
 }
 
 }  // namespace
@@ -54,7 +41,7 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
             {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
             {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
             {"truth_known", result.truth_known},
-            {"findings", findings_json(result.findings)},
+            {"findings", recording::to_json(result.findings)},
             {"axes", Json::object()}};
   for (const std::size_t axis : axes) {
     Json predictors = Json::object();

@@ -69,7 +69,7 @@ RestRecording read_at_rest(const std::filesystem::path& path, std::size_t axis) 
       rest.rate_rad_s.push_back(double{row.rate_rad_s[column]});
     }
   }
-  rest.sample_period_s = static_cast<double>(reader.findings().median_interval_ns()) * 1e-9;
+  rest.sample_period_s = static_cast<double>(reader.findings().mean_interval_ns()) * 1e-9;
   return rest;
 }
 

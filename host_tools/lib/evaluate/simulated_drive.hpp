@@ -46,7 +46,7 @@ class SimulatedDrive {
 /// One axis of a recording made at rest, complete in memory.
 struct RestRecording {
   std::vector<double> rate_rad_s;
-  double sample_period_s = 0.0;  ///< the median
+  double sample_period_s = 0.0;  ///< the mean interval, holes left out
 };
 
 /// Leaves out the rows whose rate is lost. Throws recording::Error.

@@ -5,11 +5,13 @@
 #include <numbers>
 
 #include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/recording/json.hpp"
 
 namespace zerorate::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using recording::number;
 using Row = std::vector<report::Cell>;
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
@@ -83,10 +85,6 @@ report::Table fits(const DriveContest& contest) {
                           half ? half->bias_instability_rad_s * kDphPerRadS : 0.0});
   }
   return table;
-}
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json json(const DriveStanding& standing) {

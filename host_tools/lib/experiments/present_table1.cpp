@@ -8,11 +8,13 @@
 #include <string_view>
 
 #include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/recording/json.hpp"
 
 namespace zerorate::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using recording::number;
 using Row = std::vector<report::Cell>;
 
 /// A column of the paper's Table I.
@@ -258,11 +260,8 @@ Presentation::Part measured_part(const MeasuredTable& measured) {
                      without_empty_columns(consistency), fits}};
 }
 
-Json json(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 Json json(const Figure& figure) {
-  return {{"value", json(figure.value)}, {"standard_error", json(figure.error)}};
+  return {{"value", number(figure.value)}, {"standard_error", number(figure.error)}};
 }
 Json json(const Standing& s) {
   return {{"mean_ie", json(s.mean_ie)},
@@ -276,10 +275,10 @@ Json json(const Standing& s) {
           {"nis", json(s.nis)}};
 }
 Json json(const Expectation& e) {
-  return {{"std_ie", json(e.std_ie)},
-          {"mean_rsse", json(e.mean_rsse)},
-          {"std_rsse", json(e.std_rsse)},
-          {"coverage_2sigma", json(e.coverage)}};
+  return {{"std_ie", number(e.std_ie)},
+          {"mean_rsse", number(e.mean_rsse)},
+          {"std_rsse", number(e.std_rsse)},
+          {"coverage_2sigma", number(e.coverage)}};
 }
 
 Json json(const MeasuredTable& table) {

@@ -53,11 +53,28 @@ StartValues whittle_start(const EvenRecord& even, const StartValues& rough,
   return start;
 }
 
-std::vector<StartValues> start_values(std::span<const TickMean> ticks, const EvenRecord& even,
-                                      std::size_t axis, std::optional<double> order) {
+double minus_two_log(const InnovationsLikelihood& likelihood, const StartValues& start,
+                     double shortest_s) {
+  model::SensorModel model{.name = "start"};
+  model.white.angle_random_walk_rad_per_sqrt_s = start.angle_random_walk_rad_per_sqrt_s;
+  model.flicker = model::Flicker{.bias_instability_rad_s = start.bias_instability_rad_s,
+                                 .order = start.order,
+                                 .shortest_time_constant_s = shortest_s};
+  return likelihood(model).minus_two_log();
+}
+
+/// The first is the likelier one of the Whittle fit, which may be far off where the longest stretch
+/// is a short stop, and the rough start.
+std::vector<StartValues> start_values(const InnovationsLikelihood& likelihood,
+                                      std::span<const TickMean> ticks, const EvenRecord& even,
+                                      std::size_t axis, std::optional<double> order,
+                                      double shortest_s) {
   const StartValues rough = rough_start(ticks, axis, even.sample_period_s);
   if (even.rate_rad_s.size() < kFewestForWhittle) return {rough};
-  std::vector<StartValues> starts{whittle_start(even, rough, order.value_or(0.5))};
+  const StartValues whittle = whittle_start(even, rough, order.value_or(0.5));
+  const bool is_likely = minus_two_log(likelihood, whittle, shortest_s) <=
+                         minus_two_log(likelihood, rough, shortest_s);
+  std::vector<StartValues> starts{is_likely ? whittle : rough};
   if (!order) starts.push_back(whittle_start(even, rough, std::nullopt));
   return starts;
 }
@@ -142,15 +159,15 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
                                        const std::vector<TickMean>& ticks, core::Duration tick,
                                        std::size_t axis, const CharacterizeOptions& options) {
   const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
-  const core::Duration sample_period = mean_sample_period(ticks, tick);
-  const InnovationsLikelihood likelihood{ticks, axis, sample_period, tick};
+  const InnovationsLikelihood likelihood{ticks, axis, samples.mean_period, tick};
   // Quicker decades than half the sample period would be white noise to the filter.
-  const double shortest_s = std::max(0.5, 0.5 * seconds(sample_period));
+  const double shortest_s = std::max(0.5, 0.5 * seconds(samples.mean_period));
   AxisCharacterization result{.axis = axis_name(samples, axis)};
-  result.fit = fit_by_innovations(likelihood,
-                                  {.starts = start_values(ticks, even_ticks, axis, options.order),
-                                   .order = options.order,
-                                   .shortest_time_constant_s = shortest_s});
+  result.fit = fit_by_innovations(
+      likelihood,
+      {.starts = start_values(likelihood, ticks, even_ticks, axis, options.order, shortest_s),
+       .order = options.order,
+       .shortest_time_constant_s = shortest_s});
   result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
@@ -194,9 +211,9 @@ Characterization characterize(const RestSamples& samples, const CharacterizeOpti
                           .rows_moving = samples.moving,
                           .rows_lost = samples.lost,
                           .findings = samples.findings,
+                          .sample_period = samples.mean_period,
                           .tick = identification_tick(samples.span(), samples.sample_period)};
   const std::vector<TickMean> ticks = average_ticks(samples, result.tick);
-  result.sample_period = mean_sample_period(ticks, result.tick);
   result.ticks = ticks.size();
   result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);
   for (const std::size_t axis : options.axes) {

@@ -40,7 +40,7 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   recording::Findings findings;
-  core::Duration sample_period;  ///< the mean, see mean_sample_period()
+  core::Duration sample_period;  ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
   double rest_s = 0.0;    ///< what the ticks sum up to

@@ -98,6 +98,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   }
   samples.findings = reader.findings();
   samples.sample_period = core::Duration::nanoseconds(samples.findings.median_interval_ns());
+  samples.mean_period = core::Duration::nanoseconds(samples.findings.mean_interval_ns());
   if (samples.time.size() < 2) {
     throw std::invalid_argument("the recording has fewer than two usable samples at rest");
   }

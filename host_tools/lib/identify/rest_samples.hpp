@@ -21,7 +21,10 @@ using TickMean = core::TickMean<recording::kMaxAxes>;
 /// What a node standing in the place of the recorder would have been allowed to learn from.
 struct RestSamples {
   std::size_t axis_count = recording::kMaxAxes;
-  core::Duration sample_period;  ///< the median
+  core::Duration sample_period;  ///< the median interval
+  /// The mean interval, holes left out (recording::Findings::mean_interval_ns): the period of
+  /// N^2 = r T, also where samples come in bursts.
+  core::Duration mean_period;
   std::vector<core::Instant> time;
   std::vector<std::array<float, recording::kMaxAxes>> rate_rad_s;  ///< one per time
   std::vector<float> temperature_degc;  ///< one per time, NaN where lost; empty without the column
@@ -52,8 +55,8 @@ struct RestOptions {
 /// @param tick at least the sample period
 [[nodiscard]] std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration tick);
 
-/// The mean interval between samples in the midst of stretches at rest: of ticks whose neighbours
-/// have samples too. Where samples come in bursts, this and not the median is what N^2 = r T means.
+/// RestSamples::mean_period of samples of which only the ticks are left: from ticks whose
+/// neighbours have samples too.
 [[nodiscard]] core::Duration mean_sample_period(const std::vector<TickMean>& ticks,
                                                 core::Duration tick);
 

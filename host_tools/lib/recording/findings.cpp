@@ -81,6 +81,10 @@ std::int64_t IntervalMedian::value_ns() const {
   return bin.count == 0 ? 0 : static_cast<std::int64_t>(bin.sum_ns / bin.count);
 }
 
+std::int64_t Findings::mean_interval_ns() const {
+  return intervals_ == 0 ? 0 : static_cast<std::int64_t>(without_holes_ns_ / intervals_);
+}
+
 void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
   examine_rates(row, columns);
   if (columns.temperature && !std::isfinite(row.temperature_degc)) {
@@ -110,8 +114,13 @@ void Findings::examine_time(Row& row, std::uint64_t line) {
   }
   const std::int64_t interval_ns = interval(latest_time_ns_, row.time_ns);
   const std::int64_t median_ns = median_.value_ns();
-  if (median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns) {
+  const bool is_gap = median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns;
+  if (is_gap) {
     row.findings.add(Finding::gap);
+  }
+  if (!is_gap || interval_ns <= kShortestHole) {
+    without_holes_ns_ += static_cast<std::uint64_t>(interval_ns);
+    ++intervals_;
   }
   if (interval_ns > longest_interval_ns_) {
     longest_interval_ns_ = interval_ns;

@@ -29,6 +29,9 @@ inline constexpr std::size_t kFindingCount = 8;
 /// A gap is an interval longer than this many median intervals.
 inline constexpr std::int64_t kGapPeriods = 10;
 
+/// Pauses up to this long, however short the median interval, may belong to reading in bursts [ns].
+inline constexpr std::int64_t kShortestHole = 500'000'000;
+
 /// A short description for the user, such as "time runs backwards".
 [[nodiscard]] std::string_view description(Finding finding);
 
@@ -87,6 +90,10 @@ class Findings {
   }
   /// Median interval between rows (see IntervalMedian); 0 below two rows.
   [[nodiscard]] std::int64_t median_interval_ns() const { return median_.value_ns(); }
+  /// Mean interval between rows, holes left out: gaps that are longer than kShortestHole. Where a
+  /// sensor is read in bursts this is its sample period, and the median is not; without bursts they
+  /// are the same but for lost rows. 0 below two rows.
+  [[nodiscard]] std::int64_t mean_interval_ns() const;
   /// Longest interval between rows and the line at its end; 0 below two rows.
   [[nodiscard]] std::int64_t longest_interval_ns() const { return longest_interval_ns_; }
   [[nodiscard]] std::uint64_t longest_interval_line() const { return longest_interval_line_; }
@@ -99,6 +106,8 @@ class Findings {
   std::array<std::uint64_t, kFindingCount> counts_{};
   std::array<std::uint64_t, kFindingCount> first_lines_{};
   IntervalMedian median_;
+  std::uint64_t without_holes_ns_ = 0;  ///< sum of the intervals that are no holes
+  std::uint64_t intervals_ = 0;         ///< that make up this sum
   std::int64_t longest_interval_ns_ = 0;
   std::uint64_t longest_interval_line_ = 0;
   std::int64_t latest_time_ns_ = 0;

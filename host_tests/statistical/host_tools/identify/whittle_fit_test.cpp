@@ -73,8 +73,7 @@ TEST(WhiteFlickerFit, RecoversStrengthsAndOrderWithHonestErrors) {
 TEST(WhiteFlickerFit, RecoversStrengthsWhereTheOrderIsGiven) {
   std::array<Recovery, 2> recovery;
   for (std::size_t run = 0; run < kRuns; ++run) {
-    const WhiteFlickerFit fit =
-        fit_white_flicker(recording(run, kFlicker, 0.5), {.order = 0.5});
+    const WhiteFlickerFit fit = fit_white_flicker(recording(run, kFlicker, 0.5), {.order = 0.5});
     ASSERT_TRUE(fit.flicker.has_value());
     EXPECT_EQ(fit.flicker->order.standard_error, 0.0);
     recovery[0].add(root(fit.white_variance), kWhite);

@@ -89,6 +89,20 @@ TEST(Characterization, OfAxesWithTheSameNoiseDoesNotDependOnTheAxis) {
   EXPECT_NE(middle_axis(result).axis, "z");
 }
 
+// In the first stop of this recording, 80 samples and as long as any, all noise looks like flicker
+// noise: a fit that began there ended without finding any in the whole.
+TEST(CharacterizationOfStops, IsNotLedAstrayByAnOddStop) {
+  constexpr std::uint64_t kOddRun = 1069;
+  simulate::Signal signal = simulate_rest({.bias_instability_dph = 60.0}, 30'000, 0.5, kOddRun);
+  zerorate::testing::drop_drives(signal, 80);
+  const Characterization result =
+      characterize(rest_samples_of(signal), {.recording = "stops", .axes = {0}, .order = 0.5});
+  const InnovationsFit& fit = result.axes.front().fit;
+  ASSERT_TRUE(fit.flicker.has_value());
+  EXPECT_NEAR(fit.angle_random_walk_rad_per_sqrt_s.value, 0.04 * zerorate::testing::kRadPerDeg,
+              4.0 * fit.angle_random_walk_rad_per_sqrt_s.standard_error);
+}
+
 TEST(CharacterizationOfStops, TakesItsCurvesFromTheLongestOne) {
   simulate::Signal signal = simulate_rest({}, 30'000, 0.1, 3);
   zerorate::testing::drop_drives(signal, 2'000);

@@ -82,6 +82,24 @@ TEST(IntervalOfTenMedians, IsNoGapAndOneNanosecondMoreIs) {
   EXPECT_TRUE(reading.rows[5].findings.has(Finding::gap));
 }
 
+// Pairs 1 ms apart every 100 ms, and a hole of ten seconds: the median says 1 ms, the mean 50.
+TEST(MeanInterval, CountsThePausesBetweenBurstsAndNoHoles) {
+  std::string text = "t_s,rate_dps\n";
+  for (int k = 0; k < 100; ++k) {
+    const double burst_s = 0.1 * k + (k < 50 ? 0.0 : 10.0);
+    text += std::to_string(burst_s) + ",1\n" + std::to_string(burst_s + 0.001) + ",1\n";
+  }
+  const Reading reading = read(text);
+  EXPECT_EQ(reading.findings.median_interval_ns(), 1'000'000);
+  // 100 short intervals and 98 pauses of 99 ms.
+  EXPECT_EQ(reading.findings.mean_interval_ns(), (100 * 1'000'000 + 98 * 99'000'000LL) / 198);
+}
+
+TEST(MeanInterval, OfASlowSensorIsItsPeriodWithoutGaps) {
+  const Reading reading = read("t_s,rate_dps\n0,1\n1,1\n2,1\n3,1\n103,1\n104,1\n");
+  EXPECT_EQ(reading.findings.mean_interval_ns(), 1'000'000'000);
+}
+
 TEST(TimesAtBothEndsOfTheClock, DoNotOverflow) {
   const Reading reading = read("t_s,rate_dps\n-9223372036,1\n9223372036,1\n");
   EXPECT_EQ(reading.findings.longest_interval_ns(), std::numeric_limits<std::int64_t>::max());
