@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# run.sh REPOSITORY WORK_FOLDER SECONDS
+#
+# The arm64 zerorated, out of its Debian package, on Debian's own arm64 kernel under QEMU, in virtual time. Kernel modules of
+# ours (GPL-2.0, for tests only) give it a real SPI controller and a real GPIO chip; a process in the same
+# machine plays the gyro and the odometer, breaks them, and judges what zerorated publishes. Kernel, headers and
+# busybox come from Debian, newest version, once; where Debian cannot be reached the test fails.
+set -euo pipefail
+repository=$(readlink -f "$1")
+seconds=$3
+here="$repository/host_tests/emulated/linux"
+mkdir -p "$2"
+work=$(readlink -f "$2")
+cross="$repository/build/linux-arm64"
+source "$repository/toolchains/private-apt.sh"
+
+fetch() {
+  private_apt_root arm64 "$work/apt-arm64"
+  private_apt_root amd64 "$work/apt-amd64"
+  local image
+  image=$(APT_CONFIG="$work/apt-arm64/apt.conf" apt-cache show --no-all-versions linux-image-arm64 |
+    sed -n 's/^Depends: \(linux-image-[^ ]*\) .*/\1/p')
+  version=${image#linux-image-}
+  if [[ -e "$work/fetched-$version" ]]; then return; fi
+  rm -rf "$work"/{debs,kernel,headers,target}
+  private_apt_download "$work/apt-arm64" "$work/debs" "$image" "linux-headers-$version" \
+    "linux-headers-${version%-arm64}-common" busybox-static libgpiod2
+  private_apt_download "$work/apt-amd64" "$work/debs" "linux-kbuild-$(cut -d. -f1,2 <<<"$version")"
+  mkdir -p "$work"/{kernel,headers,target}
+  dpkg-deb -x "$work/debs/${image}"_*.deb "$work/kernel"
+  depmod -b "$work/kernel" "$version"
+  for deb in "$work"/debs/linux-{headers,kbuild}-*.deb; do dpkg-deb -x "$deb" "$work/headers"; done
+  for deb in "$work"/debs/{busybox,libgpiod}*.deb; do dpkg-deb -x "$deb" "$work/target"; done
+  sed -i "s# /usr/src/# $work/headers/usr/src/#" "$work/headers/usr/src/linux-headers-$version/Makefile"
+  touch "$work/fetched-$version"
+}
+
+build() {
+  (cd "$repository" && cmake --preset linux-arm64 && cmake --build build/linux-arm64 --target zerorated zerorate_world && cd build/linux-arm64 && cpack) >"$work/build.log"
+  rm -rf "$work/modules"
+  cp -r "$here/kernel" "$work/modules"
+  ZERORATE_REPOSITORY="$repository" DEB_BUILD_ARCH=amd64 DEB_HOST_ARCH=arm64 DEB_HOST_GNU_TYPE=aarch64-linux-gnu \
+    make -s -C "$work/headers/usr/src/linux-headers-$version" M="$work/modules" modules >>"$work/build.log" 2>&1
+}
+
+# The modules that `modprobe NAME...` would load, in order, one path a line.
+module_files() {
+  local name
+  for name in "$@"; do
+    modprobe -d "$work/kernel" -S "$version" --show-depends "$name"
+  done | awk '$1 == "insmod" && !seen[$2]++ {print $2}'
+}
+
+pack() {
+  local root="$work/root" libraries=/usr/aarch64-linux-gnu/lib file
+  rm -rf "$root"
+  mkdir -p "$root"/{bin,dev,lib,modules,proc,run,sys}
+  cp "$work/target/bin/busybox" "$root/bin/"
+  dpkg-deb -x "$cross"/zerorate_*_arm64.deb "$root"
+  cp "$cross/host_tests/emulated/linux/guest/zerorate_world" "$root/bin/"
+  cp -L $libraries/{ld-linux-aarch64.so.1,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} \
+    "$work/target/usr/lib/aarch64-linux-gnu/libgpiod.so.2" "$root/lib/"
+  for file in $(module_files vcan can-raw) "$work"/modules/zerorate_{bus,lines}.ko; do
+    cp "$file" "$root/modules/"
+    basename "$file" >>"$root/modules/order"
+  done
+  cp "$here/zerorated.toml" "$root/"
+  sed "s/@SECONDS@/$seconds/" "$here/init.sh" >"$root/init"
+  chmod +x "$root/init"
+  (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$work/initramfs.gz"
+}
+
+boot() {
+  timeout 600 qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot \
+    -icount shift=1,sleep=off -rtc base=2026-01-01,clock=vm \
+    -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
+    -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | tr -d '\r' | tee "$work/console.log"
+}
+
+fetch
+build
+pack
+boot
+# The world's own findings; then what zerorated counted against what the world gave.
+grep -q '^WORLD [0-9]* passed, 0 failed$' "$work/console.log"
+pulses=$(sed -n 's/^PULSES //p' "$work/console.log")
+grep -q "^AFTER_DRIVES zerorate_pulses_total $pulses\$" "$work/console.log"
+grep -q '^/etc/zerorate/zerorated.toml: valid$' "$work/console.log"
+grep -q '^zerorated ended with 0$' "$work/console.log"
