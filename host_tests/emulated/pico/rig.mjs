@@ -35,12 +35,15 @@ export class Rig {
     this.board.at(time, next);
   }
   // Schedules one event after the other: a list of a hundred thousand would slow the emulator down.
-  play(events) {
+  play(events, onSample = () => {}) {
     let index = 0;
     const next = () => {
       const event = events[index++];
       if (event.isPulse) this.pulse();
-      else this.chip.measure(event.rates, event.temperature);
+      else {
+        onSample(this.board);
+        this.chip.measure(event.rates, event.temperature);
+      }
       if (index < events.length) this.board.at(events[index].time_us, next);
     };
     this.board.at(events[0].time_us, next);
@@ -68,7 +71,7 @@ export function drive(duration_s, seed, options = {}) {
   const text = driveText(duration_s, seed);
   const events = parseScenario(text);
   const rig = new Rig(options);
-  rig.play(events);
+  rig.play(events, options.onSample);
   rig.board.run(events.at(-1).time_us + 100_000);
   return { rig, events, expected: replayed(text) };
 }
