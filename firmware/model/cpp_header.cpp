@@ -33,7 +33,8 @@ std::string modes(const std::string& name, const Mode* first, std::size_t count)
   for (std::size_t i = 0; i < count; ++i) {
     text += "                  {.forgetting = " + literal(first[i].forgetting) +
             ", .noise_variance = " + literal(first[i].noise_variance) +
-            ", .initial_variance = " + literal(first[i].initial_variance) + "},\n";
+            ", .initial_variance = " + literal(first[i].initial_variance) +
+            ", .initial_mean = " + literal(first[i].initial_mean) + "},\n";
   }
   return text + "              }},\n";
 }
@@ -79,6 +80,9 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "              .start = core::Start::" +
          (is_stationary ? "stationary" : "zero") +
          ",\n"
+         "              .is_stationary = " +
+         (node.modes.is_stationary ? "true" : "false") +
+         ",\n"
          "              .walk_variance = " +
          literal(node.modes.walk_variance) + ",\n" +
          modes("decaying", node.modes.decaying.data(), decaying) +
@@ -86,6 +90,9 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "    },\n"
          "    .white_variance_rad2_s2 = " +
          literal(node.white_variance_rad2_s2) +
+         ",\n    .unaveraged_variance_rad2_s2 = " + literal(node.unaveraged_variance_rad2_s2) +
+         ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
+         ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "}" +
          ",\n"
          "    .sample_period = " +
          nanoseconds(sample_period) +

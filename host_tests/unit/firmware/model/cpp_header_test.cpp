@@ -29,6 +29,10 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
       find_model("lsm6dso"), kSamplePeriod, kTick);
   const auto& params = exported::kNodeParams;
   EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
+  EXPECT_EQ(params.unaveraged_variance_rad2_s2, node.unaveraged_variance_rad2_s2);
+  EXPECT_EQ(params.gate.threshold_sigma, node.gate.threshold_sigma);
+  EXPECT_EQ(params.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
+  EXPECT_EQ(params.modes.is_stationary, node.modes.is_stationary);
   EXPECT_EQ(params.sample_period, kSamplePeriod);
   EXPECT_EQ(params.modes.tick, kTick);
   EXPECT_EQ(params.modes.start, node.modes.start);
@@ -37,6 +41,7 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
     EXPECT_EQ(params.modes.decaying[i].forgetting, node.modes.decaying[i].forgetting);
     EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
     EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
+    EXPECT_EQ(params.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);
   }
 }
 
@@ -48,6 +53,18 @@ TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {
   EXPECT_NE(text.find("kRotatingModes = 1;"), std::string::npos);
   EXPECT_NE(text.find(".rotating = {{"), std::string::npos);
   EXPECT_NE(text.find("/// Sensor model: two lines  ."), std::string::npos);
+}
+
+TEST(HeaderOfAModelWithAGateAndAWarmUp, HoldsBoth) {
+  SensorModel model = find_model("lsm6dso");
+  model.gate = Gate{.threshold_sigma = 4.5, .longest_knock_s = 3.0};
+  model.warm_up =
+      WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
+  const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
+  EXPECT_NE(text.find(".gate = {.threshold_sigma = 4.5F, .longest_knock_ticks = 6}"),
+            std::string::npos);
+  EXPECT_NE(text.find(".initial_mean = 0.25F"), std::string::npos);
+  EXPECT_NE(text.find("kDecayingModes = 7;"), std::string::npos);
 }
 
 }  // namespace
