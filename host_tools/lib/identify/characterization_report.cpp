@@ -116,7 +116,7 @@ report::Table summary_table(const Characterization& result) {
 
 std::string lead(const Characterization& result) {
   return fmt::format(
-      "{:.3g} s at rest, a sample every {:.4g} s. White and flicker noise of each axis at their "
+      "{:.0f} s at rest, a sample every {:.4g} s. White and flicker noise of each axis at their "
       "greatest likelihood through the node's own filter, at ticks of {:.4g} s.",
       result.rest_s, static_cast<double>(result.sample_period.ns()) * 1e-9,
       static_cast<double>(result.tick.ns()) * 1e-9);
