@@ -110,7 +110,7 @@ class ModeWriter {
   }
   /// A decaying mode that starts apart from its stationary state, however the filter starts.
   constexpr void add_transient(float forgetting, float noise_variance, float mean, float variance) {
-    modes_.is_stationary = false;
+    if (mean != 0.0F || variance > 0.0F) modes_.is_stationary = false;
     place(DecayingMode{.forgetting = forgetting,
                        .noise_variance = noise_variance,
                        .initial_variance = variance,

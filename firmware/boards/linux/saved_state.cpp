@@ -49,11 +49,15 @@ std::uint32_t fingerprint(const Node::Params& params) {
       print.add(mode.forgetting);
       print.add(mode.noise_variance);
       print.add(mode.initial_variance);
+      print.add(mode.initial_mean);
     }
   };
   add_modes(params.modes.decaying);
   add_modes(params.modes.rotating);
   print.add(params.white_variance_rad2_s2);
+  print.add(params.unaveraged_variance_rad2_s2);
+  print.add(params.gate.threshold_sigma);
+  print.add(std::uint64_t{params.gate.longest_knock_ticks});
   print.add(params.sample_period);
   print.add(params.standstill.settle);
   print.add(params.standstill.hold_back);

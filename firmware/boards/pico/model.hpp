@@ -18,7 +18,7 @@ inline constexpr std::size_t kRotatingModes = 0;
 inline constexpr app::NodeParams<kDecayingModes, kRotatingModes> kNodeParams{
     .modes = {.tick = core::Duration::nanoseconds(500000000),
               .start = core::Start::stationary,
-              .is_stationary = false,
+              .is_stationary = true,
               .walk_variance = 0.0F,
               .decaying = {{
                   {.forgetting = 0.63212055F, .noise_variance = 7.6232576e-10F, .initial_variance = 8.816432e-10F, .initial_mean = 0.0F},

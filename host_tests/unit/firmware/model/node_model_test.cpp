@@ -140,6 +140,7 @@ TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
 TEST(NodeModelOfTransients, StartsApartFromItsStationaryState) {
   SensorModel model = find_model("adis16405");
   EXPECT_TRUE(fits_six_decades(model));
+  EXPECT_TRUE((make_node_model<6, 0>(model, kSample, kTick)).modes.is_stationary);
   model.warm_up =
       WarmUp{.amplitude_rad_s = 1e-3, .amplitude_sigma_rad_s = 0.0, .time_constant_s = 600.0};
   model.rate_ramp = RateRamp{.slope_rad_s2 = 0.0, .slope_sigma_rad_s2 = 1e-8};
