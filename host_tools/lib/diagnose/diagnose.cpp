@@ -33,12 +33,14 @@ void require_usable(const Record& record) {
 
 std::vector<std::unique_ptr<Effect>> make_effects() {
   std::vector<std::unique_ptr<Effect>> effects;
+  effects.reserve(kEffects.size());
   for (const auto make : kEffects) effects.push_back(make());
   return effects;
 }
 
 std::vector<Cause> causes_of(const Selection& selection) {
   std::vector<Cause> causes;
+  causes.reserve(selection.choices.size());
   for (std::size_t i = 0; i < selection.choices.size(); ++i) {
     const Choice& choice = selection.choices[i];
     Account account = choice.effect->tell({selection.explanation, i});

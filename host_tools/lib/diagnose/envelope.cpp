@@ -79,6 +79,7 @@ std::vector<Band> simulated_allan(const Explanation& explanation,
   const auto count = static_cast<double>(runs);
   const double z = quantile_of_family(factors.size());
   std::vector<Band> bands;
+  bands.reserve(factors.size());
   for (std::size_t i = 0; i < factors.size(); ++i) {
     const double middle = sums[i] / count;
     const double spread =
@@ -96,6 +97,7 @@ std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& 
   const std::vector<Band> before = simulated_allan(base, factors);
   const std::vector<Band> after = simulated_allan(extended, factors);
   std::vector<CurvePoint> curve;
+  curve.reserve(factors.size());
   for (std::size_t i = 0; i < factors.size(); ++i) {
     curve.push_back({static_cast<double>(factors[i]) * problem.period_s(), std::sqrt(measured[i]),
                      before[i].lo, before[i].middle, before[i].hi, after[i].lo, after[i].middle,
@@ -144,6 +146,7 @@ std::vector<CurvePoint> density_curve(const Explanation& base, const Explanation
   // Of a sample, two-sided, to one-sided of a hertz.
   const double unit = 2.0 * problem.period_s();
   std::vector<CurvePoint> curve;
+  curve.reserve(runs.size());
   for (const Run& run : runs) {
     const auto count = static_cast<double>(run.end - run.first);
     double squares = 0.0;
@@ -187,6 +190,7 @@ std::vector<Misfit> whitened_rows(const Explanation& base) {
 
 std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Explanation& base) {
   std::vector<Misfit> rows;
+  rows.reserve(envelopes.allan.size() + envelopes.density.size());
   for (const CurvePoint& point : envelopes.allan) {
     rows.push_back({"allan_deviation_dps", fmt::format("tau {:.3g} s", point.x),
                     point.measured * kDegPerRad, point.base_lo * kDegPerRad,

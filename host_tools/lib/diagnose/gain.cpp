@@ -46,6 +46,7 @@ IntervalEstimate with_interval(std::size_t size, const Statistic& statistic, std
   const auto block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)));
   const simulate::RandomStream stream = simulate::RandomStream(seed).substream("bootstrap");
   std::vector<double> values;
+  values.reserve(kResamplings);
   std::int64_t draws = 0;
   for (std::size_t r = 0; r < kResamplings; ++r) {
     for (std::size_t i = 0; i < size; i += block) {
@@ -129,6 +130,7 @@ IntervalEstimate log_score_gain(const NodeScores& base, const NodeScores& extend
   const std::size_t size = std::min(base.log_scores.size(), extended.log_scores.size());
   const std::size_t length = std::max<std::size_t>(1, size / kBlocks);
   std::vector<double> blocks;
+  blocks.reserve(size / length);
   for (std::size_t first = 0; first + length <= size; first += length) {
     double sum = 0.0;
     for (std::size_t k = first; k < first + length; ++k) {

@@ -44,6 +44,7 @@ class Node {
 std::vector<double> log_scores(const NodeModel& model, const ScoredTicks& scored) {
   Node node(model);
   std::vector<double> scores;
+  scores.reserve(scored.ticks.size());
   for (const identify::TickMean& mean : scored.ticks) {
     const core::Innovation innovation = node.observe(mean);
     if (mean.tick < scored.judged_from || innovation.first) continue;

@@ -91,6 +91,7 @@ class Selector {
 
   static std::vector<Evidence> evidence_of(const std::vector<Candidate>& candidates) {
     std::vector<Evidence> all;
+    all.reserve(candidates.size());
     for (const Candidate& candidate : candidates) {
       const Offer& offer = candidate.offer;
       all.push_back({std::string(candidate.effect->name()),

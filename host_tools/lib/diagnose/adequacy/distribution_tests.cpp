@@ -59,6 +59,7 @@ double normal_of_kurtosis(const Moments& m) {
 
 std::vector<double> sums_over(const std::vector<double>& values, std::size_t length) {
   std::vector<double> sums;
+  sums.reserve(values.size() / length);
   for (std::size_t first = 0; first + length <= values.size(); first += length) {
     double sum = 0.0;
     for (std::size_t k = first; k < first + length; ++k) sum += values[k];

@@ -33,6 +33,7 @@ std::optional<LevelLattice> find_lattice(std::span<const double> values) {
   const auto levels = levels_of(values);
   if (levels.size() < 2 || 4 * levels.size() > values.size()) return std::nullopt;
   std::vector<double> gaps;
+  gaps.reserve(levels.size());
   for (std::size_t i = 1; i < levels.size(); ++i) {
     gaps.push_back(levels[i].first - levels[i - 1].first);
   }
@@ -41,6 +42,7 @@ std::optional<LevelLattice> find_lattice(std::span<const double> values) {
   const double smallest = sorted[sorted.size() / 20];
   // Number the levels, then let the outermost ones say how far apart they are.
   std::vector<std::size_t> numbers{0};
+  numbers.reserve(levels.size());
   for (const double gap : gaps) {
     const double steps = std::round(gap / smallest);
     if (steps < 1.0 || std::abs(gap / smallest - steps) > 0.3 * std::max(1.0, 0.1 * steps)) {

@@ -162,6 +162,7 @@ std::vector<double> MeanScan::step_gains() const {
   const std::vector<double> original = information;
   const std::vector<double> sums = tail_sums(weighted_);
   std::vector<std::vector<double>> beside;
+  beside.reserve(others_.size());
   for (const Column* other : others_) {
     beside.push_back(
         tail_sums(problem().transform().inverse(divided(dense(*other, n), density()))));

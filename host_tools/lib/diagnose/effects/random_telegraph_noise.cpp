@@ -132,6 +132,7 @@ std::array<double, 2> levels_of(const std::vector<double>& values, const Path& p
 /// Levels to begin with: the outer parts of the distribution of means over a window.
 std::array<double, 2> outer_levels(const std::vector<double>& values, std::size_t window) {
   std::vector<double> means;
+  means.reserve(values.size() / window);
   for (std::size_t first = 0; first + window <= values.size(); first += window) {
     double sum = 0.0;
     for (std::size_t k = first; k < first + window; ++k) sum += values[k];

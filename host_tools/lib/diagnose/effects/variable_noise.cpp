@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <numeric>
-#include <span>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -144,7 +143,6 @@ Profile best_periodic(const Squares& squares) {
     double scaled = 0.0;
     std::array<double, 2> score{};
     double information = 0.0;
-    std::vector<double> values;
     for (std::size_t k = 0; k < squares.size(); ++k) {
       const double variance = best.variance(k, squares.size());
       const double turn = 2.0 * std::numbers::pi * best.cycles * static_cast<double>(k) /
@@ -189,6 +187,7 @@ class VariableNoise final : public Effect {
                 .surprise_nats = best.surprise_nats};
     const std::size_t n = without.problem().size();
     std::vector<float>& sigma = offer.part.relative_sigma;
+    sigma.reserve(n);
     double mean = 0.0;
     for (std::size_t k = 0; k < n; ++k) mean += best.variance(k, n);
     mean /= static_cast<double>(n);
