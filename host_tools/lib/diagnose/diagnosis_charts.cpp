@@ -48,6 +48,11 @@ std::string envelope_caption(const Diagnosis& diagnosis) {
   return text;
 }
 
+/// Of a recording of one axis there is nothing to add.
+std::string of_axis(const Diagnosis& diagnosis) {
+  return diagnosis.axis == "rate" ? "." : " of axis " + diagnosis.axis + ".";
+}
+
 /// In deg/s.
 report::Series rate_series(std::string name, const std::vector<Point>& points, Colour colour,
                            report::SeriesStyle style) {
@@ -69,7 +74,7 @@ report::Reference even() {
 }  // namespace
 
 report::Chart allan_chart(const Diagnosis& diagnosis) {
-  return {.title = "Allan deviation, axis " + diagnosis.axis,
+  return {.title = "Allan deviation" + of_axis(diagnosis),
           .caption = envelope_caption(diagnosis),
           .x = {"Averaging time", "s", report::Scale::logarithmic},
           .y = {"Allan deviation", "deg/h", report::Scale::logarithmic},
@@ -78,7 +83,7 @@ report::Chart allan_chart(const Diagnosis& diagnosis) {
 }
 
 report::Chart density_chart(const Diagnosis& diagnosis) {
-  return {.title = "Noise density, axis " + diagnosis.axis,
+  return {.title = "Noise density" + of_axis(diagnosis),
           .caption = "One-sided, as data sheets state it. " + envelope_caption(diagnosis),
           .x = {"Frequency", "Hz", report::Scale::logarithmic},
           .y = {"Rate noise density", "deg/s/sqrt(Hz)", report::Scale::logarithmic},
@@ -88,7 +93,7 @@ report::Chart density_chart(const Diagnosis& diagnosis) {
 
 report::Chart effect_chart(const Diagnosis& diagnosis, const Drawing& drawing) {
   const std::string effect = plain_name(drawing.effect);
-  report::Chart chart{.title = "The recording and its " + effect,
+  report::Chart chart{.title = "The recording and its " + effect + ".",
                       .caption = drawing.curve.empty()
                                      ? "Marked are the samples that the effect has touched."
                                      : "The curve is the effect with the constant bias.",
@@ -110,7 +115,7 @@ report::Chart effect_chart(const Diagnosis& diagnosis, const Drawing& drawing) {
 
 report::BarChart evidence_chart(const Diagnosis& diagnosis) {
   report::BarChart chart{
-      .title = "Evidence of each effect when it alone is added",
+      .title = "Evidence of each effect when it alone is added.",
       .caption =
           "Log likelihood gained. An effect is credible when its gain exceeds its price: "
           "what its parameters, and the search for them, gain by chance.",
@@ -131,7 +136,7 @@ report::BarChart evidence_chart(const Diagnosis& diagnosis) {
 }
 
 report::BarChart error_chart(const Gain& gain) {
-  report::BarChart chart{.title = "Error of prediction, extended over base",
+  report::BarChart chart{.title = "Error of prediction, extended over base.",
                          .caption = fmt::format("On the {} samples that were held out; below one "
                                                 "the extended model is better. 95 % intervals.",
                                                 gain.holdout_samples),
@@ -160,7 +165,7 @@ report::BarChart coverage_chart(const Gain& gain) {
                             .lo = {100.0 * coverage.lo},
                             .hi = {100.0 * coverage.hi}};
   };
-  return {.title = "How often the 95 % interval holds",
+  return {.title = "How often the 95 % interval holds.",
           .caption = "Headings inside the interval that the node itself gives.",
           .y = {"Coverage", "%"},
           .categories = {fmt::format("drives of {:.3g} s", gain.drive_s)},

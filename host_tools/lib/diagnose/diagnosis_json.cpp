@@ -1,6 +1,7 @@
 #include "host_tools/lib/diagnose/diagnosis_json.hpp"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -60,14 +61,21 @@ Json adequacy_json(const Adequacy& adequacy) {
           {"failures", adequacy.failures}};
 }
 
+/// Without samples that were held out nothing was measured.
 Json gain_json(const Gain& gain) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   Json json{{"holdout_samples", gain.holdout_samples}};
-  add(json, "rsse_ratio", gain.rsse_ratio);
-  add(json, "ie_ratio", gain.ie_ratio);
-  add(json, "heading_drift_ratio", gain.heading_drift_ratio);
-  add(json, "coverage95_base", gain.coverage95_base);
-  add(json, "coverage95_extended", gain.coverage95_extended);
-  add(json, "log_score_gain_nats_per_sample", gain.log_score_gain_nats_per_sample);
+  const auto add_measured = [&](const char* name, const IntervalEstimate& estimate) {
+    add(json, name,
+        gain.holdout_samples > 0 ? estimate
+                                 : IntervalEstimate{kUnknown, kUnknown, kUnknown, kUnknown});
+  };
+  add_measured("rsse_ratio", gain.rsse_ratio);
+  add_measured("ie_ratio", gain.ie_ratio);
+  add_measured("heading_drift_ratio", gain.heading_drift_ratio);
+  add_measured("coverage95_base", gain.coverage95_base);
+  add_measured("coverage95_extended", gain.coverage95_extended);
+  add_measured("log_score_gain_nats_per_sample", gain.log_score_gain_nats_per_sample);
   return json;
 }
 

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <vector>
 
 #include "firmware/model/model_file.hpp"
@@ -69,16 +72,46 @@ report::Table parameter_table(const Diagnosis& diagnosis) {
   return table;
 }
 
+/// "Allan deviation, deg/s"
+std::string statistic_with_unit(const std::string& statistic) {
+  std::string text = plain_statistic(statistic).substr(4);  // without "the "
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  if (statistic.ends_with("_dps")) return text + ", deg/s";
+  if (statistic.ends_with("_dps_per_sqrt_hz")) return text + ", deg/s/sqrt(Hz)";
+  return text;
+}
+
+/// The rows that are furthest out, relative to the width of what is simulated, in their own order.
+std::vector<Misfit> worst_misfits(const Diagnosis& diagnosis, std::size_t most) {
+  std::vector<Misfit> rows;
+  std::ranges::copy_if(diagnosis.misfit, std::back_inserter(rows), &Misfit::is_outside);
+  if (rows.size() <= most) return rows;
+  const auto widths_outside = [](const Misfit& row) {
+    const double beyond =
+        std::max(row.measured - row.simulated_hi, row.simulated_lo - row.measured);
+    return beyond / (row.simulated_hi - row.simulated_lo);
+  };
+  std::vector<double> departures;
+  std::ranges::transform(rows, std::back_inserter(departures), widths_outside);
+  std::ranges::nth_element(departures, departures.begin() + static_cast<std::ptrdiff_t>(most) - 1,
+                           std::greater{});
+  const double least = departures[most - 1];
+  std::erase_if(rows, [&](const Misfit& row) { return widths_outside(row) < least; });
+  return rows;
+}
+
 report::Table misfit_table(const Diagnosis& diagnosis) {
+  constexpr std::size_t kMostRows = 12;
+  const auto all = std::ranges::count_if(diagnosis.misfit, &Misfit::is_outside);
+  const std::vector<Misfit> rows = worst_misfits(diagnosis, kMostRows);
   report::Table table{
-      .caption =
-          "Statistics of the recording that lie outside what the base model simulates; the "
-          "error of all of them together is 5 %.",
+      .caption = fmt::format("Statistics of the recording that lie outside what the base model "
+                             "simulates, the worst {} of {}.",
+                             rows.size(), all),
       .columns = {{"Statistic"}, {"Where"}, {"Recording"}, {"Simulations"}}};
-  for (const Misfit& row : diagnosis.misfit) {
-    if (!row.is_outside()) continue;
+  for (const Misfit& row : rows) {
     table.rows.push_back(
-        {row.statistic, row.where, figure(row.measured),
+        {statistic_with_unit(row.statistic), row.where, figure(row.measured),
          fmt::format("{} to {}", figure(row.simulated_lo), figure(row.simulated_hi))});
   }
   return table;
@@ -143,20 +176,21 @@ void add_gain(report::Report& report, const Gain& gain) {
 }
 
 void add_model(report::Report& report, const Diagnosis& diagnosis, const std::string& recording) {
+  const std::string axis = diagnosis.axis == "rate" ? "" : " --axis " + diagnosis.axis;
   report.section("Run it on the node")
       .paragraph(
           "The extended model is the node's own: the same file runs in a replay, in the "
           "node on Linux and in the firmware. Write it, and try it on stops and drives:")
-      .listing(fmt::format("zerorate diagnose {0} --axis {1} --model-out extended.toml\n"
-                           "zerorate replay {0} --axis {1} --model extended.toml --schedule "
-                           "still=60,drive=300,seed=1",
-                           recording, diagnosis.axis == "rate" ? "all" : diagnosis.axis))
+      .listing(fmt::format("zerorate diagnose {0}{1} --model-out extended.toml\n"
+                           "zerorate replay {0}{1} --model extended.toml \\\n"
+                           "    --schedule still=60,drive=300,seed=1",
+                           recording, axis))
       .listing(model::format_model(diagnosis.extended_model));
 }
 
 void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportText& text) {
-  auto& verdict =
-      report.section(fmt::format("Axis {}: {}", diagnosis.axis, name(diagnosis.verdict)));
+  const std::string axis = diagnosis.axis == "rate" ? "Verdict" : "Axis " + diagnosis.axis;
+  auto& verdict = report.section(fmt::format("{}: {}", axis, name(diagnosis.verdict)));
   verdict.key_figures(key_figures(diagnosis)).paragraph(in_words(diagnosis));
   if (!diagnosis.causes.empty()) verdict.table(parameter_table(diagnosis));
   for (const std::string& remark : diagnosis.remarks) verdict.paragraph(remark);

@@ -18,10 +18,13 @@ function barGeometry(data, { width, height }) {
   const [least, greatest] = barRange(data);
   const { ticks, spacing } = linearTicks(least, greatest, height / 55);
   const labels = formatTicks(ticks, spacing);
-  const left = 12 + TEXT_WIDTH * Math.max(...labels.map((label) => label.length));
-  const slot = (width - left) / data.categories.length;
+  const scale = 12 + TEXT_WIDTH * Math.max(...labels.map((label) => label.length));
   const longest = Math.max(0, ...data.categories.map((name) => name.length));
-  const tilted = longest * TEXT_WIDTH > slot - 8;
+  const tilted = longest * TEXT_WIDTH > (width - scale) / data.categories.length - 8;
+  // A tilted name ends below its bars; the first one must not begin left of the chart.
+  const overhang = tilted ? 0.81 * TEXT_WIDTH * data.categories[0].length : 0;
+  const left = Math.max(scale, overhang - (width - scale) / data.categories.length / 2);
+  const slot = (width - left) / data.categories.length;
   const foot = tilted ? 14 + 0.6 * TEXT_WIDTH * longest : 26;
   const top = 8;
   const bottom = height - foot;

@@ -1,0 +1,116 @@
+/// @file
+/// A diagnosis as JSON, in words and as a report.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host_tools/lib/diagnose/diagnosis_json.hpp"
+#include "host_tools/lib/diagnose/diagnosis_report.hpp"
+#include "host_tools/lib/diagnose/diagnosis_words.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The example of a rate random walk.
+Diagnosis explained_by_a_walk() {
+  Diagnosis diagnosis{
+      .axis = "z",
+      .samples = 20'000,
+      .sample_period_s = 0.1,
+      .verdict = Verdict::explained,
+      .causes = {{.effect = "rate_random_walk",
+                  .gain_nats = 31.0,
+                  .p_value = 1e-12,
+                  .parameters = {{"coefficient_dps_per_sqrt_s", 1.2e-4, 1.0e-4, 1.5e-4}},
+                  .alternatives = {{"fractional_order", 2.1}},
+                  .sentence = "A random walk of 1.2e-4 deg/s/sqrt(s) explains it."}},
+      .misfit = {{"allan_deviation_dps", "tau 800 s", 2.1e-2, 4e-3, 1e-2},
+                 {"excess_kurtosis", "", 0.0, -0.1, 0.1}},
+      .base_adequacy = {.holds = false, .p_value = 1e-4, .failures = {"the spectrum"}},
+      .gain = {.holdout_samples = 6000,
+               .rsse_ratio = {.value = 0.9, .lo = 0.8, .hi = 0.95},
+               .heading_drift_ratio = {.value = 0.75, .lo = 0.7, .hi = 0.8},
+               .heading_drift_base_deg = {.value = 6.9, .lo = 6.0, .hi = 8.0},
+               .heading_drift_extended_deg = {.value = 5.2, .lo = 4.8, .hi = 5.7},
+               .drive_s = 300.0,
+               .coverage95_base = {.value = 0.81, .lo = 0.7, .hi = 0.9},
+               .coverage95_extended = {.value = 0.95, .lo = 0.9, .hi = 0.98}},
+      .evidence = {{"rate_random_walk", 31.0, 4.0, true, ""},
+                   {"rate_ramp", 17.0, 4.0, false, ""},
+                   {"temperature_drift", 0.0, 0.0, false, "no temperature"}}};
+  diagnosis.gain.ie_ratio.value = std::numeric_limits<double>::quiet_NaN();
+  return diagnosis;
+}
+
+TEST(DiagnosisJson, HasTheKeysOfTheSchema) {
+  const std::array axes{explained_by_a_walk()};
+  const auto json = nlohmann::json::parse(to_json(axes));
+  EXPECT_EQ(json.at("schema"), "zerorate.diagnosis/1");
+  EXPECT_EQ(json.at("verdict"), "explained");
+  const auto& cause = json.at("causes").at(0);
+  EXPECT_EQ(cause.at("name"), "rate_random_walk");
+  EXPECT_EQ(cause.at("parameters").at("coefficient_dps_per_sqrt_s_ci95").at(1), 1.5e-4);
+  EXPECT_EQ(cause.at("alternatives").at(0).at("behind_nats"), 2.1);
+  // Rows inside the envelope are no misfit; what was not measured is null.
+  EXPECT_EQ(json.at("misfit").size(), 1U);
+  EXPECT_EQ(json.at("adequacy").at("base").at("holds"), false);
+  EXPECT_TRUE(json.at("gain").at("ie_ratio").is_null());
+  EXPECT_EQ(json.at("gain").at("rsse_ratio_ci95").at(0), 0.8);
+}
+
+TEST(DiagnosisJsonOfSeveralAxes, IsAListOfSuchObjects) {
+  const std::array axes{explained_by_a_walk(), explained_by_a_walk()};
+  const auto json = nlohmann::json::parse(to_json(axes));
+  EXPECT_EQ(json.at("axes").size(), 2U);
+  EXPECT_EQ(json.at("axes").at(1).at("axis"), "z");
+}
+
+TEST(DiagnosisInWords, SaysMisfitCauseRivalsAndGain) {
+  const std::string words = in_words(explained_by_a_walk());
+  EXPECT_THAT(words, HasSubstr("The Allan deviation (tau 800 s) is 2.1 times the most that white "
+                               "noise, 1/f noise and a constant give."));
+  EXPECT_THAT(words, HasSubstr("A random walk of 1.2e-4 deg/s/sqrt(s) explains it."));
+  EXPECT_THAT(words, HasSubstr("fractional order (2.1 nats behind)"));
+  EXPECT_THAT(words, HasSubstr("rate ramp comes nearest and does not do (14 nats worse)"));
+  EXPECT_THAT(words, HasSubstr("the heading drift over 300 s falls from 6.9 to 5.2 deg [4.8, 5.7], "
+                               "and the 95 % interval covers 95 % instead of 81 %"));
+}
+
+TEST(DiagnosisInWords, NamesNoCauseAsProvenWhenSomethingIsLeft) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.verdict = Verdict::unexplained;
+  diagnosis.extended_adequacy = {.holds = false, .failures = {"the innovations are skewed"}};
+  EXPECT_THAT(in_words(diagnosis), HasSubstr("no cause is proven: the innovations are skewed."));
+  diagnosis.causes.clear();
+  EXPECT_THAT(in_words(diagnosis), HasSubstr("No effect of the catalogue explains it"));
+}
+
+TEST(DiagnosisInWords, SaysThatNothingIsWrong) {
+  const std::string words = in_words({.samples = 20'000});
+  EXPECT_THAT(words, HasSubstr("describe this recording"));
+  EXPECT_THAT(words, Not(HasSubstr("nats")));
+}
+
+TEST(DiagnosisReport, HoldsVerdictEvidenceGainAndModel) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.extended_model.name = "extended";
+  diagnosis.extended_model.white.angle_random_walk_rad_per_sqrt_s = 1e-4;
+  const std::array axes{diagnosis};
+  const std::string html =
+      make_report(axes, {.title = "t", .recording = "rest.csv", .provenance = "p"}).html();
+  for (const char* expected :
+       {"Axis z: explained", "coefficient_dps_per_sqrt_s", "not examined: no temperature",
+        "What the extension buys", "zerorate replay rest.csv", "zerorate.model/1"}) {
+    EXPECT_THAT(html, HasSubstr(expected));
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
