@@ -3,11 +3,16 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"
+#include "host_tools/lib/diagnose/diagnose.hpp"
+#include "host_tools/lib/diagnose/diagnosis_report.hpp"
+#include "host_tools/lib/diagnose/diagnosis_words.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 #include "host_tools/lib/evaluate/simulated_drive.hpp"
@@ -44,13 +49,59 @@ void replay_and_report(const Options& options, const std::string& recording,
              std::filesystem::absolute(directory / "replay.json").string());
 }
 
+/// The drive once more, with the model that the diagnosis has extended.
+void replay_extended(const Options& options, evaluate::ReplayOptions replay_options,
+                     const evaluate::SimulatedDrive& drive, const diagnose::Diagnosis& diagnosis) {
+  if (diagnosis.causes.empty() || diagnosis.gain.holdout_samples == 0) return;
+  replay_options.model = diagnosis.extended_model;
+  recording::Reader reader{std::filesystem::path(options.directory) / "drive.csv.gz"};
+  const evaluate::ReplayResult result = replay_watched(
+      reader, replay_options, {}, [&](std::uint64_t row) { return drive.true_rate_rad_s(row); });
+  fmt::print("The drive once more, with the extended model. {}\n\n",
+             evaluate::summary(result, kYaw));
+}
+
+/// Diagnoses what the sensor of the drive gave while the vehicle was parked.
+diagnose::Diagnosis diagnose_parked(const Options& options, const evaluate::SimulatedDrive& drive) {
+  constexpr double kParkedS = 1800.0;
+  const std::filesystem::path directory = options.directory;
+  const auto recording = directory / "parked.csv.gz";
+  drive.write_parked(recording, kParkedS);
+  fmt::print(
+      "\nThe gyro has an effect that its model does not know. Diagnosing half an hour "
+      "parked ...\n\n");
+  recording::Reader reader{recording};
+  const auto record = diagnose::record_of(identify::read_rest_samples(reader), 0);
+  diagnose::DiagnoseOptions diagnose_options{.recording = "parked.csv.gz"};
+  std::vector<diagnose::Diagnosis> diagnosis;
+  {
+    ProgressBar progress{"diagnosing"};
+    diagnose_options.on_progress = [&](double share) { progress.update(share); };
+    diagnosis.push_back(diagnose::diagnose(record, diagnose_options));
+  }
+  const auto report = directory / "diagnosis.html";
+  diagnose::make_report(diagnosis,
+                        {.title = "zerorate: what the model does not know",
+                         .recording = "parked.csv.gz",
+                         .provenance = fmt::format("zerorate {}, zerorate demo --seed {}",
+                                                   ZERORATE_VERSION, options.seed)})
+      .write(report);
+  fmt::print("{}\n\nThe report of the diagnosis: {}\n\n", diagnose::in_words(diagnosis.front()),
+             std::filesystem::absolute(report).string());
+  return std::move(diagnosis.front());
+}
+
 ExitCode run_simulated(Options& options) {
   const auto recording = std::filesystem::path(options.directory) / "drive.csv.gz";
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   fmt::print("Simulating a drive of {:g} h with {} ...\n", options.hours,
              replay_options.model.name);
   const auto drive = evaluate::simulate_drive(
-      {.model = replay_options.model, .duration_s = options.hours * 3600.0, .seed = options.seed});
+      {.model = replay_options.model,
+       .duration_s = options.hours * 3600.0,
+       .seed = options.seed,
+       .hidden = {evaluate::draw_hidden_effect(
+           replay_options.model, simulate::RandomStream(options.seed).substream("hidden"))}});
   drive.write(recording);
   fmt::print("Replaying {} through the simulated chip, its driver and the node ...\n\n",
              std::filesystem::absolute(recording).string());
@@ -69,6 +120,7 @@ ExitCode run_simulated(Options& options) {
                        options.hours, replay_options.model.name),
        .provenance = fmt::format("zerorate {}, zerorate demo --hours {:g} --seed {}",
                                  ZERORATE_VERSION, options.hours, options.seed)});
+  replay_extended(options, replay_options, drive, diagnose_parked(options, drive));
   return success;
 }
 

@@ -12,6 +12,8 @@
 namespace zerorate::evaluate {
 namespace {
 
+constexpr std::size_t kYaw = 2;
+
 std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double bias_rad_s) {
   std::vector<simulate::Effect> effects{
       simulate::ConstantBias{.bias_rad_s = bias_rad_s},
@@ -26,6 +28,30 @@ std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double
 }
 
 }  // namespace
+
+simulate::Effect draw_hidden_effect(const model::SensorModel& model,
+                                    const simulate::RandomStream& stream) {
+  const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
+  const double slow = model.flicker ? model.flicker->bias_instability_rad_s : 0.03 * arw;
+  const double sign = stream.uniform(1) < 0.5 ? -1.0 : 1.0;
+  constexpr std::uint64_t kEffects = 5;
+  switch (stream.bits(0) % kEffects) {
+    case 0:
+      return simulate::WarmUpTransient{.amplitude_rad_s = sign * 40.0 * slow,
+                                       .time_constant_s = 200.0 + 200.0 * stream.uniform(2)};
+    case 1:  // over half an hour about 450 nats
+      return simulate::PeriodicDisturbance{.amplitude_rad_s = arw,
+                                           .frequency_hz = 2.0 + 10.0 * stream.uniform(2)};
+    case 2:
+      return simulate::BiasJump{.height_rad_s = sign * 15.0 * slow,
+                                .time_s = 500.0 + 800.0 * stream.uniform(2)};
+    case 3:
+      return simulate::RandomTelegraphNoise{
+          .height_rad_s = sign * 15.0 * slow, .mean_low_s = 60.0, .mean_high_s = 60.0};
+    default:  // at 104 Hz fifteen times the noise of a sample
+      return simulate::Outliers{.sigma_rad_s = 150.0 * arw, .probability = 1e-4};
+  }
+}
 
 std::array<float, 3> SimulatedDrive::true_rate_rad_s(std::uint64_t row) const {
   const auto& rate = motion_.rate_rad_s[row];
@@ -46,6 +72,17 @@ void SimulatedDrive::write(const std::filesystem::path& path) const {
   writer.finish();
 }
 
+void SimulatedDrive::write_parked(const std::filesystem::path& path, double duration_s) const {
+  recording::Writer writer{path, {.axis_count = 1}};
+  const std::span<const double> rate = rest_rate_rad_s(kYaw);
+  const auto rows = static_cast<std::size_t>(duration_s / motion_.sample_period_s);
+  for (std::size_t k = 0; k < std::min(rows, rate.size()); ++k) {
+    const double time_ns = static_cast<double>(k) * motion_.sample_period_s * 1e9;
+    writer.write({.time_ns = std::llround(time_ns), .rate_rad_s = {static_cast<float>(rate[k])}});
+  }
+  writer.finish();
+}
+
 SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
   const simulate::RandomStream stream{params.seed};
   const double period_s = 1.0 / params.sample_rate_hz;
@@ -54,7 +91,8 @@ SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const auto axis_stream = stream.substream("gyro").substream(i);
     const double bias_rad_s = double{core::kRadPerDeg} * axis_stream.normal(0);
-    const auto effects = effects_of(params.model, bias_rad_s);
+    auto effects = effects_of(params.model, bias_rad_s);
+    if (i == kYaw) effects.insert(effects.end(), params.hidden.begin(), params.hidden.end());
     rest[i] = simulate::simulate({motion.size(), period_s}, effects, axis_stream).rate_rad_s;
   }
   return {std::move(motion), std::move(rest)};

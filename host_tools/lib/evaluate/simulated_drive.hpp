@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 
 namespace zerorate::evaluate {
@@ -19,7 +20,14 @@ struct SimulatedDriveParams {
   double duration_s = 7200.0;
   double sample_rate_hz = 104.0;
   std::uint64_t seed = 1;
+  /// What the model does not know: added to the yaw axis.
+  std::vector<simulate::Effect> hidden{};
 };
+
+/// An effect that the model lacks, large enough to be found in half an hour at rest: a warm-up, a
+/// line, a jump, telegraph noise or outliers, as the stream draws it.
+[[nodiscard]] simulate::Effect draw_hidden_effect(const model::SensorModel& model,
+                                                  const simulate::RandomStream& stream);
 
 class SimulatedDrive {
  public:
@@ -34,6 +42,9 @@ class SimulatedDrive {
   }
   /// As a recording with odometer pulses. Throws recording::Error.
   void write(const std::filesystem::path& path) const;
+  /// The yaw axis as it would have been recorded with the vehicle parked for so long, or for the
+  /// length of the drive. Throws recording::Error.
+  void write_parked(const std::filesystem::path& path, double duration_s) const;
 
  private:
   simulate::VehicleMotion motion_;
