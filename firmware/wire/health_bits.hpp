@@ -37,7 +37,8 @@ inline constexpr std::array<HealthBit, 7> kHealthBits{{
 }
 
 /// Bits that this version does not know are ignored.
-[[nodiscard]] constexpr app::Health decode_health(std::uint8_t bits) {
+[[nodiscard]] constexpr app::Health decode_health(std::uint8_t byte) {
+  const unsigned bits = byte;
   app::Health health;
   for (std::size_t i = 0; i < kHealthBits.size(); ++i) {
     health.*kHealthBits[i].flag = ((bits >> i) & 1U) != 0;

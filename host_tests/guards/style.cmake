@@ -38,8 +38,14 @@ add_test(NAME style.untidy_code_is_refused
           "${CMAKE_CURRENT_BINARY_DIR}/untidy.cpp" -- -std=c++20)
 set_tests_properties(style.untidy_code_is_refused PROPERTIES LABELS style
   PASS_REGULAR_EXPRESSION "error: use nullptr")
+# Of the two sources for libgpiod only the one that this machine builds means anything here.
+get_target_property(hal_linux_sources zerorate_hal_linux SOURCES)
 foreach(file ${tidy_files})
   cmake_path(GET file PARENT_PATH folder)
+  cmake_path(GET file FILENAME name)
+  if(name MATCHES "^gpio_line_v.*\\.cpp$" AND NOT "${hal_linux_sources}" MATCHES "${name}")
+    continue()
+  endif()
   if(file MATCHES "\\.hpp$" AND folder MATCHES "^(host_tools/|firmware/model|hal/(sim|testing|linux))")
     continue()
   endif()

@@ -121,7 +121,7 @@ void print_diagnosis(const Diagnosis& diagnosis) {
 /// FILE for a single axis; of several, FILE-x and so on before the extension.
 std::filesystem::path model_path(const Options& options, const Diagnosis& diagnosis,
                                  std::size_t axes) {
-  const std::filesystem::path path = options.model_out;
+  std::filesystem::path path = options.model_out;
   if (axes == 1) return path;
   return path.parent_path() /
          fmt::format("{}-{}{}", path.stem().string(), diagnosis.axis, path.extension().string());
