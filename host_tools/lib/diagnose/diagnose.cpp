@@ -1,5 +1,7 @@
 #include "host_tools/lib/diagnose/diagnose.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -157,6 +159,11 @@ Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
     diagnosis.gain = gain_of(record, selection, options);
   } catch (const std::invalid_argument& reason) {
     diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+  }
+  if (record.standstills > 1) {
+    diagnosis.remarks.push_back(fmt::format(
+        "Of the {} standstills of the recording the longest, of {:.0f} s, was diagnosed.",
+        record.standstills, record.time_s.back() - record.time_s.front()));
   }
   if (series.is_ticks) {
     diagnosis.remarks.emplace_back(

@@ -17,12 +17,14 @@ struct Record {
   std::vector<double> time_s;    ///< ascending
   std::vector<double> rate_rad_s;
   std::vector<double> temperature_degc;  ///< as many, or none
+  std::size_t standstills = 1;           ///< of the recording; this is the longest of them
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
 
-/// One axis of the samples; time begins at the first one. A temperature that was lost is that of
-/// the sample before.
+/// One axis of the longest standstill of the samples; time begins at their first one. Between
+/// standstills nothing was lost, and nothing of the noise is known. A temperature that was lost is
+/// that of the sample before.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
 }  // namespace zerorate::diagnose

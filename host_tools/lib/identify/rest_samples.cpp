@@ -25,7 +25,10 @@ class RestFilter {
       ++samples_.lost;
     } else if (has_motion_column() && !standstill_.is_settled(at)) {
       ++samples_.moving;
+      driven_ = true;
     } else {
+      if (driven_ && !samples_.time.empty()) samples_.after_drives.push_back(samples_.time.size());
+      driven_ = false;
       samples_.time.push_back(at);
       samples_.rate_rad_s.push_back(row.rate_rad_s);
       if (columns_.temperature) samples_.temperature_degc.push_back(row.temperature_degc);
@@ -49,6 +52,11 @@ class RestFilter {
       samples_.rate_rad_s.pop_back();
       if (columns_.temperature) samples_.temperature_degc.pop_back();
       ++samples_.moving;
+      driven_ = true;
+    }
+    auto& after_drives = samples_.after_drives;
+    while (!after_drives.empty() && after_drives.back() >= samples_.time.size()) {
+      after_drives.pop_back();
     }
   }
 
@@ -63,6 +71,7 @@ class RestFilter {
   core::Standstill standstill_;
   RestSamples& samples_;
   std::int64_t pulses_ = 0;  ///< of the row before
+  bool driven_ = false;      ///< since the newest sample at rest
 };
 
 /// Where the longest run lies in which next(i) follows i.

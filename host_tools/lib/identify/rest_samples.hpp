@@ -29,6 +29,9 @@ struct RestSamples {
   std::vector<std::array<float, recording::kMaxAxes>> rate_rad_s;  ///< one per time
   std::vector<float> temperature_degc;  ///< one per time, NaN where lost; empty without the column
 
+  /// The samples, by index, between which and the one before the vehicle moved; ascending.
+  std::vector<std::size_t> after_drives;
+
   std::uint64_t rows = 0;    ///< of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance

@@ -25,6 +25,23 @@ void lose(Record& record, std::size_t first, std::size_t count) {
   cut(record.rate_rad_s);
 }
 
+// Ten samples a second, a drive from 30 to 70 s: what is left out of it was never lost.
+TEST(RecordOfARecordingWithADrive, IsTheLongestStandstill) {
+  identify::RestSamples samples{.sample_period = core::Duration::milliseconds(100),
+                                .after_drives = {300}};
+  for (int k = 0; k < 1500; ++k) {
+    if (k >= 300 && k < 700) continue;
+    samples.time.push_back(core::Instant::from_ns(std::int64_t{k} * 100'000'000));
+    samples.rate_rad_s.push_back({static_cast<float>(k), 0.0F, 0.0F});
+  }
+  const Record record = record_of(samples, 0);
+  EXPECT_EQ(record.standstills, 2U);
+  ASSERT_EQ(record.size(), 800U);
+  EXPECT_DOUBLE_EQ(record.time_s.front(), 70.0);
+  EXPECT_DOUBLE_EQ(record.rate_rad_s.back(), 1499.0);
+  EXPECT_EQ(even_series_of(record).losses.runs, 0U);
+}
+
 TEST(SeriesOfASteadyRecord, IsTheRecord) {
   const EvenSeries series = even_series_of(steady(1000, 0.01));
   EXPECT_EQ(series.rate_rad_s, steady(1000, 0.01).rate_rad_s);

@@ -37,6 +37,7 @@ TEST(RestSamplesWithoutMotionColumn, AreAllRows) {
   EXPECT_EQ(samples.sample_period, Duration::milliseconds(100));
   EXPECT_EQ(samples.span(), Duration::milliseconds(200));
   EXPECT_EQ(samples.moving, 0U);
+  EXPECT_THAT(samples.after_drives, ::testing::IsEmpty());
 }
 
 TEST(RestSamples, LeaveOutLostRatesAndTimesThatDoNotAdvance) {
@@ -59,6 +60,7 @@ TEST(RestSamplesWithStillColumn, BeginASettleTimeAfterTheDriveAndEndAHoldBackBef
   EXPECT_EQ(tenths[36], 79);
   EXPECT_EQ(tenths.back(), 99);
   EXPECT_EQ(samples.moving, 100U - 57U);
+  EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
 }
 
 TEST(RestSamplesWithOdometer, MoveWithEveryChangeOfTheCount) {
@@ -66,6 +68,7 @@ TEST(RestSamplesWithOdometer, MoveWithEveryChangeOfTheCount) {
                                         [](int k) { return std::to_string(k < 50 ? 7 : 8); }));
   // One pulse in row 50: nothing from 4.6 to 5.9 s.
   EXPECT_EQ(samples.time.size(), 36U + 40U);
+  EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
 }
 
 TEST(TickMeansOfRestSamples, AreAbsentWhereThereAreNoSamples) {
