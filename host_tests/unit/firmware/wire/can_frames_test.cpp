@@ -55,7 +55,8 @@ std::int64_t raw_value(const CanFrame& frame, const Signal& signal) {
   std::uint64_t bits = 0;
   for (unsigned i = 0; i < signal.length; ++i) {
     const unsigned at = signal.start + i;
-    bits |= std::uint64_t{(frame.data.at(at / 8) >> at % 8) & 1U} << i;
+    const unsigned byte = frame.data.at(at / 8);
+    bits |= std::uint64_t{(byte >> at % 8) & 1U} << i;
   }
   const bool is_negative = signal.is_signed && ((bits >> (signal.length - 1)) & 1U) != 0;
   return static_cast<std::int64_t>(bits) -
