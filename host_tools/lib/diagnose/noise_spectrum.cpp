@@ -311,8 +311,8 @@ SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
   SpectrumFit best;
   bool any = false;
   for (const NoiseSpectrum& start : starts) {
-    SpectrumFit fit = scoring.maximise(start);
-    if (!any || fit.log_likelihood > best.log_likelihood) best = std::move(fit);
+    const SpectrumFit fit = scoring.maximise(start);
+    if (!any || fit.log_likelihood > best.log_likelihood) best = fit;
     any = true;
   }
   return best;

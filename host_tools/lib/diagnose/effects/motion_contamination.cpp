@@ -100,7 +100,8 @@ class MotionContamination final : public Effect {
   [[nodiscard]] Account tell(const Found& found) const override {
     const std::vector<double>& shape = found.part().shape;
     const Problem& problem = found.all.problem();
-    const auto events = static_cast<double>(shape.size() / 3);
+    const std::size_t triples = shape.size() / 3;
+    const auto events = static_cast<double>(triples);
     double squares = 0.0;
     double duration_s = 0.0;
     Account account;
