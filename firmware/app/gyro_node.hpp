@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -43,8 +44,10 @@ struct NodeParams {
   core::Modes<R, C> modes;                   ///< the slow noise at the filter's tick
   float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample
   float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
-  core::Gate gate;                           ///< of the Kalman predictor; off by default
-  core::Duration sample_period;              ///< nominal; the stamps of the samples decide
+  /// What the bias changes by while the power is off; infinite: unknown, nothing is worth keeping.
+  float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  core::Gate gate;               ///< of the Kalman predictor; off by default
+  core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
 };
@@ -67,8 +70,9 @@ class GyroNode {
   using Span = core::Transition<R, C>;
   using HoldBack = core::HoldBackLine<core::TickMean<kAxes>, kHeldTicks>;
 
+  using Filter = typename core::KalmanPredictor<R, C>::State;
   struct AxisState {
-    typename core::KalmanPredictor<R, C>::State kalman;
+    Filter kalman;
     typename core::MovingAverage<R, C, Capacity.average_levels>::State moving_average;
     typename core::CalibrationMean<R, C>::State calibration_mean;
     core::InnovationMonitor::State monitor;
@@ -160,6 +164,25 @@ class GyroNode {
 
   [[nodiscard]] constexpr State state() const;
   constexpr void restore(const State& state);
+
+  /// What is worth keeping while the power is off: the Kalman predictor of an axis, as of the
+  /// newest measurement. The other predictors begin anew at the next stop.
+  [[nodiscard]] constexpr const Filter& filter(std::size_t axis) const {
+    return axes_[axis].kalman.state();
+  }
+  [[nodiscard]] static constexpr std::array<Filter, kAxes> filters(const State& state) {
+    return {state.axes[0].kalman, state.axes[1].kalman, state.axes[2].kalman};
+  }
+  /// Ticks from the newest measurement to the end of the one being filled.
+  [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
+    return average_.tick() + 1 - measured_ticks_;
+  }
+  [[nodiscard]] static constexpr std::uint32_t ticks_since_measured(const State& state) {
+    return state.average.tick + 1 - state.measured_ticks;
+  }
+  /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, and
+  /// adds what the bias changes by while the power is off. Before the first sample.
+  constexpr void resume(const std::array<Filter, kAxes>& filters, std::uint32_t ticks);
 
  private:
   struct Axis {
@@ -270,7 +293,7 @@ constexpr RateMessage GyroNode<R, C, Capacity>::step_without_sample(core::Instan
 template <std::size_t R, std::size_t C, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, Capacity>::describe(
     RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
-  message.health.calibrated = measured_ticks_ > 0;
+  message.health.calibrated = predicted_[0].is_available();
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -345,7 +368,7 @@ constexpr void GyroNode<R, C, Capacity>::predict_tick() {
 
 template <std::size_t R, std::size_t C, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, Capacity>::update_lead() {
-  const std::uint32_t ticks = average_.tick() + 1 - measured_ticks_;
+  const std::uint32_t ticks = ticks_since_measured();
   if (ticks == lead_.ticks) return;
   // One more tick is one composition. Every 1024 the span is made afresh by doubling, so that the
   // roundings of a long drive do not add up.
@@ -403,6 +426,22 @@ constexpr void GyroNode<R, C, Capacity>::restore(const State& state) {
     axes_[i].monitor.restore(state.axes[i].monitor);
   }
   if (has_sample_) predict_tick();
+}
+
+template <std::size_t R, std::size_t C, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, Capacity>::resume(const std::array<Filter, kAxes>& filters,
+                                                std::uint32_t ticks) {
+  ZERORATE_ASSERT(!has_sample_);
+  const Span off = params_.modes.over(ticks);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    auto& kalman = axes_[i].kalman;
+    kalman.restore(filters[i]);
+    kalman.advance(off);
+    Filter aged = kalman.state();
+    aged.bias_variance += params_.turn_on_variance_rad2_s2;
+    kalman.restore(aged);
+  }
+  predict_tick();
 }
 
 }  // namespace zerorate::app

@@ -39,6 +39,12 @@ std::string modes(const std::string& name, const Mode* first, std::size_t count)
   return text + "              }},\n";
 }
 
+/// An infinite variance, which is the default, has no literal.
+std::string turn_on(float variance) {
+  if (!core::is_finite(variance)) return {};
+  return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
+}
+
 /// For a comment: a name cannot end the line and go on as source.
 std::string on_one_line(std::string text) {
   for (char& character : text) {
@@ -91,6 +97,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "    .white_variance_rad2_s2 = " +
          literal(node.white_variance_rad2_s2) +
          ",\n    .unaveraged_variance_rad2_s2 = " + literal(node.unaveraged_variance_rad2_s2) +
+         turn_on(node.turn_on_variance_rad2_s2) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "}" +
          ",\n"

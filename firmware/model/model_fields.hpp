@@ -119,6 +119,12 @@ void visit_fields(auto& visitor, MaybeConst<Gate> auto& gate) {
   visitor.text("source", gate.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<TurnOn> auto& turn_on) {
+  visitor.number("sigma_dps", turn_on.sigma_rad_s, FileUnit::degree, kNotNegative,
+                 Presence::required);
+  visitor.text("source", turn_on.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Node> auto& node) {
   visitor.start("start", node.start);
 }
@@ -137,6 +143,7 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.table("rate_ramp", model.rate_ramp);
   visitor.table("quantization", model.quantization);
   visitor.table("gate", model.gate);
+  visitor.table("turn_on", model.turn_on);
   visitor.table("node", model.node, Presence::optional);
 }
 

@@ -183,6 +183,10 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
   if (model.gate) {
     node.gate = gate_of(*model.gate, tick_s);
   }
+  if (model.turn_on) {
+    const double sigma = model.turn_on->sigma_rad_s;
+    node.turn_on_variance_rad2_s2 = single(sigma * sigma);
+  }
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");
   }

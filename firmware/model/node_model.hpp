@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,8 @@ struct NodeModel {
   core::Modes<R, C> modes;                   ///< the slow noise, at the filter's tick
   float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample, r in S(f) = r + ...
   float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
+  /// What the bias changes by while the power is off; infinite where the model does not say.
+  float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
 
   /// Of the mean of a tick's samples.
@@ -89,6 +92,7 @@ template <std::size_t R, std::size_t C>
   std::copy_n(full.modes.rotating.begin(), rotating, fitting.modes.rotating.begin());
   fitting.white_variance_rad2_s2 = full.white_variance_rad2_s2;
   fitting.unaveraged_variance_rad2_s2 = full.unaveraged_variance_rad2_s2;
+  fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.gate = full.gate;
   return fitting;
 }

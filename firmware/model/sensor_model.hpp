@@ -126,6 +126,14 @@ struct Gate {
   bool operator==(const Gate&) const = default;
 };
 
+/// What the bias changes by from one switching-on to the next, beside what the noise did meanwhile.
+struct TurnOn {
+  double sigma_rad_s = 0.0;
+  std::string source{};
+
+  bool operator==(const TurnOn&) const = default;
+};
+
 /// What the model tells the node besides the noise.
 struct Node {
   core::Start start = core::Start::stationary;
@@ -147,6 +155,7 @@ struct SensorModel {
   std::optional<RateRamp> rate_ramp;
   std::optional<Quantization> quantization;
   std::optional<Gate> gate;
+  std::optional<TurnOn> turn_on;
   Node node;
 
   bool operator==(const SensorModel&) const = default;

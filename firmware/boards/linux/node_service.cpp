@@ -62,6 +62,40 @@ std::string_view name_of(hal::StorageError error) {
   return "unknown";
 }
 
+std::string_view name_of(app::SnapshotRefusal refusal) {
+  switch (refusal) {
+    case app::SnapshotRefusal::not_a_snapshot:
+      return "not a record of a node";
+    case app::SnapshotRefusal::damaged:
+      return "damaged";
+    case app::SnapshotRefusal::other_layout:
+      return "saved by another version";
+    case app::SnapshotRefusal::other_model:
+      return "saved with another model or filter";
+    case app::SnapshotRefusal::other_sensor:
+      return "saved with another gyro";
+    case app::SnapshotRefusal::nothing_learnt:
+      return "saved before anything was learnt";
+    case app::SnapshotRefusal::turn_on_unknown:
+      return "saved in another boot, and the model has no [turn_on]";
+    case app::SnapshotRefusal::transient_at_start:
+      return "saved in another boot, and the model has a warm-up or a ramp";
+  }
+  return "unknown";
+}
+
+std::string_view name_of(app::Resumption resumption) {
+  switch (resumption) {
+    case app::Resumption::continued:
+      return "nothing lost";
+    case app::Resumption::aged:
+      return "aged by the time since it was saved";
+    case app::Resumption::aged_by_a_day:
+      return "aged by a day, for the clock does not tell";
+  }
+  return "unknown";
+}
+
 /// A line for the log, without a heap.
 template <class... Arguments>
 void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -82,11 +116,12 @@ std::string_view describe(const drivers::DriverError& error, std::span<char, 96>
 }
 
 NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
-                         hal::linux_os::FileStorage* storage, const BootId& boot, Log log)
+                         hal::linux_os::FileStorage* storage, const app::Session& session, Log log)
     : configuration_(configuration),
       hardware_(hardware),
       storage_(storage),
-      record_(configuration.node, boot),
+      snapshot_(configuration.node, sensor_id(configuration.gyro)),
+      session_(session),
       log_(log),
       node_(configuration.node),
       loop_(node_, hardware, hardware, hardware, hardware, queue_),
@@ -97,19 +132,18 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
 
 bool NodeService::restore() {
   if (storage_ == nullptr) return false;
-  StateRecord::Bytes bytes{};
+  std::array<std::uint8_t, app::Snapshot<Node>::kBytesOfState> bytes{};
   const auto size = storage_->load(bytes);
   if (!size) {
     log_line(log_, "state: {}; starting without", name_of(size.error()));
     return false;
   }
-  const auto state = record_.decode(std::span{bytes}.first(*size));
-  if (!state) {
-    log_("state: saved in another boot or by another configuration; starting without");
+  const auto restored = snapshot_.restore(node_, std::span{bytes}.first(*size), time_in(session_));
+  if (!restored) {
+    log_line(log_, "state: {}; starting without", name_of(restored.error()));
     return false;
   }
-  node_.restore(*state);
-  log_("state: restored");
+  log_line(log_, "state: restored, {}", name_of(*restored));
   return true;
 }
 
@@ -185,7 +219,7 @@ void NodeService::report_changes(const Snapshot& now) {
 
 void NodeService::save(const Node::State& state) {
   if (storage_ == nullptr) return;
-  if (const auto saved = storage_->save(record_.encode(state)); !saved) {
+  if (const auto saved = storage_->save(snapshot_.of_state(state, time_in(session_))); !saved) {
     ++counters_.save_errors;
     log_line(log_, "state: not saved: {}", name_of(saved.error()));
     return;

@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "firmware/app/node_loop.hpp"
+#include "firmware/app/snapshot.hpp"
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/message_queue.hpp"
-#include "firmware/boards/linux/saved_state.hpp"
+#include "firmware/boards/linux/session.hpp"
 #include "firmware/boards/linux/sinks.hpp"
 #include "hal/linux/file_storage.hpp"
 
@@ -42,7 +43,7 @@ class NodeService {
   /// @param configuration, hardware, storage  must outlive the service
   /// @param storage  nullptr: nothing is saved
   NodeService(const Configuration& configuration, Hardware& hardware,
-              hal::linux_os::FileStorage* storage, const BootId& boot, Log log);
+              hal::linux_os::FileStorage* storage, const app::Session& session, Log log);
 
   /// Takes up the saved state, if there is one that fits. Before measure().
   /// @return whether it did
@@ -76,7 +77,8 @@ class NodeService {
   const Configuration& configuration_;
   Hardware& hardware_;
   hal::linux_os::FileStorage* storage_;
-  StateRecord record_;
+  app::Snapshot<Node> snapshot_;
+  app::Session session_;
   Log log_;
 
   Node node_;

@@ -31,6 +31,7 @@ inline constexpr app::NodeParams<kDecayingModes, kRotatingModes> kNodeParams{
     },
     .white_variance_rad2_s2 = 2.3915854e-07F,
     .unaveraged_variance_rad2_s2 = 0.0F,
+    .turn_on_variance_rad2_s2 = 3.0461742e-06F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .sample_period = core::Duration::nanoseconds(9599520),
 };

@@ -5,6 +5,7 @@
 #include <sys/un.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ namespace {
 
 using hal::testing::Fault;
 
-constexpr BootId kBoot{'a'};
+constexpr app::Session kBoot{'a'};
 
 std::vector<std::string>& log_lines() {
   static std::vector<std::string> lines;
@@ -36,13 +37,18 @@ bool was_logged(const std::string& piece) {
 
 /// A service on simulated hardware, both of its threads played by the test.
 struct ServiceRig {
-  explicit ServiceRig(Log log = keep_line, const BootId& boot = kBoot) {
+  explicit ServiceRig(Log log = keep_line, const app::Session& boot = kBoot) {
     log_lines().clear();
     configuration.sinks.emplace_back(UnixSettings{(folder.path() / "rate").string()});
     configuration.sinks.emplace_back(JsonSettings{(folder.path() / "rate.jsonl").string()});
     configuration.state =
         StateSettings{(folder.path() / "state").string(), core::Duration::seconds(10)};
     service.emplace(configuration, hardware, &storage, boot, log);
+  }
+
+  /// A new service, in this boot, on the same storage.
+  void restart(const app::Session& boot) {
+    service.emplace(configuration, hardware, &storage, boot, keep_line);
   }
 
   /// Sample by sample, with a tick each second.
@@ -210,13 +216,32 @@ TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
   EXPECT_NEAR(again.latest()->message.axes[0].bias.in(core::rad_per_s), bias, 1e-6F);
 }
 
-TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedState) {
+TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTurnOn) {
   ServiceRig rig;
+  rig.configuration.node.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  rig.restart(kBoot);
   rig.run(2000);
   rig.service->finish();
-  NodeService again{rig.configuration, rig.hardware, &rig.storage, BootId{'b'}, keep_line};
-  EXPECT_FALSE(again.restore());
-  EXPECT_TRUE(was_logged("another boot"));
+  rig.restart(app::Session{'b'});
+  EXPECT_FALSE(rig.service->restore());
+  EXPECT_TRUE(was_logged("another boot, and the model has no [turn_on]"));
+}
+
+TEST(NodeServiceAfterAnotherBoot, GoesOnWithAWiderIntervalIfTheModelKnowsTheTurnOn) {
+  ServiceRig rig;
+  rig.configuration.node.turn_on_variance_rad2_s2 = 1e-6F;
+  rig.restart(kBoot);
+  rig.run(2000);
+  const app::RateMessage before = rig.latest();
+  rig.service->finish();
+  rig.restart(app::Session{'b'});
+  EXPECT_TRUE(rig.service->restore());
+  EXPECT_TRUE(was_logged("restored, aged by the time since it was saved"));
+  rig.run(30);
+  EXPECT_TRUE(rig.latest().health.calibrated);
+  EXPECT_FLOAT_EQ(rig.latest().axes[0].bias.in(core::rad_per_s),
+                  before.axes[0].bias.in(core::rad_per_s));
+  EXPECT_GT(rig.latest().axes[0].sigma.in(core::rad_per_s), 1e-3F);
 }
 
 TEST(NodeServiceWithAnotherModel, StartsWithoutTheSavedState) {

@@ -1,0 +1,258 @@
+/// @file
+/// What a node has learnt, as a record that outlives its program and its power.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "core/base/crc32.hpp"
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "firmware/app/gyro_node.hpp"
+
+namespace zerorate::app {
+
+/// Why a record is not taken up. The node then starts from nothing, as without a record.
+enum class SnapshotRefusal : std::uint8_t {
+  not_a_snapshot,  ///< another size, or not our mark
+  damaged,         ///< the checksum is wrong
+  other_layout,    ///< of a version whose records mean something else
+  other_model,     ///< of a node with other parameters
+  other_sensor,
+  nothing_learnt,      ///< it was saved before the first standstill
+  turn_on_unknown,     ///< the power was off, and the model does not say what that changes
+  transient_at_start,  ///< the power was off, and the model has a warm-up or a ramp: each start is
+                       ///< unlike the one before
+};
+
+/// What became of a record that was taken up.
+enum class Resumption : std::uint8_t {
+  continued,      ///< bit for bit, as if there had been no pause
+  aged,           ///< by the time that the clock says to have passed since
+  aged_by_a_day,  ///< without a clock: no shorter pause makes the interval too narrow
+};
+
+/// One run of the sensor's power and of the monotonic clock: on Linux the kernel's boot id. All
+/// zeros where the board cannot tell: then every start counts as another session.
+using Session = std::array<char, 36>;
+
+/// When a snapshot is taken, or taken up.
+struct SnapshotTime {
+  Session session{};
+  std::optional<std::int64_t> utc_s;  ///< seconds since 1970, if there is a clock
+};
+
+/// Writes and reads the records of one node. A record is
+///
+///     header | filters of all axes, or the node's whole state | CRC-32
+///
+/// in the byte order and layout that all our processors share; the layout is part of the model's
+/// fingerprint. The filters are enough to go on after the power was off. Within one session the
+/// whole state goes on bit for bit.
+template <class Node>
+class Snapshot {
+  static_assert(std::endian::native == std::endian::little);
+
+ public:
+  using State = typename Node::State;
+  using Filter = typename Node::Filter;
+  using Filters = std::array<Filter, Node::kAxes>;
+  using Params = typename Node::Params;
+
+  static constexpr std::uint16_t kLayout = 1;
+  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + 4;
+  static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
+
+  /// @param sensor identifies the sensor: another number, another sensor
+  constexpr Snapshot(const Params& params, std::uint32_t sensor)
+      : model_(fingerprint(params)),
+        sensor_(sensor),
+        tick_(params.modes.tick),
+        turn_on_is_known_(core::is_finite(params.turn_on_variance_rad2_s2)),
+        has_transient_(params.modes.start == core::Start::stationary &&
+                       !params.modes.is_stationary) {}
+
+  /// A record for boards that lose their power.
+  [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
+      const Node& node, const SnapshotTime& time) const {
+    std::array<std::uint8_t, kBytesOfFilters> record{};
+    auto rest = begin(record, Content::filters, node.ticks_since_measured(), time);
+    for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
+    return finish(record);
+  }
+  /// A record for programs that are restarted.
+  [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
+                                                                 const SnapshotTime& time) const {
+    std::array<std::uint8_t, kBytesOfState> record{};
+    auto rest = begin(record, Content::state, Node::ticks_since_measured(state), time);
+    put(rest, state);
+    return finish(record);
+  }
+
+  /// Takes a record up into a node that has seen no sample yet. A refusal leaves it as it was.
+  core::Result<Resumption, SnapshotRefusal> restore(Node& node,
+                                                    std::span<const std::uint8_t> record,
+                                                    const SnapshotTime& now) const {
+    const auto header = read_header(record);
+    if (!header) return core::Unexpected{header.error()};
+    const auto payload = record.subspan(sizeof(Header), record.size() - sizeof(Header) - 4);
+    if (header->content == Content::state) {
+      const auto state = get<State>(payload);
+      if (header->session == now.session && now.session != Session{}) {
+        node.restore(state);
+        return Resumption::continued;
+      }
+      return resume(node, Node::filters(state), *header, now);
+    }
+    return resume(node, get<Filters>(payload), *header, now);
+  }
+
+ private:
+  enum class Content : std::uint16_t { filters, state };
+  static constexpr std::uint32_t kMark = 0x534E525A;  // "ZRNS"
+  static constexpr std::int64_t kNoClock = std::numeric_limits<std::int64_t>::min();
+  static constexpr core::Duration kLongestPause = core::Duration::seconds(86'400);
+
+  struct Header {
+    std::uint32_t mark = kMark;
+    std::uint16_t layout = kLayout;
+    Content content = Content::filters;
+    std::uint32_t model = 0;
+    std::uint32_t sensor = 0;
+    std::int64_t utc_s = kNoClock;
+    Session session{};
+    std::uint32_t ticks_since_measured = 0;
+  };
+  static_assert(sizeof(Header) == 64 && std::has_unique_object_representations_v<Header>);
+
+  /// Adds numbers to a checksum, in one order and without the padding between them.
+  class Fingerprint {
+   public:
+    template <class Number>
+    requires(std::is_arithmetic_v<Number> ||
+             std::is_enum_v<Number>) constexpr void add(Number number) {
+      crc_ = core::crc32(std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(number), crc_);
+    }
+    constexpr void add(core::Duration duration) { add(duration.ns()); }
+    constexpr void add(core::Complex number) {
+      add(number.re);
+      add(number.im);
+    }
+    constexpr void add_modes(const auto& modes) {
+      for (const auto& mode : modes) {
+        add(mode.forgetting);
+        add(mode.noise_variance);
+        add(mode.initial_variance);
+        add(mode.initial_mean);
+      }
+    }
+    [[nodiscard]] constexpr std::uint32_t value() const { return crc_; }
+
+   private:
+    std::uint32_t crc_ = 0;
+  };
+
+  static constexpr std::uint32_t fingerprint(const Params& params) {
+    Fingerprint print;
+    print.add(std::uint32_t{sizeof(Filters)});
+    print.add(std::uint32_t{sizeof(State)});
+    print.add(params.modes.tick);
+    print.add(params.modes.start);
+    print.add(params.modes.walk_variance);
+    print.add_modes(params.modes.decaying);
+    print.add_modes(params.modes.rotating);
+    print.add(params.white_variance_rad2_s2);
+    print.add(params.unaveraged_variance_rad2_s2);
+    print.add(params.turn_on_variance_rad2_s2);
+    print.add(params.gate.threshold_sigma);
+    print.add(params.gate.longest_knock_ticks);
+    print.add(params.sample_period);
+    print.add(params.standstill.settle);
+    print.add(params.standstill.hold_back);
+    return print.value();
+  }
+
+  template <class Value>
+  static void put(std::span<std::uint8_t>& to, const Value& value) {
+    const auto bytes = std::as_bytes(std::span{&value, 1});
+    std::ranges::transform(bytes, to.begin(), [](std::byte byte) { return std::uint8_t(byte); });
+    to = to.subspan(sizeof(Value));
+  }
+  template <class Value>
+  static Value get(std::span<const std::uint8_t> from) {
+    Value value{};
+    std::ranges::transform(from.first(sizeof(Value)),
+                           std::as_writable_bytes(std::span{&value, 1}).begin(),
+                           [](std::uint8_t byte) { return std::byte{byte}; });
+    return value;
+  }
+
+  std::span<std::uint8_t> begin(std::span<std::uint8_t> record, Content content,
+                                std::uint32_t ticks_since_measured,
+                                const SnapshotTime& time) const {
+    put(record, Header{.content = content,
+                       .model = model_,
+                       .sensor = sensor_,
+                       .utc_s = time.utc_s.value_or(kNoClock),
+                       .session = time.session,
+                       .ticks_since_measured = ticks_since_measured});
+    return record;
+  }
+  template <std::size_t Size>
+  static const std::array<std::uint8_t, Size>& finish(std::array<std::uint8_t, Size>& record) {
+    std::span<std::uint8_t> end = std::span{record}.last(4);
+    put(end, core::crc32(std::span{record}.first(Size - 4)));
+    return record;
+  }
+
+  core::Result<Header, SnapshotRefusal> read_header(std::span<const std::uint8_t> record) const {
+    using core::Unexpected;
+    if (record.size() < sizeof(Header) + 4) return Unexpected{SnapshotRefusal::not_a_snapshot};
+    const auto header = get<Header>(record);
+    if (header.mark != kMark) return Unexpected{SnapshotRefusal::not_a_snapshot};
+    const std::size_t end = record.size() - 4;
+    if (get<std::uint32_t>(record.subspan(end)) != core::crc32(record.first(end))) {
+      return Unexpected{SnapshotRefusal::damaged};
+    }
+    if (header.layout != kLayout) return Unexpected{SnapshotRefusal::other_layout};
+    if (header.model != model_) return Unexpected{SnapshotRefusal::other_model};
+    if (header.sensor != sensor_) return Unexpected{SnapshotRefusal::other_sensor};
+    const bool fits = header.content == Content::state ? record.size() == kBytesOfState
+                                                       : record.size() == kBytesOfFilters;
+    if (!fits) return Unexpected{SnapshotRefusal::not_a_snapshot};
+    return header;
+  }
+
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filters& filters,
+                                                   const Header& header,
+                                                   const SnapshotTime& now) const {
+    using core::Unexpected;
+    if (!filters[0].calibrated) return Unexpected{SnapshotRefusal::nothing_learnt};
+    if (!turn_on_is_known_) return Unexpected{SnapshotRefusal::turn_on_unknown};
+    if (has_transient_) return Unexpected{SnapshotRefusal::transient_at_start};
+    // A clock that went backwards was set meanwhile: as good as none.
+    const bool has_clock = header.utc_s != kNoClock && now.utc_s && *now.utc_s >= header.utc_s;
+    core::Duration pause = kLongestPause;
+    if (has_clock) {
+      constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
+      pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
+    }
+    node.resume(filters, header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
+    return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
+  }
+
+  std::uint32_t model_;
+  std::uint32_t sensor_;
+  core::Duration tick_;
+  bool turn_on_is_known_;
+  bool has_transient_;
+};
+
+}  // namespace zerorate::app

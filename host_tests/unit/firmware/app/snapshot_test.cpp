@@ -1,0 +1,194 @@
+#include "firmware/app/snapshot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "host_tests/unit/firmware/app/node_rig.hpp"
+
+namespace zerorate::app {
+namespace {
+
+using testing::at_ms;
+using testing::Node;
+using testing::noisy_sample;
+
+constexpr std::uint32_t kSensor = 7;
+constexpr float kBias_rad_s = 0.02F;
+constexpr float kTurnOnSigma_rad_s = 5e-4F;
+
+Node::Params params_with_turn_on() {
+  Node::Params params = testing::node_params();
+  params.turn_on_variance_rad2_s2 = kTurnOnSigma_rad_s * kTurnOnSigma_rad_s;
+  return params;
+}
+
+/// A node after a minute of standstill.
+struct Learnt {
+  explicit Learnt(const Node::Params& node_params = params_with_turn_on()) : params(node_params) {
+    for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
+      last = node.step(noisy_sample(at_ms(ms), kBias_rad_s));
+    }
+  }
+  Node::Params params;
+  Node node{params};
+  Snapshot<Node> snapshot{params, kSensor};
+  RateMessage last;
+};
+
+constexpr SnapshotTime kSaved{.session = {'a'}, .utc_s = 1'000'000};
+constexpr SnapshotTime after(std::int64_t seconds) {
+  return {.session = {'b'}, .utc_s = *kSaved.utc_s + seconds};
+}
+
+template <class Record>
+core::Result<Resumption, SnapshotRefusal> taken_up(const Node::Params& params, const Record& record,
+                                                   const SnapshotTime& now, Node& node) {
+  return Snapshot<Node>{params, kSensor}.restore(node, record, now);
+}
+template <class Record>
+SnapshotRefusal refusal_of(const Record& record, const SnapshotTime& now,
+                           const Node::Params& params = params_with_turn_on(),
+                           std::uint32_t sensor = kSensor) {
+  Node node{params};
+  const auto restored = Snapshot<Node>{params, sensor}.restore(node, record, now);
+  EXPECT_FALSE(node.predict(Predictor::kalman, 0).is_available()) << "it was touched";
+  return restored.error();
+}
+
+TEST(SnapshotOfAState, ContinuesBitForBitInTheSameSession) {
+  Learnt learnt;
+  const auto record = learnt.snapshot.of_state(learnt.node.state(), kSaved);
+  Node again{learnt.params};
+  EXPECT_EQ(*taken_up(learnt.params, record, kSaved, again), Resumption::continued);
+  for (std::int64_t ms = 60'000; ms < 65'000; ms += 10) {
+    const auto sample = noisy_sample(at_ms(ms), kBias_rad_s);
+    ASSERT_EQ(again.step(sample), learnt.node.step(sample));
+  }
+}
+
+TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
+  Learnt learnt;
+  constexpr std::int64_t kPause_s = 600;
+  for (const bool is_state : {false, true}) {
+    Node again{learnt.params};
+    const auto resumption =
+        is_state ? taken_up(learnt.params, learnt.snapshot.of_state(learnt.node.state(), kSaved),
+                            after(kPause_s), again)
+                 : taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved),
+                            after(kPause_s), again);
+    EXPECT_EQ(*resumption, Resumption::aged);
+    // The oracle: the same node, asked without a stop between, over the same time.
+    core::KalmanCoefficients<4, 0> coefficients{learnt.params.modes};
+    core::KalmanPredictor<4, 0> oracle{coefficients};
+    oracle.restore(learnt.node.filter(1));
+    const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
+    const auto expected =
+        oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)));
+    const auto resumed = again.predict(Predictor::kalman, 1);
+    EXPECT_NEAR(resumed.bias_rad_s, expected.bias_rad_s, 1e-3F * expected.sigma_rad_s());
+    EXPECT_NEAR(resumed.variance_rad2_s2,
+                expected.variance_rad2_s2 + learnt.params.turn_on_variance_rad2_s2,
+                1e-3F * expected.variance_rad2_s2);
+  }
+}
+
+TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStopAndCountsAsCalibratedBefore) {
+  Learnt learnt;
+  Node again{learnt.params};
+  ASSERT_TRUE(
+      taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again));
+  const float changed_rad_s = kBias_rad_s + 2.0F * kTurnOnSigma_rad_s;
+  const auto first = again.step(noisy_sample(at_ms(0), changed_rad_s));
+  EXPECT_TRUE(first.health.calibrated);
+  EXPECT_NEAR(first.axes[0].bias.in(core::rad_per_s), kBias_rad_s, kTurnOnSigma_rad_s);
+  RateMessage last;
+  for (std::int64_t ms = 10; ms < 60'000; ms += 10) {
+    last = again.step(noisy_sample(at_ms(ms), changed_rad_s));
+  }
+  EXPECT_NEAR(last.axes[0].bias.in(core::rad_per_s), changed_rad_s,
+              4.0F * last.axes[0].sigma.in(core::rad_per_s));
+  EXPECT_LT(last.axes[0].sigma.in(core::rad_per_s), kTurnOnSigma_rad_s);
+}
+
+TEST(SnapshotWithoutAClock, IsAgedByADay) {
+  Learnt learnt;
+  const auto record = learnt.snapshot.of_filters(learnt.node, {});
+  Node without{learnt.params};
+  EXPECT_EQ(*taken_up(learnt.params, record, {}, without), Resumption::aged_by_a_day);
+  Node with{learnt.params};
+  ASSERT_TRUE(taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved),
+                       after(86'400), with));
+  EXPECT_EQ(without.predict(Predictor::kalman, 2).variance_rad2_s2,
+            with.predict(Predictor::kalman, 2).variance_rad2_s2);
+}
+
+TEST(SnapshotWhoseClockWentBackwards, IsAgedByADay) {
+  Learnt learnt;
+  Node again{learnt.params};
+  EXPECT_EQ(
+      *taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved), after(-1), again),
+      Resumption::aged_by_a_day);
+}
+
+TEST(SnapshotOfABoardThatKnowsNoSession, IsNeverContinued) {
+  Learnt learnt;
+  const SnapshotTime unknown{.utc_s = 5};
+  Node again{learnt.params};
+  EXPECT_EQ(*taken_up(learnt.params, learnt.snapshot.of_state(learnt.node.state(), unknown),
+                      unknown, again),
+            Resumption::aged);
+}
+
+TEST(SnapshotWithOneWrongBit, IsRefusedWhereverItIs) {
+  Learnt learnt;
+  auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
+  for (std::size_t bit = 0; bit < 8 * record.size(); bit += 7) {
+    const auto mask = static_cast<std::uint8_t>(1U << (bit % 8));
+    record[bit / 8] ^= mask;
+    const auto refusal = refusal_of(record, after(10));
+    EXPECT_EQ(refusal, bit < 32 ? SnapshotRefusal::not_a_snapshot : SnapshotRefusal::damaged);
+    record[bit / 8] ^= mask;
+  }
+}
+
+TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {
+  Learnt learnt;
+  const auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
+  for (std::size_t size = 0; size < record.size(); ++size) {
+    const auto refusal = refusal_of(std::span{record}.first(size), after(10));
+    EXPECT_EQ(refusal, size < 68 ? SnapshotRefusal::not_a_snapshot : SnapshotRefusal::damaged);
+  }
+  auto louder = params_with_turn_on();
+  louder.white_variance_rad2_s2 *= 2.0F;
+  EXPECT_EQ(refusal_of(record, after(10), louder), SnapshotRefusal::other_model);
+  EXPECT_EQ(refusal_of(record, after(10), params_with_turn_on(), kSensor + 1),
+            SnapshotRefusal::other_sensor);
+  const Node::Params params = params_with_turn_on();
+  const Node fresh{params};
+  EXPECT_EQ(refusal_of(learnt.snapshot.of_filters(fresh, kSaved), after(10)),
+            SnapshotRefusal::nothing_learnt);
+}
+
+TEST(SnapshotOfAModelThatDoesNotTellTheTurnOn, IsRefusedInAnotherSessionOnly) {
+  const Node::Params params = testing::node_params();
+  Learnt learnt{params};
+  const auto record = learnt.snapshot.of_state(learnt.node.state(), kSaved);
+  EXPECT_EQ(refusal_of(record, after(10), params), SnapshotRefusal::turn_on_unknown);
+  Node again{params};
+  EXPECT_EQ(*taken_up(params, record, kSaved, again), Resumption::continued);
+}
+
+TEST(SnapshotOfAModelWithAWarmUp, IsRefusedInAnotherSession) {
+  Node::Params params = params_with_turn_on();
+  params.modes.is_stationary = false;
+  Learnt learnt{params};
+  EXPECT_EQ(refusal_of(learnt.snapshot.of_filters(learnt.node, kSaved), after(10), params),
+            SnapshotRefusal::transient_at_start);
+}
+
+}  // namespace
+}  // namespace zerorate::app
