@@ -69,6 +69,9 @@ class KalmanPredictor {
     if (span.ticks > 0) advance_by(span);
   }
 
+  /// The bias may have changed by this much, unseen.
+  constexpr void widen(float variance_rad2_s2) { state_.bias_variance += variance_rad2_s2; }
+
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
     if (!state_.calibrated) return observe_first(rate_rad_s, white_variance);

@@ -434,12 +434,9 @@ constexpr void GyroNode<R, C, Capacity>::resume(const std::array<Filter, kAxes>&
   ZERORATE_ASSERT(!has_sample_);
   const Span off = params_.modes.over(ticks);
   for (std::size_t i = 0; i < kAxes; ++i) {
-    auto& kalman = axes_[i].kalman;
-    kalman.restore(filters[i]);
-    kalman.advance(off);
-    Filter aged = kalman.state();
-    aged.bias_variance += params_.turn_on_variance_rad2_s2;
-    kalman.restore(aged);
+    axes_[i].kalman.restore(filters[i]);
+    axes_[i].kalman.advance(off);
+    axes_[i].kalman.widen(params_.turn_on_variance_rad2_s2);
   }
   predict_tick();
 }

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <type_traits>
 
 #include "core/base/crc32.hpp"
@@ -42,6 +43,15 @@ enum class Resumption : std::uint8_t {
 /// One run of the sensor's power and of the monotonic clock: on Linux the kernel's boot id. All
 /// zeros where the board cannot tell: then every start counts as another session.
 using Session = std::array<char, 36>;
+
+/// A number for a sensor that is told by its name, or by what it is wired to.
+[[nodiscard]] constexpr std::uint32_t sensor_id(std::string_view name) {
+  std::uint32_t id = 0;
+  for (const char letter : name) {
+    id = core::crc32(std::array{static_cast<std::uint8_t>(letter)}, id);
+  }
+  return id;
+}
 
 /// When a snapshot is taken, or taken up.
 struct SnapshotTime {
@@ -85,7 +95,8 @@ class Snapshot {
     std::array<std::uint8_t, kBytesOfFilters> record{};
     auto rest = begin(record, Content::filters, node.ticks_since_measured(), time);
     for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
-    return finish(record);
+    finish(record);
+    return record;
   }
   /// A record for programs that are restarted.
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
@@ -93,7 +104,8 @@ class Snapshot {
     std::array<std::uint8_t, kBytesOfState> record{};
     auto rest = begin(record, Content::state, Node::ticks_since_measured(state), time);
     put(rest, state);
-    return finish(record);
+    finish(record);
+    return record;
   }
 
   /// Takes a record up into a node that has seen no sample yet. A refusal leaves it as it was.
@@ -101,17 +113,25 @@ class Snapshot {
                                                     std::span<const std::uint8_t> record,
                                                     const SnapshotTime& now) const {
     const auto header = read_header(record);
-    if (!header) return core::Unexpected{header.error()};
-    const auto payload = record.subspan(sizeof(Header), record.size() - sizeof(Header) - 4);
-    if (header->content == Content::state) {
-      const auto state = get<State>(payload);
-      if (header->session == now.session && now.session != Session{}) {
-        node.restore(state);
-        return Resumption::continued;
-      }
-      return resume(node, Node::filters(state), *header, now);
+    if (!header || header->content == Content::filters) return restore_filters(node, record, now);
+    const auto state = get<State>(record.subspan(sizeof(Header)));
+    if (header->session == now.session && now.session != Session{}) {
+      node.restore(state);
+      return Resumption::continued;
     }
-    return resume(node, get<Filters>(payload), *header, now);
+    return resume(node, Node::filters(state), *header, now);
+  }
+  /// The same for boards whose records hold the filters only: no room for a whole state on the
+  /// stack.
+  core::Result<Resumption, SnapshotRefusal> restore_filters(Node& node,
+                                                            std::span<const std::uint8_t> record,
+                                                            const SnapshotTime& now) const {
+    const auto header = read_header(record);
+    if (!header) return core::Unexpected{header.error()};
+    if (header->content != Content::filters) {
+      return core::Unexpected{SnapshotRefusal::not_a_snapshot};
+    }
+    return resume(node, get<Filters>(record.subspan(sizeof(Header))), *header, now);
   }
 
  private:
@@ -205,11 +225,9 @@ class Snapshot {
                        .ticks_since_measured = ticks_since_measured});
     return record;
   }
-  template <std::size_t Size>
-  static const std::array<std::uint8_t, Size>& finish(std::array<std::uint8_t, Size>& record) {
-    std::span<std::uint8_t> end = std::span{record}.last(4);
-    put(end, core::crc32(std::span{record}.first(Size - 4)));
-    return record;
+  static void finish(std::span<std::uint8_t> record) {
+    std::span<std::uint8_t> end = record.last(4);
+    put(end, core::crc32(record.first(record.size() - 4)));
   }
 
   core::Result<Header, SnapshotRefusal> read_header(std::span<const std::uint8_t> record) const {

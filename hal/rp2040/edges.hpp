@@ -63,7 +63,7 @@ class LatestEdge {
 };
 static_assert(DataReady<LatestEdge>);
 
-/// A PulseInput: every edge, in a queue.
+/// A PulseInput: every edge, in a queue that is read at least once an hour.
 /// @tparam Capacity power of two; at 500 Hz 32 stamps last 64 ms
 template <std::size_t Capacity>
 class EdgeQueue {
@@ -77,7 +77,7 @@ class EdgeQueue {
       lost_.store(lost_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       return;
     }
-    microseconds_[written % Capacity] = microseconds;
+    microseconds_[written % Capacity] = static_cast<std::uint32_t>(microseconds);
     written_.store(written + 1, std::memory_order_release);
   }
 
@@ -91,15 +91,18 @@ class EdgeQueue {
     lost_reported_ = lost;
     std::uint32_t taken = taken_.load(std::memory_order_relaxed);
     const std::uint32_t written = written_.load(std::memory_order_acquire);
+    // Half of a stamp is kept; the time since tells the other half.
+    const std::uint64_t now = TimerClock::microseconds();
     for (; taken != written && batch.count < stamps.size(); ++taken) {
-      stamps[batch.count++] = TimerClock::instant(microseconds_[taken % Capacity]);
+      const auto age = static_cast<std::uint32_t>(now) - microseconds_[taken % Capacity];
+      stamps[batch.count++] = TimerClock::instant(now - age);
     }
     taken_.store(taken, std::memory_order_release);
     return batch;
   }
 
  private:
-  std::array<std::uint64_t, Capacity> microseconds_{};
+  std::array<std::uint32_t, Capacity> microseconds_{};
   std::atomic<std::uint32_t> written_{0};
   std::atomic<std::uint32_t> taken_{0};
   std::atomic<std::uint32_t> lost_{0};

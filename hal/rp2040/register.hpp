@@ -8,7 +8,8 @@ namespace zerorate::hal::rp2040 {
 
 enum class Access : std::uint8_t { read_only, write_only, read_write };
 
-/// One 32-bit register of the RP2040. An empty type: an access is one load or store.
+/// One 32-bit register of the RP2040. An empty type: an access is one load or store, and never a
+/// call, which code in RAM could not make while the flash is away.
 ///
 /// The registers of the APB and AHB peripherals have atomic aliases that set or clear the bits
 /// written as ones and leave the others alone, which an interrupt cannot tear (RP2040 datasheet,
@@ -18,10 +19,12 @@ class Register {
  public:
   static constexpr bool kHasAliases = Address >= 0x4000'0000 && Address < 0x6000'0000;
 
-  [[nodiscard]] static std::uint32_t read() requires(Kind != Access::write_only) {
+  [[gnu::always_inline]] [[nodiscard]] static std::uint32_t read() requires(Kind !=
+                                                                            Access::write_only) {
     return at(Address);
   }
-  static void write(std::uint32_t value) requires(Kind != Access::read_only) {
+  [[gnu::always_inline]] static void write(std::uint32_t value) requires(Kind !=
+                                                                         Access::read_only) {
     at(Address) = value;
   }
   static void set(std::uint32_t bits) requires(Kind != Access::read_only && kHasAliases) {
@@ -41,7 +44,7 @@ class Register {
   }
 
  private:
-  static volatile std::uint32_t& at(std::uint32_t address) {
+  [[gnu::always_inline]] static volatile std::uint32_t& at(std::uint32_t address) {
     // The address is the hardware's.
     // NOLINTNEXTLINE(performance-no-int-to-ptr,cppcoreguidelines-pro-type-reinterpret-cast)
     return *reinterpret_cast<volatile std::uint32_t*>(std::uintptr_t{address});

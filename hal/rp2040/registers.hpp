@@ -170,13 +170,40 @@ inline constexpr std::uint32_t kReceiveNotEmpty = bit(3);
 inline constexpr std::uint32_t kAbortLostArbitration = bit(12);
 }  // namespace i2c0
 
+/// 4.10.13: the serial interface to the flash (Synopsys DW_apb_ssi), which maps it to memory.
+namespace ssi {
+inline constexpr Register<0x1800'0000> kControl0;
+inline constexpr Register<0x1800'0008> kEnable;
+inline constexpr Register<0x1800'0010> kSelect;
+inline constexpr ReadOnly<0x1800'0028> kStatus;
+inline constexpr Register<0x1800'0060> kData;
+inline constexpr std::uint32_t kFrames8Bits = 7U << 16U;         // sent and received at once
+inline constexpr std::uint32_t kMapped = (31U << 16U) | 0x300U;  // as boot2.S leaves it
+inline constexpr std::uint32_t kBusy = bit(0);
+inline constexpr std::uint32_t kReceiveNotEmpty = bit(3);
+}  // namespace ssi
+
+/// 2.19.6.2: the pins of the flash.
+namespace io_qspi {
+inline constexpr Register<0x4001'800C> kChipSelect;
+inline constexpr std::uint32_t kOverrideNone = 0;
+inline constexpr std::uint32_t kOverrideLow = 2U << 8U;
+inline constexpr std::uint32_t kOverrideHigh = 3U << 8U;
+}  // namespace io_qspi
+
 /// 2.4.8: the processor's interrupt controller (Arm Cortex-M0+, NVIC); numbers as in 2.3.2.
 namespace nvic {
 inline constexpr Register<0xE000'E100> kSetEnable;
+inline constexpr Register<0xE000'E180> kClearEnable;
 inline constexpr Register<0xE000'E200> kSetPending;
 template <unsigned Interrupt>
 inline constexpr Register<0xE000'E400 + 4 * (Interrupt / 4)> kPriority;
 enum Interrupt : unsigned { timer_0 = 0, io_bank0 = 13, uart0 = 20 };
 }  // namespace nvic
+
+/// 2.4.8: where the processor finds its vectors.
+namespace scb {
+inline constexpr Register<0xE000'ED08> kVectorTable;
+}  // namespace scb
 
 }  // namespace zerorate::hal::rp2040

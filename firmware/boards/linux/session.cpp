@@ -3,11 +3,8 @@
 #include <cerrno>
 #include <ctime>
 #include <fstream>
-#include <string_view>
+#include <string>
 #include <system_error>
-#include <vector>
-
-#include "core/base/crc32.hpp"
 
 namespace zerorate::linux_node {
 
@@ -26,8 +23,7 @@ app::SnapshotTime time_in(const app::Session& session) {
 }
 
 std::uint32_t sensor_id(const GyroSettings& gyro) {
-  const std::string wiring = gyro.chip + '\n' + gyro.device + '\n' + std::to_string(gyro.address);
-  return core::crc32(std::vector<std::uint8_t>{wiring.begin(), wiring.end()});
+  return app::sensor_id(gyro.chip + '\n' + gyro.device + '\n' + std::to_string(gyro.address));
 }
 
 }  // namespace zerorate::linux_node

@@ -4,6 +4,7 @@
 
 #include "drivers/common/register_bus.hpp"
 #include "drivers/lsm6dso/driver.hpp"
+#include "firmware/app/snapshot.hpp"
 #include "firmware/boards/pico/node.hpp"
 #include "firmware/boards/pico/wiring.hpp"
 #include "hal/rp2040/i2c_bus.hpp"
@@ -32,5 +33,7 @@ inline void start_bus() {
 #endif
 
 using Gyro = drivers::Lsm6dso<Registers>;
+/// What snapshots are told apart by.
+inline constexpr std::uint32_t kSensor = app::sensor_id("lsm6dso");
 
 }  // namespace zerorate::pico

@@ -8,9 +8,12 @@
 #include "firmware/boards/pico/console.hpp"
 #include "firmware/boards/pico/gyro.hpp"
 #include "firmware/boards/pico/node.hpp"
+#include "firmware/boards/pico/state_keeper.hpp"
 #include "firmware/boards/pico/wiring.hpp"
 #include "hal/rp2040/chip.hpp"
 #include "hal/rp2040/edges.hpp"
+#include "hal/rp2040/flash_chip.hpp"
+#include "hal/rp2040/flash_storage.hpp"
 #include "hal/rp2040/interrupts.hpp"
 #include "hal/rp2040/timer.hpp"
 #include "hal/rp2040/uart.hpp"
@@ -27,6 +30,10 @@ constexpr core::Duration kReportEvery = core::Duration::seconds(1);
 using Line = Uart0<kUartTransmit, kUartReceive, 256>;
 using Pulses = EdgeQueue<32>;
 using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<Line>, 4>;
+
+/// The last two sectors of the 2 MiB: a new image leaves them as they are.
+using Memory = FlashStorage<FlashChip, 0x1F'E000>;
+constexpr app::Snapshot<Node> kSnapshot{exported::kNodeParams, kSensor};
 
 // What the interrupts share with the main loop, each written by one of them.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
@@ -60,15 +67,23 @@ bool has_work() {
   static Bus bus;
   static Gyro gyro{registers_on(bus), kGyroSettings};
   static Node node{exported::kNodeParams};
+  static Memory memory;
+  static StateKeeper keeper{kSnapshot, memory};
   static Console console{line};
   static Loop loop{node, gyro, pulses, data_ready, clock, console};
+  keeper.restore(node);
   core::Instant report_at = clock.now() + kReportEvery;
   for (;;) {
     Watchdog<2'000'000>::feed();
     if (const auto key = Line::receive()) console.obey(*key);
     beat.take();
     loop.poll();
-    if (clock.now() >= report_at) {
+    const core::Instant now = clock.now();
+    if (keeper.poll(node, now)) {
+      // The newest sample is younger than the edge of the first one that was not fetched.
+      (void)data_ready.take_edge();
+    }
+    if (now >= report_at) {
       report_at = report_at + kReportEvery;
       console.report(loop.counters());
     }
@@ -85,7 +100,8 @@ void handle_timer_0() {
   zerorate::pico::beat.on_interrupt();
 }
 
-void handle_io_bank0() {
+/// In RAM with all that it calls: it runs while the flash is erased or programmed.
+[[gnu::section(".ram_code"), gnu::flatten]] void handle_io_bank0() {
   using namespace zerorate::pico;
   const std::uint64_t now = TimerClock::microseconds();
   if (EdgePin<kDataReady>::take_interrupt()) data_ready.on_edge(now);

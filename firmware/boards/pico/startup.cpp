@@ -5,6 +5,10 @@
 #include <array>
 #include <cstdint>
 
+#include "hal/rp2040/registers.hpp"
+
+using namespace zerorate::hal::rp2040;
+
 // Symbols of pico.ld: their addresses are what counts.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 extern "C" {
@@ -31,6 +35,9 @@ void handle_uart0();
   std::copy_n(static_cast<const std::uint32_t*>(data_load), data_end - data_start,
               static_cast<std::uint32_t*>(data_start));
   std::fill(static_cast<std::uint32_t*>(bss_start), static_cast<std::uint32_t*>(bss_end), 0U);
+  // The address is the hardware's.
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast)
+  scb::kVectorTable.write(reinterpret_cast<std::uintptr_t>(data_start));  // vectors_in_ram
   main();
   fault();
 }
@@ -41,10 +48,16 @@ namespace {
 
 using Handler = void (*)();
 
+struct BootVectors {
+  const std::uint32_t* stack;
+  std::array<Handler, 3> exceptions;
+};
+
+/// As far as there are handlers: the last interrupt that this board enables is uart0.
 struct Vectors {
   const std::uint32_t* stack;
   std::array<Handler, 15> exceptions;
-  std::array<Handler, 32> interrupts;
+  std::array<Handler, nvic::uart0 + 1> interrupts;
 };
 
 constexpr Vectors make_vectors() {
@@ -52,13 +65,19 @@ constexpr Vectors make_vectors() {
   table.exceptions.fill(fault);
   table.exceptions[0] = start;
   table.interrupts.fill(fault);
-  table.interrupts[0] = handle_timer_0;
-  table.interrupts[13] = handle_io_bank0;
-  table.interrupts[20] = handle_uart0;
+  table.interrupts[nvic::timer_0] = handle_timer_0;
+  table.interrupts[nvic::io_bank0] = handle_io_bank0;
+  table.interrupts[nvic::uart0] = handle_uart0;
   return table;
 }
 
 }  // namespace
 
-// Read by the processor and by boot2, which know it by its place and its name.
-extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit Vectors vectors = make_vectors();
+// Read by boot2, which knows it by its name: enough to reach start() or fault().
+extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit BootVectors vectors{
+    stack_top, {start, fault, fault}};
+
+// Read by the processor from start() on, also while the flash is no memory; a variable, so that it
+// stands in RAM (pico.ld).
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+[[gnu::section(".vectors_in_ram"), gnu::used]] constinit Vectors vectors_in_ram = make_vectors();

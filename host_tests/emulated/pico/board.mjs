@@ -4,6 +4,7 @@
 import zlib from 'node:zlib';
 import { GPIOPinState, RP2040 } from 'rp2040js';
 import { FLASH, elfSymbols, uf2Blocks } from './image.mjs';
+import { Flash } from './flash.mjs';
 import { Pl011 } from './pl011.mjs';
 
 export { GPIOPinState };
@@ -29,7 +30,8 @@ function boot2Checksum(bytes) {
 
 export class Board {
   // image: path without suffix; .uf2 is flashed, .elf names the functions
-  constructor(image) {
+  // state: what an earlier run left in the flash
+  constructor(image, state) {
     this.mcu = new RP2040();
     this.symbols = elfSymbols(`${image}.elf`);
     for (const [offset, bytes] of uf2Blocks(`${image}.uf2`)) this.mcu.flash.set(bytes, offset);
@@ -39,6 +41,7 @@ export class Board {
     this.fault = this.symbols.get('fault').address & ~1;
     const strict = (name, text) => this.violation(`${name}: ${text}`);
     this.mcu.logger = { debug() {}, info() {}, warn: strict, error: strict };
+    this.mcu.onBreak = () => this.violation('an undefined instruction, or one from a flash that is away');
     this.makeInterruptsReal();
     this.makeResetsReal();
     this.makeMemoryReal();
@@ -46,7 +49,9 @@ export class Board {
     this.makeClocksReal();
     this.uart = new Pl011(this, UART0_INTERRUPT);
     this.mcu.uart[0] = this.mcu.peripherals[0x40034] = this.uart;
+    this.flash = new Flash(this);
     this.guardResets();
+    if (state) this.flash.state = state;
     this.boot();
   }
 

@@ -20,6 +20,7 @@ test('what the Pico sends over a drive is the replay of the drive, bit for bit',
     if (end + 1 - start === 74) sent.push(line.subarray(start, end + 1));
   }
   assert.ok(Buffer.concat(sent).equals(expected), 'the bytes differ from those of the replay');
+  assert.ok(rig.board.flash.pages > 0, 'the state is saved on the way');
   const status = statuses(rig.frames).at(-1);
   assert.equal(status.pulses_lost + status.read_errors + status.frames_dropped, 0);
   assert.equal(rig.board.uart.overflowed, 0);

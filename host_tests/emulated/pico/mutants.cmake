@@ -14,6 +14,9 @@ function(pico_mutant name file from to)
   file(CONFIGURE OUTPUT "${folder}/${file}" CONTENT "${text}" @ONLY)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${file}")
   pico_image(mutant-${name} SPI)
+  if(file MATCHES "[.]cpp$")  # instead of the one in the library
+    target_sources(mutant-${name} PRIVATE "${folder}/${file}")
+  endif()
   target_include_directories(mutant-${name} BEFORE PRIVATE "${folder}")
   target_compile_options(mutant-${name} PRIVATE -Wno-unused)
 endfunction()
@@ -32,3 +35,8 @@ pico_mutant(no-fifo-wait hal/rp2040/uart.hpp
   " && (uart0::kFlags.read() & uart0::kTransmitFull) == 0" "")
 pico_mutant(lost-wake-up hal/rp2040/interrupts.hpp
   "  const InterruptLock lock;\n  if (!has_work())" "  if (!has_work())")
+pico_mutant(flash-routine-in-flash hal/rp2040/flash_chip.cpp
+  "[[gnu::section(\".ram_code\"), gnu::noinline]] std::uint8_t exchange" "[[gnu::noinline]] std::uint8_t exchange")
+pico_mutant(interrupts-from-flash hal/rp2040/flash_chip.cpp
+  "nvic::kClearEnable.write(~bit(nvic::io_bank0));" "")
+pico_mutant(no-write-enable hal/rp2040/flash_chip.cpp "exchange(kWriteEnable)" "exchange(kReadStatus)")

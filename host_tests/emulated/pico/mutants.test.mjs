@@ -15,6 +15,9 @@ function complaintAbout(name) {
     const rig = new Rig({ name });
     rig.measureForEver([10, 20, 30]);
     rig.board.run(1e6);
+    rig.board.run(3.0042e6); // a millisecond after a sample, whose message is being sent
+    rig.pulse();             // the end of a stop, which is saved
+    rig.board.run(3.1e6);
     if (rig.board.uart.overflowed > 0) return 'UART0: FIFO overflowed';
     if (rates(rig.frames).length < 70) return 'too few messages';
     return latencyOfAnEdgeBeforeSleep(rig) > 1000 ? 'an edge was slept through' : undefined;
@@ -53,6 +56,9 @@ for (const [name, complaint] of [
   ['spi-not-enabled', /SPI0: data written while disabled/],
   ['no-fifo-wait', /UART0: FIFO overflowed/],
   ['lost-wake-up', /an edge was slept through/],
+  ['flash-routine-in-flash', /undefined instruction/],
+  ['interrupts-from-flash', /undefined instruction/],
+  ['no-write-enable', /flash: not write enabled/],
 ]) {
   test(`the mutant ${name} is noticed`, () => {
     assert.match(complaintAbout(`mutant-${name}`) ?? 'nothing', complaint);

@@ -12,8 +12,8 @@ const PULSE_US = 50;
 
 // bus: 'spi' or 'i2c'
 export class Rig {
-  constructor({ name = 'zerorate-pico', bus = 'spi', identity } = {}) {
-    this.board = new Board(image(name));
+  constructor({ name = 'zerorate-pico', bus = 'spi', identity, state } = {}) {
+    this.board = new Board(image(name), state);
     this.chip = new Lsm6dso(this.board, { identity });
     this.port = bus === 'spi' ? new SpiPort(this.board, this.chip) : new I2cPort(this.board, this.chip);
   }
