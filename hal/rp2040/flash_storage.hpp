@@ -65,20 +65,8 @@ class FlashStorage {
     head.checksum = checksum(head, bytes);
     const std::size_t place = next_place(newest);
     if (!is_ready(place)) Flash::erase_sector(offset(place));
-    const auto header_bytes = std::bit_cast<std::array<std::uint8_t, sizeof(Header)>>(head);
-    for (std::size_t page = kPlaceBytes; page > 0;) {
-      page -= Flash::kPageBytes;
-      if (page >= sizeof(Header) + bytes.size()) continue;
-      std::array<std::uint8_t, Flash::kPageBytes> image;
-      for (std::size_t i = 0; i < image.size(); ++i) {
-        const std::size_t at = page + i;
-        const bool is_record = at >= sizeof(Header) && at - sizeof(Header) < bytes.size();
-        image[i] = at < sizeof(Header) ? header_bytes[at]
-                   : is_record         ? bytes[at - sizeof(Header)]
-                                       : kErased;
-      }
-      Flash::program(offset(place) + static_cast<std::uint32_t>(page), image);
-    }
+    const std::size_t last = (sizeof(Header) + bytes.size() - 1) / Flash::kPageBytes;
+    for (std::size_t page = last + 1; page > 0; --page) program(place, page - 1, head, bytes);
     if (!is_intact(place)) return core::Unexpected{StorageError::io};
     return {};
   }
@@ -112,6 +100,23 @@ class FlashStorage {
     const auto numbers = std::bit_cast<std::array<std::uint8_t, 8>>(
         std::array<std::uint32_t, 2>{head.size, head.sequence});
     return core::crc32(bytes, core::crc32(numbers));
+  }
+
+  /// One page of a place: its part of the header and of the record.
+  static void program(std::size_t place, std::size_t page, const Header& head,
+                      std::span<const std::uint8_t> bytes) {
+    std::array<std::uint8_t, Flash::kPageBytes> image;
+    image.fill(kErased);
+    std::span<std::uint8_t> rest = image;
+    if (page == 0) {
+      std::ranges::copy(std::bit_cast<std::array<std::uint8_t, sizeof(Header)>>(head),
+                        image.begin());
+      rest = rest.subspan(sizeof(Header));
+    } else {
+      bytes = bytes.subspan(page * Flash::kPageBytes - sizeof(Header));
+    }
+    std::ranges::copy(bytes.first(std::min(bytes.size(), rest.size())), rest.begin());
+    Flash::program(offset(place) + static_cast<std::uint32_t>(page * Flash::kPageBytes), image);
   }
 
   [[nodiscard]] static bool is_intact(std::size_t place) {
