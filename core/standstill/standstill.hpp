@@ -2,7 +2,10 @@
 /// Still or moving, from odometer pulses and a clock.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "core/base/time.hpp"
 
@@ -13,6 +16,12 @@ enum class Motion : std::uint8_t {
   settling,  ///< no pulse for the settle time, but not yet for so long that a sample counts
   still,     ///< samples are being released as calibration data
 };
+
+/// The word for it in everything that people and programs read.
+[[nodiscard]] constexpr std::string_view name(Motion motion) {
+  constexpr std::array<std::string_view, 3> kNames{"moving", "settling", "still"};
+  return kNames[static_cast<std::size_t>(motion)];
+}
 
 /// A wheel sensor is silent between two pulses, so "no pulse" is late at both ends of a stop: the
 /// body still rocks after the last pulse, and already turns before the first one. Hence two times:

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "core/base/result.hpp"
 #include "hal/contract/bus_error.hpp"
@@ -18,6 +19,27 @@ enum class DriverErrorCode : std::uint8_t {
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
   sensor_fault,  ///< the chip's own supervision says that its data are not to be used
 };
+
+/// For logs and tables.
+[[nodiscard]] constexpr std::string_view name(DriverErrorCode code) {
+  switch (code) {
+    case DriverErrorCode::bus_failed:
+      return "bus failed";
+    case DriverErrorCode::wrong_identity:
+      return "wrong identity";
+    case DriverErrorCode::not_ready:
+      return "not ready";
+    case DriverErrorCode::configuration_lost:
+      return "configuration lost";
+    case DriverErrorCode::fifo_overrun:
+      return "FIFO overrun";
+    case DriverErrorCode::corrupt_data:
+      return "corrupt data";
+    case DriverErrorCode::sensor_fault:
+      return "the chip reports a fault";
+  }
+  return "unknown";
+}
 
 /// Fits in a register and is returned by value.
 struct DriverError {

@@ -75,7 +75,6 @@ constexpr void put_rate(TextWriter& line, core::AngularRate rate) {
 /// until the first calibration, `!` if anything else is not well (see app::Health).
 [[nodiscard]] constexpr std::span<const std::uint8_t> write_rate(const app::RateMessage& message,
                                                                  TextLine& text) {
-  constexpr std::array<std::string_view, 3> kMotions{"moving  ", "settling", "still   "};
   detail::TextWriter line{text};
   const auto milliseconds =
       static_cast<std::uint64_t>(std::max(std::int64_t{0}, message.time.ns() / 1'000'000));
@@ -83,7 +82,11 @@ constexpr void put_rate(TextWriter& line, core::AngularRate rate) {
   line.put('.');
   line.put(milliseconds % 1000, 3, '0');
   line.put(" s  ");
-  line.put(kMotions[static_cast<std::size_t>(message.motion)]);
+  const std::string_view motion = core::name(message.motion);
+  line.put(motion);
+  for (std::size_t i = motion.size(); i < core::name(core::Motion::settling).size(); ++i) {
+    line.put(' ');
+  }
   for (const app::AxisRate& axis : message.axes) {
     line.put(' ');
     detail::put_rate(line, axis.corrected);

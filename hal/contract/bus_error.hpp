@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace zerorate::hal {
 
@@ -15,5 +16,24 @@ enum class BusError : std::uint8_t {
   not_present,       ///< the controller itself is missing, closed or without power
   io,                ///< anything else that the controller or its operating system reports
 };
+
+/// For logs and tables.
+[[nodiscard]] constexpr std::string_view name(BusError error) {
+  switch (error) {
+    case BusError::nack:
+      return "not acknowledged";
+    case BusError::arbitration_lost:
+      return "arbitration lost";
+    case BusError::timeout:
+      return "timeout";
+    case BusError::overrun:
+      return "overrun";
+    case BusError::not_present:
+      return "not present";
+    case BusError::io:
+      return "input/output error";
+  }
+  return "unknown";
+}
 
 }  // namespace zerorate::hal

@@ -1,32 +1,23 @@
 // libgpiod 1.6 (Debian 12), which speaks the kernel's first line-event interface.
 
-#include <fcntl.h>
 #include <gpiod.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <utility>
 
-#include "hal/linux/bus_error.hpp"
 #include "hal/linux/gpio_line.hpp"
+#include "hal/linux/gpio_request.hpp"
 
 namespace zerorate::hal::linux_os {
 namespace {
 
 constexpr std::size_t kKernelQueue = 16;  // gpiolib-cdev.c: DECLARE_KFIFO(events, ..., 16)
 
-core::Unexpected<BusError> last_error() {
-  return core::Unexpected{to_bus_error(errno, Subsystem::gpio)};
-}
-
 gpiod_line* find_line(gpiod_chip* chip, const std::string& name) {
-  unsigned offset = 0;
-  const char* const end = name.data() + name.size();
-  const auto [stop, error] = std::from_chars(name.data(), end, offset);
-  const bool is_number = error == std::errc{} && stop == end;
-  return is_number ? gpiod_chip_get_line(chip, offset) : gpiod_chip_find_line(chip, name.c_str());
+  const auto number = line_number(name);
+  return number ? gpiod_chip_get_line(chip, *number) : gpiod_chip_find_line(chip, name.c_str());
 }
 
 int request_edges(gpiod_line* line, Edge edge) {
@@ -57,13 +48,12 @@ GpioLine::~GpioLine() = default;
 core::Result<void, BusError> GpioLine::open() {
   auto request = std::make_unique<Request>();
   request->chip.reset(gpiod_chip_open(settings_.chip.c_str()));
-  if (!request->chip) return last_error();
+  if (!request->chip) return last_line_error();
   gpiod_line* const line = find_line(request->chip.get(), settings_.line);
   if (line == nullptr) return core::Unexpected{BusError::not_present};
-  if (request_edges(line, settings_.edge) != 0) return last_error();
+  if (request_edges(line, settings_.edge) != 0) return last_line_error();
   request->descriptor = gpiod_line_event_get_fd(line);
-  const int flags = fcntl(request->descriptor, F_GETFL);
-  if (flags < 0 || fcntl(request->descriptor, F_SETFL, flags | O_NONBLOCK) < 0) return last_error();
+  if (!set_non_blocking(request->descriptor)) return last_line_error();
   request_ = std::move(request);
   return {};
 }
@@ -79,7 +69,7 @@ core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant
                                                      static_cast<unsigned>(wanted));
   if (read < 0) {
     if (errno == EAGAIN) return PulseBatch{};
-    const auto error = last_error();
+    const auto error = last_line_error();
     if (error.error() == BusError::not_present) request_.reset();
     return error;
   }

@@ -1,25 +1,19 @@
 // libgpiod 2 (Debian 13), which speaks the kernel's second line interface, with sequence numbers.
 
-#include <fcntl.h>
 #include <gpiod.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <utility>
 
-#include "hal/linux/bus_error.hpp"
 #include "hal/linux/gpio_line.hpp"
+#include "hal/linux/gpio_request.hpp"
 #include "hal/linux/sequence_gaps.hpp"
 
 namespace zerorate::hal::linux_os {
 namespace {
 
 constexpr std::size_t kBatch = 64;
-
-core::Unexpected<BusError> last_error() {
-  return core::Unexpected{to_bus_error(errno, Subsystem::gpio)};
-}
 
 /// A C object of libgpiod with the function that frees it.
 template <class Object, auto Free>
@@ -52,11 +46,9 @@ gpiod_line_edge edge_of(Edge edge) {
 
 /// The line's number on the chip; negative where there is none of that name.
 int find_line(gpiod_chip* chip, const std::string& name) {
-  int offset = -1;
-  const char* const end = name.data() + name.size();
-  const auto [stop, error] = std::from_chars(name.data(), end, offset);
-  const bool is_number = error == std::errc{} && stop == end;
-  return is_number ? offset : gpiod_chip_get_line_offset_from_name(chip, name.c_str());
+  const auto number = line_number(name);
+  return number ? static_cast<int>(*number)
+                : gpiod_chip_get_line_offset_from_name(chip, name.c_str());
 }
 
 Lines request_edges(gpiod_chip* chip, unsigned offset, Edge edge) {
@@ -85,16 +77,14 @@ GpioLine::~GpioLine() = default;
 
 core::Result<void, BusError> GpioLine::open() {
   const Chip chip{gpiod_chip_open(settings_.chip.c_str())};
-  if (!chip) return last_error();
+  if (!chip) return last_line_error();
   const int offset = find_line(chip.get(), settings_.line);
   if (offset < 0) return core::Unexpected{BusError::not_present};
   auto request = std::make_unique<Request>(
       Request{.lines = request_edges(chip.get(), static_cast<unsigned>(offset), settings_.edge),
               .events = Events{gpiod_edge_event_buffer_new(kBatch)}});
-  if (!request->lines || !request->events) return last_error();
-  const int descriptor = gpiod_line_request_get_fd(request->lines.get());
-  const int flags = fcntl(descriptor, F_GETFL);
-  if (flags < 0 || fcntl(descriptor, F_SETFL, flags | O_NONBLOCK) < 0) return last_error();
+  if (!request->lines || !request->events) return last_line_error();
+  if (!set_non_blocking(gpiod_line_request_get_fd(request->lines.get()))) return last_line_error();
   request_ = std::move(request);
   return {};
 }
@@ -109,7 +99,7 @@ core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant
                                                        std::min(stamps.size(), kBatch));
   if (read < 0) {
     if (errno == EAGAIN) return PulseBatch{};
-    const auto error = last_error();
+    const auto error = last_line_error();
     if (error.error() == BusError::not_present) request_.reset();
     return error;
   }

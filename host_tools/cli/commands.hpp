@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <vector>
 
 namespace zerorate::cli {
 
@@ -24,5 +25,10 @@ struct Command {
 [[nodiscard]] Command add_characterize(CLI::App& app);
 [[nodiscard]] Command add_evaluate(CLI::App& app);
 [[nodiscard]] Command add_diagnose(CLI::App& app);
+[[nodiscard]] Command add_monitor(CLI::App& app);
+[[nodiscard]] Command add_probe(CLI::App& app);
+
+/// All that this build has: board_commands.cpp or desktop_commands.cpp.
+[[nodiscard]] std::vector<Command> add_commands(CLI::App& app);
 
 }  // namespace zerorate::cli

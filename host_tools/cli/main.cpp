@@ -1,14 +1,11 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
-#include <system_error>
+#include <vector>
 
-#include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -22,12 +19,6 @@ ExitCode complain(const char* what, ExitCode code) {
 ExitCode run_guarded(const Command& command) {
   try {
     return command.run();
-  } catch (const recording::Error& error) {
-    return complain(error.what(), bad_data);
-  } catch (const model::ModelFileError& error) {
-    return complain(error.what(), bad_data);
-  } catch (const std::system_error& error) {
-    return complain(error.what(), bad_data);
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), usage);
   } catch (const std::exception& error) {
@@ -42,9 +33,7 @@ ExitCode run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 1 done with a finding, 2 wrong usage, 3 data that cannot be used.\n"
       "'zerorate COMMAND --help' shows the options and examples of a command.");
-  const std::array commands = {add_replay(app),   add_demo(app),    add_characterize(app),
-                               add_model(app),    add_export(app),  add_reproduce(app),
-                               add_evaluate(app), add_diagnose(app)};
+  const std::vector<Command> commands = add_commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -2,6 +2,7 @@
 
 include(GNUInstallDirs)
 install(TARGETS zerorated DESTINATION "${CMAKE_INSTALL_SBINDIR}" COMPONENT node)
+install(TARGETS zerorate DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/zerorated.toml"
   DESTINATION "${CMAKE_INSTALL_FULL_SYSCONFDIR}/zerorate" COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/zerorated.service"

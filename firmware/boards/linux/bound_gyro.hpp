@@ -1,5 +1,5 @@
 /// @file
-/// A driver, its bus and the node in /dev behind it, as one Gyro.
+/// A driver, its bus and the node in /dev behind it, as one gyro.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "drivers/common/any_gyro.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "firmware/boards/linux/gyro.hpp"
 #include "hal/linux/i2c_dev.hpp"
@@ -19,7 +20,7 @@ namespace zerorate::linux_node {
 /// @tparam Wire    a back end of hal/linux
 /// @tparam Driver  a GyroSource
 template <class Wire, drivers::GyroSource Driver>
-class BoundGyro final : public Gyro {
+class BoundGyro final : public drivers::AnyGyro {
  public:
   /// @param make_driver makes the driver from a reference to the wire
   template <class Settings, class MakeDriver>
@@ -48,8 +49,9 @@ using I2c = hal::linux_os::I2cDevBus<>;
 /// A driver that is a template over a register bus, on the bus that the settings name.
 /// @param mode  the SPI mode that the chip's README asks for
 template <template <class> class Driver, class DriverSettings>
-std::unique_ptr<Gyro> make_register_gyro(const GyroSettings& settings, std::uint8_t mode,
-                                         const DriverSettings& driver_settings) {
+std::unique_ptr<drivers::AnyGyro> make_register_gyro(const GyroSettings& settings,
+                                                     std::uint8_t mode,
+                                                     const DriverSettings& driver_settings) {
   if (settings.bus == BusKind::spi) {
     using OverSpi = Driver<drivers::SpiRegisters<Spi>>;
     return std::make_unique<BoundGyro<Spi, OverSpi>>(

@@ -8,10 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/result.hpp"
-#include "core/base/time.hpp"
-#include "drivers/common/driver_error.hpp"
-#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/any_gyro.hpp"
 
 namespace zerorate::linux_node {
 
@@ -29,25 +26,6 @@ struct GyroSettings {
   bool fifo = false;                   ///< samples through the chip's FIFO
 };
 
-/// A GyroSource behind a table of functions, so that the loop is compiled once and not for every
-/// chip on every bus. One indirect call a sample costs nothing beside a system call.
-class Gyro {
- public:
-  static constexpr std::size_t kAxes = 3;  ///< a chip with one gives its rate on all three
-
-  Gyro() = default;
-  Gyro(const Gyro&) = delete;
-  Gyro& operator=(const Gyro&) = delete;
-  virtual ~Gyro() = default;
-
-  virtual core::Result<void, drivers::DriverError> start(core::Instant now) = 0;
-  virtual core::Result<std::size_t, drivers::DriverError> read(
-      core::Instant now, std::span<drivers::GyroSample> out) = 0;
-  virtual core::Result<void, drivers::DriverError> verify_next() = 0;
-  [[nodiscard]] virtual core::Duration sample_period() const = 0;
-  [[nodiscard]] virtual bool is_batched() const = 0;
-};
-
 /// What a configuration may ask of a chip, and how it is made.
 struct ChipDescription {
   std::string_view name;
@@ -57,7 +35,7 @@ struct ChipDescription {
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;
   /// @param settings must be possible by this description
-  std::unique_ptr<Gyro> (*make)(const GyroSettings& settings);
+  std::unique_ptr<drivers::AnyGyro> (*make)(const GyroSettings& settings);
 };
 
 /// All of them, by name.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array kRatesHz{200.0, 250.0, 500.0, 1000.0};
 constexpr std::array kFullScalesDps{300.0};
 
-std::unique_ptr<Gyro> make(const GyroSettings& settings) {
+std::unique_ptr<drivers::AnyGyro> make(const GyroSettings& settings) {
   constexpr std::uint8_t kSpiMode = 0;
   using Driver = drivers::Adxrs453<drivers::SpiFrames<Spi>>;
   const auto period =

@@ -20,7 +20,7 @@ constexpr std::array kFullScales{dps_125, dps_250, dps_500, dps_1000, dps_2000};
 constexpr std::array kAddresses{static_cast<std::uint8_t>(chip::kAddressSdo2Low),
                                 static_cast<std::uint8_t>(chip::kAddressSdo2High)};
 
-std::unique_ptr<Gyro> make(const GyroSettings& settings) {
+std::unique_ptr<drivers::AnyGyro> make(const GyroSettings& settings) {
   constexpr std::uint8_t kSpiMode = 3;
   return make_register_gyro<drivers::Bmi088>(
       settings, kSpiMode,

@@ -19,7 +19,7 @@ constexpr std::array kFullScales{dps_15_625, dps_31_25, dps_62_5, dps_125,
 constexpr std::array kAddresses{static_cast<std::uint8_t>(chip::kAddressAd0Low),
                                 static_cast<std::uint8_t>(chip::kAddressAd0High)};
 
-std::unique_ptr<Gyro> make(const GyroSettings& settings) {
+std::unique_ptr<drivers::AnyGyro> make(const GyroSettings& settings) {
   constexpr std::uint8_t kSpiMode = 3;
   return make_register_gyro<drivers::Icm42688>(
       settings, kSpiMode,

@@ -19,7 +19,7 @@ constexpr std::array kFullScales{dps_125, dps_250, dps_500, dps_1000, dps_2000};
 constexpr std::array kAddresses{static_cast<std::uint8_t>(chip::kAddressSa0Low),
                                 static_cast<std::uint8_t>(chip::kAddressSa0High)};
 
-std::unique_ptr<Gyro> make(const GyroSettings& settings) {
+std::unique_ptr<drivers::AnyGyro> make(const GyroSettings& settings) {
   constexpr std::uint8_t kSpiMode = 3;
   return make_register_gyro<drivers::Lsm6dso>(
       settings, kSpiMode,

@@ -7,31 +7,23 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
-#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/any_gyro.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
 
 namespace zerorate::linux_node {
 
-/// A GyroSource, a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
+/// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
 /// hal/linux; tests bind it to simulated chips.
 class Hardware {
  public:
-  static constexpr std::size_t kAxes = 3;
-
   Hardware() = default;
   Hardware(const Hardware&) = delete;
   Hardware& operator=(const Hardware&) = delete;
   virtual ~Hardware() = default;
 
-  virtual core::Result<void, drivers::DriverError> start(core::Instant now) = 0;
-  virtual core::Result<std::size_t, drivers::DriverError> read(
-      core::Instant now, std::span<drivers::GyroSample> out) = 0;
-  virtual core::Result<void, drivers::DriverError> verify_next() = 0;
-  [[nodiscard]] virtual core::Duration sample_period() const = 0;
-  [[nodiscard]] virtual bool is_batched() const = 0;
-
+  [[nodiscard]] virtual drivers::AnyGyro& gyro() = 0;
   virtual core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) = 0;
   virtual std::optional<core::Instant> take_edge() = 0;
@@ -42,7 +34,6 @@ class Hardware {
   /// Ends a wait(), from any thread.
   virtual void wake() = 0;
 };
-static_assert(drivers::GyroSource<Hardware>);
 static_assert(hal::PulseInput<Hardware>);
 static_assert(hal::DataReady<Hardware>);
 static_assert(hal::MonotonicClock<Hardware>);

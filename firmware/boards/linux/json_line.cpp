@@ -45,25 +45,13 @@ class Line {
   std::size_t used_ = 0;
 };
 
-constexpr std::string_view name_of(core::Motion motion) {
-  switch (motion) {
-    case core::Motion::moving:
-      return "moving";
-    case core::Motion::settling:
-      return "settling";
-    case core::Motion::still:
-      break;
-  }
-  return "still";
-}
-
 }  // namespace
 
 std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuffer& buffer) {
   const app::RateMessage& message = numbered.message;
   Line line(buffer);
   line.add("{{\"sequence\":{},\"time_ns\":{},\"motion\":\"{}\"", numbered.sequence,
-           message.time.ns(), name_of(message.motion));
+           message.time.ns(), core::name(message.motion));
   line.add_rates("rate_dps", message, &app::AxisRate::corrected, message.has_rate());
   line.add_rates("measured_dps", message, &app::AxisRate::measured, message.has_rate());
   line.add_rates("bias_dps", message, &app::AxisRate::bias, true);

@@ -15,22 +15,6 @@ LinuxHardware::LinuxHardware(const Configuration& configuration)
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
 
-core::Result<void, drivers::DriverError> LinuxHardware::start(core::Instant now) {
-  return gyro_->start(now);
-}
-core::Result<std::size_t, drivers::DriverError> LinuxHardware::read(
-    core::Instant now, std::span<drivers::GyroSample> out) {
-  return gyro_->read(now, out);
-}
-core::Result<void, drivers::DriverError> LinuxHardware::verify_next() {
-  return gyro_->verify_next();
-}
-core::Duration LinuxHardware::sample_period() const {
-  return gyro_->sample_period();
-}
-bool LinuxHardware::is_batched() const {
-  return gyro_->is_batched();
-}
 core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
     std::span<core::Instant> stamps) {
   return odometer_.read_pulses(stamps);
@@ -47,9 +31,10 @@ std::optional<core::Instant> LinuxHardware::take_edge() {
 }
 
 core::Duration LinuxHardware::longest_wait() const {
-  if (is_batched()) return sample_period() * 4;
-  const bool edges_come = data_ready_ && now() - data_ready_->newest < sample_period() * 4;
-  return edges_come ? sample_period() * 2 : sample_period() / 2;
+  const core::Duration period = gyro_->sample_period();
+  if (gyro_->is_batched()) return period * 4;
+  const bool edges_come = data_ready_ && now() - data_ready_->newest < period * 4;
+  return edges_come ? period * 2 : period / 2;
 }
 
 void LinuxHardware::wait() {

@@ -18,12 +18,7 @@ class LinuxHardware final : public Hardware {
  public:
   explicit LinuxHardware(const Configuration& configuration);
 
-  core::Result<void, drivers::DriverError> start(core::Instant now) override;
-  core::Result<std::size_t, drivers::DriverError> read(core::Instant now,
-                                                       std::span<drivers::GyroSample> out) override;
-  core::Result<void, drivers::DriverError> verify_next() override;
-  [[nodiscard]] core::Duration sample_period() const override;
-  [[nodiscard]] bool is_batched() const override;
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return *gyro_; }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
@@ -45,7 +40,7 @@ class LinuxHardware final : public Hardware {
 
   [[nodiscard]] core::Duration longest_wait() const;
 
-  std::unique_ptr<Gyro> gyro_;
+  std::unique_ptr<drivers::AnyGyro> gyro_;
   hal::linux_os::GpioLine odometer_;
   std::optional<DataReadyLine> data_ready_;
   Event wake_;

@@ -3,14 +3,14 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <stdexcept>
+#include <system_error>
 
 #include "firmware/wire/health_bits.hpp"
+#include "hal/linux/socket_address.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -96,17 +96,12 @@ void add_message(Text& text, const app::RateMessage& message) {
 }
 
 Descriptor listen_at(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) {
-    throw std::invalid_argument("metrics: \"" + path + "\" is too long for a socket");
-  }
-  std::ranges::copy(path, std::begin(address.sun_path));
+  const auto address = hal::linux_os::unix_address(path);
   Descriptor listener = checked_descriptor(
       socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "metrics: socket");
   (void)unlink(path.c_str());  // of a run that was killed
   constexpr int kBacklog = 4;
-  if (bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+  if (bind(listener.get(), address.get(), address.size) != 0 ||
       listen(listener.get(), kBacklog) != 0) {
     throw std::system_error(errno, std::generic_category(), path);
   }

@@ -8,44 +8,6 @@
 namespace zerorate::linux_node {
 namespace {
 
-std::string_view name_of(drivers::DriverErrorCode code) {
-  switch (code) {
-    case drivers::DriverErrorCode::bus_failed:
-      return "bus failed";
-    case drivers::DriverErrorCode::wrong_identity:
-      return "wrong identity";
-    case drivers::DriverErrorCode::not_ready:
-      return "not ready";
-    case drivers::DriverErrorCode::configuration_lost:
-      return "configuration lost";
-    case drivers::DriverErrorCode::fifo_overrun:
-      return "FIFO overrun";
-    case drivers::DriverErrorCode::corrupt_data:
-      return "corrupt data";
-    case drivers::DriverErrorCode::sensor_fault:
-      return "the chip reports a fault";
-  }
-  return "unknown error";
-}
-
-std::string_view name_of(hal::BusError error) {
-  switch (error) {
-    case hal::BusError::nack:
-      return "not acknowledged";
-    case hal::BusError::arbitration_lost:
-      return "arbitration lost";
-    case hal::BusError::timeout:
-      return "timeout";
-    case hal::BusError::overrun:
-      return "overrun";
-    case hal::BusError::not_present:
-      return "not present";
-    case hal::BusError::io:
-      return "input/output error";
-  }
-  return "unknown";
-}
-
 std::string_view name_of(hal::StorageError error) {
   switch (error) {
     case hal::StorageError::empty:
@@ -110,8 +72,8 @@ void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... a
 std::string_view describe(const drivers::DriverError& error, std::span<char, 96> buffer) {
   const bool is_bus = error.code == drivers::DriverErrorCode::bus_failed;
   const auto written = fmt::format_to_n(
-      buffer.data(), buffer.size(), "{}{}{}{} at register {:#04x}", name_of(error.code),
-      is_bus ? " (" : "", is_bus ? name_of(error.bus) : "", is_bus ? ")" : "", error.reg);
+      buffer.data(), buffer.size(), "{}{}{}{} at register {:#04x}", drivers::name(error.code),
+      is_bus ? " (" : "", is_bus ? hal::name(error.bus) : "", is_bus ? ")" : "", error.reg);
   return {buffer.data(), std::min(written.size, buffer.size())};
 }
 
@@ -124,7 +86,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       session_(session),
       log_(log),
       node_(configuration.node),
-      loop_(node_, hardware, hardware, hardware, hardware, queue_),
+      loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
   for (const SinkSettings& settings : configuration.sinks) sinks_.push_back(make_sink(settings));
   if (configuration.state) save_at_ = save_at_ + configuration.state->save_interval;

@@ -83,7 +83,7 @@ class NodeService {
 
   Node node_;
   MessageQueue queue_;
-  app::NodeLoop<Node, Hardware, Hardware, Hardware, Hardware, MessageQueue> loop_;
+  app::NodeLoop<Node, drivers::AnyGyro, Hardware, Hardware, Hardware, MessageQueue> loop_;
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
   Snapshot shown_;  ///< written by the measuring thread while requested, read while ready

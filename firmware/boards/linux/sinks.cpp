@@ -1,26 +1,23 @@
 #include "firmware/boards/linux/sinks.hpp"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
-#include <netdb.h>
 #include <poll.h>
 #include <sys/ioctl.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 
 #include "firmware/boards/linux/event.hpp"
 #include "firmware/boards/linux/json_line.hpp"
 #include "firmware/wire/can_frames.hpp"
+#include "hal/linux/socket_address.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -51,46 +48,10 @@ class JsonSink final : public Sink {
   JsonBuffer buffer_{};
 };
 
-/// An address of any family, as sendto() takes it.
-struct SocketAddress {
-  sockaddr_storage storage{};
-  socklen_t size = 0;
-};
-
-SocketAddress udp_address(const UdpSettings& settings) {
-  addrinfo hints{};
-  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  const std::string port = std::to_string(settings.port);
-  if (getaddrinfo(settings.address.c_str(), port.c_str(), &hints, &found) != 0) {
-    throw std::invalid_argument("udp: \"" + settings.address + "\" is not a numeric address");
-  }
-  SocketAddress address;
-  std::memcpy(&address.storage, found->ai_addr, found->ai_addrlen);
-  address.size = found->ai_addrlen;
-  freeaddrinfo(found);
-  return address;
-}
-
-SocketAddress unix_address(const std::string& path) {
-  sockaddr_un named{};
-  named.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof named.sun_path) {
-    throw std::invalid_argument("unix: \"" + path + "\" is not a path of at most " +
-                                std::to_string(sizeof named.sun_path - 1) + " bytes");
-  }
-  std::ranges::copy(path, std::begin(named.sun_path));
-  SocketAddress address;
-  std::memcpy(&address.storage, &named, sizeof named);
-  address.size = sizeof named;
-  return address;
-}
-
 /// Rate frames to one address. Unconnected, so that a receiver may come, go and come again.
 class DatagramSink final : public Sink {
  public:
-  DatagramSink(std::string name, const SocketAddress& to)
+  DatagramSink(std::string name, const hal::linux_os::SocketAddress& to)
       : Sink(std::move(name)),
         socket_(checked_descriptor(
             socket(to.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "socket")),
@@ -99,13 +60,12 @@ class DatagramSink final : public Sink {
  private:
   bool send(const wire::NumberedMessage& message) override {
     const wire::RateFrame frame = wire::encode_rate_frame(message);
-    const auto* const to = reinterpret_cast<const sockaddr*>(&to_.storage);
-    return sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to, to_.size) ==
+    return sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to_.get(), to_.size) ==
            static_cast<ssize_t>(frame.size());
   }
 
   Descriptor socket_;
-  SocketAddress to_;
+  hal::linux_os::SocketAddress to_;
 };
 
 /// CAN frames through SocketCAN. The interface may be absent or down, at the start and later.
@@ -174,10 +134,11 @@ struct MakeSink {
   }
   std::unique_ptr<Sink> operator()(const UdpSettings& udp) const {
     return std::make_unique<DatagramSink>(fmt::format("udp:{}:{}", udp.address, udp.port),
-                                          udp_address(udp));
+                                          hal::linux_os::udp_address(udp.address, udp.port));
   }
   std::unique_ptr<Sink> operator()(const UnixSettings& local) const {
-    return std::make_unique<DatagramSink>("unix:" + local.path, unix_address(local.path));
+    return std::make_unique<DatagramSink>("unix:" + local.path,
+                                          hal::linux_os::unix_address(local.path));
   }
   std::unique_ptr<Sink> operator()(const CanSettings& can) const {
     return std::make_unique<CanSink>(can);

@@ -13,18 +13,6 @@ namespace {
 
 constexpr std::size_t kFlushAt = std::size_t{1} << 16U;
 
-std::string_view name(core::Motion motion) {
-  switch (motion) {
-    case core::Motion::moving:
-      return "moving";
-    case core::Motion::settling:
-      return "settling";
-    case core::Motion::still:
-      return "still";
-  }
-  return "unknown";
-}
-
 }  // namespace
 
 CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t axis_count)
@@ -64,7 +52,7 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
     cell(has_bias, axis.bias);
     cell(has_bias, axis.sigma);
   }
-  fmt::format_to(out, ",{}\n", name(sample.message.motion));
+  fmt::format_to(out, ",{}\n", core::name(sample.message.motion));
   if (text_.size() >= kFlushAt) flush();
 }
 

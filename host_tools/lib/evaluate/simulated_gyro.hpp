@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/any_gyro.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/data_ready_pin.hpp"
 
@@ -24,28 +24,14 @@ inline constexpr std::array kAllChips = {Chip::lsm6dso, Chip::icm42688, Chip::bm
 [[nodiscard]] std::size_t axis_count(Chip chip);
 
 /// What measure() is given comes out of read(), rounded as the chip rounds.
-class SimulatedGyro {
+class SimulatedGyro : public drivers::AnyGyro {
  public:
-  SimulatedGyro() = default;
-  SimulatedGyro(const SimulatedGyro&) = delete;
-  SimulatedGyro& operator=(const SimulatedGyro&) = delete;
-  virtual ~SimulatedGyro() = default;
-
   /// One conversion of the chip, at the time of its clock.
   virtual void measure(const std::array<core::AngularRate, 3>& rate,
                        core::Temperature temperature) = 0;
   /// Of the chip's conversions; a chip without a pin never drives it.
   virtual hal::sim::DataReadyPin& interrupt() = 0;
-
-  // The driver's side (GyroSource).
-  virtual core::Result<void, drivers::DriverError> start(core::Instant now) = 0;
-  virtual core::Result<std::size_t, drivers::DriverError> read(
-      core::Instant now, std::span<drivers::GyroSample> out) = 0;
-  virtual core::Result<void, drivers::DriverError> verify_next() = 0;
-  [[nodiscard]] virtual core::Duration sample_period() const = 0;
-  [[nodiscard]] virtual bool is_batched() const = 0;
 };
-static_assert(drivers::GyroSource<SimulatedGyro>);
 
 /// In data-ready mode and over SPI, at the driver's default range.
 /// @param clock must outlive the gyro

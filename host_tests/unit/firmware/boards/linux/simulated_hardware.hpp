@@ -16,7 +16,7 @@ namespace zerorate::linux_node {
 
 /// Each wait() lets one sample period pass and the chip measure once. What the simulation allocates
 /// is counted, so that a test can leave it out.
-class SimulatedHardware final : public Hardware {
+class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
  private:
   template <class Action>
   auto excused(Action action) {
@@ -27,6 +27,7 @@ class SimulatedHardware final : public Hardware {
   }
 
  public:
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return *this; }
   core::Result<void, drivers::DriverError> start(core::Instant now) override {
     return excused([&] { return rig.driver.start(now); });
   }

@@ -1,0 +1,26 @@
+/// @file
+/// Addresses of sockets, as the calls on sockets take them.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <string>
+
+namespace zerorate::hal::linux_os {
+
+/// An address of any family.
+struct SocketAddress {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+
+  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+};
+
+/// @param address  numeric, IPv4 or IPv6; throws std::invalid_argument where it is not
+[[nodiscard]] SocketAddress udp_address(const std::string& address, std::uint16_t port);
+
+/// Throws std::invalid_argument where the path is empty or longer than the kernel takes.
+[[nodiscard]] SocketAddress unix_address(const std::string& path);
+
+}  // namespace zerorate::hal::linux_os

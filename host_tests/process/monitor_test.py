@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""zerorate monitor and probe as processes: on datagrams, pipes and pseudo-terminals.
+
+usage: monitor_test.py ZERORATE [unittest arguments]
+"""
+
+import json
+import os
+import pathlib
+import pty
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import termios
+import time
+import unittest
+import zlib
+
+ZERORATE = sys.argv.pop(1)
+LIMIT_S = 20.0
+CALIBRATED, SENSOR_FAULT = 0x01, 0x40
+
+
+def sealed(body):
+    return body + struct.pack("<I", zlib.crc32(body))
+
+
+def rate_frame(sequence, rate_rad_s=0.01, health=CALIBRATED):
+    """By docs/reference/rate-frame.md."""
+    axis = struct.pack("<4f", rate_rad_s + 0.02, rate_rad_s, 0.02, 1e-5)
+    return sealed(struct.pack("<2sBBIqBBH", b"ZR", 1, 0, sequence, 10**9 * sequence, 2, health, 0) + 3 * axis)
+
+
+def status_frame(samples):
+    return sealed(struct.pack("<2sBB11I4B", b"ZS", 1, 0, samples, *range(1, 11), 0, 0, 0, 0))
+
+
+def stuffed(frame):
+    """Consistent overhead byte stuffing of less than 254 bytes, the plain way."""
+    out = b""
+    for block in (frame + b"\0").split(b"\0")[:-1]:
+        out += bytes([len(block) + 1]) + block
+    return out + b"\0"
+
+
+class Monitor(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory(prefix="zerorate-")
+        self.folder = pathlib.Path(self._folder.name)
+        self.process = None
+
+    def tearDown(self):
+        if self.process and self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
+        self._folder.cleanup()
+
+    def start(self, *arguments, stdout=subprocess.PIPE):
+        self.process = subprocess.Popen([ZERORATE, "monitor", *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                        stdout=stdout, stderr=subprocess.PIPE, text=stdout == subprocess.PIPE)
+
+    def end(self, code=0):
+        out, errors = self.process.communicate(timeout=LIMIT_S)
+        self.assertEqual((self.process.returncode, errors or ""), (code, ""))
+        return out
+
+    def send_until_it_ends(self, send):
+        """Messages with rising numbers: nobody can know when the receiver is ready."""
+        deadline, number = time.monotonic() + LIMIT_S, 0
+        while self.process.poll() is None and time.monotonic() < deadline:
+            send(number)
+            number += 1
+            time.sleep(0.01)
+
+    def test_shows_datagrams_of_udp_a_line_each_interval(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.start("--udp", f"127.0.0.1:{port}", "--count", 40, "--interval", 0.1)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            self.send_until_it_ends(lambda number: sender.sendto(rate_frame(number), ("127.0.0.1", port)))
+        lines = self.end().splitlines()
+        self.assertIn("rate x, y, z deg/s", lines[0])
+        self.assertGreaterEqual(len(lines), 3)
+        self.assertNotIn("\033", "".join(lines))
+        for line in lines[1:]:
+            self.assertRegex(line, r"^ +\d+\.000 still  ( +\+0\.57296){3}( +\+1\.14592){3}( +4\.04){3}  fine$")
+
+    def test_receives_on_a_unix_socket_which_it_removes(self):
+        path = self.folder / "rate.sock"
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as deserted:
+            deserted.bind(str(path))  # as a receiver leaves it that was killed
+        self.start("--unix", path, "--count", 5)
+
+        def send(number):
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+                try:
+                    sender.sendto(rate_frame(number), str(path))
+                except (FileNotFoundError, ConnectionRefusedError):
+                    pass  # it does not listen yet, or no longer
+        self.send_until_it_ends(send)
+        self.assertIn("fine", self.end())
+        self.assertFalse(path.exists())
+
+    def test_does_not_take_the_socket_of_another_receiver(self):
+        path = self.folder / "rate.sock"
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as other:
+            other.bind(str(path))
+            self.start("--unix", path)
+            errors = self.process.communicate(timeout=LIMIT_S)[1]
+        self.assertEqual(self.process.returncode, 3)
+        self.assertIn("Address already in use", errors)
+
+    def test_reads_a_serial_line_and_counts_what_is_damaged(self):
+        line, device = pty.openpty()
+        try:
+            self.start("--serial", os.ttyname(device), "--count", 20)
+            deadline = time.monotonic() + LIMIT_S
+            while termios.tcgetattr(device)[3] & termios.ICANON and time.monotonic() < deadline:
+                time.sleep(0.01)
+            os.write(line, stuffed(rate_frame(0))[30:])  # it joins in the middle
+            for number in range(10):
+                os.write(line, stuffed(rate_frame(number)) + b"\x05spoilt\0")
+            os.write(line, stuffed(status_frame(77)))
+            for number in range(12, 22):
+                os.write(line, stuffed(rate_frame(number, health=SENSOR_FAULT)))
+            out = self.end().splitlines()
+        finally:
+            os.close(line)
+            os.close(device)
+        self.assertRegex(out[-1], r"^ +21\.000 still  ( +-){9}  not calibrated, sensor_fault$")
+
+    def test_paints_over_itself_on_a_terminal_and_ends_with_the_file(self):
+        terminal, screen = pty.openpty()
+        line = {"sequence": 0, "time_ns": 10**9, "motion": "still", "rate_dps": [0.25, None, -1],
+                "measured_dps": [0, 0, 0], "bias_dps": [1, 2, 3], "sigma_dps": [0.001, None, 1], "calibrated": True}
+        line |= {flag: False for flag in ("sample_refused", "time_refused", "saturated", "model_inconsistent",
+                                          "odometer_fault", "sensor_fault")}
+        pipe_end, pipe = os.pipe()
+        self.process = subprocess.Popen([ZERORATE, "monitor", "--json", "-", "--interval", "0.05"], stdin=pipe_end,
+                                        stdout=screen, stderr=subprocess.PIPE)
+        os.close(pipe_end)
+        os.close(screen)
+        for number in range(10):
+            os.write(pipe, (json.dumps(line | {"sequence": 2 * number}) + "\n").encode())
+            time.sleep(0.05)
+        os.write(pipe, b"no json\n")
+        os.close(pipe)
+        shown = b""
+        while select.select([terminal], [], [], LIMIT_S)[0]:
+            try:
+                shown += os.read(terminal, 65536)
+            except OSError:  # the other end was closed
+                break
+        os.close(terminal)
+        self.end()
+        text = shown.decode()
+        self.assertIn("\033[", text)
+        last = text.split("\033[J")[-1].splitlines()
+        self.assertEqual(last[0], "standard input: 10 messages, 9 lost, 1 damaged")
+        self.assertEqual(last[1], "still: fine")
+        self.assertRegex(last[3], r"^x +\+0\.25000 +\+1\.00000 +7\.06$")
+        self.assertRegex(last[4], r"^y .* \+2\.00000 +-$")
+
+    def test_ends_at_sigterm_and_says_by_its_code_that_nothing_came(self):
+        self.start("--unix", self.folder / "rate.sock")
+        deadline = time.monotonic() + LIMIT_S
+        while not (self.folder / "rate.sock").exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.process.send_signal(signal.SIGTERM)
+        self.end(code=1)
+        self.assertFalse((self.folder / "rate.sock").exists())
+
+    def test_refuses_what_it_cannot_receive_from(self):
+        for arguments, code, words in [(["--udp", "nowhere"], 2, "does not end in a port"),
+                                       (["--udp", "host:1"], 2, "is not a numeric address"),
+                                       (["--serial", "/dev/null"], 3, "/dev/null"),
+                                       (["--serial", "/dev/tty", "--baud", "31"], 2, "31 baud"),
+                                       (["--json", "no-file"], 3, "no-file"),
+                                       (["--json", "a", "--unix", "b"], 2, "excludes")]:
+            run = subprocess.run([ZERORATE, "monitor", *arguments], capture_output=True, text=True, timeout=LIMIT_S,
+                                 check=False)
+            self.assertEqual(run.returncode, code, run.stderr)
+            self.assertIn(words, run.stderr)
+
+
+class Probe(unittest.TestCase):
+    def test_says_that_a_device_is_not_there(self):
+        run = subprocess.run([ZERORATE, "probe", "--json", "--spi", "no-spidev", "--i2c", "no-i2c"],
+                             capture_output=True, text=True, timeout=LIMIT_S, check=False)
+        self.assertEqual(run.returncode, 1)
+        buses = json.loads(run.stdout)["buses"]
+        self.assertEqual([(bus["device"], bus["bus"], len(bus["attempts"])) for bus in buses],
+                         [("no-spidev", "spi", 4), ("no-i2c", "i2c", 6)])
+        self.assertEqual({attempt["answer"] for bus in buses for attempt in bus["attempts"]}, {"not present"})
+
+
+if __name__ == "__main__":
+    unittest.main()

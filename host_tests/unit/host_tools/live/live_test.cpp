@@ -1,0 +1,148 @@
+/// @file
+/// What zerorate monitor makes of messages.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include "firmware/boards/linux/json_line.hpp"
+#include "host_tests/unit/firmware/wire/messages.hpp"
+#include "host_tools/lib/live/json_message.hpp"
+#include "host_tools/lib/live/tally.hpp"
+#include "host_tools/lib/live/view.hpp"
+
+namespace zerorate::live {
+namespace {
+
+using std::chrono::milliseconds;
+using wire::NumberedMessage;
+
+NumberedMessage calibrated_message(std::uint32_t sequence) {
+  NumberedMessage numbered{.sequence = sequence, .message = {}};
+  numbered.message.time = core::Instant::from_ns(1'234'000'000);
+  numbered.message.motion = core::Motion::still;
+  numbered.message.health.calibrated = true;
+  for (app::AxisRate& axis : numbered.message.axes) {
+    axis.corrected = core::deg_per_s(-0.25F);
+    axis.bias = core::deg_per_s(0.5F);
+    axis.sigma = core::deg_per_s(0.001F);
+  }
+  return numbered;
+}
+
+Tally tally_of(const NumberedMessage& message) {
+  Tally tally;
+  tally.take(message);
+  return tally;
+}
+
+TEST(JsonMessage, GivesBackWhatZerorateWroteButForTheRoundingOfDegrees) {
+  std::mt19937_64 random{3};
+  linux_node::JsonBuffer buffer{};
+  for (int i = 0; i < 200; ++i) {
+    const NumberedMessage sent = wire::testing::random_message(random);
+    const auto read = parse_json_message(linux_node::format_json_line(sent, buffer));
+    ASSERT_TRUE(read.has_value());
+    EXPECT_EQ(read->sequence, sent.sequence);
+    EXPECT_EQ(read->message.time, sent.message.time);
+    EXPECT_EQ(read->message.motion, sent.message.motion);
+    EXPECT_EQ(read->message.health, sent.message.health);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_FLOAT_EQ(read->message.axes[axis].bias.in(core::deg_per_s),
+                      sent.message.axes[axis].bias.in(core::deg_per_s));
+      if (sent.message.has_rate()) {
+        EXPECT_FLOAT_EQ(read->message.axes[axis].corrected.in(core::deg_per_s),
+                        sent.message.axes[axis].corrected.in(core::deg_per_s));
+      }
+    }
+  }
+}
+
+TEST(JsonMessage, TakesADeviationThatIsNullForInfinite) {
+  NumberedMessage sent = calibrated_message(1);
+  sent.message.axes[1].sigma = core::rad_per_s(std::numeric_limits<float>::infinity());
+  linux_node::JsonBuffer buffer{};
+  const auto read = parse_json_message(linux_node::format_json_line(sent, buffer));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->message.axes[1].sigma.in(core::rad_per_s),
+            std::numeric_limits<float>::infinity());
+}
+
+TEST(JsonMessage, RefusesWhatIsNoMessage) {
+  linux_node::JsonBuffer buffer{};
+  const std::string line{linux_node::format_json_line(calibrated_message(1), buffer)};
+  for (std::size_t length = 0; length + 2 < line.size(); ++length) {
+    EXPECT_FALSE(parse_json_message(line.substr(0, length)).has_value()) << length;
+  }
+  std::string asleep = line;
+  asleep.replace(asleep.find("\"still\""), 7, "\"sleep\"");
+  EXPECT_FALSE(parse_json_message(asleep).has_value());
+  EXPECT_FALSE(parse_json_message("[]").has_value());
+  EXPECT_FALSE(parse_json_message("null").has_value());
+}
+
+TEST(TallyOfMessages, CountsGapsAsLossesAndAnEarlierNumberAsARestart) {
+  Tally tally;
+  for (const std::uint32_t number : {7U, 8U, 11U, 0U, 1U}) {
+    tally.take(calibrated_message(number));
+  }
+  EXPECT_EQ(tally.messages, 5U);
+  EXPECT_EQ(tally.lost, 2U);
+  EXPECT_EQ(tally.restarts, 1U);
+}
+
+TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
+  const std::string screen =
+      format_screen(tally_of(calibrated_message(7)), "udp 127.0.0.1:1", milliseconds{10});
+  EXPECT_NE(screen.find("udp 127.0.0.1:1: 1 messages, 0 lost, 0 damaged\n"), std::string::npos);
+  EXPECT_NE(screen.find("still: fine\n"), std::string::npos);
+  // 0.001 deg/s are 3.6 deg/h; 95 % of a normal distribution lie within 1.96 deviations.
+  EXPECT_NE(screen.find("x         -0.25000      +0.50000              7.06\n"), std::string::npos)
+      << screen;
+}
+
+TEST(ScreenOfANode, ShowsNoRateThatIsOldOrThatTheMessageDoesNotHave) {
+  NumberedMessage message = calibrated_message(7);
+  const std::string old = format_screen(tally_of(message), "x", milliseconds{3000});
+  EXPECT_NE(old.find("no message for 3 s\n"), std::string::npos);
+  EXPECT_EQ(old.find("-0.25"), std::string::npos);
+  EXPECT_EQ(old.find("fine"), std::string::npos);
+
+  message.message.health.sensor_fault = true;
+  const std::string faulty = format_screen(tally_of(message), "x", milliseconds{0});
+  EXPECT_NE(faulty.find("sensor_fault"), std::string::npos);
+  EXPECT_EQ(faulty.find("-0.25"), std::string::npos);
+
+  message = calibrated_message(7);
+  message.message.health.calibrated = false;
+  const std::string uncalibrated = format_screen(tally_of(message), "x", milliseconds{0});
+  EXPECT_NE(uncalibrated.find("not calibrated"), std::string::npos);
+  EXPECT_EQ(uncalibrated.find("0.50000"), std::string::npos);
+}
+
+TEST(ScreenOfANode, FitsOnATerminalOf80Columns) {
+  NumberedMessage message = calibrated_message(1);
+  for (const wire::HealthBit& bit : wire::kHealthBits) message.message.health.*bit.flag = true;
+  Tally tally = tally_of(message);
+  tally.status.emplace();
+  const std::string screen = format_screen(tally, "serial /dev/ttyUSB0", milliseconds{0});
+  std::istringstream lines{screen};
+  for (std::string line; std::getline(lines, line);) EXPECT_LT(line.size(), 80U) << line;
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    const bool is_shown = screen.find(bit.name) != std::string::npos;
+    EXPECT_EQ(is_shown, bit.name != "calibrated") << bit.name;
+  }
+}
+
+TEST(LineOfAMessage, HasItsColumnsUnderTheHeader) {
+  const std::string line = format_line(tally_of(calibrated_message(1)));
+  EXPECT_EQ(line.substr(0, 20), "      1.234 still   ");
+  EXPECT_EQ(line.substr(line.size() - 5), "fine\n");
+  EXPECT_EQ(line.find("fine"), line_header().find("health"));
+}
+
+}  // namespace
+}  // namespace zerorate::live

@@ -1,0 +1,153 @@
+/// @file
+/// Which chip answers: the simulated chips behind the kernel's double.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "hal/sim/adxrs453.hpp"
+#include "hal/sim/bmi088.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/frame_spi.hpp"
+#include "hal/sim/i2c.hpp"
+#include "hal/sim/icm42688.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/spi.hpp"
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/unit/hal/linux/kernel_double.hpp"
+#include "host_tools/lib/probe/probe.hpp"
+
+namespace zerorate::probe {
+namespace {
+
+using hal::linux_os::KernelDouble;
+using hal::linux_os::KernelState;
+
+std::set<std::string> found(const std::vector<Attempt>& attempts) {
+  std::set<std::string> names;
+  for (const Attempt& attempt : attempts) {
+    if (attempt.is_found) names.emplace(attempt.chip);
+  }
+  return names;
+}
+
+/// What the probe finds on a chip select with this device.
+template <class Device>
+std::set<std::string> found_on_spi(Device& device) {
+  KernelState kernel;
+  kernel.spi_device = [&](auto operations) { (void)device.transaction(operations); };
+  return found(probe_spi("/dev/spidev0.0", KernelDouble{kernel}));
+}
+
+template <class Chip>
+std::set<std::string> found_registers_on_spi() {
+  hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
+  Chip chip{clock};
+  hal::sim::SimulatedSpiDevice<Chip> device{chip};
+  return found_on_spi(device);
+}
+
+TEST(ProbeOfSpi, NamesTheChipAndNoOther) {
+  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedLsm6dso>(), std::set<std::string>{"lsm6dso"});
+  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedIcm42688>(),
+            std::set<std::string>{"icm42688"});
+  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedBmi088>(), std::set<std::string>{"bmi088"});
+  hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
+  hal::sim::SimulatedAdxrs453 chip{clock};
+  clock.advance(core::Duration::seconds(1));  // until it is powered it reads no registers
+  hal::sim::SimulatedFrameSpi<hal::sim::SimulatedAdxrs453> device{chip};
+  EXPECT_EQ(found_on_spi(device), std::set<std::string>{"adxrs453"});
+}
+
+TEST(ProbeOfSpi, FindsNothingOnAStuckLine) {
+  for (const std::uint8_t level : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+    KernelState kernel;
+    kernel.spi_device = [&](auto operations) {
+      for (const hal::Operation& operation : operations) {
+        std::ranges::fill(operation.buffer(), level);
+      }
+    };
+    EXPECT_TRUE(found(probe_spi("/dev/spidev0.0", KernelDouble{kernel})).empty());
+  }
+}
+
+TEST(ProbeOfI2c, FindsTheChipAtItsAddressAndSaysWhoDidNotAcknowledge) {
+  hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
+  hal::sim::SimulatedIcm42688 chip{clock};
+  hal::sim::SimulatedI2cBus<hal::sim::SimulatedIcm42688> bus{chip, hal::I2cAddress{0x69}};
+  KernelState kernel;
+  kernel.i2c_device = [&](hal::I2cAddress address, auto operations) {
+    return bus.transaction(address, operations).has_value();
+  };
+  const auto attempts = probe_i2c("/dev/i2c-1", KernelDouble{kernel});
+  ASSERT_EQ(attempts.size(), 6U);
+  for (const Attempt& attempt : attempts) {
+    const bool is_it = attempt.chip == "icm42688" && attempt.address == 0x69;
+    EXPECT_EQ(attempt.is_found, is_it);
+    EXPECT_EQ(attempt.answer == "not acknowledged", attempt.address != 0x69);
+  }
+}
+
+TEST(ProbeOfI2c, WritesNothingButTheAddressOfTheRegister) {
+  KernelState kernel;
+  kernel.i2c_device = [](hal::I2cAddress, std::span<const hal::Operation> operations) {
+    EXPECT_EQ(operations.size(), 2U);
+    EXPECT_EQ(operations[0].bytes().size(), 1U);
+    EXPECT_TRUE(operations[1].is_read());
+    return true;
+  };
+  EXPECT_TRUE(found(probe_i2c("/dev/i2c-1", KernelDouble{kernel})).empty());
+  EXPECT_EQ(kernel.transfers, 6);
+}
+
+TEST(ProbeOfSpi, SetsTheReadBitInEveryFirstByte) {
+  KernelState kernel;
+  kernel.spi_device = [](std::span<const hal::Operation> operations) {
+    EXPECT_NE(operations[0].bytes()[0] & 0x80U, 0U);
+  };
+  (void)probe_spi("/dev/spidev0.0", KernelDouble{kernel});
+  EXPECT_EQ(kernel.transfers, 5);
+}
+
+TEST(ProbeOfADeviceThatIsGone, SaysSoForEveryChip) {
+  KernelState kernel{.open_error = ENOENT};
+  for (const Attempt& attempt : probe_spi("/dev/spidev0.0", KernelDouble{kernel})) {
+    EXPECT_FALSE(attempt.is_found);
+    EXPECT_EQ(attempt.answer, "not present");
+  }
+}
+
+TEST(DevicesOfAFolder, AreTheBusesInOrder) {
+  const testing::ScratchFolder folder;
+  for (const char* name : {"spidev1.0", "spidev0.1", "i2c-7", "i2c", "spi", "tty0"}) {
+    (void)folder.write(name, "");
+  }
+  const Devices devices = find_devices(folder.path().string());
+  EXPECT_EQ(devices.spi, (std::vector<std::string>{(folder.path() / "spidev0.1").string(),
+                                                   (folder.path() / "spidev1.0").string()}));
+  EXPECT_EQ(devices.i2c, std::vector<std::string>{(folder.path() / "i2c-7").string()});
+}
+
+TEST(ResultOfAProbe, IsTheSameAsTextAndAsJson) {
+  const std::vector<Bus> buses{
+      {Bus::Kind::i2c,
+       "/dev/i2c-1",
+       {{.chip = "bmi088", .address = 0x68, .is_found = false, .answer = "not acknowledged"},
+        {.chip = "lsm6dso", .address = 0x6A, .is_found = true, .answer = "0x6c"}}}};
+  EXPECT_EQ(to_text(buses),
+            "/dev/i2c-1 at 0x68   bmi088    no    not acknowledged\n"
+            "/dev/i2c-1 at 0x6a   lsm6dso   found 0x6c\n");
+  const auto json = nlohmann::json::parse(to_json(buses));
+  EXPECT_EQ(json["schema"], "zerorate.probe/1");
+  EXPECT_EQ(json["buses"][0]["bus"], "i2c");
+  EXPECT_EQ(json["buses"][0]["attempts"][1]["address"], 0x6A);
+  EXPECT_EQ(json["buses"][0]["attempts"][1]["found"], true);
+  EXPECT_EQ(json["buses"][0]["attempts"][0]["answer"], "not acknowledged");
+}
+
+}  // namespace
+}  // namespace zerorate::probe

@@ -1,0 +1,211 @@
+#include "host_tools/lib/live/source.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <termios.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "firmware/wire/cobs.hpp"
+#include "hal/linux/descriptor.hpp"
+#include "hal/linux/socket_address.hpp"
+#include "host_tools/lib/live/json_message.hpp"
+
+namespace zerorate::live {
+namespace {
+
+using hal::linux_os::checked_descriptor;
+using hal::linux_os::Descriptor;
+using hal::linux_os::SocketAddress;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+void take_frame(std::span<const std::uint8_t> bytes, Tally& tally) {
+  if (const auto message = wire::decode_rate_frame(bytes)) {
+    tally.take(*message);
+  } else if (const auto status = wire::decode_status_frame(bytes)) {
+    tally.status = *status;
+  } else {
+    ++tally.damaged;
+  }
+}
+
+class DatagramSource : public Source {
+ public:
+  DatagramSource(std::string name, const SocketAddress& address)
+      : Source(std::move(name)),
+        socket_(checked_descriptor(
+            socket(address.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0),
+            "socket")) {
+    if (bind(socket_.get(), address.get(), address.size) != 0) fail(this->name());
+  }
+
+  [[nodiscard]] int descriptor() const override { return socket_.get(); }
+  bool receive(Tally& tally) override {
+    std::array<std::uint8_t, 256> bytes{};
+    for (;;) {
+      const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), 0);
+      if (size < 0) return true;  // nothing more for now
+      take_frame(std::span{bytes}.first(static_cast<std::size_t>(size)), tally);
+    }
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+/// Removes a socket that a receiver left behind which was killed.
+void remove_deserted(const std::string& path, const SocketAddress& address) {
+  const Descriptor visitor =
+      checked_descriptor(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
+  const bool is_refused =
+      connect(visitor.get(), address.get(), address.size) != 0 && errno == ECONNREFUSED;
+  if (is_refused) (void)unlink(path.c_str());
+}
+
+class UnixSource final : public DatagramSource {
+ public:
+  UnixSource(const std::string& path, const SocketAddress& address)
+      : DatagramSource("unix " + path, address), path_(path) {}
+  UnixSource(const UnixSource&) = delete;
+  UnixSource& operator=(const UnixSource&) = delete;
+  ~UnixSource() override { (void)unlink(path_.c_str()); }
+
+ private:
+  std::string path_;
+};
+
+/// Bytes of a stream, read as they come.
+class StreamSource : public Source {
+ public:
+  StreamSource(std::string name, Descriptor stream)
+      : Source(std::move(name)), stream_(std::move(stream)) {}
+
+  [[nodiscard]] int descriptor() const override { return stream_.get(); }
+  bool receive(Tally& tally) final {
+    std::array<std::uint8_t, 4096> bytes{};
+    const ssize_t size = read(stream_.get(), bytes.data(), bytes.size());
+    if (size < 0) return errno == EAGAIN || errno == EINTR;
+    if (size == 0) return false;
+    take(std::span{bytes}.first(static_cast<std::size_t>(size)), tally);
+    return true;
+  }
+
+ private:
+  virtual void take(std::span<const std::uint8_t> bytes, Tally& tally) = 0;
+  Descriptor stream_;
+};
+
+class SerialSource final : public StreamSource {
+ public:
+  using StreamSource::StreamSource;
+
+ private:
+  void take(std::span<const std::uint8_t> bytes, Tally& tally) override {
+    const std::uint32_t dropped = reader_.dropped();
+    for (const std::uint8_t byte : bytes) {
+      if (const auto frame = reader_.take(byte)) take_whole(*frame, tally);
+    }
+    if (is_in_step_) tally.damaged += reader_.dropped() - dropped;
+  }
+  /// Whoever joins in the middle gets the end of a frame first, which is not damage.
+  void take_whole(std::span<const std::uint8_t> frame, Tally& tally) {
+    const std::uint64_t damaged = tally.damaged;
+    take_frame(frame, tally);
+    if (!is_in_step_) tally.damaged = damaged;
+    is_in_step_ = true;
+  }
+
+  wire::CobsReader<128> reader_;
+  bool is_in_step_ = false;
+};
+
+class JsonSource final : public StreamSource {
+ public:
+  using StreamSource::StreamSource;
+
+ private:
+  /// No line of zerorated is longer; what is, is not kept.
+  static constexpr std::size_t kLongestLine = 4096;
+
+  void take(std::span<const std::uint8_t> bytes, Tally& tally) override {
+    for (const std::uint8_t byte : bytes) {
+      if (byte == '\n') {
+        end_line(tally);
+      } else if (line_.size() <= kLongestLine) {
+        line_.push_back(static_cast<char>(byte));
+      }
+    }
+  }
+  void end_line(Tally& tally) {
+    if (const auto message = parse_json_message(line_)) {
+      tally.take(*message);
+    } else {
+      ++tally.damaged;
+    }
+    line_.clear();
+  }
+
+  std::string line_;
+};
+
+speed_t to_speed(unsigned baud) {
+  constexpr std::array<std::pair<unsigned, speed_t>, 8> kSpeeds{{{9600, B9600},
+                                                                 {19'200, B19200},
+                                                                 {38'400, B38400},
+                                                                 {57'600, B57600},
+                                                                 {115'200, B115200},
+                                                                 {230'400, B230400},
+                                                                 {460'800, B460800},
+                                                                 {921'600, B921600}}};
+  const auto* const found = std::ranges::find(kSpeeds, baud, &std::pair<unsigned, speed_t>::first);
+  if (found == kSpeeds.end()) {
+    throw std::invalid_argument(fmt::format("{} baud: not a speed of serial lines", baud));
+  }
+  return found->second;
+}
+
+}  // namespace
+
+std::unique_ptr<Source> listen_udp(const std::string& address, std::uint16_t port) {
+  return std::make_unique<DatagramSource>(fmt::format("udp {}:{}", address, port),
+                                          hal::linux_os::udp_address(address, port));
+}
+
+std::unique_ptr<Source> listen_unix(const std::string& path) {
+  const SocketAddress address = hal::linux_os::unix_address(path);
+  remove_deserted(path, address);
+  return std::make_unique<UnixSource>(path, address);
+}
+
+std::unique_ptr<Source> open_serial(const std::string& device, unsigned baud) {
+  const speed_t speed = to_speed(baud);
+  Descriptor line = checked_descriptor(
+      ::open(device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC), device.c_str());
+  termios settings{};
+  if (tcgetattr(line.get(), &settings) != 0) fail(device);
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  if (cfsetspeed(&settings, speed) != 0 || tcsetattr(line.get(), TCSANOW, &settings) != 0) {
+    fail(device);
+  }
+  return std::make_unique<SerialSource>("serial " + device, std::move(line));
+}
+
+std::unique_ptr<Source> open_json_lines(const std::string& file) {
+  if (file == "-") {
+    return std::make_unique<JsonSource>("standard input",
+                                        checked_descriptor(dup(STDIN_FILENO), "standard input"));
+  }
+  return std::make_unique<JsonSource>(
+      file, checked_descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC), file.c_str()));
+}
+
+}  // namespace zerorate::live

@@ -1,0 +1,33 @@
+/// @file
+/// What a receiver of a node's messages knows so far.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/wire/rate_frame.hpp"
+#include "firmware/wire/status_frame.hpp"
+
+namespace zerorate::live {
+
+/// The newest of each kind, and how many there were.
+struct Tally {
+  std::optional<wire::NumberedMessage> newest;
+  std::optional<wire::Status> status;
+  std::uint64_t messages = 0;
+  std::uint64_t lost = 0;      ///< by gaps in the numbers
+  std::uint64_t restarts = 0;  ///< of the sender, whose numbers begin at 0 then
+  std::uint64_t damaged = 0;   ///< frames and lines that could not be read
+
+  void take(const wire::NumberedMessage& message) {
+    if (newest && message.sequence <= newest->sequence) {
+      ++restarts;
+    } else if (newest) {
+      lost += message.sequence - newest->sequence - 1;
+    }
+    newest = message;
+    ++messages;
+  }
+};
+
+}  // namespace zerorate::live

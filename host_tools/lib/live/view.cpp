@@ -1,0 +1,109 @@
+#include "host_tools/lib/live/view.hpp"
+
+#include <fmt/format.h>
+
+#include "core/base/numeric.hpp"
+#include "firmware/wire/health_bits.hpp"
+
+namespace zerorate::live {
+namespace {
+
+constexpr float kHalfWidth95 = 1.959964F;  // of a normal distribution, in standard deviations
+constexpr float kPerHour = 3600.0F;
+
+std::string number(bool is_known, float value, int decimals) {
+  return is_known && core::is_finite(value) ? fmt::format("{:+.{}f}", value, decimals) : "-";
+}
+
+/// The three figures of an axis; "-" for what the message does not say.
+struct Figures {
+  std::string rate_dps, bias_dps, interval_dph;
+};
+Figures figures_of(const app::RateMessage& message, const app::AxisRate& axis, bool is_present) {
+  const bool is_calibrated = message.health.calibrated;
+  const float sigma_dps = axis.sigma.in(core::deg_per_s);
+  return {
+      .rate_dps = number(is_present && message.has_rate(), axis.corrected.in(core::deg_per_s), 5),
+      .bias_dps = number(is_calibrated, axis.bias.in(core::deg_per_s), 5),
+      .interval_dph = is_calibrated && core::is_finite(sigma_dps)
+                          ? fmt::format("{:.2f}", sigma_dps * kHalfWidth95 * kPerHour)
+                          : "-"};
+}
+
+std::string format_counters(const wire::Status& status) {
+  const app::LoopCounters& counters = status.counters;
+  return fmt::format("node: {} samples, {} pulses, {} starts, {} read errors, {} frames dropped\n",
+                     counters.samples, counters.pulses, counters.starts, counters.read_errors,
+                     status.frames_dropped);
+}
+
+/// Lines of less than 80 characters, broken at spaces: a terminal that wrapped them itself would
+/// have more lines than were counted.
+std::string wrapped(std::string text) {
+  constexpr std::size_t kWidth = 79;
+  for (std::size_t begin = 0; text.size() - begin > kWidth;) {
+    const std::size_t space = text.rfind(' ', begin + kWidth);
+    if (space == std::string::npos || space < begin) break;
+    text[space] = '\n';
+    begin = space + 1;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const app::Health& health) {
+  std::string words = health.calibrated ? "" : "not calibrated";
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    if (bit.flag == &app::Health::calibrated || !(health.*bit.flag)) continue;
+    words += fmt::format("{}{}", words.empty() ? "" : ", ", bit.name);
+  }
+  return words.empty() ? "fine" : words;
+}
+
+std::string format_screen(const Tally& tally, std::string_view source,
+                          std::chrono::milliseconds silence) {
+  std::string text = fmt::format("{}: {} messages, {} lost, {} damaged", source, tally.messages,
+                                 tally.lost, tally.damaged);
+  text += tally.restarts > 0 ? fmt::format(", {} restarts\n", tally.restarts) : "\n";
+  const bool is_present = tally.newest && silence <= kStale;
+  if (!is_present) {
+    text += fmt::format("no message for {} s\n", silence.count() / 1000);
+  } else {
+    text += wrapped(fmt::format("{}: {}", core::name(tally.newest->message.motion),
+                                describe(tally.newest->message.health))) +
+            "\n";
+  }
+  text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
+  const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
+  for (std::size_t i = 0; i < message.axes.size(); ++i) {
+    const Figures axis = figures_of(message, message.axes.at(i), is_present);
+    text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "xyz"[i], axis.rate_dps, axis.bias_dps,
+                        axis.interval_dph);
+  }
+  if (tally.status) text += format_counters(*tally.status);
+  return text;
+}
+
+std::string_view line_header() {
+  return "     time s motion     rate x, y, z deg/s               bias x, y, z deg/s"
+         "               95 % +- x, y, z deg/h     health\n";
+}
+
+std::string format_line(const Tally& tally) {
+  const app::RateMessage& message = tally.newest->message;
+  const std::int64_t milliseconds = message.time.ns() / 1'000'000;
+  std::string text = fmt::format("{:7}.{:03} {:<8}", milliseconds / 1000, milliseconds % 1000,
+                                 core::name(message.motion));
+  for (const auto figure : {&Figures::rate_dps, &Figures::bias_dps}) {
+    for (const app::AxisRate& axis : message.axes) {
+      text += fmt::format(" {:>10}", figures_of(message, axis, true).*figure);
+    }
+  }
+  for (const app::AxisRate& axis : message.axes) {
+    text += fmt::format(" {:>8}", figures_of(message, axis, true).interval_dph);
+  }
+  return text + "  " + describe(message.health) + "\n";
+}
+
+}  // namespace zerorate::live

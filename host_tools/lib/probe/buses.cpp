@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host_tools/lib/probe/probe.hpp"
+
+namespace zerorate::probe {
+
+std::string detail::in_hexadecimal(std::uint32_t value) {
+  return fmt::format("{:#04x}", value);
+}
+
+Devices find_devices(const std::string& folder) {
+  Devices devices;
+  for (const auto& entry : std::filesystem::directory_iterator{folder}) {
+    const std::string name = entry.path().filename();
+    if (name.starts_with("spidev")) devices.spi.push_back(entry.path());
+    if (name.starts_with("i2c-")) devices.i2c.push_back(entry.path());
+  }
+  std::ranges::sort(devices.spi);
+  std::ranges::sort(devices.i2c);
+  return devices;
+}
+
+std::vector<Bus> probe_buses(const Devices& devices) {
+  std::vector<Bus> buses;
+  for (const std::string& device : devices.spi) {
+    buses.push_back({Bus::Kind::spi, device, probe_spi(device)});
+  }
+  for (const std::string& device : devices.i2c) {
+    buses.push_back({Bus::Kind::i2c, device, probe_i2c(device)});
+  }
+  return buses;
+}
+
+std::string to_text(const std::vector<Bus>& buses) {
+  std::string text;
+  for (const Bus& bus : buses) {
+    for (const Attempt& attempt : bus.attempts) {
+      const std::string place =
+          attempt.address ? fmt::format("{} at {:#04x}", bus.device, *attempt.address) : bus.device;
+      text += fmt::format("{:<20} {:<9} {:<5} {}\n", place, attempt.chip,
+                          attempt.is_found ? "found" : "no", attempt.answer);
+    }
+  }
+  return text;
+}
+
+std::string to_json(const std::vector<Bus>& buses) {
+  nlohmann::ordered_json document{{"schema", "zerorate.probe/1"},
+                                  {"buses", nlohmann::ordered_json::array()}};
+  for (const Bus& bus : buses) {
+    nlohmann::ordered_json attempts = nlohmann::ordered_json::array();
+    for (const Attempt& attempt : bus.attempts) {
+      nlohmann::ordered_json entry{{"chip", attempt.chip}};
+      if (attempt.address) entry["address"] = *attempt.address;
+      entry["found"] = attempt.is_found;
+      entry["answer"] = attempt.answer;
+      attempts.push_back(std::move(entry));
+    }
+    document["buses"].push_back({{"device", bus.device},
+                                 {"bus", bus.kind == Bus::Kind::spi ? "spi" : "i2c"},
+                                 {"attempts", std::move(attempts)}});
+  }
+  return document.dump(2) + "\n";
+}
+
+}  // namespace zerorate::probe
