@@ -90,7 +90,7 @@ void print_misfit(const Diagnosis& diagnosis) {
   }
 }
 
-void print_estimate(const char* what, const diagnose::IntervalEstimate& estimate) {
+void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate) {
   if (!std::isfinite(estimate.value)) return;
   fmt::print("  {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
              estimate.hi);
@@ -98,7 +98,7 @@ void print_estimate(const char* what, const diagnose::IntervalEstimate& estimate
 
 void print_gain(const Diagnosis& diagnosis) {
   const diagnose::Gain& gain = diagnosis.gain;
-  if (diagnosis.causes.empty() || gain.holdout_samples == 0) return;
+  if (diagnosis.causes.empty() || !gain.is_measured()) return;
   fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
   print_estimate("RSSE ratio", gain.rsse_ratio);
   print_estimate("integrated error ratio", gain.ie_ratio);

@@ -2,17 +2,18 @@
 /// What a diagnosis says of one axis: the verdict, the causes, what they explain and what they buy.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/identify/innovations_fit.hpp"
+#include "host_tools/lib/evaluate/bootstrap.hpp"
 
 namespace zerorate::diagnose {
 
-using identify::IntervalEstimate;
+using evaluate::BootstrapFigure;
 
 enum class Verdict {
   consistent,   ///< white + 1/f + constant does, as far as this recording can tell
@@ -70,18 +71,21 @@ struct Adequacy {
 };
 
 /// Base against extended model, both run by the node's filter on data that neither was fitted to.
-/// Ratios are extended over base: below 1 is better. An estimate without drives or samples is NaN.
+/// Ratios are extended over base: below 1 is better. A figure without drives or samples is NaN.
 struct Gain {
   std::size_t holdout_samples = 0;
-  IntervalEstimate rsse_ratio;
-  IntervalEstimate ie_ratio;
-  IntervalEstimate heading_drift_ratio;
-  IntervalEstimate heading_drift_base_deg;  ///< rms over one drive
-  IntervalEstimate heading_drift_extended_deg;
-  double drive_s = 0.0;              ///< length of the drives that the heading drifts over
-  IntervalEstimate coverage95_base;  ///< share of headings inside the node's 95 % interval
-  IntervalEstimate coverage95_extended;
-  IntervalEstimate log_score_gain_nats_per_sample;
+  BootstrapFigure rsse_ratio;
+  BootstrapFigure ie_ratio;
+  BootstrapFigure heading_drift_ratio;
+  BootstrapFigure heading_drift_base_deg;  ///< rms over one drive
+  BootstrapFigure heading_drift_extended_deg;
+  double drive_s = 0.0;             ///< length of the drives that the heading drifts over
+  BootstrapFigure coverage95_base;  ///< share of headings inside the node's 95 % interval
+  BootstrapFigure coverage95_extended;
+  BootstrapFigure log_score_gain_nats_per_sample;
+
+  [[nodiscard]] bool is_measured() const { return holdout_samples > 0; }
+  [[nodiscard]] bool has_drives() const { return std::isfinite(heading_drift_ratio.value); }
 };
 
 /// One abscissa of a curve: measured, and the middle and the 95 % band of simulations.

@@ -142,7 +142,7 @@ report::BarChart error_chart(const Gain& gain) {
                                                 gain.holdout_samples),
                          .y = {"Ratio of errors"}};
   report::BarGroup ratios{.name = "extended / base", .colour = Colour::blue};
-  const auto add = [&](const char* what, const IntervalEstimate& ratio) {
+  const auto add = [&](const char* what, const BootstrapFigure& ratio) {
     if (!std::isfinite(ratio.value)) return;
     chart.categories.emplace_back(what);
     ratios.values.push_back(ratio.value);
@@ -158,7 +158,7 @@ report::BarChart error_chart(const Gain& gain) {
 }
 
 report::BarChart coverage_chart(const Gain& gain) {
-  const auto group = [](const char* name, const IntervalEstimate& coverage, Colour colour) {
+  const auto group = [](const char* name, const BootstrapFigure& coverage, Colour colour) {
     return report::BarGroup{.name = name,
                             .values = {100.0 * coverage.value},
                             .colour = colour,

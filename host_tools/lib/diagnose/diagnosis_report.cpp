@@ -33,7 +33,7 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
                        fmt::format("{:.1f} nats, p {}", cause.gain_nats, p_value(cause.p_value))});
   }
   const Gain& gain = diagnosis.gain;
-  if (gain.holdout_samples > 0 && std::isfinite(gain.heading_drift_ratio.value)) {
+  if (gain.has_drives()) {
     figures.push_back({"Heading drift",
                        fmt::format("{:.3g}° → {:.3g}°", gain.heading_drift_base_deg.value,
                                    gain.heading_drift_extended_deg.value),
@@ -139,7 +139,7 @@ report::Table gain_table(const Gain& gain) {
           "Base and extended model run by the node's filter on data that neither was "
           "fitted to. Ratios are extended over base: below 1 is better.",
       .columns = {{"Figure"}, {"Value"}, {"95 % interval"}}};
-  const auto add = [&](const char* what, const IntervalEstimate& estimate) {
+  const auto add = [&](const char* what, const BootstrapFigure& estimate) {
     if (!std::isfinite(estimate.value)) return;
     table.rows.push_back({what, figure(estimate.value),
                           fmt::format("{} to {}", figure(estimate.lo), figure(estimate.hi))});
@@ -171,7 +171,7 @@ void add_gain(report::Report& report, const Gain& gain) {
   auto& section = report.section("What the extension buys");
   const report::BarChart errors = error_chart(gain);
   if (!errors.categories.empty()) section.chart(errors);
-  if (std::isfinite(gain.coverage95_extended.value)) section.chart(coverage_chart(gain));
+  if (gain.has_drives()) section.chart(coverage_chart(gain));
   section.table(gain_table(gain));
 }
 
@@ -200,7 +200,7 @@ void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportTe
     report.section("Evidence").chart(evidence_chart(diagnosis)).table(evidence_table(diagnosis));
   }
   if (diagnosis.causes.empty()) return;
-  if (diagnosis.gain.holdout_samples > 0) add_gain(report, diagnosis.gain);
+  if (diagnosis.gain.is_measured()) add_gain(report, diagnosis.gain);
   add_model(report, diagnosis, text.recording);
 }
 

@@ -85,7 +85,7 @@ std::string cause_sentences(const Diagnosis& diagnosis) {
 }
 
 std::string drift_sentence(const Gain& gain) {
-  const IntervalEstimate& after = gain.heading_drift_extended_deg;
+  const BootstrapFigure& after = gain.heading_drift_extended_deg;
   const double before = gain.heading_drift_base_deg.value;
   const double ratio = gain.heading_drift_ratio.value;
   const bool same = gain.heading_drift_ratio.lo <= 1.0 && gain.heading_drift_ratio.hi >= 1.0;
@@ -100,8 +100,8 @@ std::string drift_sentence(const Gain& gain) {
 }
 
 std::string gain_sentence(const Gain& gain) {
-  if (gain.holdout_samples == 0) return "";
-  if (std::isfinite(gain.heading_drift_extended_deg.value)) {
+  if (!gain.is_measured()) return "";
+  if (gain.has_drives()) {
     return drift_sentence(gain) +
            fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",
                        100.0 * gain.coverage95_extended.value, 100.0 * gain.coverage95_base.value);

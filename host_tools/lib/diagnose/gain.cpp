@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "host_tools/lib/diagnose/node_scores.hpp"
@@ -17,15 +14,16 @@ namespace {
 
 constexpr std::uint32_t kCycles = 24;      // stops and drives in the part that is judged
 constexpr double kLongestCycle_s = 400.0;  // a quarter of it at rest
-constexpr std::size_t kResamplings = 400;
 constexpr std::size_t kFewestBlocks = 8;
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
+core::Duration duration(double seconds) {
+  return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+}
+
 /// One axis of the record as samples that the tick average takes.
 identify::RestSamples samples_of(const Record& record) {
-  identify::RestSamples samples{
-      .axis_count = 1,
-      .sample_period = core::Duration::nanoseconds(std::llround(record.sample_period_s * 1e9))};
+  identify::RestSamples samples{.axis_count = 1, .sample_period = duration(record.sample_period_s)};
   for (std::size_t k = 0; k < record.size(); ++k) {
     samples.time.push_back(core::Instant::from_ns(std::llround(record.time_s[k] * 1e9)));
     samples.rate_rad_s.push_back({static_cast<float>(record.rate_rad_s[k])});
@@ -33,36 +31,13 @@ identify::RestSamples samples_of(const Record& record) {
   return samples;
 }
 
-/// Statistics of resampled blocks: indices that may repeat.
-using Statistic = std::function<double(const std::vector<std::size_t>& indices)>;
-
-IntervalEstimate with_interval(std::size_t size, const Statistic& statistic, std::uint64_t seed) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (size < kFewestBlocks) return {kNone, kNone, kNone, kNone};
-  std::vector<std::size_t> indices(size);
-  std::iota(indices.begin(), indices.end(), std::size_t{0});
-  IntervalEstimate estimate{.value = statistic(indices)};
-  // Neighbouring drives share the slow noise: blocks of about the cube root of their number.
-  const auto block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)));
-  const simulate::RandomStream stream = simulate::RandomStream(seed).substream("bootstrap");
-  std::vector<double> values;
-  values.reserve(kResamplings);
-  std::int64_t draws = 0;
-  for (std::size_t r = 0; r < kResamplings; ++r) {
-    for (std::size_t i = 0; i < size; i += block) {
-      const double uniform = stream.uniform(draws++);
-      const auto first = static_cast<std::size_t>(uniform * static_cast<double>(size));
-      for (std::size_t j = 0; j < block && i + j < size; ++j) {
-        indices[i + j] = (first + j) % size;
-      }
-    }
-    values.push_back(statistic(indices));
-  }
-  std::ranges::sort(values);
-  estimate.lo = values[kResamplings / 40];
-  estimate.hi = values[kResamplings - 1 - kResamplings / 40];
-  estimate.standard_error = (estimate.hi - estimate.lo) / (2.0 * 1.96);
-  return estimate;
+/// Neighbouring drives share the slow noise: blocks of about the cube root of their number.
+BootstrapFigure with_interval(std::size_t size, const evaluate::Statistic& statistic,
+                              std::uint64_t seed) {
+  if (size < kFewestBlocks) return {};
+  return evaluate::bootstrap(
+      size, statistic, simulate::RandomStream(seed).substream("bootstrap"),
+      {.draws = 400, .block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)))});
 }
 
 double rms_heading(const std::vector<ScoredDrive>& drives,
@@ -124,8 +99,8 @@ void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<Scor
 }
 
 /// Mean gain of a sample, the ticks gathered in blocks that are nearly independent.
-IntervalEstimate log_score_gain(const NodeScores& base, const NodeScores& extended,
-                                double samples_per_tick, std::uint64_t seed) {
+BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extended,
+                               double samples_per_tick, std::uint64_t seed) {
   constexpr std::size_t kBlocks = 30;
   const std::size_t size = std::min(base.log_scores.size(), extended.log_scores.size());
   const std::size_t length = std::max<std::size_t>(1, size / kBlocks);
@@ -161,7 +136,7 @@ Gain measure_gain(const Record& record, const model::SensorModel& base,
   const auto longest = static_cast<std::uint32_t>(std::max(4.0, kLongestCycle_s / tick_s));
   const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
   const ScoredTicks scored{.ticks = means,
-                           .sample_period = identify::mean_sample_period(means, tick),
+                           .sample_period = duration(record.mean_period_s),
                            .tick = tick,
                            .judged_from = judged_from,
                            .stop_ticks = std::max(1U, cycle / 4),

@@ -44,6 +44,7 @@ Standstill longest_standstill(const identify::RestSamples& samples) {
 Record record_of(const identify::RestSamples& samples, std::size_t axis) {
   Record record{.axis = samples.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]),
                 .sample_period_s = static_cast<double>(samples.sample_period.ns()) * 1e-9,
+                .mean_period_s = static_cast<double>(samples.mean_period.ns()) * 1e-9,
                 .standstills = samples.after_drives.size() + 1};
   const auto [first, end] = longest_standstill(samples);
   record.time_s.reserve(end - first);

@@ -14,6 +14,7 @@ namespace zerorate::diagnose {
 struct Record {
   std::string axis;
   double sample_period_s = 0.0;  ///< median interval
+  double mean_period_s = 0.0;    ///< mean interval, holes left out (see identify::RestSamples)
   std::vector<double> time_s;    ///< ascending
   std::vector<double> rate_rad_s;
   std::vector<double> temperature_degc;  ///< as many, or none

@@ -330,27 +330,9 @@ class Contest {
     return sums;
   }
 
-  /// Value for the clusters as they are, interval for clusters drawn with replacement.
-  template <class Statistic>
-  [[nodiscard]] BootstrapFigure bootstrap(Statistic statistic) const {
-    constexpr std::size_t kDraws = 2000;
-    const std::size_t n = clusters_.size();
-    std::vector<std::size_t> drawn = every_cluster();
-    BootstrapFigure figure{.value = statistic(drawn)};
-    if (std::isnan(figure.value)) return {kNan, kNan, kNan};
-    const simulate::RandomStream stream{options_.first_seed};
-    std::vector<double> values(kDraws);
-    for (std::size_t draw = 0; draw < kDraws; ++draw) {
-      for (std::size_t c = 0; c < n; ++c) {
-        const double u = stream.uniform(static_cast<std::int64_t>(draw * n + c));
-        drawn[c] = static_cast<std::size_t>(u * static_cast<double>(n));
-      }
-      values[draw] = statistic(drawn);
-    }
-    std::sort(values.begin(), values.end());
-    figure.lo = values[kDraws / 40];
-    figure.hi = values[kDraws - 1 - kDraws / 40];
-    return figure;
+  [[nodiscard]] BootstrapFigure over_clusters(const evaluate::Statistic& statistic) const {
+    return evaluate::bootstrap(clusters_.size(), statistic,
+                               simulate::RandomStream{options_.first_seed});
   }
 
   [[nodiscard]] DriveStanding standing(const Results& own, const Results& yardstick,
@@ -358,14 +340,14 @@ class Contest {
     const Sums sums = total(own, every_cluster(), range);
     const double rms_rad = std::sqrt(sums.squares_rad2 / sums.drives);
     const bool has_interval = !std::isnan(sums.covered);
-    return {
-        .ratio = bootstrap([&](const auto& drawn) { return ratio(own, yardstick, drawn, range); }),
-        .coverage = bootstrap([&](const auto& drawn) {
-          const Sums some = total(own, drawn, range);
-          return some.covered / some.drives;
-        }),
-        .sigma_over_rms = has_interval ? sums.sigma_rad / sums.drives / rms_rad : kNan,
-        .drift_rms_deg = rms_rad * kDegPerRad};
+    return {.ratio = over_clusters(
+                [&](const auto& drawn) { return ratio(own, yardstick, drawn, range); }),
+            .coverage = over_clusters([&](const auto& drawn) {
+              const Sums some = total(own, drawn, range);
+              return some.covered / some.drives;
+            }),
+            .sigma_over_rms = has_interval ? sums.sigma_rad / sums.drives / rms_rad : kNan,
+            .drift_rms_deg = rms_rad * kDegPerRad};
   }
 
   [[nodiscard]] DriveContest standings() const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/evaluate/bootstrap.hpp"
 #include "host_tools/lib/evaluate/schedule.hpp"
 #include "host_tools/lib/experiments/parallel.hpp"
 
@@ -45,15 +46,10 @@ struct DriveContestOptions {
   unsigned threads = 0;                    ///< 0: as many as the machine has
 };
 
-/// A figure and its 95 % interval by the cluster bootstrap: recording-axes are drawn, not drives,
-/// because the drives of one axis share its fit and its weather.
-struct BootstrapFigure {
-  double value = 0.0;
-  double lo = 0.0;
-  double hi = 0.0;
-};
+using evaluate::BootstrapFigure;
 
-/// One contestant under one schedule, or under all of them.
+/// One contestant under one schedule, or under all of them. The bootstrap draws recording-axes, not
+/// drives, because the drives of one axis share its fit and its weather.
 struct DriveStanding {
   /// Root mean square of the heading drift over that of the calibration mean: geometric mean over
   /// recording-axes (and schedules).

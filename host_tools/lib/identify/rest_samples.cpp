@@ -128,22 +128,6 @@ std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration t
   return means;
 }
 
-core::Duration mean_sample_period(const std::vector<TickMean>& ticks, core::Duration tick) {
-  std::int64_t inner = 0;
-  std::int64_t samples = 0;
-  for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
-    if (ticks[k + 1].tick - ticks[k - 1].tick != 2) continue;
-    ++inner;
-    samples += ticks[k].samples;
-  }
-  // All stops are shorter than three ticks: the fullest tick is the best guess.
-  if (inner == 0) {
-    inner = 1;
-    samples = std::ranges::max(ticks, {}, &TickMean::samples).samples;
-  }
-  return tick * inner / samples;
-}
-
 EvenRecord longest_even_samples(const RestSamples& samples, std::size_t axis) {
   const std::int64_t period_ns = samples.sample_period.ns();
   const Run run = longest_run(samples.time.size(), [&](std::size_t i) {

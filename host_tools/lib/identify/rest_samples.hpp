@@ -58,11 +58,6 @@ struct RestOptions {
 /// @param tick at least the sample period
 [[nodiscard]] std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration tick);
 
-/// RestSamples::mean_period of samples of which only the ticks are left: from ticks whose
-/// neighbours have samples too.
-[[nodiscard]] core::Duration mean_sample_period(const std::vector<TickMean>& ticks,
-                                                core::Duration tick);
-
 /// A rate without holes, for what needs an even grid.
 struct EvenRecord {
   std::vector<double> rate_rad_s;

@@ -82,19 +82,6 @@ TEST(TickMeansOfRestSamples, AreAbsentWhereThereAreNoSamples) {
   EXPECT_NEAR(ticks[1].rate_rad_s[0], 5.0 * 0.017453293, 1e-7);
 }
 
-TEST(MeanSamplePeriod, CountsTheSamplesOfInnerTicks) {
-  // Bursts: pairs 1 ms apart every 100 ms; the median interval means nothing.
-  RestSamples samples{.sample_period = Duration::milliseconds(1)};
-  for (std::int64_t k = 0; k < 100; ++k) {
-    for (const std::int64_t ms : {100 * k, 100 * k + 1}) {
-      samples.time.push_back(core::Instant::from_ns(ms * 1'000'000));
-      samples.rate_rad_s.push_back({});
-    }
-  }
-  const Duration tick = Duration::milliseconds(500);
-  EXPECT_EQ(mean_sample_period(average_ticks(samples, tick), tick), Duration::milliseconds(50));
-}
-
 TEST(LongestEvenSamples, EndAtAHole) {
   const RestSamples samples =
       read("t_s,rate_dps\n0,1\n0.1,2\n0.5,3\n0.601,4\n0.7,5\n0.802,6\n1.5,7\n");
