@@ -8,6 +8,7 @@
 #include "core/estimator/gate.hpp"
 #include "core/estimator/pair_covariance.hpp"
 #include "core/noise/modes.hpp"
+#include "core/noise/temperature_drift.hpp"
 
 namespace zerorate::core {
 
@@ -36,16 +37,23 @@ struct PairForgetting {
 /// two decaying modes (an odd one beside a zero), or the two components of a rotating one, which
 /// beta = -(1 + j) alpha / 2 turns so that their sum is Re(-alpha z).
 /// docs/design/kalman-predictor.md, eq. 6.
-template <std::size_t R, std::size_t C>
+///
+/// With K = TemperatureDrift::kWeights the last pair is no drift but slope and curvature:
+/// constants, which move the bias by the changes of their weights.
+template <std::size_t R, std::size_t C, std::size_t K = 0>
 struct KalmanCoefficients {
+  static_assert(K == 0 || K == TemperatureDrift::kWeights);
   static constexpr std::size_t kDecayingPairs = (R + 1) / 2;
-  static constexpr std::size_t kPairs = kDecayingPairs + C;
+  static constexpr std::size_t kModePairs = kDecayingPairs + C;
+  static constexpr std::size_t kPairs = kModePairs + K / 2;
   static constexpr std::size_t kDrifts = 2 * kPairs;
   using Drifts = std::array<float, kDrifts>;
-  using Span = Transition<R, C>;
+  using Span = FilterSpan<R, C, K>;
 
   /// The drift that holds the real part of a rotating mode; the imaginary part is the next.
   static constexpr std::size_t rotating(std::size_t i) { return 2 * (kDecayingPairs + i); }
+  /// Where the temperature's constants stand.
+  static constexpr std::size_t kTemperature = 2 * kModePairs;
 
   float tick_s = 0.0F;
   Gate gate;
@@ -60,7 +68,8 @@ struct KalmanCoefficients {
   std::array<float, R> decaying_scale{};          ///< beta
   std::array<Complex, C> rotating_scale{};
 
-  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes, const Gate& innovation_gate = {})
+  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes, const Gate& innovation_gate = {},
+                                        const TemperatureBlock<K>& temperature = {})
       : tick_s(modes.tick.in_seconds()),
         gate(innovation_gate),
         bias_noise(modes.one_tick().noise()) {
@@ -81,12 +90,20 @@ struct KalmanCoefficients {
       initial_variance[rotating(i)] = initial_variance[rotating(i) + 1] =
           squared_magnitude(rotating_scale[i]) * mode.initial_variance;
     }
-    const Span tick = modes.one_tick();
+    if constexpr (K > 0) {
+      initial_mean[kTemperature] = temperature.slope_rad_s_per_k;
+      initial_mean[kTemperature + 1] = temperature.curvature_rad_s_per_k2;
+      initial_variance[kTemperature] =
+          temperature.slope_sigma_rad_s_per_k * temperature.slope_sigma_rad_s_per_k;
+      initial_variance[kTemperature + 1] =
+          temperature.curvature_sigma_rad_s_per_k2 * temperature.curvature_sigma_rad_s_per_k2;
+    }
+    const Transition<R, C> tick = modes.one_tick();
     cross_noise = cross_noise_of(tick);
     drift_noise = drift_noise_of(tick);
   }
 
-  [[nodiscard]] constexpr Drifts cross_noise_of(const Span& span) const {
+  [[nodiscard]] constexpr Drifts cross_noise_of(const Transition<R, C>& span) const {
     Drifts noise{};
     for (std::size_t i = 0; i < R; ++i) noise[i] = decaying_scale[i] * span.decaying[i].noise;
     for (std::size_t i = 0; i < C; ++i) {
@@ -95,7 +112,7 @@ struct KalmanCoefficients {
     }
     return noise;
   }
-  [[nodiscard]] constexpr Drifts drift_noise_of(const Span& span) const {
+  [[nodiscard]] constexpr Drifts drift_noise_of(const Transition<R, C>& span) const {
     Drifts noise{};
     for (std::size_t i = 0; i < R; ++i) {
       noise[i] = decaying_scale[i] * decaying_scale[i] * span.decaying[i].noise;
@@ -108,7 +125,8 @@ struct KalmanCoefficients {
   }
 
   /// What pair i forgets over a span.
-  [[nodiscard]] static PairForgetting of_pair(const Span& span, std::size_t i) {
+  [[nodiscard]] static PairForgetting of_pair(const Transition<R, C>& span, std::size_t i) {
+    if (i >= kModePairs) return of_constants();
     if (i >= kDecayingPairs) return of_rotating(span.rotating[i - kDecayingPairs].forgotten);
     const std::size_t second = 2 * i + 1;
     return of_decaying(span.decaying[2 * i].forgotten,
@@ -116,6 +134,7 @@ struct KalmanCoefficients {
   }
   /// The same over a tick.
   [[gnu::always_inline]] [[nodiscard]] PairForgetting of_pair(std::size_t i) const {
+    if (i >= kModePairs) return of_constants();
     return i < kDecayingPairs ? of_decaying(forgotten[2 * i], forgotten[2 * i + 1])
                               : of_rotating(turned[i - kDecayingPairs]);
   }
@@ -125,6 +144,8 @@ struct KalmanCoefficients {
   [[gnu::always_inline]] [[nodiscard]] Block kept_row(Index i, Block x) const {
     if constexpr (i < kDecayingPairs) {
       return x - rows(&forgotten[2 * i]) * x;
+    } else if constexpr (i >= kModePairs) {
+      return x;
     } else {
       return of_pair(i).kept_row(x);
     }
@@ -139,7 +160,8 @@ struct KalmanCoefficients {
     }
   }
 
-  /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick.
+  /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick;
+  /// and by each constant: the change of its weight.
   [[nodiscard]] static constexpr Drifts movement(const Span& span) {
     Drifts weight{};
     for (std::size_t i = 0; i < R; ++i) {
@@ -148,6 +170,7 @@ struct KalmanCoefficients {
     for (std::size_t i = 0; i < C; ++i) {
       set_rotating(weight, i, span.rotating[i].reach + span.rotating[i].forgotten);
     }
+    if constexpr (K > 0) set_temperature(weight, span.temperature.change);
     return weight;
   }
   /// The same for the sum of the bias over the ticks of a span: lag / alpha.
@@ -158,6 +181,7 @@ struct KalmanCoefficients {
       const Complex over_square = Complex{1.0F / squared_magnitude(turned[i])};
       set_rotating(weight, i, span.rotating[i].lag * conjugate(turned[i]) * over_square);
     }
+    if constexpr (K > 0) set_temperature(weight, span.temperature.sum);
     return weight;
   }
 
@@ -167,6 +191,12 @@ struct KalmanCoefficients {
   }
   [[gnu::always_inline]] static PairForgetting of_rotating(Complex share) {
     return {all(share.re), Block{-share.im, -share.im, share.im, share.im}};
+  }
+
+  [[gnu::always_inline]] static PairForgetting of_constants() { return {all(0.0F), all(0.0F)}; }
+
+  static constexpr void set_temperature(Drifts& weight, const std::array<float, K>& of_constants) {
+    for (std::size_t i = 0; i < K; ++i) weight[kTemperature + i] = of_constants[i];
   }
 
   /// The bias moves by Re((1 - j) share w).

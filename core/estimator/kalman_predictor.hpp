@@ -16,7 +16,8 @@
 
 namespace zerorate::core {
 
-/// Kalman filter of one axis with R decaying and C rotating modes.
+/// Kalman filter of one axis with R decaying and C rotating modes, and with K =
+/// TemperatureDrift::kWeights constants that the temperature multiplies, or none.
 ///
 /// The first state is the whole bias s = level + sum of the modes, not the level. A measurement
 /// then sees one state (h = e_0), so an update needs no matrix product and cannot cancel: the
@@ -26,11 +27,11 @@ namespace zerorate::core {
 ///
 /// Cost of a tick and its measurement at R = 6, C = 0: 207 floating-point operations and one
 /// division (docs/reference/benchmarks.md); no square root. Not re-entrant; one instance per axis.
-template <std::size_t R, std::size_t C>
+template <std::size_t R, std::size_t C, std::size_t K = 0>
 class KalmanPredictor {
  public:
-  using Coefficients = KalmanCoefficients<R, C>;
-  using Span = Transition<R, C>;
+  using Coefficients = KalmanCoefficients<R, C, K>;
+  using Span = typename Coefficients::Span;
   using Drifts = typename Coefficients::Drifts;
   static constexpr std::size_t kPairs = Coefficients::kPairs;
 
@@ -43,15 +44,15 @@ class KalmanPredictor {
     float bias_rad_s = 0.0F;       ///< s
     float bias_variance = 0.0F;    ///< Var s [rad2/s2], if what was rejected were knocks
     float doubt_variance = 0.0F;   ///< what they add to it, because they may be none
-    Drifts drift{};                ///< w [rad/s a tick]
-    Drifts bias_covariance{};      ///< p = Cov(s, w)
+    Drifts drift{};            ///< w [rad/s a tick]; in the last pair slope and curvature, if any
+    Drifts bias_covariance{};  ///< p = Cov(s, w)
     PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
   /// Starts before the first measurement, with the modes at their initial variance.
   /// @param coefficients of all axes; must outlive the predictor
-  constexpr explicit KalmanPredictor(const KalmanCoefficients<R, C>& coefficients)
+  constexpr explicit KalmanPredictor(const Coefficients& coefficients)
       : coefficients_(&coefficients) {
     for (std::size_t i = 0; i < coefficients.kDrifts; ++i) {
       state_.covariance.set(i, i, coefficients.initial_variance[i]);
@@ -88,10 +89,10 @@ class KalmanPredictor {
 
   /// advance() and observe() in one, which for a single tick without a gate is much quicker.
   constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
-    if (span.ticks == 1 && state_.calibrated && is_measurement(rate_rad_s, white_variance) &&
-        !coefficients_->gate.is_on()) {
+    if (span.ticks == 1 && is_temperature_known(span) && state_.calibrated &&
+        is_measurement(rate_rad_s, white_variance) && !coefficients_->gate.is_on()) {
       Registers x{state_};
-      x.advance(*coefficients_);
+      x.advance(*coefficients_, span);
       const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
       x.store(state_);
       return innovation;
@@ -112,7 +113,7 @@ class KalmanPredictor {
     const Drifts g = Coefficients::movement(lead);
     const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
     return {x.reference_rad_s + (x.bias_rad_s + dot(g, x.drift)),
-            (x.bias_variance + x.doubt_variance + moved) + lead.noise()};
+            (x.bias_variance + x.doubt_variance + moved) + lead.noise() + unknown_variance(lead)};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
@@ -124,9 +125,31 @@ class KalmanPredictor {
   }
 
  private:
-  static constexpr std::size_t kDecayingPairs = Coefficients::kDecayingPairs;
+  static constexpr std::size_t kModePairs = Coefficients::kModePairs;
   using Blocks = std::array<Block, kPairs>;
   static_assert(kPairs > 0);
+
+  [[nodiscard]] static constexpr bool is_temperature_known(const Span& span) {
+    if constexpr (K > 0) return span.temperature.is_known();
+    return true;
+  }
+  /// What the bias may have done because the temperature was not known: the expectation of the
+  /// square of (unknown change of the weights)' (constants).
+  [[nodiscard]] constexpr float unknown_variance(const Span& span) const {
+    float variance = 0.0F;
+    if constexpr (K > 0) {
+      const auto& u = span.temperature.unknown;
+      constexpr std::size_t kFirst = Coefficients::kTemperature;
+      for (std::size_t i = 0; i < K; ++i) {
+        for (std::size_t j = 0; j < K; ++j) {
+          variance += u[i] * u[j] *
+                      (state_.drift[kFirst + i] * state_.drift[kFirst + j] +
+                       state_.covariance(kFirst + i, kFirst + j));
+        }
+      }
+    }
+    return variance;
+  }
 
   constexpr Innovation observe_first(float rate_rad_s, float white_variance) {
     // A diffuse level: s is what was measured, and its error is independent of the modes.
@@ -186,13 +209,15 @@ class KalmanPredictor {
     }
 
     /// One tick: s' = s + 1'w, v' = v + 1'(2 p + W 1) + Q, p' = F (p + W 1) + cross noise,
-    /// W' = F W F' + noise.
-    [[gnu::always_inline]] void advance(const Coefficients& a) {
+    /// W' = F W F' + noise. For the constants of the temperature the change of their weights stands
+    /// in the place of 1.
+    [[gnu::always_inline]] void advance(const Coefficients& a, const Span& span) {
       Blocks moved;  // W 1
-      unrolled<kPairs>([&](auto i) __attribute__((always_inline)) { moved[i] = row_sums(i); });
-      const float cross_sum = sum(cross);
-      variance = ((variance + a.bias_noise) + (cross_sum + cross_sum)) + sum(moved);
-      bias += sum(drift);
+      unrolled<kPairs>([&](auto i)
+                           __attribute__((always_inline)) { moved[i] = row_sums(i, span); });
+      const float cross_sum = sum(cross, span);
+      variance = ((variance + a.bias_noise) + (cross_sum + cross_sum)) + sum(moved, span);
+      bias += sum(drift, span);
       unrolled<kPairs>([&](auto i) __attribute__((always_inline)) {
         drift[i] = a.kept_row(i, drift[i]);
         cross[i] = a.kept_row(i, cross[i] + moved[i]) + rows(&a.cross_noise[2 * i]);
@@ -233,19 +258,32 @@ class KalmanPredictor {
 
     /// The row sums of the covariance that belong to pair i, in both rows.
     template <class Index>
-    [[gnu::always_inline]] Block row_sums(Index i) const {
-      Block columns = covariance[below(i, i)];
+    [[gnu::always_inline]] Block row_sums(Index i, const Span& span) const {
+      Block columns = by_row(i, covariance[below(i, i)], span);
       unrolled<kPairs>([&](auto j) __attribute__((always_inline)) {
-        if constexpr (j < i) columns = columns + transposed(covariance[below(i, j)]);
-        if constexpr (j > i) columns = columns + covariance[below(j, i)];
+        if constexpr (j < i) {
+          columns = columns + by_row(j, transposed(covariance[below(i, j)]), span);
+        }
+        if constexpr (j > i) columns = columns + by_row(j, covariance[below(j, i)], span);
       });
       return columns + rows_exchanged(columns);
     }
-    [[gnu::always_inline]] static float sum(const Blocks& of_rows) {
+    [[gnu::always_inline]] static float sum(const Blocks& of_rows, const Span& span) {
       Block total = of_rows[0];
-      unrolled<kPairs - 1>([&](auto i)
-                               __attribute__((always_inline)) { total = total + of_rows[i + 1]; });
+      unrolled<kModePairs - 1>([&](auto i) __attribute__((always_inline)) {
+        total = total + of_rows[i + 1];
+      });
+      if constexpr (K > 0) total = total + of_rows[kModePairs] * rows(&span.temperature.change[0]);
       return sum_of_row(total);
+    }
+    /// The rows of pair j, each by what it moves the bias.
+    template <class Index>
+    [[gnu::always_inline]] static Block by_row(Index /*j*/, Block block, const Span& span) {
+      if constexpr (Index::value < kModePairs) {
+        return block;
+      } else {
+        return block * transposed(rows(&span.temperature.change[0]));
+      }
     }
   };
 
@@ -255,7 +293,8 @@ class KalmanPredictor {
     const Coefficients& a = *coefficients_;
     const Drifts g = Coefficients::movement(span);
     const Drifts moved = times_covariance(g);
-    x.bias_variance += 2.0F * dot(g, x.bias_covariance) + dot(g, moved) + span.noise();
+    x.bias_variance +=
+        2.0F * dot(g, x.bias_covariance) + dot(g, moved) + span.noise() + unknown_variance(span);
     x.bias_rad_s += dot(g, x.drift);
     const Drifts cross_noise = a.cross_noise_of(span);
     const Drifts drift_noise = a.drift_noise_of(span);
@@ -280,9 +319,10 @@ class KalmanPredictor {
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
     const float sum = ticks * x.bias_rad_s + dot(g, x.drift);
-    const float variance = ticks * ticks * (x.bias_variance + x.doubt_variance) +
-                           drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
-                           dot(g, times_covariance(g));
+    const float variance =
+        ticks * ticks * (x.bias_variance + x.doubt_variance + unknown_variance(drive)) +
+        drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
+        dot(g, times_covariance(g));
     const float tick_s = coefficients_->tick_s;
     return {(ticks * x.reference_rad_s + sum) * tick_s, variance * tick_s * tick_s};
   }

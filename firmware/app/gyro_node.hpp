@@ -17,8 +17,10 @@
 #include "core/estimator/gate.hpp"
 #include "core/estimator/kalman_predictor.hpp"
 #include "core/estimator/moving_average.hpp"
+#include "core/estimator/temperature_track.hpp"
 #include "core/estimator/tick_average.hpp"
 #include "core/monitor/innovation_monitor.hpp"
+#include "core/noise/temperature_drift.hpp"
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
 #include "drivers/common/gyro_source.hpp"
@@ -38,15 +40,18 @@ enum class ParamsError : std::uint8_t {
   hold_back_too_long,  ///< more than GyroNode::kHeldTicks ticks: slow the filter or shorten it
 };
 
-/// What a node is built from. R decaying and C rotating modes as in core::Modes.
-template <std::size_t R, std::size_t C>
+/// What a node is built from. R decaying and C rotating modes as in core::Modes; K weights of the
+/// temperature as in core::TemperatureBlock, 0 for a node that does not look at it.
+template <std::size_t R, std::size_t C, std::size_t K = 0>
 struct NodeParams {
   core::Modes<R, C> modes;                   ///< the slow noise at the filter's tick
   float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample
   float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
   /// What the bias changes by while the power is off; infinite: unknown, nothing is worth keeping.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
-  core::Gate gate;               ///< of the Kalman predictor; off by default
+  core::Gate gate;  ///< of the Kalman predictor; off by default
+  /// What the Kalman predictor knows of it.
+  [[no_unique_address]] core::TemperatureBlock<K> temperature{};
   core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
@@ -61,16 +66,21 @@ struct NodeCapacity {
 
 /// One sensor with three axes. Chip-free and board-free; no heap; one thread (the caller's).
 /// Cost per sample: a few additions; per tick: see the predictors.
-template <std::size_t R, std::size_t C, NodeCapacity Capacity = NodeCapacity{}>
+template <std::size_t R, std::size_t C, std::size_t K = 0, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
   static constexpr std::size_t kAxes = 3;
   static constexpr std::size_t kHeldTicks = Capacity.held_ticks;
-  using Params = NodeParams<R, C>;
-  using Span = core::Transition<R, C>;
-  using HoldBack = core::HoldBackLine<core::TickMean<kAxes>, kHeldTicks>;
+  using Params = NodeParams<R, C, K>;
+  using Span = core::FilterSpan<R, C, K>;
+  using TickTemperature = core::TickTemperature<K>;
+  /// A measurement that waits until it is certain that the vehicle stood.
+  struct HeldTick : core::TickMean<kAxes> {
+    [[no_unique_address]] TickTemperature temperature;
+  };
+  using HoldBack = core::HoldBackLine<HeldTick, kHeldTicks>;
 
-  using Filter = typename core::KalmanPredictor<R, C>::State;
+  using Filter = typename core::KalmanPredictor<R, C, K>::State;
   struct AxisState {
     Filter kalman;
     typename core::MovingAverage<R, C, Capacity.average_levels>::State moving_average;
@@ -89,6 +99,7 @@ class GyroNode {
     core::Standstill::State standstill;
     typename core::TickAverage<kAxes>::State average;
     HoldBack held;
+    [[no_unique_address]] typename core::TemperatureTrack<K>::State temperature;
     std::array<AxisState, kAxes> axes;
   };
   static_assert(std::is_trivially_copyable_v<State>);
@@ -101,7 +112,8 @@ class GyroNode {
         one_tick_(params.modes.one_tick()),
         standstill_(params.standstill),
         average_(params.modes.tick, params.sample_period),
-        coefficients_(params.modes, params.gate),
+        temperature_(params.temperature),
+        coefficients_(params.modes, params.gate, params.temperature),
         axes_{Axis{params.modes, coefficients_}, Axis{params.modes, coefficients_},
               Axis{params.modes, coefficients_}} {
     ZERORATE_ASSERT(check(params).has_value());
@@ -151,8 +163,10 @@ class GyroNode {
                                                                   core::Instant to) const {
     const std::uint32_t first = std::max(average_.tick_of(from), measured_ticks_);
     const std::uint32_t last = std::max(average_.tick_of(to), first);
-    const Span lead = params_.modes.over(first - measured_ticks_);
-    const Span drive = params_.modes.over(last - first);
+    const Span lead{params_.modes.over(first - measured_ticks_)};
+    Span drive{params_.modes.over(last - first)};
+    const std::uint32_t now = std::clamp(measured_ticks_ + lead_.ticks, first, last);
+    temperature_.over_drive(lead_, now - first, drive);
     return axes_[axis].visit(which, [&](const auto& p) { return p.predict_heading(lead, drive); });
   }
 
@@ -173,6 +187,13 @@ class GyroNode {
   [[nodiscard]] static constexpr std::array<Filter, kAxes> filters(const State& state) {
     return {state.axes[0].kalman, state.axes[1].kalman, state.axes[2].kalman};
   }
+  /// The temperature that the filters stand at, if they follow it: that of the newest measurement.
+  [[nodiscard]] constexpr TickTemperature measured_temperature() const {
+    return temperature_.measured();
+  }
+  [[nodiscard]] static constexpr TickTemperature measured_temperature(const State& state) {
+    return core::TemperatureTrack<K>::measured(state.temperature);
+  }
   /// Ticks from the newest measurement to the end of the one being filled.
   [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
     return average_.tick() + 1 - measured_ticks_;
@@ -182,17 +203,18 @@ class GyroNode {
   }
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, and
   /// adds what the bias changes by while the power is off. Before the first sample.
-  constexpr void resume(const std::array<Filter, kAxes>& filters, std::uint32_t ticks);
+  constexpr void resume(const std::array<Filter, kAxes>& filters, TickTemperature temperature,
+                        std::uint32_t ticks);
 
  private:
   struct Axis {
-    core::KalmanPredictor<R, C> kalman;
+    core::KalmanPredictor<R, C, K> kalman;
     core::MovingAverage<R, C, Capacity.average_levels> moving_average;
     core::CalibrationMean<R, C> calibration_mean;
     core::InnovationMonitor monitor;
 
     constexpr Axis(const core::Modes<R, C>& modes,
-                   const core::KalmanCoefficients<R, C>& coefficients)
+                   const core::KalmanCoefficients<R, C, K>& coefficients)
         : kalman(coefficients), moving_average(modes), calibration_mean(modes) {}
 
     template <class Action>
@@ -223,7 +245,7 @@ class GyroNode {
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
   constexpr void take_in(const drivers::GyroSample& sample);
   constexpr bool learn_until(core::Instant certain);
-  constexpr void learn(const core::TickMean<kAxes>& mean);
+  constexpr void learn(const HeldTick& mean);
   constexpr void end_stop(core::Instant pulse);
   constexpr void update_lead();
   constexpr void predict_tick();
@@ -231,11 +253,12 @@ class GyroNode {
   [[nodiscard]] constexpr AxisRate corrected(std::size_t axis, core::AngularRate measured) const;
 
   const Params& params_;
-  Span one_tick_;
+  core::Transition<R, C> one_tick_;
   core::Standstill standstill_;
   core::TickAverage<kAxes> average_;
   HoldBack held_;
-  core::KalmanCoefficients<R, C> coefficients_;
+  [[no_unique_address]] core::TemperatureTrack<K> temperature_;
+  core::KalmanCoefficients<R, C, K> coefficients_;
   std::array<Axis, kAxes> axes_;
   std::array<core::Prediction, kAxes> predicted_{};  ///< by the published predictor, for this tick
   Span lead_{};
@@ -246,8 +269,8 @@ class GyroNode {
   bool pulses_lost_ = false;
 };
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr core::Result<void, ParamsError> GyroNode<R, C, Capacity>::check(const Params& params) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr core::Result<void, ParamsError> GyroNode<R, C, K, Capacity>::check(const Params& params) {
   using core::Unexpected;
   constexpr core::Duration kZero;
   if (params.modes.tick <= kZero || params.sample_period <= kZero) {
@@ -269,8 +292,8 @@ constexpr core::Result<void, ParamsError> GyroNode<R, C, Capacity>::check(const 
   return {};
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr RateMessage GyroNode<R, C, Capacity>::step(const drivers::GyroSample& sample) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr RateMessage GyroNode<R, C, K, Capacity>::step(const drivers::GyroSample& sample) {
   RateMessage message{.time = sample.time};
   const bool refused = is_refused(sample, message.health);
   if (!refused) take_in(sample);
@@ -281,8 +304,8 @@ constexpr RateMessage GyroNode<R, C, Capacity>::step(const drivers::GyroSample& 
   return message;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr RateMessage GyroNode<R, C, Capacity>::step_without_sample(core::Instant now) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr RateMessage GyroNode<R, C, K, Capacity>::step_without_sample(core::Instant now) {
   RateMessage message{.time = now};
   message.health.sensor_fault = true;
   describe(message, {});
@@ -290,21 +313,23 @@ constexpr RateMessage GyroNode<R, C, Capacity>::step_without_sample(core::Instan
 }
 
 /// Fills in what does not depend on whether there was a sample.
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::describe(
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::describe(
     RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
   message.health.calibrated = predicted_[0].is_available();
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
+  message.health.temperature_missing = temperature_.is_missed(message.time);
   for (std::size_t i = 0; i < kAxes; ++i) {
     message.health.model_inconsistent |= !axes_[i].monitor.is_consistent();
+    message.health.measurement_rejected |= axes_[i].kalman.state().rejected > 0;
     message.axes[i] = corrected(i, rate[i]);
   }
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr bool GyroNode<R, C, Capacity>::is_refused(const drivers::GyroSample& sample,
-                                                    Health& health) const {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr bool GyroNode<R, C, K, Capacity>::is_refused(const drivers::GyroSample& sample,
+                                                       Health& health) const {
   health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), [](auto rate) {
     return core::is_finite(rate.in(core::rad_per_s));
   });
@@ -313,14 +338,17 @@ constexpr bool GyroNode<R, C, Capacity>::is_refused(const drivers::GyroSample& s
   return health.sample_refused || health.time_refused;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::take_in(const drivers::GyroSample& sample) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& sample) {
   newest_sample_ = sample.time;
   standstill_.start(sample.time);
   const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
   has_sample_ = true;
-  if (new_tick && !average_.is_empty()) held_.push(average_.close());
+  if (new_tick && !average_.is_empty()) held_.push({average_.close(), temperature_.tick()});
   average_.enter(sample.time);
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  temperature_.take(sample.time, new_tick,
+                    sample.has_temperature ? sample.temperature.degc() : kNone);
   if (standstill_.is_settled(sample.time) && sample.saturated_axes == 0) {
     average_.add(sample.time,
                  {sample.rate[0].in(core::rad_per_s), sample.rate[1].in(core::rad_per_s),
@@ -332,24 +360,25 @@ constexpr void GyroNode<R, C, Capacity>::take_in(const drivers::GyroSample& samp
 
 /// Learns from the ticks that are held back and end no later than this; says whether there were
 /// any.
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr bool GyroNode<R, C, Capacity>::learn_until(core::Instant certain) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr bool GyroNode<R, C, K, Capacity>::learn_until(core::Instant certain) {
   const std::size_t held = held_.size();
-  held_.release_until(certain, [this](const core::TickMean<kAxes>& mean) { learn(mean); });
+  held_.release_until(certain, [this](const HeldTick& mean) { learn(mean); });
   return held_.size() < held;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::end_stop(core::Instant pulse) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::end_stop(core::Instant pulse) {
   standstill_.pulse(pulse);
   average_.clear();
   stop_open_ = false;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::learn(const core::TickMean<kAxes>& mean) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::learn(const HeldTick& mean) {
   const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
-  const Span since_last = ticks == 1 ? one_tick_ : params_.modes.over(ticks);
+  Span since_last{ticks == 1 ? one_tick_ : params_.modes.over(ticks)};
+  temperature_.measure(mean.temperature, since_last);
   const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples) +
                                params_.unaveraged_variance_rad2_s2;
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -360,26 +389,28 @@ constexpr void GyroNode<R, C, Capacity>::learn(const core::TickMean<kAxes>& mean
   measured_ticks_ = mean.tick + 1;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::predict_tick() {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::predict_tick() {
   update_lead();
   for (std::size_t i = 0; i < kAxes; ++i) predicted_[i] = predict(params_.published, i);
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::update_lead() {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::update_lead() {
   const std::uint32_t ticks = ticks_since_measured();
+  temperature_.lead_over(ticks, lead_);
   if (ticks == lead_.ticks) return;
   // One more tick is one composition. Every 1024 the span is made afresh by doubling, so that the
   // roundings of a long drive do not add up.
   constexpr std::uint32_t kAfresh = 1024;
-  lead_ = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead_, one_tick_)
-                                                           : params_.modes.over(ticks);
+  core::Transition<R, C>& lead = lead_;
+  lead = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead, one_tick_)
+                                                          : params_.modes.over(ticks);
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr AxisRate GyroNode<R, C, Capacity>::corrected(std::size_t axis,
-                                                       core::AngularRate measured) const {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr AxisRate GyroNode<R, C, K, Capacity>::corrected(std::size_t axis,
+                                                          core::AngularRate measured) const {
   const core::AngularRate bias = core::rad_per_s(predicted_[axis].bias_rad_s);
   return {.measured = measured,
           .corrected = measured - bias,
@@ -387,8 +418,8 @@ constexpr AxisRate GyroNode<R, C, Capacity>::corrected(std::size_t axis,
           .sigma = core::rad_per_s(predicted_[axis].sigma_rad_s())};
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr typename GyroNode<R, C, Capacity>::State GyroNode<R, C, Capacity>::state() const {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr typename GyroNode<R, C, K, Capacity>::State GyroNode<R, C, K, Capacity>::state() const {
   State state{.newest_sample = newest_sample_,
               .has_sample = has_sample_,
               .stop_open = stop_open_,
@@ -398,6 +429,7 @@ constexpr typename GyroNode<R, C, Capacity>::State GyroNode<R, C, Capacity>::sta
               .standstill = standstill_.state(),
               .average = average_.state(),
               .held = held_,
+              .temperature = temperature_.state(),
               .axes = {}};
   for (std::size_t i = 0; i < kAxes; ++i) {
     state.axes[i] = {.kalman = axes_[i].kalman.state(),
@@ -408,8 +440,8 @@ constexpr typename GyroNode<R, C, Capacity>::State GyroNode<R, C, Capacity>::sta
   return state;
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::restore(const State& state) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
   newest_sample_ = state.newest_sample;
   has_sample_ = state.has_sample;
   stop_open_ = state.stop_open;
@@ -419,6 +451,7 @@ constexpr void GyroNode<R, C, Capacity>::restore(const State& state) {
   standstill_.restore(state.standstill);
   average_.restore(state.average);
   held_ = state.held;
+  temperature_.restore(state.temperature);
   for (std::size_t i = 0; i < kAxes; ++i) {
     axes_[i].kalman.restore(state.axes[i].kalman);
     axes_[i].moving_average.restore(state.axes[i].moving_average);
@@ -428,11 +461,13 @@ constexpr void GyroNode<R, C, Capacity>::restore(const State& state) {
   if (has_sample_) predict_tick();
 }
 
-template <std::size_t R, std::size_t C, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, Capacity>::resume(const std::array<Filter, kAxes>& filters,
-                                                std::uint32_t ticks) {
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::resume(const std::array<Filter, kAxes>& filters,
+                                                   TickTemperature temperature,
+                                                   std::uint32_t ticks) {
   ZERORATE_ASSERT(!has_sample_);
-  const Span off = params_.modes.over(ticks);
+  temperature_.resume(temperature);
+  const Span off{params_.modes.over(ticks)};
   for (std::size_t i = 0; i < kAxes; ++i) {
     axes_[i].kalman.restore(filters[i]);
     axes_[i].kalman.advance(off);

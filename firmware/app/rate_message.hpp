@@ -21,6 +21,11 @@ struct Health {
   bool model_inconsistent = false;  ///< innovations larger or smaller than the model allows
   bool pulses_lost = false;   ///< the odometer input failed or dropped edges since the last message
   bool sensor_fault = false;  ///< the gyro gives no samples: no rate in this message
+  /// The newest measurement of an axis was taken for a knock: not learnt from, but doubted, which
+  /// widens the interval until a measurement agrees or the bias is learnt anew (see core::Gate).
+  bool measurement_rejected = false;
+  /// The model follows the temperature, and there is none: the interval is wider.
+  bool temperature_missing = false;
 
   constexpr bool operator==(const Health&) const = default;
 };

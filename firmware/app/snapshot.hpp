@@ -74,10 +74,13 @@ class Snapshot {
   using State = typename Node::State;
   using Filter = typename Node::Filter;
   using Filters = std::array<Filter, Node::kAxes>;
+  using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
   static constexpr std::uint16_t kLayout = 1;
-  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + 4;
+  static constexpr std::size_t kBytesOfTemperature =
+      std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
+  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + kBytesOfTemperature + 4;
   static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -95,6 +98,7 @@ class Snapshot {
     std::array<std::uint8_t, kBytesOfFilters> record{};
     auto rest = begin(record, Content::filters, node.ticks_since_measured(), time);
     for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
+    if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
     return record;
   }
@@ -119,7 +123,7 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    return resume(node, Node::filters(state), *header, now);
+    return resume(node, Node::filters(state), Node::measured_temperature(state), *header, now);
   }
   /// The same for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
@@ -131,7 +135,12 @@ class Snapshot {
     if (header->content != Content::filters) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
     }
-    return resume(node, get<Filters>(record.subspan(sizeof(Header))), *header, now);
+    const auto payload = record.subspan(sizeof(Header));
+    Temperature temperature{};
+    if constexpr (kBytesOfTemperature > 0) {
+      temperature = get<Temperature>(payload.subspan(sizeof(Filters)));
+    }
+    return resume(node, get<Filters>(payload), temperature, *header, now);
   }
 
  private:
@@ -191,6 +200,14 @@ class Snapshot {
     print.add(params.white_variance_rad2_s2);
     print.add(params.unaveraged_variance_rad2_s2);
     print.add(params.turn_on_variance_rad2_s2);
+    if constexpr (kBytesOfTemperature > 0) {
+      print.add(params.temperature.reference_degc);
+      print.add(params.temperature.slope_rad_s_per_k);
+      print.add(params.temperature.slope_sigma_rad_s_per_k);
+      print.add(params.temperature.curvature_rad_s_per_k2);
+      print.add(params.temperature.curvature_sigma_rad_s_per_k2);
+      print.add(params.temperature.lag_s);
+    }
     print.add(params.gate.threshold_sigma);
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
@@ -249,7 +266,7 @@ class Snapshot {
   }
 
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filters& filters,
-                                                   const Header& header,
+                                                   Temperature temperature, const Header& header,
                                                    const SnapshotTime& now) const {
     using core::Unexpected;
     if (!filters[0].calibrated) return Unexpected{SnapshotRefusal::nothing_learnt};
@@ -262,7 +279,8 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(filters, header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
+    node.resume(filters, temperature,
+                header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
     return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
   }
 

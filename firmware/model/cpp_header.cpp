@@ -45,6 +45,17 @@ std::string turn_on(float variance) {
   return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
 }
 
+std::string temperature(const core::TemperatureDrift& drift) {
+  if (!drift.is_on()) return {};
+  return "    .temperature = {.reference_degc = " + literal(drift.reference_degc) +
+         ", .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
+         ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
+         ",\n                    .curvature_rad_s_per_k2 = " +
+         literal(drift.curvature_rad_s_per_k2) +
+         ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
+         ", .lag_s = " + literal(drift.lag_s) + "},\n";
+}
+
 /// For a comment: a name cannot end the line and go on as source.
 std::string on_one_line(std::string text) {
   for (char& character : text) {
@@ -77,9 +88,13 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ";\n"
          "inline constexpr std::size_t kRotatingModes = " +
          std::to_string(rotating) +
+         ";\n"
+         "inline constexpr std::size_t kTemperatureWeights = " +
+         std::to_string(node.temperature.is_on() ? kMostTemperature : 0) +
          ";\n\n"
          "// clang-format off\n"
-         "inline constexpr app::NodeParams<kDecayingModes, kRotatingModes> kNodeParams{\n"
+         "inline constexpr app::NodeParams<kDecayingModes, kRotatingModes, kTemperatureWeights> "
+         "kNodeParams{\n"
          "    .modes = {.tick = " +
          nanoseconds(filter_tick) +
          ",\n"
@@ -99,10 +114,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ",\n    .unaveraged_variance_rad2_s2 = " + literal(node.unaveraged_variance_rad2_s2) +
          turn_on(node.turn_on_variance_rad2_s2) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
-         ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "}" +
-         ",\n"
-         "    .sample_period = " +
-         nanoseconds(sample_period) +
+         ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
+         temperature(node.temperature) + "    .sample_period = " + nanoseconds(sample_period) +
          ",\n"
          "};\n"
          "// clang-format on\n\n"

@@ -97,10 +97,13 @@ std::array<Block, N> blocks_of(std::span<const Part> parts, std::string_view tab
   return blocks;
 }
 
-void require_supported(const SensorModel& model) {
-  if (model.temperature) {
-    throw std::invalid_argument("the node does not run [temperature] yet");
-  }
+core::TemperatureDrift temperature_of(const TemperatureDrift& drift) {
+  return {.reference_degc = single(drift.reference_degc),
+          .slope_rad_s_per_k = single(drift.slope_rad_s_per_k),
+          .slope_sigma_rad_s_per_k = single(drift.slope_sigma_rad_s_per_k),
+          .curvature_rad_s_per_k2 = single(drift.curvature_rad_s_per_k2),
+          .curvature_sigma_rad_s_per_k2 = single(drift.curvature_sigma_rad_s_per_k2),
+          .lag_s = single(drift.lag_s)};
 }
 
 core::WarmUp warm_up_of(const WarmUp& transient) {
@@ -138,14 +141,13 @@ double unaveraged_variance(double step, double sigma) {
 
 bool fits_six_decades(const SensorModel& model) {
   return model.gauss_markov.empty() && model.harmonic.empty() && !model.warm_up &&
-         !model.rate_ramp && (!model.flicker || model.flicker->decades <= 6);
+         !model.rate_ramp && !model.temperature && (!model.flicker || model.flicker->decades <= 6);
 }
 
 NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& model,
                                                              core::Duration sample_period,
                                                              core::Duration filter_tick) {
   validate(model);
-  require_supported(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(
         "the sample period must be positive and not longer than the filter's tick");
@@ -186,6 +188,9 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
   if (model.turn_on) {
     const double sigma = model.turn_on->sigma_rad_s;
     node.turn_on_variance_rad2_s2 = single(sigma * sigma);
+  }
+  if (model.temperature) {
+    node.temperature = temperature_of(*model.temperature);
   }
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");

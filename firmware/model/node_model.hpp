@@ -12,6 +12,7 @@
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
 #include "core/noise/modes.hpp"
+#include "core/noise/temperature_drift.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
@@ -21,6 +22,7 @@ inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
 inline constexpr std::size_t kMostDecaying = kMostDecades + kMostGaussMarkov + 2;  // warm-up, ramp
 inline constexpr std::size_t kMostRotating = 2;
+inline constexpr std::size_t kMostTemperature = core::TemperatureDrift::kWeights;
 
 /// The noise of one axis as the node needs it.
 template <std::size_t R, std::size_t C>
@@ -31,6 +33,7 @@ struct NodeModel {
   /// What the bias changes by while the power is off; infinite where the model does not say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
+  core::TemperatureDrift temperature;  ///< off where the model has none
 
   /// Of the mean of a tick's samples.
   [[nodiscard]] constexpr float measurement_variance(float samples) const {
@@ -68,9 +71,10 @@ template <class Mode, std::size_t N>
 [[nodiscard]] NodeModel<kMostDecaying, kMostRotating> make_full_node_model(
     const SensorModel& model, core::Duration sample_period, core::Duration filter_tick);
 
-/// The same in a node with R decaying and C rotating modes. Lags that the flicker fit gave no
-/// weight take no place. Also throws std::invalid_argument where the model needs more modes.
-template <std::size_t R, std::size_t C>
+/// The same in a node with R decaying and C rotating modes and K weights of the temperature. Lags
+/// that the flicker fit gave no weight take no place. Also throws std::invalid_argument where the
+/// model needs more.
+template <std::size_t R, std::size_t C, std::size_t K = 0>
 [[nodiscard]] NodeModel<R, C> make_node_model(const SensorModel& model,
                                               core::Duration sample_period,
                                               core::Duration filter_tick) {
@@ -83,6 +87,10 @@ template <std::size_t R, std::size_t C>
                                 std::to_string(rotating) + " rotating modes; this node has " +
                                 std::to_string(R) + " and " + std::to_string(C));
   }
+  if (full.temperature.is_on() && K == 0) {
+    throw std::invalid_argument("the model \"" + model.name +
+                                "\" follows the temperature; this node does not");
+  }
   NodeModel<R, C> fitting;
   fitting.modes.tick = full.modes.tick;
   fitting.modes.start = full.modes.start;
@@ -94,6 +102,7 @@ template <std::size_t R, std::size_t C>
   fitting.unaveraged_variance_rad2_s2 = full.unaveraged_variance_rad2_s2;
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.gate = full.gate;
+  fitting.temperature = full.temperature;
   return fitting;
 }
 

@@ -69,9 +69,12 @@ namespace detail {
   }
   frames[3].id = id;
   LittleEndianWriter out{frames[3].data};
+  // The counter counts modulo 16; of the health the bits from the ninth on stand above it.
+  const unsigned health = encode_health(message.health);
+  static_assert(kHealthBits.size() <= 10);
   out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
-                                    (numbered.sequence & 0x3FU) << 2U));
-  out.put(encode_health(message.health));
+                                    (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
+  out.put(static_cast<std::uint8_t>(health & 0xFFU));
   for (const app::AxisRate& axis : message.axes) out.put(detail::encode_can_sigma(axis.sigma));
   return frames;
 }

@@ -1,5 +1,5 @@
 /// @file
-/// The health of a message as one byte, the same on every wire.
+/// The health of a message as bits, the same on every wire.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace zerorate::wire {
 
-/// Bit i of the byte, under the name that JSON, metrics and the DBC file use.
+/// Bit i, under the name that JSON, metrics and the DBC file use.
 struct HealthBit {
   std::string_view name;
   bool app::Health::*flag;
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 7> kHealthBits{{
+inline constexpr std::array<HealthBit, 9> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -26,19 +26,21 @@ inline constexpr std::array<HealthBit, 7> kHealthBits{{
     {"model_inconsistent", &app::Health::model_inconsistent},
     {"odometer_fault", &app::Health::pulses_lost},
     {"sensor_fault", &app::Health::sensor_fault},
+    {"measurement_rejected", &app::Health::measurement_rejected},
+    {"temperature_missing", &app::Health::temperature_missing},
 }};
 
-[[nodiscard]] constexpr std::uint8_t encode_health(const app::Health& health) {
+[[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {
   unsigned bits = 0;
   for (std::size_t i = 0; i < kHealthBits.size(); ++i) {
     if (health.*kHealthBits[i].flag) bits |= 1U << i;
   }
-  return static_cast<std::uint8_t>(bits);
+  return static_cast<std::uint16_t>(bits);
 }
 
 /// Bits that this version does not know are ignored.
-[[nodiscard]] constexpr app::Health decode_health(std::uint8_t byte) {
-  const unsigned bits = byte;
+[[nodiscard]] constexpr app::Health decode_health(std::uint16_t encoded) {
+  const unsigned bits = encoded;
   app::Health health;
   for (std::size_t i = 0; i < kHealthBits.size(); ++i) {
     health.*kHealthBits[i].flag = ((bits >> i) & 1U) != 0;

@@ -61,7 +61,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   out.put(static_cast<std::uint64_t>(message.time.ns()));
   out.put(static_cast<std::uint8_t>(message.motion));
   out.put(encode_health(message.health));
-  out.put(std::uint16_t{0});
+  out.put(std::uint8_t{0});
   for (const app::AxisRate& axis : message.axes) {
     for (const auto rate : {axis.measured, axis.corrected, axis.bias, axis.sigma}) {
       detail::put_rate(out, rate);
@@ -93,8 +93,8 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
     return Unexpected{FrameError::impossible_value};
   }
   message.motion = static_cast<core::Motion>(motion);
-  message.health = decode_health(in.take<std::uint8_t>());
-  (void)in.take<std::uint16_t>();
+  message.health = decode_health(in.take<std::uint16_t>());
+  (void)in.take<std::uint8_t>();
   for (app::AxisRate& axis : message.axes) {
     for (auto* const rate : {&axis.measured, &axis.corrected, &axis.bias, &axis.sigma}) {
       *rate = detail::take_rate(in);

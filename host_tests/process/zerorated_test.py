@@ -44,7 +44,7 @@ port = {port}
 
 def decoded(frame):
     """Sequence, health bits and axis x of a frame, checked against its page and zlib."""
-    magic, version, sequence, motion, health = struct.unpack_from("<2sBxI8xBB", frame)
+    magic, version, sequence, motion, health = struct.unpack_from("<2sBxI8xBH", frame)
     assert (len(frame), magic, version) == (72, b"ZR", 1), frame
     assert struct.unpack_from("<I", frame, 68)[0] == zlib.crc32(frame[:68])
     return {"sequence": sequence, "motion": motion, "health": health,

@@ -76,6 +76,14 @@ void print_notes(const evaluate::ReplayResult& result) {
   if (result.samples_saturated > 0) {
     fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
   }
+  if (result.samples_doubted > 0) {
+    fmt::print("  note: {} samples came while the gate doubted a measurement\n",
+               result.samples_doubted);
+  }
+  if (result.samples_without_temperature > 0) {
+    fmt::print("  note: {} samples came without the temperature that the model follows\n",
+               result.samples_without_temperature);
+  }
   if (result.samples_inconsistent > 0) {
     fmt::print(
         "  note: the sensor did not behave as the model says while {} samples came, first {:.6g} s "

@@ -164,12 +164,14 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
                       .published = filter.published};
   try {
     const auto noise =
-        model::make_node_model<model::kMostDecaying, model::kMostRotating>(sensor, period, tick);
+        model::make_node_model<model::kMostDecaying, model::kMostRotating, model::kMostTemperature>(
+            sensor, period, tick);
     params.modes = noise.modes;
     params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
     params.unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2;
     params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
     params.gate = noise.gate;
+    params.temperature = noise.temperature;
   } catch (const std::invalid_argument& error) {
     root.fail_at("model", error.what());
   }

@@ -13,9 +13,10 @@ namespace zerorate::exported {
 
 inline constexpr std::size_t kDecayingModes = 6;
 inline constexpr std::size_t kRotatingModes = 0;
+inline constexpr std::size_t kTemperatureWeights = 0;
 
 // clang-format off
-inline constexpr app::NodeParams<kDecayingModes, kRotatingModes> kNodeParams{
+inline constexpr app::NodeParams<kDecayingModes, kRotatingModes, kTemperatureWeights> kNodeParams{
     .modes = {.tick = core::Duration::nanoseconds(500000000),
               .start = core::Start::stationary,
               .is_stationary = true,

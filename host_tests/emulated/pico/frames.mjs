@@ -28,7 +28,7 @@ function parse(frame) {
     });
     return {
       kind: 'rate', number: frame.readUInt32LE(4), time_ns: frame.readBigInt64LE(8),
-      motion: MOTIONS[frame[16]], health: frame[17], axes: [axis(20), axis(36), axis(52)], frame,
+      motion: MOTIONS[frame[16]], health: frame.readUInt16LE(17), axes: [axis(20), axis(36), axis(52)], frame,
     };
   }
   if (magic === 'ZS' && frame.length === 56) {

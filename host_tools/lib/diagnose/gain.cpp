@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "host_tools/lib/diagnose/node_scores.hpp"
@@ -38,6 +40,23 @@ BootstrapFigure with_interval(std::size_t size, const evaluate::Statistic& stati
   return evaluate::bootstrap(
       size, statistic, simulate::RandomStream(seed).substream("bootstrap"),
       {.draws = 400, .block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)))});
+}
+
+/// The mean of each tick; none where the record has no temperature. The samples of the ticks follow
+/// each other, so that a tick holds the next ones.
+std::vector<float> temperatures_of(const Record& record,
+                                   const std::vector<identify::TickMean>& ticks) {
+  std::vector<float> means;
+  if (record.temperature_degc.empty()) return means;
+  means.reserve(ticks.size());
+  auto next = record.temperature_degc.begin();
+  for (const identify::TickMean& tick : ticks) {
+    const auto end = next + std::int64_t{tick.samples};
+    means.push_back(
+        static_cast<float>(std::accumulate(next, end, 0.0) / static_cast<double>(tick.samples)));
+    next = end;
+  }
+  return means;
 }
 
 double rms_heading(const std::vector<ScoredDrive>& drives,
@@ -98,20 +117,24 @@ void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<Scor
   gain.coverage95_extended = of(extended, coverage95, 1.0);
 }
 
-/// Mean gain of a sample, the ticks gathered in blocks that are nearly independent.
+/// Mean gain of a sample, the ticks gathered in blocks that are nearly independent. A tick that the
+/// gate of either model rejects counts for neither.
 BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extended,
                                double samples_per_tick, std::uint64_t seed) {
   constexpr std::size_t kBlocks = 30;
-  const std::size_t size = std::min(base.log_scores.size(), extended.log_scores.size());
-  const std::size_t length = std::max<std::size_t>(1, size / kBlocks);
+  std::vector<double> gains;
+  gains.reserve(base.log_scores.size());
+  for (std::size_t k = 0; k < base.log_scores.size(); ++k) {
+    const double gain = extended.log_scores[k] - base.log_scores[k];
+    if (!std::isnan(gain)) gains.push_back(gain / samples_per_tick);
+  }
+  const std::size_t length = std::max<std::size_t>(1, gains.size() / kBlocks);
   std::vector<double> blocks;
-  blocks.reserve(size / length);
-  for (std::size_t first = 0; first + length <= size; first += length) {
-    double sum = 0.0;
-    for (std::size_t k = first; k < first + length; ++k) {
-      sum += extended.log_scores[k] - base.log_scores[k];
-    }
-    blocks.push_back(sum / (static_cast<double>(length) * samples_per_tick));
+  blocks.reserve(kBlocks + 1);
+  for (std::size_t first = 0; first + length <= gains.size(); first += length) {
+    const auto block = std::span{gains}.subspan(first, length);
+    blocks.push_back(std::accumulate(block.begin(), block.end(), 0.0) /
+                     static_cast<double>(length));
   }
   return with_interval(
       blocks.size(),
@@ -135,7 +158,9 @@ Gain measure_gain(const Record& record, const model::SensorModel& base,
   const double tick_s = static_cast<double>(tick.ns()) * 1e-9;
   const auto longest = static_cast<std::uint32_t>(std::max(4.0, kLongestCycle_s / tick_s));
   const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
+  const std::vector<float> temperatures = temperatures_of(record, means);
   const ScoredTicks scored{.ticks = means,
+                           .temperature_degc = temperatures,
                            .sample_period = duration(record.mean_period_s),
                            .tick = tick,
                            .judged_from = judged_from,

@@ -15,6 +15,7 @@ namespace zerorate::diagnose {
 /// Ticks of one axis, and from which on the model is judged.
 struct ScoredTicks {
   std::span<const identify::TickMean> ticks;  ///< the axis is the first one
+  std::span<const float> temperature_degc;    ///< mean of each tick; none: there is no thermometer
   core::Duration sample_period;
   core::Duration tick;
   std::uint32_t judged_from = 0;  ///< tick; everything before it is a stop
@@ -25,14 +26,15 @@ struct ScoredTicks {
 /// One drive: what the filter had predicted at its beginning, against what was measured.
 struct ScoredDrive {
   double integrated_rad = 0.0;   ///< heading error: measured minus predicted, integrated
-  double sigma_rad = 0.0;        ///< as predicted, white noise included
+  double sigma_rad = 0.0;        ///< as predicted, white noise and temperature included
   double squares_rad2_s2 = 0.0;  ///< sum of squared errors of the tick means
   std::size_t ticks = 0;
 };
 
 struct NodeScores {
   std::vector<ScoredDrive> drives;
-  /// Log density of each innovation among the judged ticks when all of them are stops.
+  /// Log density of each innovation among the judged ticks when all of them are stops. NaN where
+  /// the model's gate rejects: it claims no density there.
   std::vector<double> log_scores;
 };
 

@@ -81,10 +81,10 @@ std::string_view explain(app::ParamsError error) {
 }
 
 /// The replay of one recording through one node type.
-template <std::size_t R, std::size_t C>
+template <std::size_t R, std::size_t C, std::size_t K>
 class Run {
  public:
-  using Node = app::GyroNode<R, C>;
+  using Node = app::GyroNode<R, C, K>;
 
   Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
       const ReplayObserver& observer, ReplayResult& result)
@@ -132,15 +132,15 @@ class Run {
   static typename Node::Params make_params(const ReplayOptions& options,
                                            const ReplayResult& result) {
     const auto model =
-        model::make_node_model<R, C>(options.model, result.sample_period, result.filter_tick);
-    const typename Node::Params params{
-        .modes = model.modes,
-        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-        .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
-        .gate = model.gate,
-        .sample_period = result.sample_period,
-        .standstill = options.standstill,
-        .published = options.published};
+        model::make_node_model<R, C, K>(options.model, result.sample_period, result.filter_tick);
+    typename Node::Params params{.modes = model.modes,
+                                 .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+                                 .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
+                                 .gate = model.gate,
+                                 .sample_period = result.sample_period,
+                                 .standstill = options.standstill,
+                                 .published = options.published};
+    if constexpr (K > 0) params.temperature = model.temperature;
     if (const auto checked = Node::check(params); !checked) {
       throw std::invalid_argument(std::string(explain(checked.error())));
     }
@@ -167,6 +167,8 @@ class Run {
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
       result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
     }
+    if (message.health.measurement_rejected) ++result_.samples_doubted;
+    if (message.health.temperature_missing) ++result_.samples_without_temperature;
     if (!message.has_rate()) {
       ++result_.samples_refused;
     } else {
@@ -244,12 +246,12 @@ class Run {
   bool biases_stale_ = true;
 };
 
-template <std::size_t R, std::size_t C>
+template <std::size_t R, std::size_t C, std::size_t K>
 void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
          const ReplayObserver& observer, ReplayResult& result) {
   // The node is some kilobytes: kept off the stack, as firmware keeps it static.
-  const auto run = std::make_unique<Run<R, C>>(rows, reader, options, observer, result);
-  using Node = typename Run<R, C>::Node;
+  const auto run = std::make_unique<Run<R, C, K>>(rows, reader, options, observer, result);
+  using Node = typename Run<R, C, K>::Node;
   if (options.through == Through::chip) {
     run->to_the_end(ChipFeed<Node>{run->node(), options.chip, run->start()});
   } else {
@@ -286,9 +288,10 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
   if (model::fits_six_decades(options.model)) {
-    run<6, 0>(rows, reader, options, observer, result);
+    run<6, 0, 0>(rows, reader, options, observer, result);
   } else {
-    run<model::kMostDecaying, model::kMostRotating>(rows, reader, options, observer, result);
+    run<model::kMostDecaying, model::kMostRotating, model::kMostTemperature>(rows, reader, options,
+                                                                             observer, result);
   }
   return result;
 }

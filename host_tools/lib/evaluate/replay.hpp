@@ -83,6 +83,8 @@ struct ReplayResult {
   /// While the node said that the sensor does not behave as its model (see InnovationMonitor).
   std::uint64_t samples_inconsistent = 0;
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
+  std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
+  std::uint64_t samples_without_temperature = 0;  ///< that the model needs
   recording::Findings findings;
   app::LoopCounters loop;  ///< of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.

@@ -38,6 +38,8 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
             {"samples_inconsistent", result.samples_inconsistent},
             {"first_inconsistent_s",
              result.samples_inconsistent > 0 ? Json(result.first_inconsistent_s) : Json(nullptr)},
+            {"samples_doubted", result.samples_doubted},
+            {"samples_without_temperature", result.samples_without_temperature},
             {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
             {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
             {"truth_known", result.truth_known},

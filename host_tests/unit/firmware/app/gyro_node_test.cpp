@@ -351,6 +351,96 @@ TEST(GyroNodeWithoutTemperature, IsTheSame) {
   }
 }
 
+/// A node that follows the temperature, from the one of node_params().
+GyroNode<4, 0, 2>::Params warm_params() {
+  const auto plain = node_params();
+  GyroNode<4, 0, 2>::Params params{.modes = plain.modes,
+                                   .white_variance_rad2_s2 = plain.white_variance_rad2_s2,
+                                   .sample_period = plain.sample_period};
+  params.temperature = {.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F};
+  return params;
+}
+
+/// In minutes of standstill and of driving in turn; the temperature rises by a kelvin a minute, the
+/// bias of x, y and z by 1, 2 and 3 times 1e-3 rad/s/K.
+drivers::GyroSample warming_sample(std::int64_t ms) {
+  constexpr float kSlope = 1e-3F;
+  const float excess = static_cast<float>(ms) / 60'000.0F - 10.0F;
+  auto sample = noisy_sample(at_ms(ms), kBias + kSlope * excess);
+  sample.has_temperature = true;
+  sample.temperature = core::Temperature::from_degc(30.0F + excess);
+  return sample;
+}
+RateMessage warming_step(GyroNode<4, 0, 2>& node, std::int64_t ms) {
+  if (ms / 60'000 % 2 == 1) node.pulse(at_ms(ms));
+  return node.step(warming_sample(ms));
+}
+
+TEST(GyroNodeThatFollowsTheTemperature, LearnsTheSlopeAcrossStops) {
+  const auto params = warm_params();
+  GyroNode<4, 0, 2> node{params};
+  std::int64_t ms = 0;
+  for (; ms < 600'000; ms += 10) (void)warming_step(node, ms);
+  // At the end of the sixth drive, a minute and a kelvin after it was measured.
+  const RateMessage message = warming_step(node, ms - 10 + 60'000);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<float>(i + 1);
+    const float truth = axis * (kBias + 1e-3F * (static_cast<float>(ms + 59'990) / 6e4F - 10.0F));
+    const float error = message.axes[i].bias.in(core::rad_per_s)-truth;
+    EXPECT_LT(std::abs(error), 1e-4F * axis);
+    EXPECT_LT(std::abs(error), 4.0F * message.axes[i].sigma.in(core::rad_per_s));
+  }
+  EXPECT_FALSE(message.health.temperature_missing);
+}
+
+TEST(GyroNodeThatFollowsTheTemperature, RestoredGoesOnBitForBit) {
+  const auto params = warm_params();
+  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
+    GyroNode<4, 0, 2> whole{params};
+    std::int64_t ms = 0;
+    for (; ms < cut; ms += 10) (void)warming_step(whole, ms);
+    GyroNode<4, 0, 2> second{params};
+    second.restore(whole.state());
+    for (; ms < 240'000; ms += 10) ASSERT_EQ(warming_step(whole, ms), warming_step(second, ms));
+  }
+}
+
+TEST(GyroNodeWhoseThermometerFallsSilent, SaysSoAndWidensItsInterval) {
+  const auto params = warm_params();
+  GyroNode<4, 0, 2> node{params};
+  std::int64_t ms = 0;
+  for (; ms < 60'000; ms += 10) (void)warming_step(node, ms);
+  float sigma = 0.0F;
+  for (; ms < 90'000; ms += 10) {
+    auto sample = warming_sample(ms);
+    sample.has_temperature = false;
+    node.pulse(at_ms(ms));
+    const RateMessage message = node.step(sample);
+    EXPECT_EQ(message.health.temperature_missing, ms > 64'990) << ms;
+    if (ms == 64'000) sigma = message.axes[0].sigma.in(core::rad_per_s);
+    if (ms == 89'990) {
+      EXPECT_GT(message.axes[0].sigma.in(core::rad_per_s), 2.0F * sigma);
+    }
+  }
+}
+
+TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
+  static_assert(sizeof(GyroNode<4, 0>::HeldTick) == sizeof(core::TickMean<3>));
+  static_assert(std::is_empty_v<core::TemperatureTrack<0>>);
+  static_assert(sizeof(core::KalmanPredictor<6, 0, 0>::State) <= 192);
+  EXPECT_LT(sizeof(GyroNode<4, 0>), sizeof(GyroNode<4, 0, 2>));
+}
+
+TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
+  auto params = node_params();
+  params.gate = {.threshold_sigma = 6.0F, .longest_knock_ticks = 50};
+  Node node{params};
+  EXPECT_FALSE(stand(node, 0, 10'000).back().health.measurement_rejected);
+  stand(node, 10'000, 10'300, kBias + 0.5F);  // a knock of three ticks, held back for half a second
+  EXPECT_TRUE(stand(node, 10'300, 10'800).back().health.measurement_rejected);
+  EXPECT_FALSE(stand(node, 10'800, 12'000).back().health.measurement_rejected);
+}
+
 TEST(GyroNodeWithASaturatedSample, PublishesItFlaggedAndDoesNotLearnFromIt) {
   const auto params = node_params();
   Node node{params};

@@ -55,12 +55,17 @@ TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {
   EXPECT_NE(text.find("/// Sensor model: two lines  ."), std::string::npos);
 }
 
-TEST(HeaderOfAModelWithAGateAndAWarmUp, HoldsBoth) {
+TEST(HeaderOfAModelWithGateWarmUpAndTemperature, HoldsAll) {
   SensorModel model = find_model("lsm6dso");
   model.gate = Gate{.threshold_sigma = 4.5, .longest_knock_s = 3.0};
   model.warm_up =
       WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
+  model.temperature = TemperatureDrift{.reference_degc = 25.0, .slope_sigma_rad_s_per_k = 0.5};
   const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
+  EXPECT_NE(text.find("kTemperatureWeights = 2;"), std::string::npos);
+  EXPECT_NE(text.find(".temperature = {.reference_degc = 25.0F, .slope_rad_s_per_k = 0.0F, "
+                      ".slope_sigma_rad_s_per_k = 0.5F,"),
+            std::string::npos);
   EXPECT_NE(text.find(".gate = {.threshold_sigma = 4.5F, .longest_knock_ticks = 6}"),
             std::string::npos);
   EXPECT_NE(text.find(".initial_mean = 0.25F"), std::string::npos);

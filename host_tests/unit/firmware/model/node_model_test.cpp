@@ -196,6 +196,16 @@ TEST(NodeModelTooLargeForTheNode, IsRefusedWithBothSizes) {
   }
 }
 
+TEST(NodeModelThatFollowsTheTemperature, NeedsANodeThatDoes) {
+  SensorModel model = find_model("adis16405");
+  model.temperature = TemperatureDrift{.reference_degc = 30.0, .slope_sigma_rad_s_per_k = 1e-3};
+  EXPECT_FALSE(fits_six_decades(model));
+  const auto node = make_node_model<6, 0, kMostTemperature>(model, kSample, kTick);
+  EXPECT_EQ(node.temperature.reference_degc, 30.0F);
+  EXPECT_EQ(node.temperature.slope_sigma_rad_s_per_k, 1e-3F);
+  EXPECT_THROW((void)(make_node_model<6, 0>(model, kSample, kTick)), std::invalid_argument);
+}
+
 TEST(NodeModelOfImpossibleInput, IsRefused) {
   const SensorModel model = find_model("adis16405");
   const auto make = [](const SensorModel& m, Duration sample, Duration tick) {

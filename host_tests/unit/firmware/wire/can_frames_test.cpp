@@ -142,7 +142,7 @@ TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
     const app::Health& health = sent.message.health;
     const Reading reading{sent};
     EXPECT_EQ(reading.raw("Motion"), static_cast<int>(sent.message.motion));
-    EXPECT_EQ(reading.raw("Counter"), sent.sequence % 64);
+    EXPECT_EQ(reading.raw("Counter"), sent.sequence % 16);
     EXPECT_EQ(reading.raw("Calibrated") == 1, health.calibrated);
     EXPECT_EQ(reading.raw("SampleRefused") == 1, health.sample_refused);
     EXPECT_EQ(reading.raw("TimeRefused") == 1, health.time_refused);
@@ -150,6 +150,8 @@ TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
     EXPECT_EQ(reading.raw("ModelInconsistent") == 1, health.model_inconsistent);
     EXPECT_EQ(reading.raw("OdometerFault") == 1, health.pulses_lost);
     EXPECT_EQ(reading.raw("SensorFault") == 1, health.sensor_fault);
+    EXPECT_EQ(reading.raw("MeasurementRejected") == 1, health.measurement_rejected);
+    EXPECT_EQ(reading.raw("TemperatureMissing") == 1, health.temperature_missing);
   }
 }
 

@@ -1,0 +1,133 @@
+/// @file
+/// The temperature of the sensing element, tick by tick.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/numeric.hpp"
+#include "core/base/time.hpp"
+#include "core/noise/temperature_drift.hpp"
+
+namespace zerorate::core {
+
+/// What is known of the temperature during a tick of the filter.
+template <std::size_t K>
+struct TickTemperature {
+  std::array<float, K> weights{};  ///< e and e^2, e above the reference; the last known ones
+  Instant at;                      ///< where the tick began
+  bool is_known = false;
+  Instant unknown_since;  ///< the last reading, or the start; only where it is not known
+};
+template <>
+struct TickTemperature<0> {};
+
+/// Makes weights of temperature readings. Those of a tick are known when it begins, so that they
+/// are the same when it is predicted and when it is learnt from: the mean of the readings of the
+/// tick before, followed by the lag of the sensing element.
+///
+/// A reading counts until the next one, but no longer than kHold; from then on the temperature is
+/// unknown, and taken to wander by kWander_k2_per_s. What is not finite, or no temperature of
+/// working silicon, is no reading.
+template <std::size_t K>
+class Thermometer {
+ public:
+  static constexpr Duration kHold = Duration::seconds(5);
+  /// .1 K in a second, .8 K in a minute, 6 K in an hour: a car's cabin.
+  static constexpr float kWander_k2_per_s = 0.01F;
+
+  struct State {
+    bool has_started = false;
+    bool has_reading = false;
+    Instant newest;          ///< reading, or the first sample
+    Instant tick;            ///< began then
+    float reading_k = 0.0F;  ///< above the reference: the mean of the last tick with readings
+    float element_k = 0.0F;  ///< the sensing element, behind it
+    float sum_k = 0.0F;      ///< of the readings of this tick
+    std::uint32_t count = 0;
+  };
+
+  constexpr explicit Thermometer(const TemperatureDrift& drift) : drift_(drift) {}
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+
+  /// The time of every sample, with what the thermometer says then: any number.
+  constexpr void take(Instant at, bool begins_tick, float degc) {
+    if (!state_.has_started) state_ = {.has_started = true, .newest = at, .tick = at};
+    if (begins_tick) begin_tick(at);
+    if (is_reading(degc)) add(at, degc - drift_.reference_degc);
+  }
+
+  /// The temperature of the tick that began with this sample.
+  [[nodiscard]] constexpr TickTemperature<K> tick(Instant at) const {
+    const float e = state_.element_k;
+    return {
+        .weights = {e, e * e}, .at = at, .is_known = is_known(at), .unknown_since = state_.newest};
+  }
+
+  /// Whether the model needs a temperature that is not there.
+  [[nodiscard]] constexpr bool is_missed(Instant now) const {
+    return drift_.is_on() && !is_known(now);
+  }
+
+  /// What the temperature did from one tick to a later one.
+  [[nodiscard]] static constexpr TemperatureSpan<K> between(const TickTemperature<K>& from,
+                                                            const TickTemperature<K>& to) {
+    TemperatureSpan<K> span;
+    if (from.is_known) {
+      for (std::size_t i = 0; i < K; ++i) span.change[i] = to.weights[i] - from.weights[i];
+    }
+    if (!from.is_known || !to.is_known) {
+      // Of an unknown beginning nothing can be said by how much the bias has moved since; the
+      // measurement there knew the bias itself.
+      const Duration unknown = to.at - (from.is_known ? to.unknown_since : from.at);
+      const float sigma_k = square_root(kWander_k2_per_s * unknown.in_seconds());
+      span.unknown = {sigma_k, 2.0F * to.weights[0] * sigma_k};
+    }
+    return span;
+  }
+
+ private:
+  static constexpr bool is_reading(float degc) {
+    constexpr float kColdest = -100.0F;
+    constexpr float kHottest = 250.0F;
+    return degc > kColdest && degc < kHottest;
+  }
+  [[nodiscard]] constexpr bool is_known(Instant now) const {
+    return state_.has_reading && now - state_.newest <= kHold;
+  }
+
+  constexpr void begin_tick(Instant at) {
+    if (state_.count > 0) state_.reading_k = state_.sum_k / static_cast<float>(state_.count);
+    if (is_known(at)) follow(at - state_.tick);
+    state_.sum_k = 0.0F;
+    state_.count = 0;
+    state_.tick = at;
+  }
+  constexpr void add(Instant at, float excess_k) {
+    if (!is_known(at)) {
+      state_.reading_k = excess_k;
+      if (state_.has_reading) {
+        follow(at - state_.newest);
+      } else {
+        state_.element_k = excess_k;
+      }
+      state_.has_reading = true;
+    }
+    state_.newest = at;
+    state_.sum_k += excess_k;
+    ++state_.count;
+  }
+  constexpr void follow(Duration elapsed) {
+    const float share =
+        drift_.lag_s > 0.0F ? decay_share(elapsed.in_seconds() / drift_.lag_s) : 1.0F;
+    state_.element_k += share * (state_.reading_k - state_.element_k);
+  }
+
+  TemperatureDrift drift_;
+  State state_;
+};
+
+}  // namespace zerorate::core

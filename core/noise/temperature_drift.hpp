@@ -1,0 +1,64 @@
+/// @file
+/// The share of the bias that follows the temperature.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/noise/modes.hpp"
+
+namespace zerorate::core {
+
+/// slope e + curvature e^2 with e = temperature - reference. Both coefficients are constants of the
+/// sensor that a filter knows roughly and learns; e and e^2 are the weights that it sees them with.
+struct TemperatureDrift {
+  static constexpr std::size_t kWeights = 2;
+
+  float reference_degc = 0.0F;
+  float slope_rad_s_per_k = 0.0F;  ///< expected
+  float slope_sigma_rad_s_per_k = 0.0F;
+  float curvature_rad_s_per_k2 = 0.0F;
+  float curvature_sigma_rad_s_per_k2 = 0.0F;
+  float lag_s = 0.0F;  ///< of the sensing element behind the thermometer, first order; 0: none
+
+  [[nodiscard]] constexpr bool is_on() const {
+    return slope_rad_s_per_k != 0.0F || slope_sigma_rad_s_per_k > 0.0F ||
+           curvature_rad_s_per_k2 != 0.0F || curvature_sigma_rad_s_per_k2 > 0.0F;
+  }
+};
+
+/// What a filter without the block (K = 0) has in its place.
+struct NoTemperatureDrift {};
+
+/// @tparam K 0 or TemperatureDrift::kWeights
+template <std::size_t K>
+using TemperatureBlock = std::conditional_t<(K > 0), TemperatureDrift, NoTemperatureDrift>;
+
+/// What the temperature does over a span of ticks, as far as the bias is concerned.
+template <std::size_t K>
+struct TemperatureSpan {
+  static_assert(K == TemperatureDrift::kWeights);
+  using Weights = std::array<float, K>;
+
+  Weights change{};  ///< of the weights, from before the span to its end
+  Weights sum{};     ///< over the ticks of the span, of the change up to each
+  /// Standard deviation of the change that is not known, because the temperature is not. Both
+  /// weights then change together, and the mean of that is zero.
+  Weights unknown{};
+
+  [[nodiscard]] constexpr bool is_known() const { return unknown[0] == 0.0F; }
+};
+
+/// A span with what the temperature does over it.
+template <std::size_t R, std::size_t C, std::size_t K>
+struct SpanWithTemperature : Transition<R, C> {
+  TemperatureSpan<K> temperature{};
+};
+
+/// What a filter is told of a span: without the block, what its modes do.
+template <std::size_t R, std::size_t C, std::size_t K>
+using FilterSpan = std::conditional_t<(K > 0), SpanWithTemperature<R, C, K>, Transition<R, C>>;
+
+}  // namespace zerorate::core
