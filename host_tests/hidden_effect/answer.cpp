@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -35,6 +36,19 @@ int run(std::vector<std::string> arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/// Null is no figure.
+double figure(const nlohmann::json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
+Gain gain_in(const nlohmann::json& json) {
+  return {.rsse_ratio = figure(json.at("rsse_ratio")),
+          .heading_drift_ratio = figure(json.at("heading_drift_ratio")),
+          .coverage95_base = figure(json.at("coverage95_base")),
+          .coverage95_extended = figure(json.at("coverage95_extended")),
+          .log_score_gain_nats_per_sample = figure(json.at("log_score_gain_nats_per_sample"))};
+}
+
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
@@ -47,7 +61,7 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
       run({zerorate.string(), "diagnose", recording.string(), "--json", json.string()});
   if (code > 1) throw std::runtime_error(fmt::format("zerorate diagnose ended with {}", code));
   const auto document = nlohmann::json::parse(std::ifstream{json});
-  Answer answer{.verdict = document.at("verdict")};
+  Answer answer{.verdict = document.at("verdict"), .gain = gain_in(document.at("gain"))};
   for (const auto& cause : document.at("causes")) {
     answer.causes.push_back(cause.at("name"));
     for (const auto& rival : cause.at("alternatives")) {

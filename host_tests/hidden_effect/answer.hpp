@@ -10,11 +10,21 @@
 
 namespace zerorate::hidden_effect {
 
+/// What the extended model was worth on data held out; NaN where there was nothing to measure.
+struct Gain {
+  double rsse_ratio = 0.0;
+  double heading_drift_ratio = 0.0;
+  double coverage95_base = 0.0;
+  double coverage95_extended = 0.0;
+  double log_score_gain_nats_per_sample = 0.0;
+};
+
 /// What is read of the JSON of one axis.
 struct Answer {
   std::string verdict;
   std::vector<std::string> causes;        ///< strongest first
   std::vector<std::string> alternatives;  ///< of all causes
+  Gain gain;
 };
 
 /// Runs `zerorate diagnose recording --json ...` as a process of its own and reads what it wrote.

@@ -3,12 +3,14 @@
 //
 //     hidden_effect_campaign                                 416 recordings, as text
 //     hidden_effect_campaign --document FILE.md              both sizes, written as the document
+//     hidden_effect_campaign --gain --document FILE.md       what the extended models are worth
 //     hidden_effect_campaign --write-run 17 recording.csv    one recording, for a look
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -18,7 +20,9 @@
 #include <vector>
 
 #include "host_tests/hidden_effect/answer.hpp"
+#include "host_tests/hidden_effect/gain_tally.hpp"
 #include "host_tests/hidden_effect/scenario.hpp"
+#include "host_tests/hidden_effect/sizable.hpp"
 #include "host_tests/hidden_effect/tally.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/cli/progress_bar.hpp"
@@ -33,6 +37,8 @@ struct CampaignOptions {
   std::string document;
   std::string json;
   std::pair<std::size_t, std::string> write_run;
+  bool gain = false;
+  std::size_t gain_recordings = 20;  ///< of each effect
 };
 
 Tally campaign(const CampaignOptions& options) {
@@ -45,6 +51,28 @@ Tally campaign(const CampaignOptions& options) {
     write_recording(scenario, recording);
     tally.add(run, scenario, diagnose(options.zerorate, recording));
     progress.update(static_cast<double>(run + 1) / static_cast<double>(options.runs));
+  }
+  return tally;
+}
+
+/// Recordings that hide the effect, until in so many of them it was named and a gain was measured.
+GainTally gains_of(const std::string& effect, const CampaignOptions& options) {
+  const testing::ScratchFolder folder;
+  const auto recording = folder.path() / "recording.csv";
+  ScenarioOptions scenario_options = options.scenario;
+  scenario_options.only = effect;
+  GainTally tally{effect, scenario_options.seed};
+  cli::ProgressBar progress{effect};
+  for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
+    const Scenario scenario = draw_scenario(scenario_options, run);
+    write_recording(scenario, recording);
+    const Answer answer = diagnose(options.zerorate, recording);
+    if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
+      tally.add(answer.gain);
+    }
+    progress.update(static_cast<double>(tally.size()) /
+                    static_cast<double>(options.gain_recordings));
+    if (tally.size() == options.gain_recordings) break;
   }
   return tally;
 }
@@ -76,12 +104,32 @@ void run_document(CampaignOptions options) {
   write_document(options.document, figures + "\n");
 }
 
+void run_gain(const CampaignOptions& options) {
+  std::string table =
+      fmt::format("\n{} recordings of {} samples for each effect, {:g} nats, seed {}.\n\n{}",
+                  options.gain_recordings, options.scenario.samples, options.scenario.nats,
+                  options.scenario.seed, GainTally::header());
+  for (const EffectEntry& entry : catalogue()) {
+    if (!options.scenario.only.empty() && entry.name != options.scenario.only) continue;
+    table += gains_of(std::string(entry.name), options).row();
+  }
+  if (options.document.empty()) {
+    fmt::print("{}", table);
+  } else {
+    write_document(options.document, table + "\n");
+  }
+}
+
 void run(const CampaignOptions& options) {
   if (!options.write_run.second.empty()) {
     const auto& [number, path] = options.write_run;
     const Scenario scenario = draw_scenario(options.scenario, number);
     write_recording(scenario, path);
     fmt::print("{} ({})\n", fmt::join(scenario.truth, " + "), scenario.description);
+    return;
+  }
+  if (options.gain) {
+    run_gain(options);
     return;
   }
   if (!options.document.empty()) {
@@ -112,6 +160,11 @@ int main_of(int argc, char** argv) {
   app.add_option("--json", options.json, "write the counts as JSON");
   app.add_option("--document", options.document,
                  "run at 40 and at 25 nats and write the tables into this document");
+  app.add_flag("--gain", options.gain,
+               "measure what the extended models are worth instead: an effect after the other");
+  app.add_option("--recordings", options.gain_recordings, "of each effect, with --gain")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--write-run", options.write_run, "write the recording of one run and stop");
   CLI11_PARSE(app, argc, argv);
   run(options);

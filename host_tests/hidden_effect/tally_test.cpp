@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "host_tests/hidden_effect/gain_tally.hpp"
+
 namespace zerorate::hidden_effect {
 namespace {
 
@@ -64,6 +66,29 @@ TEST(Tally, FillsBarsAndMatrix) {
   EXPECT_DOUBLE_EQ(tally.bars().front().rate.share(), 0.5);
   EXPECT_NE(tally.markdown().find("| 4 rate_ramp | 2 | 1 | 1 | 0 |"), std::string::npos);
   EXPECT_NE(tally.json().find("\"outliers\": 1"), std::string::npos);
+}
+
+TEST(GainTally, HoldsMediansAndMeansAgainstTheBars) {
+  GainTally tally{"rate_ramp", 1};
+  for (const double off : {-0.02, 0.0, 0.5}) {
+    tally.add({.rsse_ratio = 1.0 + off,
+               .heading_drift_ratio = 0.8,
+               .coverage95_base = 0.8,
+               .coverage95_extended = 0.95 + 0.1 * off,
+               .log_score_gain_nats_per_sample = 2e-3 + off});
+  }
+  EXPECT_DOUBLE_EQ(tally.median(&Gain::rsse_ratio).value, 1.0);
+  EXPECT_DOUBLE_EQ(tally.mean(&Gain::coverage95_extended).value, 0.95 + 0.016);
+  EXPECT_TRUE(tally.scores_better() && tally.errs_no_more() && tally.covers());
+  EXPECT_NE(tally.row().find("| rate_ramp | 3 | 2 ("), std::string::npos);
+  EXPECT_NE(tally.row().find("| yes |"), std::string::npos);
+  tally.add({.rsse_ratio = 1.1,
+             .heading_drift_ratio = 0.8,
+             .coverage95_base = 0.8,
+             .coverage95_extended = 0.7,
+             .log_score_gain_nats_per_sample = -1.0});
+  EXPECT_FALSE(tally.errs_no_more() || tally.covers() || tally.scores_better());
+  EXPECT_NE(tally.row().find("| not: log score error coverage |"), std::string::npos);
 }
 
 }  // namespace
