@@ -59,7 +59,9 @@ std::string render(const Table& table) {
     body += "</tr>\n";
   }
   const std::string caption =
-      table.caption.empty() ? "" : fmt::format("<caption>{}</caption>", escape_html(table.caption));
+      table.caption.empty()
+          ? ""
+          : fmt::format("<caption><span>{}</span></caption>", escape_html(table.caption));
   return fmt::format(
       "<div class=\"table\" tabindex=\"0\"><table>{}\n<thead><tr>{}</tr></thead>\n"
       "<tbody>\n{}</tbody></table></div>\n",

@@ -41,7 +41,7 @@ TEST(Table, AlignsColumnsWithNumbersToTheRight) {
       .caption = "Drives & more",
       .columns = {{.heading = "Predictor"}, {.heading = "Drift", .unit = "deg", .decimals = 2}},
       .rows = {{"kalman", 0.5}, {"<none>", "n/a"}}});
-  EXPECT_THAT(html, HasSubstr("<caption>Drives &amp; more</caption>"));
+  EXPECT_THAT(html, HasSubstr("<caption><span>Drives &amp; more</span></caption>"));
   EXPECT_THAT(html, HasSubstr("<th scope=\"col\">Predictor</th>"));
   EXPECT_THAT(html, HasSubstr("<th scope=\"col\" class=\"number\">Drift"));
   EXPECT_THAT(html, HasSubstr("<td>kalman</td><td class=\"number\">0.50</td>"));
