@@ -47,13 +47,16 @@ class TickAverage {
 
   /// The tick that holds this time; not before the first sample.
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const {
+    // Nearly always the tick being filled, for which nothing is divided.
+    if (is_being_filled_at(at)) return state_.tick;
     return static_cast<std::uint32_t>((at - state_.origin) / tick_);
   }
 
   /// Whether a sample of this time can still be given a tick: not before the first one, and within
   /// the 2^31 ticks (7 years at 10 Hz) that a counter holds.
   [[nodiscard]] constexpr bool can_take(Instant at) const {
-    return !state_.started || (at >= state_.origin && (at - state_.origin) / tick_ < kMaxTicks);
+    return !state_.started || is_being_filled_at(at) ||
+           (at >= state_.origin && (at - state_.origin) / tick_ < kMaxTicks);
   }
 
   [[nodiscard]] constexpr bool is_empty() const { return state_.samples == 0; }
@@ -98,6 +101,11 @@ class TickAverage {
 
  private:
   static constexpr std::int64_t kMaxTicks = std::int64_t{1} << 31U;
+
+  [[nodiscard]] constexpr bool is_being_filled_at(Instant at) const {
+    const Duration since = at - (state_.origin + tick_ * state_.tick);
+    return since >= Duration{} && since < tick_;
+  }
 
   Duration tick_;
   Duration half_sample_;

@@ -345,7 +345,7 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
   const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
   has_sample_ = true;
   if (new_tick && !average_.is_empty()) held_.push({average_.close(), temperature_.tick()});
-  average_.enter(sample.time);
+  if (new_tick) average_.enter(sample.time);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   temperature_.take(sample.time, new_tick,
                     sample.has_temperature ? sample.temperature.degc() : kNone);

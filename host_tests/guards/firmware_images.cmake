@@ -1,4 +1,4 @@
-# Builds everything that is flashed for both microcontrollers, and the offenders that must be refused.
+# Builds everything that is flashed for all microcontrollers, and the offenders that must be refused.
 
 # build_test(NAME dir TARGETS targets...): a test that builds in a directory configured before.
 function(build_test name directory)
@@ -28,15 +28,18 @@ set(offender_double_promotion "error: implicit conversion from 'float' to 'doubl
 set(offender_big_stack_frame "error: stack usage is 20[0-9][0-9] bytes")
 set(offender_big_state "RAM: no room for the stack")
 
-foreach(processor cortex-m4f cortex-m0plus)
+foreach(processor cortex-m7 cortex-m4f cortex-m0plus)
   set(images "${PROJECT_SOURCE_DIR}/build/mcu-${processor}")
   configure_test(guards.${processor}.configure "${PROJECT_SOURCE_DIR}" "${images}" ${processor}
-    SETS_UP images_${processor} OPTIONS -DZERORATE_MUTANTS=ON)
+    SETS_UP images_${processor} OPTIONS -DZERORATE_TEST_IMAGES=ON)
   build_test(guards.${processor}.images_and_every_header "${images}"
     REQUIRES images_${processor} TARGETS all all_verify_interface_header_sets)
   set_tests_properties(guards.${processor}.images_and_every_header PROPERTIES
     FIXTURES_SETUP built_${processor})
 
+  if(processor STREQUAL "cortex-m7")
+    continue()  # as far as the gates are concerned an M4F
+  endif()
   set(offenders "${CMAKE_CURRENT_BINARY_DIR}/offenders-${processor}")
   configure_test(guards.${processor}.configure_offenders
     "${CMAKE_CURRENT_SOURCE_DIR}/offenders" "${offenders}" ${processor} SETS_UP offenders_${processor})

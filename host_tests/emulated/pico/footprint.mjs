@@ -4,7 +4,7 @@
 import fs from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { rates } from './frames.mjs';
-import { drive, image } from './rig.mjs';
+import { Rig, drive, image } from './rig.mjs';
 
 const DURATION_S = 40, SEED = 3;
 
@@ -20,6 +20,53 @@ function instructionsBySample(rig, events, counts) {
   return byMotion;
 }
 const mean = (numbers) => Math.round(numbers.reduce((sum, n) => sum + n, 0) / numbers.length);
+
+// Symbols whose calls are counted, by what stands in the mangled name -> row of the table.
+const COUNTED = new Map([
+  ['KalmanPredictorILj6ELj0EE4step', 'Kalman predictor, predict and update of one axis'],
+  ['__aeabi_fmul', 'product (`__aeabi_fmul`)'],
+  ['__aeabi_fadd', 'sum (`__aeabi_fadd`)'],
+  ['__aeabi_fsub', 'difference (`__aeabi_fsub`)'],
+  ['__aeabi_fdiv', 'quotient (`__aeabi_fdiv`)'],
+]);
+
+// Mean instructions of a call of each, with all that it calls and without interrupts: from its first
+// instruction to the one that it returns to, over seconds of standstill.
+function instructionsByCall() {
+  const rig = new Rig();
+  const { board } = rig;
+  const { core } = board.mcu;
+  const entries = new Map();
+  for (const [piece, name] of COUNTED) {
+    const symbol = [...board.symbols].find(([mangled]) => mangled.includes(piece));
+    entries.set(symbol[1].address & ~1, name);
+  }
+  const totals = new Map([...COUNTED.values()].map((name) => [name, { calls: 0, instructions: 0 }]));
+  const open = [];
+  let handlers = 0, inHandlers = 0;
+  const enter = core.exceptionEntry, leave = core.exceptionReturn;
+  core.exceptionEntry = (number) => { enter(number); handlers++; };
+  core.exceptionReturn = (code) => { leave(code); handlers--; };
+  rig.measureForEver([100, -200, 300]);
+  board.run(3e6);
+  board.beforeInstruction = (pc) => {
+    if (handlers > 0) {
+      inHandlers++;
+      return;
+    }
+    const now = board.instructions - inHandlers;
+    while (open.length > 0 && open.at(-1).until === pc && core.SP === open.at(-1).stack) {
+      const { name, since } = open.pop();
+      totals.get(name).calls++;
+      totals.get(name).instructions += now - since;
+    }
+    const name = entries.get(pc);
+    if (name) open.push({ name, since: now, until: core.LR & ~1, stack: core.SP });
+  };
+  board.run(7e6);
+  return new Map([...totals].map(([name, { calls, instructions }]) =>
+    [`instructions: ${name}`, Math.round(instructions / calls)]));
+}
 
 export function measure() {
   const counts = [];
@@ -39,6 +86,7 @@ export function measure() {
     ['instructions per sample period, moving, mean', mean(moving)],
     ['instructions per sample period, still, mean', mean(still)],
     ['instructions per sample period, largest', Math.max(...moving, ...still)],
+    ...instructionsByCall(),
   ]);
 }
 
@@ -55,7 +103,9 @@ ${[...figures].map(([name, value]) => `| ${name} | ${value} |`).join('\n')}
 
 A sample period, 9.6 ms, has 1.2 million cycles at 125 MHz; an instruction of the Cortex-M0+ takes one or
 two, and more where it waits for the flash, which the emulator does not model. The deepest stack is the
-deepest that was seen, interrupts included, not a proof that there is none deeper.
+deepest that was seen, interrupts included, not a proof that there is none deeper. The largest sample period
+is one in which a stop ends and what was learnt is written to the flash. Counts of single calls are means over
+four seconds of standstill, with all that is called and without interrupts.
 `;
 export const parse = (text) => new Map(
   [...text.matchAll(/^\| (.+) \| (\d+) \|$/gm)].map(([, name, value]) => [name, Number(value)]));

@@ -1,0 +1,16 @@
+// What soft_float.S leaves over: numbers that are not normal, and results that are not.
+
+#include "firmware/boards/common/soft_float.hpp"
+
+extern "C" {
+
+zerorate::soft_float::Bits zerorate_multiply(zerorate::soft_float::Bits a,
+                                             zerorate::soft_float::Bits b) {
+  return zerorate::soft_float::multiply(a, b);
+}
+
+zerorate::soft_float::Bits zerorate_add(zerorate::soft_float::Bits a,
+                                        zerorate::soft_float::Bits b) {
+  return zerorate::soft_float::add(a, b);
+}
+}

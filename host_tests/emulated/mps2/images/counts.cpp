@@ -1,0 +1,170 @@
+// How many instructions the node's pieces take: each between two readings of SysTick. The runner
+// (emulated_processor.py) converts periods to instructions.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/time.hpp"
+#include "core/estimator/calibration_mean.hpp"
+#include "core/estimator/kalman_predictor.hpp"
+#include "core/estimator/moving_average.hpp"
+#include "core/estimator/tick_average.hpp"
+#include "core/noise/flicker.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "hal/mps2/systick.hpp"
+#include "host_tests/emulated/mps2/print.hpp"
+
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): firmware's state is static
+namespace {
+
+using namespace zerorate;
+using hal::mps2::SysTick;
+
+constexpr auto kTick = core::Duration::milliseconds(100);
+constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'615'385);  // 104 Hz
+constexpr std::size_t kDecades = 6;
+constexpr float kWhiteVariance = 2.4e-7F;
+
+// What the compiler cannot know, and what it must not leave out.
+volatile std::uint32_t unknown_ticks = 6000;
+volatile float report;
+
+constexpr auto kModes = core::compose(
+    kTick, core::Start::stationary,
+    core::FlickerDecades<kDecades>{.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F, 1e3F, 1e4F},
+                                   .variance_rad2_s2 = {1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F}});
+constexpr core::KalmanCoefficients<kDecades, 0> kCoefficients{kModes};
+
+std::uint32_t random_state = 1;
+float noisy_rate_rad_s() {
+  random_state = random_state * 1'664'525U + 1'013'904'223U;
+  return 0.01F + static_cast<float>(static_cast<std::int32_t>(random_state) >> 8) * 1e-10F;
+}
+
+/// Periods that an action takes, beyond those of looking at the clock.
+template <class Action>
+[[gnu::noinline]] std::uint32_t periods_of(Action action) {
+  const std::uint32_t start = SysTick::count();
+  const std::uint32_t looking = SysTick::since(start);
+  const std::uint32_t before = SysTick::count();
+  action();
+  const std::uint32_t periods = SysTick::since(before);
+  return periods > looking ? periods - looking : 0;
+}
+
+/// The mean over many calls, in hundredths of a period.
+/// @param prepare what is done before each of them, uncounted
+template <class Prepare, class Action>
+std::uint32_t mean_hundredths(std::uint32_t calls, Prepare prepare, Action action) {
+  std::uint32_t sum = 0;
+  for (std::uint32_t i = 0; i < calls; ++i) {
+    prepare();
+    sum += periods_of(action);
+  }
+  return static_cast<std::uint32_t>(std::uint64_t{sum} * 100 / calls);
+}
+template <class Action>
+std::uint32_t mean_hundredths(std::uint32_t calls, Action action) {
+  return mean_hundredths(
+      calls, [] {}, action);
+}
+
+template <class Predictor>
+void count_predictor(Predictor& predictor, const char* step, const char* gap, const char* predict) {
+  const auto tick = kModes.one_tick();
+  predictor.begin_stop();
+  for (int i = 0; i < 50; ++i) (void)predictor.step(tick, noisy_rate_rad_s(), kWhiteVariance);
+  float rate_rad_s = 0.0F;
+  emulated::write_line(step, mean_hundredths(
+                                 64, [&] { rate_rad_s = noisy_rate_rad_s(); },
+                                 [&] { (void)predictor.step(tick, rate_rad_s, kWhiteVariance); }));
+  const auto span = kModes.over(unknown_ticks);
+  emulated::write_line(gap, mean_hundredths(4, [&] { predictor.advance(span); }));
+  emulated::write_line(predict,
+                       mean_hundredths(4, [&] { report = predictor.predict(span).sigma_rad_s(); }));
+}
+
+constinit core::KalmanPredictor<kDecades, 0> kalman{kCoefficients};
+constinit core::MovingAverage<kDecades, 0, 8> moving_average{kModes};
+constinit core::CalibrationMean<kDecades, 0> calibration_mean{kModes};
+
+void count_predictors() {
+  count_predictor(kalman, "kalman_step", "kalman_gap", "kalman_predict");
+  count_predictor(moving_average, "moving_average_step", "moving_average_gap",
+                  "moving_average_predict");
+  count_predictor(calibration_mean, "calibration_mean_step", "calibration_mean_gap",
+                  "calibration_mean_predict");
+  static core::Transition<kDecades, 0> span;
+  emulated::write_line("span_of_a_gap", mean_hundredths(4, [] {
+                         span = kModes.over(unknown_ticks);
+                         asm volatile("" ::"r"(&span) : "memory");
+                       }));
+}
+
+constinit core::TickAverage<3> average{kTick, kSamplePeriod};
+constinit std::array<core::KalmanPredictor<kDecades, 0>, 3> filters{
+    core::KalmanPredictor<kDecades, 0>{kCoefficients},
+    core::KalmanPredictor<kDecades, 0>{kCoefficients},
+    core::KalmanPredictor<kDecades, 0>{kCoefficients}};
+
+/// Samples at 104 Hz averaged into ticks at 10 Hz, and a predict and update of each axis a tick.
+void filter_a_sample(const core::Transition<kDecades, 0>& tick, core::Instant at,
+                     const std::array<float, 3>& rate) {
+  if (average.is_empty() || average.is_over_at(at)) {
+    if (!average.is_empty()) {
+      const auto mean = average.close();
+      for (std::size_t i = 0; i < 3; ++i) {
+        (void)filters[i].step(tick, mean.rate_rad_s[i],
+                              kWhiteVariance / static_cast<float>(mean.samples));
+      }
+    }
+    average.enter(at);
+  }
+  average.add(at, rate);
+}
+
+void count_front_end() {
+  static const auto tick = kModes.one_tick();
+  core::Instant at;
+  std::array<float, 3> rate{};
+  const auto prepare = [&] {
+    at = at + kSamplePeriod;
+    rate.fill(noisy_rate_rad_s());
+  };
+  const auto one = [&] { filter_a_sample(tick, at, rate); };
+  (void)mean_hundredths(104, prepare, one);
+  emulated::write_line("averaged_sample_of_three_axes", mean_hundredths(1040, prepare, one));
+}
+
+using Node = app::GyroNode<kDecades, 0, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
+constexpr Node::Params kParams{.modes = kModes,
+                               .white_variance_rad2_s2 = kWhiteVariance,
+                               .sample_period = kSamplePeriod,
+                               .standstill = {.hold_back = core::Duration::milliseconds(500)}};
+constinit Node node{kParams};
+
+void count_node() {
+  drivers::GyroSample sample{.time = core::Instant::from_ns(1'000'000'000)};
+  const auto prepare = [&] {
+    sample.time = sample.time + kSamplePeriod;
+    for (auto& rate : sample.rate) rate = core::rad_per_s(noisy_rate_rad_s());
+  };
+  const auto one = [&] { report = node.step(sample).axes[2].corrected.in(core::rad_per_s); };
+  (void)mean_hundredths(520, prepare, one);
+  emulated::write_line("node_step_still", mean_hundredths(1040, prepare, one));
+  node.pulse(sample.time);
+  emulated::write_line("node_step_moving", mean_hundredths(40, prepare, one));
+}
+
+}  // namespace
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
+
+int main() {
+  SysTick::start();
+  count_predictors();
+  count_front_end();
+  count_node();
+  return 0;
+}
