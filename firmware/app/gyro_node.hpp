@@ -184,9 +184,6 @@ class GyroNode {
   [[nodiscard]] constexpr const Filter& filter(std::size_t axis) const {
     return axes_[axis].kalman.state();
   }
-  [[nodiscard]] static constexpr std::array<Filter, kAxes> filters(const State& state) {
-    return {state.axes[0].kalman, state.axes[1].kalman, state.axes[2].kalman};
-  }
   /// The temperature that the filters stand at, if they follow it: that of the newest measurement.
   [[nodiscard]] constexpr TickTemperature measured_temperature() const {
     return temperature_.measured();
@@ -203,8 +200,14 @@ class GyroNode {
   }
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, and
   /// adds what the bias changes by while the power is off. Before the first sample.
-  constexpr void resume(const std::array<Filter, kAxes>& filters, TickTemperature temperature,
-                        std::uint32_t ticks);
+  /// @param filter_of gives the filter of an axis: one at a time, to spare the stack
+  template <class FilterOf>
+  void resume(FilterOf filter_of, TickTemperature temperature, std::uint32_t ticks) {
+    ZERORATE_ASSERT(!has_sample_);
+    temperature_.resume(temperature);
+    take_over(filter_of, ticks);
+    predict_tick();
+  }
 
  private:
   struct Axis {
@@ -244,6 +247,8 @@ class GyroNode {
 
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
   constexpr void take_in(const drivers::GyroSample& sample);
+  template <class FilterOf>
+  [[gnu::noinline]] void take_over(FilterOf filter_of, std::uint32_t ticks);
   constexpr bool learn_until(core::Instant certain);
   constexpr void learn(const HeldTick& mean);
   constexpr void end_stop(core::Instant pulse);
@@ -461,19 +466,16 @@ constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
   if (has_sample_) predict_tick();
 }
 
+/// Not inlined: what stands on the stack here is gone when the bias is predicted.
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
-constexpr void GyroNode<R, C, K, Capacity>::resume(const std::array<Filter, kAxes>& filters,
-                                                   TickTemperature temperature,
-                                                   std::uint32_t ticks) {
-  ZERORATE_ASSERT(!has_sample_);
-  temperature_.resume(temperature);
+template <class FilterOf>
+void GyroNode<R, C, K, Capacity>::take_over(FilterOf filter_of, std::uint32_t ticks) {
   const Span off{params_.modes.over(ticks)};
   for (std::size_t i = 0; i < kAxes; ++i) {
-    axes_[i].kalman.restore(filters[i]);
+    axes_[i].kalman.restore(filter_of(i));
     axes_[i].kalman.advance(off);
     axes_[i].kalman.widen(params_.turn_on_variance_rad2_s2);
   }
-  predict_tick();
 }
 
 }  // namespace zerorate::app

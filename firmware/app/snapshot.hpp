@@ -96,7 +96,8 @@ class Snapshot {
   [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
       const Node& node, const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfFilters> record{};
-    auto rest = begin(record, Content::filters, node.ticks_since_measured(), time);
+    auto rest = begin(record, Content::filters, node.filter(0).calibrated,
+                      node.ticks_since_measured(), time);
     for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
@@ -106,7 +107,8 @@ class Snapshot {
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
                                                                  const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfState> record{};
-    auto rest = begin(record, Content::state, Node::ticks_since_measured(state), time);
+    auto rest = begin(record, Content::state, state.axes[0].kalman.calibrated,
+                      Node::ticks_since_measured(state), time);
     put(rest, state);
     finish(record);
     return record;
@@ -123,7 +125,8 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    return resume(node, Node::filters(state), Node::measured_temperature(state), *header, now);
+    const auto filter_of = [&state](std::size_t axis) { return state.axes[axis].kalman; };
+    return resume(node, filter_of, Node::measured_temperature(state), *header, now);
   }
   /// The same for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
@@ -140,11 +143,14 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = get<Temperature>(payload.subspan(sizeof(Filters)));
     }
-    return resume(node, get<Filters>(payload), temperature, *header, now);
+    const auto filter_of = [payload](std::size_t axis) {
+      return get<Filter>(payload.subspan(axis * sizeof(Filter)));
+    };
+    return resume(node, filter_of, temperature, *header, now);
   }
 
  private:
-  enum class Content : std::uint16_t { filters, state };
+  enum class Content : std::uint8_t { filters, state };
   static constexpr std::uint32_t kMark = 0x534E525A;  // "ZRNS"
   static constexpr std::int64_t kNoClock = std::numeric_limits<std::int64_t>::min();
   static constexpr core::Duration kLongestPause = core::Duration::seconds(86'400);
@@ -153,6 +159,7 @@ class Snapshot {
     std::uint32_t mark = kMark;
     std::uint16_t layout = kLayout;
     Content content = Content::filters;
+    std::uint8_t calibrated = 0;  ///< 1: there is something learnt
     std::uint32_t model = 0;
     std::uint32_t sensor = 0;
     std::int64_t utc_s = kNoClock;
@@ -231,10 +238,11 @@ class Snapshot {
     return value;
   }
 
-  std::span<std::uint8_t> begin(std::span<std::uint8_t> record, Content content,
+  std::span<std::uint8_t> begin(std::span<std::uint8_t> record, Content content, bool calibrated,
                                 std::uint32_t ticks_since_measured,
                                 const SnapshotTime& time) const {
     put(record, Header{.content = content,
+                       .calibrated = calibrated,
                        .model = model_,
                        .sensor = sensor_,
                        .utc_s = time.utc_s.value_or(kNoClock),
@@ -265,11 +273,12 @@ class Snapshot {
     return header;
   }
 
-  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filters& filters,
+  template <class FilterOf>
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterOf filter_of,
                                                    Temperature temperature, const Header& header,
                                                    const SnapshotTime& now) const {
     using core::Unexpected;
-    if (!filters[0].calibrated) return Unexpected{SnapshotRefusal::nothing_learnt};
+    if (header.calibrated == 0) return Unexpected{SnapshotRefusal::nothing_learnt};
     if (!turn_on_is_known_) return Unexpected{SnapshotRefusal::turn_on_unknown};
     if (has_transient_) return Unexpected{SnapshotRefusal::transient_at_start};
     // A clock that went backwards was set meanwhile: as good as none.
@@ -279,7 +288,7 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(filters, temperature,
+    node.resume(filter_of, temperature,
                 header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
     return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
   }

@@ -3,8 +3,10 @@
 include_guard()
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 find_program(ZERORATE_NM arm-none-eabi-nm REQUIRED)
+find_program(ZERORATE_OBJDUMP arm-none-eabi-objdump REQUIRED)
 find_program(ZERORATE_SIZE arm-none-eabi-size REQUIRED)
 set(ZERORATE_IMAGE_GATE "${CMAKE_CURRENT_LIST_DIR}/../gates/image_gate.py")
+set(ZERORATE_STACK_GATE "${CMAKE_CURRENT_LIST_DIR}/../gates/stack_depth.py")
 set(ZERORATE_RP2040_IMAGE "${CMAKE_CURRENT_LIST_DIR}/../images/rp2040_image.py")
 
 # zerorate_image(NAME LINKER_SCRIPT file SOURCES files... DEPENDS targets...)
@@ -24,6 +26,16 @@ function(zerorate_image name)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM
     COMMAND "${Python3_EXECUTABLE}" "${ZERORATE_IMAGE_GATE}" --nm "${ZERORATE_NM}"
             --size "${ZERORATE_SIZE}" "$<TARGET_FILE:${name}>")
+endfunction()
+
+# stack_gate(NAME INTERRUPTS handlers...): refuses NAME.elf where its stack can become deeper than it
+# reserves. Handlers of one priority are one argument, with commas between them; lower priorities first.
+function(stack_gate name)
+  cmake_parse_arguments(gate "" "" "INTERRUPTS" ${ARGN})
+  list(TRANSFORM gate_INTERRUPTS PREPEND "--interrupts=")
+  add_custom_command(TARGET ${name} POST_BUILD VERBATIM
+    COMMAND "${Python3_EXECUTABLE}" -B "${ZERORATE_STACK_GATE}" --objdump "${ZERORATE_OBJDUMP}"
+            --nm "${ZERORATE_NM}" ${gate_INTERRUPTS} "$<TARGET_FILE:${name}>")
 endfunction()
 
 # rp2040_files(NAME): seals the second boot stage of NAME.elf and writes NAME.bin and NAME.uf2.

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace zerorate::soft_float {
 
@@ -82,7 +83,7 @@ struct Number {
 }
 
 [[nodiscard]] constexpr Bits add(Bits a, Bits b) {
-  if ((a & ~kSign) < (b & ~kSign)) return add(b, a);
+  if ((a & ~kSign) < (b & ~kSign)) std::swap(a, b);
   const Bits sign = a & kSign;
   const bool is_sum = ((a ^ b) & kSign) == 0;
   if ((a & ~kSign) > kInfinity) return kNotANumber;

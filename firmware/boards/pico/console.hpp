@@ -39,7 +39,8 @@ class Console {
     }
   }
 
-  void report(const app::LoopCounters& counters) {
+  /// Not inlined: the main loop does not keep room for its frame while the node computes.
+  [[gnu::noinline]] void report(const app::LoopCounters& counters) {
     if (!is_text_) send_frame(wire::encode_status_frame({counters, dropped_}));
   }
 

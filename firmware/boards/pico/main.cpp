@@ -29,7 +29,7 @@ constexpr core::Duration kReportEvery = core::Duration::seconds(1);
 
 using Line = Uart0<kUartTransmit, kUartReceive, 256>;
 using Pulses = EdgeQueue<32>;
-using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<Line>, 4>;
+using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<Line>, 2>;
 
 /// The last two sectors of the 2 MiB: a new image leaves them as they are.
 using Memory = FlashStorage<FlashChip, 0x1F'E000>;
