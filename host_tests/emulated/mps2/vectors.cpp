@@ -171,7 +171,7 @@ std::uint32_t calibration_mean() {
 
 /// The frames of a node over stops and drives, at 104 Hz.
 std::uint32_t node_frames() {
-  using Node = app::GyroNode<4, 0, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
+  using Node = app::GyroNode<4, 0, 0, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
   const float sigma = sigma_rad_s;
   static Node::Params params;
   params = {.white_variance_rad2_s2 = 2.4e-7F,

@@ -22,13 +22,13 @@ function instructionsBySample(rig, events, counts) {
 }
 const mean = (numbers) => Math.round(numbers.reduce((sum, n) => sum + n, 0) / numbers.length);
 
-// Symbols whose calls are counted, by what stands in the mangled name -> row of the table.
+// Symbols whose calls are counted, by what matches the mangled name -> row of the table.
 const COUNTED = new Map([
-  ['KalmanPredictorILj6ELj0EE4step', 'Kalman predictor, predict and update of one axis'],
-  ['__aeabi_fmul', 'product (`__aeabi_fmul`)'],
-  ['__aeabi_fadd', 'sum (`__aeabi_fadd`)'],
-  ['__aeabi_fsub', 'difference (`__aeabi_fsub`)'],
-  ['__aeabi_fdiv', 'quotient (`__aeabi_fdiv`)'],
+  [/KalmanPredictorI\w*E4stepE/, 'Kalman predictor, predict and update of one axis'],
+  [/^__aeabi_fmul$/, 'product (`__aeabi_fmul`)'],
+  [/^__aeabi_fadd$/, 'sum (`__aeabi_fadd`)'],
+  [/^__aeabi_fsub$/, 'difference (`__aeabi_fsub`)'],
+  [/^__aeabi_fdiv$/, 'quotient (`__aeabi_fdiv`)'],
 ]);
 
 // Mean instructions of a call of each, with all that it calls and without interrupts: from its first
@@ -38,8 +38,8 @@ function instructionsByCall() {
   const { board } = rig;
   const { core } = board.mcu;
   const entries = new Map();
-  for (const [piece, name] of COUNTED) {
-    const symbol = [...board.symbols].find(([mangled]) => mangled.includes(piece));
+  for (const [pattern, name] of COUNTED) {
+    const symbol = [...board.symbols].find(([mangled]) => pattern.test(mangled));
     entries.set(symbol[1].address & ~1, name);
   }
   const totals = new Map([...COUNTED.values()].map((name) => [name, { calls: 0, instructions: 0 }]));
