@@ -113,7 +113,7 @@ class KalmanPredictor {
     const Drifts g = Coefficients::movement(lead);
     const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
     return {x.reference_rad_s + (x.bias_rad_s + dot(g, x.drift)),
-            (x.bias_variance + x.doubt_variance + moved) + lead.noise() + unknown_variance(lead)};
+            with_unknown(x.bias_variance + x.doubt_variance + moved, lead) + lead.noise()};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
@@ -133,10 +133,9 @@ class KalmanPredictor {
     if constexpr (K > 0) return span.temperature.is_known();
     return true;
   }
-  /// What the bias may have done because the temperature was not known: the expectation of the
-  /// square of (unknown change of the weights)' (constants).
-  [[nodiscard]] constexpr float unknown_variance(const Span& span) const {
-    float variance = 0.0F;
+  /// A variance of the bias, and what the bias may have done because the temperature was not known:
+  /// the expectation of the square of (unknown change of the weights)' (constants).
+  [[nodiscard]] constexpr float with_unknown(float variance, const Span& span) const {
     if constexpr (K > 0) {
       const auto& u = span.temperature.unknown;
       constexpr std::size_t kFirst = Coefficients::kTemperature;
@@ -293,8 +292,8 @@ class KalmanPredictor {
     const Coefficients& a = *coefficients_;
     const Drifts g = Coefficients::movement(span);
     const Drifts moved = times_covariance(g);
-    x.bias_variance +=
-        2.0F * dot(g, x.bias_covariance) + dot(g, moved) + span.noise() + unknown_variance(span);
+    x.bias_variance += 2.0F * dot(g, x.bias_covariance) + dot(g, moved) + span.noise();
+    x.bias_variance = with_unknown(x.bias_variance, span);
     x.bias_rad_s += dot(g, x.drift);
     const Drifts cross_noise = a.cross_noise_of(span);
     const Drifts drift_noise = a.drift_noise_of(span);
@@ -319,10 +318,9 @@ class KalmanPredictor {
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
     const float sum = ticks * x.bias_rad_s + dot(g, x.drift);
-    const float variance =
-        ticks * ticks * (x.bias_variance + x.doubt_variance + unknown_variance(drive)) +
-        drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
-        dot(g, times_covariance(g));
+    const float variance = ticks * ticks * with_unknown(x.bias_variance + x.doubt_variance, drive) +
+                           drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
+                           dot(g, times_covariance(g));
     const float tick_s = coefficients_->tick_s;
     return {(ticks * x.reference_rad_s + sum) * tick_s, variance * tick_s * tick_s};
   }

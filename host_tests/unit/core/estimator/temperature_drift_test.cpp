@@ -184,7 +184,7 @@ TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
   const float narrow = filter.predict_heading(none, drive).variance_rad2;
   EXPECT_NEAR((wide - narrow) / (16.0F * 9.0F * 26.0F), 1.0F, 1e-4F);  // (8 ticks of .5 s)^2
   filter.advance(lead);
-  EXPECT_EQ(filter.state().bias_variance, unknown);
+  EXPECT_FLOAT_EQ(filter.state().bias_variance, unknown);
 }
 
 }  // namespace
