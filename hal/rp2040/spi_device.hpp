@@ -15,18 +15,24 @@
 
 namespace zerorate::hal::rp2040 {
 
-/// An SpiDevice in mode 3, 8 bits, most significant first. Chip select is driven by software: that
-/// of the PL022 rises between two bytes (datasheet, 4.4.3).
+/// Clock idles low and data are taken on the first edge, or high and on the second.
+enum class SpiMode : std::uint32_t {
+  mode_0 = 0,
+  mode_3 = spi0::kClockIdlesHigh | spi0::kSampleOnSecondEdge,
+};
+
+/// An SpiDevice in mode 0 or 3, 8 bits, most significant first. Chip select is driven by software:
+/// that of the PL022 rises between two bytes (datasheet, 4.4.3).
 template <unsigned MisoPin, unsigned ChipSelectPin, unsigned ClockPin, unsigned MosiPin>
 class Spi0Device {
  public:
   /// @param highest_hz the clock is the next one below it that the dividers reach
-  static void start(std::uint32_t highest_hz) {
+  static void start(std::uint32_t highest_hz, SpiMode mode) {
     release_from_reset(resets::kSpi0);
     constexpr std::uint32_t kPrescale = 2;
     const std::uint32_t divider = (kClockHz / kPrescale + highest_hz - 1) / highest_hz;
     spi0::kPrescale.write(kPrescale);
-    spi0::kControl0.write(spi0::kFrames8Bits | spi0::kClockIdlesHigh | spi0::kSampleOnSecondEdge |
+    spi0::kControl0.write(spi0::kFrames8Bits | static_cast<std::uint32_t>(mode) |
                           ((divider - 1) << 8U));
     spi0::kControl1.write(spi0::kEnable);
     connect_output_high<ChipSelectPin>();

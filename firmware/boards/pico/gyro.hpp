@@ -1,10 +1,11 @@
 /// @file
-/// The gyro of this image: an LSM6DSO on SPI, or on I2C.
+/// The gyro of this image on its bus: SPI, or I2C.
 #pragma once
 
+#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
-#include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/snapshot.hpp"
+#include "firmware/boards/pico/chip.hpp"
 #include "firmware/boards/pico/node.hpp"
 #include "firmware/boards/pico/wiring.hpp"
 #include "hal/rp2040/i2c_bus.hpp"
@@ -14,26 +15,32 @@ namespace zerorate::pico {
 
 #ifdef ZERORATE_PICO_I2C
 using Bus = hal::rp2040::I2c0Bus<kI2cData, kI2cClock>;
-using Registers = drivers::I2cRegisters<Bus>;
+using Wire = drivers::I2cRegisters<Bus>;
 inline void start_bus() {
   Bus::start();
 }
-[[nodiscard]] constexpr Registers registers_on(Bus& bus) {
-  return {bus, drivers::lsm6dso::kAddressSa0Low};
+[[nodiscard]] constexpr Wire wire_on(Bus& bus) {
+  return {bus, kI2cAddress};
 }
 #else
 using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
-using Registers = drivers::SpiRegisters<Bus>;
+#ifdef ZERORATE_PICO_ADXRS453
+using Wire = drivers::SpiFrames<Bus>;
+inline constexpr auto kSpiMode = hal::rp2040::SpiMode::mode_0;
+#else
+using Wire = drivers::SpiRegisters<Bus>;
+inline constexpr auto kSpiMode = hal::rp2040::SpiMode::mode_3;
+#endif
 inline void start_bus() {
-  Bus::start(8'000'000);  // the chip takes 10 MHz
+  Bus::start(kSpiHz, kSpiMode);
 }
-[[nodiscard]] constexpr Registers registers_on(Bus& bus) {
-  return Registers{bus};
+[[nodiscard]] constexpr Wire wire_on(Bus& bus) {
+  return Wire{bus};
 }
 #endif
 
-using Gyro = drivers::Lsm6dso<Registers>;
+using Gyro = Chip<Wire>;
 /// What snapshots are told apart by.
-inline constexpr std::uint32_t kSensor = app::sensor_id("lsm6dso");
+inline constexpr std::uint32_t kSensor = app::sensor_id(kChipName);
 
 }  // namespace zerorate::pico

@@ -24,7 +24,6 @@ namespace {
 
 using namespace hal::rp2040;
 
-constexpr std::uint32_t kBaud = 115'200;
 constexpr core::Duration kReportEvery = core::Duration::seconds(1);
 
 using Line = Uart0<kUartTransmit, kUartReceive, 256>;
@@ -40,7 +39,7 @@ constexpr app::Snapshot<Node> kSnapshot{exported::kNodeParams, kSensor};
 constinit Line line;
 constinit Pulses pulses;
 constinit LatestEdge data_ready;
-constinit Beat<10'000> beat;
+constinit Beat<kBeat_us> beat;
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 void start_hardware() {
@@ -65,7 +64,7 @@ bool has_work() {
 [[noreturn]] void run() {
   static TimerClock clock;
   static Bus bus;
-  static Gyro gyro{registers_on(bus), kGyroSettings};
+  static Gyro gyro{wire_on(bus), kGyroSettings};
   static Node node{exported::kNodeParams};
   static Memory memory;
   static StateKeeper keeper{kSnapshot, memory};

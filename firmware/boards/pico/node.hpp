@@ -2,9 +2,8 @@
 /// What this board's node computes with, free of the board: a replay on a PC includes it too.
 #pragma once
 
-#include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/boards/pico/model.hpp"
+#include "firmware/boards/pico/chip.hpp"
 
 namespace zerorate::pico {
 
@@ -14,11 +13,5 @@ inline constexpr app::NodeCapacity kNodeCapacity{.held_ticks = 8, .average_level
 using Node = app::GyroNode<exported::kDecayingModes, exported::kRotatingModes,
                            exported::kTemperatureWeights, kNodeCapacity>;
 static_assert(Node::check(exported::kNodeParams).has_value());
-
-/// A sample raises data-ready, and is read within its period: no FIFO is needed at 104 Hz.
-inline constexpr drivers::lsm6dso::Settings kGyroSettings{
-    .full_scale = drivers::lsm6dso::FullScale::dps_250,
-    .rate = drivers::lsm6dso::OutputDataRate::hz_104,
-    .mode = drivers::lsm6dso::Mode::data_ready};
 
 }  // namespace zerorate::pico

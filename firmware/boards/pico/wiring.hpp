@@ -1,5 +1,5 @@
 /// @file
-/// Which pin of the Pico does what; docs/how-to/wire-a-pico.md draws it.
+/// Which pin of the Pico does what; docs/how-to/use-a-pico.md draws it.
 #pragma once
 
 namespace zerorate::pico {

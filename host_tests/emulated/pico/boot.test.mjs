@@ -31,6 +31,27 @@ for (const [name, bus] of [['zerorate-pico', 'spi'], ['zerorate-pico-i2c', 'i2c'
   });
 }
 
+for (const [name, bus, error] of [
+  ['zerorate-pico-icm42688', 'spi', { code: 1, reg: 0x75 }],
+  ['zerorate-pico-icm42688-i2c', 'i2c', { code: 0, bus: 0 }],
+  ['zerorate-pico-bmi088', 'spi', { code: 1, reg: 0x00 }],
+  ['zerorate-pico-bmi088-i2c', 'i2c', { code: 0, bus: 0 }],
+  ['zerorate-pico-adxrs453', 'spi', {}],
+]) {
+  test(`${name}.uf2 boots, finds another chip than its own, and says so`, () => {
+    const rig = new Rig({ name, bus });
+    rig.measureForEver([100, -200, 300]);
+    rig.board.run(2.2e6);
+    const status = statuses(rig.frames).at(-1);
+    assert.equal(status.starts, 0);
+    assert.ok(status.start_errors > 3, `${status.start_errors}`);
+    for (const [key, value] of Object.entries(error)) assert.equal(status.last_error[key], value, key);
+    const messages = rates(rig.frames);
+    assert.ok(messages.length >= 8 && messages.every(({ health }) => health === 64), 'sensor fault');
+    assert.equal(rig.board.watchdogBites, 0);
+  });
+}
+
 test('every message leaves within a sample period of its sample', () => {
   const rig = new Rig();
   rig.measureForEver([1, 2, 3]);

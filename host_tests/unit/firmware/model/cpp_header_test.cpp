@@ -23,6 +23,21 @@ TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
       << "run: zerorate export lsm6dso --cpp -o firmware/boards/pico/model.hpp";
 }
 
+TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
+  struct Exported {
+    std::string chip;
+    core::Duration sample_period;
+  };
+  for (const auto& [chip, sample_period] :
+       {Exported{"icm42688", core::Duration::milliseconds(10)},
+        Exported{"bmi088", core::Duration::milliseconds(10)},
+        Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
+    std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_" + chip + ".hpp");
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(text, format_cpp_header(find_model(chip), sample_period, kTick)) << chip;
+  }
+}
+
 // What the compiler made of the header, beside what the tools compute with.
 TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   const auto node = make_node_model<exported::kDecayingModes, exported::kRotatingModes>(

@@ -1,0 +1,40 @@
+/// @file
+/// Sensor model: Bosch Sensortec BMI088.
+/// Made by `zerorate export --cpp`; change the model and make it again.
+#pragma once
+
+#include <cstddef>
+
+#include "core/base/time.hpp"
+#include "core/noise/modes.hpp"
+#include "firmware/app/gyro_node.hpp"
+
+namespace zerorate::exported {
+
+inline constexpr std::size_t kDecayingModes = 6;
+inline constexpr std::size_t kRotatingModes = 0;
+inline constexpr std::size_t kTemperatureWeights = 0;
+
+// clang-format off
+inline constexpr app::NodeParams<kDecayingModes, kRotatingModes, kTemperatureWeights> kNodeParams{
+    .modes = {.tick = core::Duration::nanoseconds(500000000),
+              .start = core::Start::stationary,
+              .is_stationary = true,
+              .walk_variance = 0.0F,
+              .decaying = {{
+                  {.forgetting = 0.63212055F, .noise_variance = 1.2197211e-10F, .initial_variance = 1.4106291e-10F, .initial_mean = 0.0F},
+                  {.forgetting = 0.09516258F, .noise_variance = 2.8624767e-11F, .initial_variance = 1.57913e-10F, .initial_mean = 0.0F},
+                  {.forgetting = 0.009950167F, .noise_variance = 3.0720457e-12F, .initial_variance = 1.5514343e-10F, .initial_mean = 0.0F},
+                  {.forgetting = 0.0009995002F, .noise_variance = 3.1308918e-13F, .initial_variance = 1.5670118e-10F, .initial_mean = 0.0F},
+                  {.forgetting = 9.9995e-05F, .noise_variance = 3.070053e-14F, .initial_variance = 1.5351802e-10F, .initial_mean = 0.0F},
+                  {.forgetting = 9.99995e-06F, .noise_variance = 3.6309185e-15F, .initial_variance = 1.8154775e-10F, .initial_mean = 0.0F},
+              }},
+    },
+    .white_variance_rad2_s2 = 2.9870205e-06F,
+    .unaveraged_variance_rad2_s2 = 0.0F,
+    .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
+    .sample_period = core::Duration::nanoseconds(10000000),
+};
+// clang-format on
+
+}  // namespace zerorate::exported
