@@ -96,12 +96,17 @@ class Snapshot {
   [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
       const Node& node, const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfFilters> record{};
-    auto rest = begin(record, Content::filters, node.filter(0).calibrated,
-                      node.ticks_since_measured(), time);
+    write_filters(node, time, record);
+    return record;
+  }
+  /// The same into the caller's memory.
+  void write_filters(const Node& node, const SnapshotTime& time,
+                     std::span<std::uint8_t, kBytesOfFilters> record) const {
+    std::span<std::uint8_t> rest = begin(record, Content::filters, node.filter(0).calibrated,
+                                         node.ticks_since_measured(), time);
     for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
-    return record;
   }
   /// A record for programs that are restarted.
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,

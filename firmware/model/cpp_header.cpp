@@ -1,25 +1,12 @@
 #include "firmware/model/cpp_header.hpp"
 
-#include <array>
-#include <charconv>
 #include <cstddef>
 
 #include "firmware/model/node_model.hpp"
+#include "firmware/model/source_text.hpp"
 
 namespace zerorate::model {
 namespace {
-
-std::string literal(float value) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  std::string text{digits.data(), end};
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text + "F";
-}
-
-std::string literal(const core::Complex& value) {
-  return "{" + literal(value.re) + ", " + literal(value.im) + "}";
-}
 
 std::string nanoseconds(core::Duration duration) {
   return "core::Duration::nanoseconds(" + std::to_string(duration.ns()) + ")";
@@ -56,14 +43,6 @@ std::string temperature(const core::TemperatureDrift& drift) {
          ", .lag_s = " + literal(drift.lag_s) + "},\n";
 }
 
-/// For a comment: a name cannot end the line and go on as source.
-std::string on_one_line(std::string text) {
-  for (char& character : text) {
-    if (static_cast<unsigned char>(character) < ' ' || character == '\\') character = ' ';
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
@@ -74,7 +53,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
   const bool is_stationary = node.modes.start == core::Start::stationary;
   return "/// @file\n"
          "/// Sensor model: " +
-         on_one_line(model.name) +
+         in_comment(model.name) +
          ".\n"
          "/// Made by `zerorate export --cpp`; change the model and make it again.\n"
          "#pragma once\n\n"

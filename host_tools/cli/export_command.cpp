@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/time.hpp"
+#include "firmware/model/c_header.hpp"
 #include "firmware/model/cpp_header.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -14,6 +15,8 @@ namespace {
 struct ExportFlags {
   std::string model;
   bool cpp = false;
+  bool c = false;
+  std::string name = "sensor_model";
   double sample_rate_hz = 6667.0 / 64.0;
   double filter_rate_hz = 2.0;
   std::string output = "-";
@@ -29,9 +32,10 @@ core::Duration period_of(double rate_hz, const char* option) {
 
 ExitCode run_export(const ExportFlags& flags) {
   const model::SensorModel model = load_model(flags.model);
-  write_text(flags.output,
-             model::format_cpp_header(model, period_of(flags.sample_rate_hz, "--sample-rate"),
-                                      period_of(flags.filter_rate_hz, "--filter-rate")));
+  const core::Duration sample = period_of(flags.sample_rate_hz, "--sample-rate");
+  const core::Duration tick = period_of(flags.filter_rate_hz, "--filter-rate");
+  write_text(flags.output, flags.c ? model::format_c_header(model, sample, tick, flags.name)
+                                   : model::format_cpp_header(model, sample, tick));
   return success;
 }
 
@@ -42,7 +46,10 @@ Command add_export(CLI::App& app) {
   auto* command = app.add_subcommand("export", "Write a sensor model as source for firmware");
   command->add_option("MODEL", flags->model, "a TOML file or a name from 'zerorate model list'")
       ->required();
-  command->add_flag("--cpp", flags->cpp, "as a C++ header of constants")->required();
+  auto* language = command->add_option_group("language")->require_option(1);
+  language->add_flag("--cpp", flags->cpp, "as a C++ header of constants, for our own images");
+  language->add_flag("--c", flags->c, "as a C header, for firmware that calls zerorate.h");
+  command->add_option("--name", flags->name, "of the constant, with --c")->capture_default_str();
   command
       ->add_option("--sample-rate", flags->sample_rate_hz,
                    "samples of the sensor per second [Hz]; default that of an LSM6DSO at 104 Hz")
@@ -54,8 +61,9 @@ Command add_export(CLI::App& app) {
   command->add_option("-o,--output", flags->output, "file to write; - is the standard output")
       ->capture_default_str();
   command->footer(
-      "Example:\n"
-      "  zerorate export mine.toml --cpp -o firmware/boards/pico/model.hpp");
+      "Examples:\n"
+      "  zerorate export mine.toml --cpp -o firmware/boards/pico/model.hpp\n"
+      "  zerorate export mine.toml --c --name front_gyro --sample-rate 100 -o front_gyro.h");
   return {command, [flags] { return run_export(*flags); }};
 }
 

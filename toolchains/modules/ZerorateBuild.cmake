@@ -3,6 +3,9 @@
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -27,9 +30,10 @@ option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitiz
 # disagree in the last bits, and replay is to be the firmware's equal.
 add_library(zerorate_flags INTERFACE)
 target_compile_options(zerorate_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
-  -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wimplicit-fallthrough -Werror
-  -ffp-contract=off)
+  -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -Wshadow -Wconversion -Wsign-conversion
+  $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast> $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
+  $<$<COMPILE_LANGUAGE:CXX>:-Woverloaded-virtual> -Wcast-align -Wimplicit-fallthrough -Werror
+  -ffp-contract=off $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 target_include_directories(zerorate_flags INTERFACE "${PROJECT_SOURCE_DIR}")
 if(ZERORATE_SANITIZE)
   target_compile_options(zerorate_flags INTERFACE

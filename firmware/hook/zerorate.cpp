@@ -1,0 +1,322 @@
+#include "firmware/hook/zerorate.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <optional>
+#include <span>
+
+#include "core/base/numeric.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/app/snapshot.hpp"
+
+namespace zerorate::hook {
+namespace {
+
+constexpr std::size_t kDecaying = ZERORATE_DECAYING_MODES;
+constexpr std::size_t kRotating = ZERORATE_ROTATING_MODES;
+constexpr std::size_t kWeights = core::TemperatureDrift::kWeights;
+using Node = app::GyroNode<kDecaying, kRotating, kWeights,
+                           app::NodeCapacity{.held_ticks = 16, .average_levels = 12}>;
+using Snapshot = app::Snapshot<Node>;
+using Modes = core::Modes<kDecaying, kRotating>;
+
+/// What the caller's storage holds.
+struct Instance {
+  Instance(const Node::Params& given, std::uint32_t sensor_id)
+      : params(given), node(params), snapshot(params, sensor_id) {}
+
+  const Instance* self = this;  ///< says that the storage was initialised, and not moved since
+  Node::Params params;
+  Node node;
+  Snapshot snapshot;
+  core::Instant newest_sample;
+  bool has_sample = false;
+};
+static_assert(sizeof(Instance) <= sizeof(zerorate_node));
+static_assert(alignof(Instance) <=
+              alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
+static_assert(Snapshot::kBytesOfFilters == ZERORATE_SNAPSHOT_BYTES);
+static_assert(Node::kAxes == ZERORATE_AXES);
+static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
+
+/// Null where the storage holds no instance.
+const Instance* instance_in(const zerorate_node* storage) {
+  if (storage == nullptr) return nullptr;
+  const auto* instance = std::launder(reinterpret_cast<const Instance*>(storage));
+  return instance->self == instance ? instance : nullptr;
+}
+Instance* instance_in(zerorate_node* storage) {
+  const Instance* instance = instance_in(static_cast<const zerorate_node*>(storage));
+  return instance != nullptr ? std::launder(reinterpret_cast<Instance*>(storage)) : nullptr;
+}
+
+bool is_magnitude(float value) {
+  return core::is_finite(value) && value >= 0.0F;
+}
+
+bool does_something(const auto& mode) {
+  return mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F;
+}
+
+bool is_sound(const zerorate_decaying_mode& mode) {
+  const bool forgets = mode.forgetting > 0.0F && mode.forgetting <= 1.0F;
+  return (forgets || !does_something(mode)) && is_magnitude(mode.noise_variance) &&
+         is_magnitude(mode.initial_variance) && core::is_finite(mode.initial_mean);
+}
+bool is_sound(const zerorate_rotating_mode& mode) {
+  const float remaining_re = 1.0F - mode.forgetting.re;
+  const float remaining_im = mode.forgetting.im;
+  return remaining_re * remaining_re + remaining_im * remaining_im <= 1.0F &&
+         is_magnitude(mode.noise_variance) && is_magnitude(mode.initial_variance) &&
+         core::is_finite(mode.initial_mean);
+}
+bool is_sound(const zerorate_temperature_drift& drift) {
+  return core::is_finite(drift.reference_degc) && core::is_finite(drift.slope_rad_s_per_k) &&
+         is_magnitude(drift.slope_sigma_rad_s_per_k) &&
+         core::is_finite(drift.curvature_rad_s_per_k2) &&
+         is_magnitude(drift.curvature_sigma_rad_s_per_k2) && is_magnitude(drift.lag_s);
+}
+/// A figure that is not a number fails every comparison.
+bool is_sound(const zerorate_model& model) {
+  const auto sound = [](const auto& mode) { return is_sound(mode); };
+  return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
+         is_magnitude(model.walk_variance_rad2_s2) &&
+         core::is_measurement(0.0F, model.white_variance_rad2_s2) &&
+         is_magnitude(model.unaveraged_variance_rad2_s2) &&
+         (is_magnitude(model.turn_on_variance_rad2_s2) ||
+          model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
+         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature);
+}
+
+core::Modes<kDecaying, kRotating> modes_of(const zerorate_model& model) {
+  Modes modes{.tick = core::Duration::nanoseconds(model.tick_ns),
+              .start = model.starts_stationary ? core::Start::stationary : core::Start::zero,
+              .is_stationary = model.is_stationary,
+              .walk_variance = model.walk_variance_rad2_s2};
+  for (std::size_t i = 0; i < kDecaying; ++i) {
+    const zerorate_decaying_mode& mode = model.decaying[i];
+    if (!does_something(mode)) continue;
+    modes.decaying[i] = {mode.forgetting, mode.noise_variance, mode.initial_variance,
+                         mode.initial_mean};
+  }
+  for (std::size_t i = 0; i < kRotating; ++i) {
+    const zerorate_rotating_mode& mode = model.rotating[i];
+    if (!does_something(mode)) continue;
+    modes.rotating[i] = {{mode.forgetting.re, mode.forgetting.im},
+                         mode.noise_variance,
+                         mode.initial_variance,
+                         mode.initial_mean};
+  }
+  return modes;
+}
+
+app::Predictor predictor_of(zerorate_predictor predictor) {
+  switch (predictor) {
+    case ZERORATE_MOVING_AVERAGE:
+      return app::Predictor::moving_average;
+    case ZERORATE_CALIBRATION_MEAN:
+      return app::Predictor::calibration_mean;
+    case ZERORATE_KALMAN:
+      break;
+  }
+  return app::Predictor::kalman;
+}
+
+Node::Params params_of(const zerorate_model& model, const zerorate_config& config) {
+  const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
+  return {.modes = modes_of(model),
+          .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+          .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
+          .turn_on_variance_rad2_s2 =
+              is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
+          .gate = {.threshold_sigma = model.gate_threshold_sigma,
+                   .longest_knock_ticks = model.gate_longest_knock_ticks},
+          .temperature = {.reference_degc = model.temperature.reference_degc,
+                          .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
+                          .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
+                          .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
+                          .curvature_sigma_rad_s_per_k2 =
+                              model.temperature.curvature_sigma_rad_s_per_k2,
+                          .lag_s = model.temperature.lag_s},
+          .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+          .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
+                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns)},
+          .published = predictor_of(config.predictor)};
+}
+
+zerorate_motion motion_of(core::Motion motion) {
+  switch (motion) {
+    case core::Motion::still:
+      return ZERORATE_STILL;
+    case core::Motion::settling:
+      return ZERORATE_SETTLING;
+    case core::Motion::moving:
+      break;
+  }
+  return ZERORATE_MOVING;
+}
+
+drivers::GyroSample sample_of(const zerorate_measurement& measured) {
+  drivers::GyroSample sample{.time = core::Instant::from_ns(measured.time_ns),
+                             .temperature = core::Temperature::from_degc(measured.temperature_degc),
+                             .has_temperature = measured.has_temperature,
+                             .saturated_axes = measured.saturated_axes};
+  for (std::size_t i = 0; i < sample.rate.size(); ++i) {
+    sample.rate[i] = core::rad_per_s(measured.rate_rad_s[i]);
+  }
+  return sample;
+}
+
+zerorate_rate rate_of(const app::RateMessage& message) {
+  zerorate_rate rate{.time_ns = message.time.ns(),
+                     .motion = motion_of(message.motion),
+                     .health = {.calibrated = message.health.calibrated,
+                                .sample_refused = message.health.sample_refused,
+                                .time_refused = message.health.time_refused,
+                                .saturated = message.health.saturated,
+                                .model_inconsistent = message.health.model_inconsistent,
+                                .pulses_lost = message.health.pulses_lost,
+                                .measurement_rejected = message.health.measurement_rejected,
+                                .temperature_missing = message.health.temperature_missing},
+                     .corrected_rad_s = {},
+                     .bias_rad_s = {},
+                     .sigma_rad_s = {}};
+  for (std::size_t i = 0; i < Node::kAxes; ++i) {
+    rate.corrected_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
+    rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
+    rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
+  }
+  return rate;
+}
+
+zerorate_result result_of(app::SnapshotRefusal refusal) {
+  using app::SnapshotRefusal;
+  switch (refusal) {
+    case SnapshotRefusal::not_a_snapshot:
+      return ZERORATE_SNAPSHOT_NOT_OURS;
+    case SnapshotRefusal::damaged:
+      return ZERORATE_SNAPSHOT_DAMAGED;
+    case SnapshotRefusal::other_layout:
+      return ZERORATE_SNAPSHOT_VERSION;
+    case SnapshotRefusal::other_model:
+      return ZERORATE_SNAPSHOT_MODEL;
+    case SnapshotRefusal::other_sensor:
+      return ZERORATE_SNAPSHOT_SENSOR;
+    case SnapshotRefusal::nothing_learnt:
+      return ZERORATE_NOTHING_LEARNT;
+    case SnapshotRefusal::turn_on_unknown:
+    case SnapshotRefusal::transient_at_start:
+      break;
+  }
+  return ZERORATE_SNAPSHOT_NOT_USABLE;
+}
+
+app::SnapshotTime snapshot_time(std::int64_t utc_s) {
+  app::SnapshotTime time;
+  if (utc_s != ZERORATE_NO_CLOCK) time.utc_s = utc_s;
+  return time;
+}
+
+}  // namespace
+}  // namespace zerorate::hook
+
+// The language of the interface is C.
+// NOLINTBEGIN(readability-identifier-naming)
+using namespace zerorate;
+using hook::instance_in;
+
+zerorate_config zerorate_default_config() {
+  const core::Standstill::Params standstill;
+  return {.settle_ns = standstill.settle.ns(),
+          .hold_back_ns = standstill.hold_back.ns(),
+          .predictor = ZERORATE_KALMAN,
+          .sensor_id = 0};
+}
+
+zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
+                              const zerorate_config* config) {
+  if (self == nullptr || model == nullptr) return ZERORATE_BAD_ARGUMENT;
+  *self = {};
+  if (!hook::is_sound(*model)) return ZERORATE_BAD_MODEL;
+  const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
+  const hook::Node::Params params = hook::params_of(*model, chosen);
+  if (!hook::Node::check(params)) return ZERORATE_BAD_TIMES;
+  new (self) hook::Instance{params, chosen.sensor_id};
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  instance->node.pulse(core::Instant::from_ns(time_ns));
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  instance->node.report_lost_pulses(core::Instant::from_ns(now_ns));
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
+  if (!stands) return zerorate_pulse(self, time_ns);
+  return instance_in(self) != nullptr ? ZERORATE_OK : ZERORATE_NOT_INITIALISED;
+}
+
+zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
+                                zerorate_rate* rate) {
+  if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  const drivers::GyroSample sample = hook::sample_of(*measured);
+  const app::RateMessage message = instance->node.step(sample);
+  if (message.has_rate()) {
+    instance->newest_sample = sample.time;
+    instance->has_sample = true;
+  }
+  *rate = hook::rate_of(message);
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
+                                         zerorate_heading_error* error) {
+  if (axis >= hook::Node::kAxes || error == nullptr) return ZERORATE_BAD_ARGUMENT;
+  const auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  const auto& params = instance->params;
+  const core::Instant from = instance->newest_sample;
+  const auto heading = instance->node.predict_heading(
+      params.published, axis, from, from + params.sample_period * std::int64_t{samples});
+  if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;
+  *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t* record,
+                              size_t capacity) {
+  if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
+  const auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
+  if (!instance->node.filter(0).calibrated) return ZERORATE_NOTHING_LEARNT;
+  instance->snapshot.write_filters(
+      instance->node, hook::snapshot_time(utc_s),
+      std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8_t* record,
+                                 size_t size) {
+  if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (instance->has_sample) return ZERORATE_TOO_LATE;
+  const auto resumed = instance->snapshot.restore_filters(instance->node, std::span{record, size},
+                                                          hook::snapshot_time(utc_s));
+  return resumed ? ZERORATE_OK : hook::result_of(resumed.error());
+}
+// NOLINTEND(readability-identifier-naming)

@@ -1,0 +1,238 @@
+/**
+ * @file
+ * zerorate for vehicle firmware written in C: the bias of a gyro, learnt whenever the vehicle
+ * stands (zero angular rate update), predicted with its error while it moves.
+ *
+ *     static zerorate_node gyro;                              // no heap: the storage is yours
+ *     zerorate_init(&gyro, &my_sensor, NULL);                 // zerorate export --c makes
+ * my_sensor zerorate_zero_velocity(&gyro, now_ns, wheels_are_still);  // or zerorate_pulse()
+ *     zerorate_sample(&gyro, &measured, &rate);
+ *     if (rate.health.calibrated) heading += rate.corrected_rad_s[2] * dt;
+ *
+ * Times are nanoseconds of one monotonic clock, rates are in rad/s, axes are x, y, z of the sensor.
+ *
+ * Rules:
+ * - An instance is used by one context at a time; different instances are independent. An interrupt
+ *   routine does not call into an instance that the main program uses: it stores the stamp of its
+ *   pulse, and the main program hands it over before the sample that follows.
+ * - Nothing blocks, allocates, or keeps a pointer of the caller's. Floating point is single
+ *   precision: in an interrupt routine it needs the FPU context saved.
+ * - An instance is not copied or moved: after memcpy() every call answers
+ *   ZERORATE_NOT_INITIALISED. Keep it in static storage that starts as zeros.
+ *
+ * Cost: zerorate_sample() some hundred instructions, and once a filter tick what the predictors
+ * cost (docs/reference/footprint.md).
+ */
+#ifndef ZERORATE_H
+#define ZERORATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+#define ZERORATE_ALIGNED alignas(16)
+extern "C" {
+#else
+#define ZERORATE_ALIGNED _Alignas(16)
+#endif
+
+#define ZERORATE_AXES 3
+#define ZERORATE_DECAYING_MODES 7
+#define ZERORATE_ROTATING_MODES 1
+/** Bytes of an instance; what is inside is checked against it when the library is compiled. */
+#define ZERORATE_INSTANCE_BYTES 7168
+/** Bytes that zerorate_save() writes. */
+#define ZERORATE_SNAPSHOT_BYTES 1492
+/** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
+#define ZERORATE_NO_CLOCK INT64_MIN
+/** For zerorate_model: what the bias changes by while the power is off is not known. */
+#define ZERORATE_UNKNOWN_VARIANCE (-1.0F)
+
+typedef enum zerorate_result {
+  ZERORATE_OK = 0,
+  ZERORATE_NOT_INITIALISED, /**< zerorate_init() has not succeeded, or the instance was moved */
+  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, or an axis beyond the third */
+  ZERORATE_BAD_MODEL,       /**< a figure of the model is not finite, or out of its range */
+  ZERORATE_BAD_TIMES,       /**< a time of the model or the configuration is impossible */
+  ZERORATE_BUFFER_TOO_SMALL,
+  ZERORATE_TOO_LATE,           /**< zerorate_restore() after the first sample */
+  ZERORATE_NOTHING_LEARNT,     /**< there has been no standstill yet */
+  ZERORATE_SNAPSHOT_NOT_OURS,  /**< another size, or not our mark */
+  ZERORATE_SNAPSHOT_DAMAGED,   /**< its checksum is wrong */
+  ZERORATE_SNAPSHOT_VERSION,   /**< another version's */
+  ZERORATE_SNAPSHOT_MODEL,     /**< another model's or another configuration's */
+  ZERORATE_SNAPSHOT_SENSOR,    /**< another sensor's */
+  ZERORATE_SNAPSHOT_NOT_USABLE /**< the model does not say what switching on changes */
+} zerorate_result;
+
+typedef enum zerorate_predictor {
+  ZERORATE_KALMAN = 0,      /**< one state a decade of 1/f noise */
+  ZERORATE_MOVING_AVERAGE,  /**< the last samples of a stop, as many as the coming lead asks for */
+  ZERORATE_CALIBRATION_MEAN /**< the plain mean of the last stop */
+} zerorate_predictor;
+
+typedef enum zerorate_motion {
+  ZERORATE_MOVING = 0, /**< it moved less than the settle time ago */
+  ZERORATE_SETTLING,   /**< still, but not yet for so long that it counts */
+  ZERORATE_STILL       /**< samples are being learnt from */
+} zerorate_motion;
+
+typedef struct zerorate_complex {
+  float re;
+  float im;
+} zerorate_complex;
+
+/** A Gauss-Markov process at the filter's tick: x' = (1 - forgetting) x + noise. */
+typedef struct zerorate_decaying_mode {
+  float forgetting;       /**< above 0, at most 1 */
+  float noise_variance;   /**< a tick [rad2/s2] */
+  float initial_variance; /**< [rad2/s2] */
+  float initial_mean;     /**< [rad/s] */
+} zerorate_decaying_mode;
+
+/** The same with a phase that turns: a periodic disturbance. */
+typedef struct zerorate_rotating_mode {
+  zerorate_complex forgetting; /**< 1 - forgetting lies in the unit circle */
+  float noise_variance;        /**< a tick [rad2/s2] */
+  float initial_variance;      /**< [rad2/s2] */
+  float initial_mean;          /**< [rad/s] */
+} zerorate_rotating_mode;
+
+/** What the temperature does to the bias: slope e + curvature e^2, e = temperature - reference. */
+typedef struct zerorate_temperature_drift {
+  float reference_degc;
+  float slope_rad_s_per_k; /**< expected; learnt in service as far as its sigma allows */
+  float slope_sigma_rad_s_per_k;
+  float curvature_rad_s_per_k2;
+  float curvature_sigma_rad_s_per_k2;
+  float lag_s; /**< of the sensing element behind the thermometer; 0: none */
+} zerorate_temperature_drift;
+
+/** The noise of a sensor at its rates: `zerorate export --c` writes it from a model file. */
+typedef struct zerorate_model {
+  int64_t sample_period_ns;     /**< nominal; the stamps of the samples decide */
+  int64_t tick_ns;              /**< of the filter; not shorter than the sample period */
+  bool starts_stationary;       /**< the noise begins at its stationary variance, not at zero */
+  bool is_stationary;           /**< and no mode begins apart from it */
+  float walk_variance_rad2_s2;  /**< what the level gains a tick */
+  float white_variance_rad2_s2; /**< of one sample; positive */
+  float unaveraged_variance_rad2_s2; /**< of a mean, however many samples it is of */
+  float turn_on_variance_rad2_s2;    /**< or ZERORATE_UNKNOWN_VARIANCE */
+  float gate_threshold_sigma;        /**< 0: no gate */
+  uint16_t gate_longest_knock_ticks;
+  zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
+  zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
+  zerorate_temperature_drift temperature; /**< zeros: the bias does not follow it */
+} zerorate_model;
+
+typedef struct zerorate_config {
+  int64_t settle_ns;            /**< after the last motion nothing counts for so long */
+  int64_t hold_back_ns;         /**< nor until it is so old and still no motion has followed */
+  zerorate_predictor predictor; /**< whose bias corrects the rate */
+  uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
+} zerorate_config;
+
+/** All false is good news but for `calibrated`. */
+typedef struct zerorate_health {
+  bool calibrated;           /**< a bias has been measured; without it nothing is corrected */
+  bool sample_refused;       /**< not finite: no rate */
+  bool time_refused;         /**< not after the sample before: no rate */
+  bool saturated;            /**< an axis at full scale: the rate is a lower bound */
+  bool model_inconsistent;   /**< innovations larger or smaller than the model allows */
+  bool pulses_lost;          /**< zerorate_pulses_lost() since the last sample */
+  bool measurement_rejected; /**< the gate took what was measured for a knock */
+  bool temperature_missing;  /**< the model follows the temperature, and there is none */
+} zerorate_health;
+
+/** What the sensor gave. */
+typedef struct zerorate_measurement {
+  int64_t time_ns;
+  float rate_rad_s[ZERORATE_AXES];
+  float temperature_degc; /**< of the sensor, if has_temperature */
+  bool has_temperature;
+  uint8_t saturated_axes; /**< bit i: axis i is at full scale, and the sample is not learnt from */
+} zerorate_measurement;
+
+typedef struct zerorate_rate {
+  int64_t time_ns;
+  zerorate_motion motion;
+  zerorate_health health;
+  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias */
+  float bias_rad_s[ZERORATE_AXES];
+  float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until calibrated */
+} zerorate_rate;
+
+/** What the bias will add to a heading, as far as it can be told in advance. */
+typedef struct zerorate_heading_error {
+  float angle_rad; /**< of an uncorrected rate; already taken off where the rate is corrected */
+  float sigma_rad; /**< of what remains after correction */
+} zerorate_heading_error;
+
+/** Storage of one sensor. Opaque. */
+typedef struct zerorate_node {
+  ZERORATE_ALIGNED uint8_t opaque[ZERORATE_INSTANCE_BYTES];
+} zerorate_node;
+
+/** 1 s to settle, half a second held back, the Kalman predictor, sensor 0. */
+zerorate_config zerorate_default_config(void);
+
+/**
+ * Begins anew. The model and the configuration are copied.
+ * @param config NULL: zerorate_default_config()
+ * @return ZERORATE_BAD_ARGUMENT, ZERORATE_BAD_MODEL, ZERORATE_BAD_TIMES
+ */
+zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
+                              const zerorate_config* config);
+
+/**
+ * An odometer pulse; before the sample that is not older. Pulses may come late and out of order.
+ */
+zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
+
+/** The odometer input dropped pulses: it moves, and it is not known since when. */
+zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns);
+
+/**
+ * The vehicle's own word that it stands, instead of pulses: call it before every sample, or as
+ * often as the word is renewed; at least once a settle time while it moves.
+ */
+zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
+
+/**
+ * One sample. Samples come in the order of their stamps; one that is not newer than the one before,
+ * or not finite, is flagged in the rate's health and changes nothing. A gap needs no call.
+ * @param rate the answer; with a refused sample the rates are those of no sample
+ */
+zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
+                                zerorate_rate* rate);
+
+/**
+ * The heading error that the bias causes over the coming samples, if the vehicle drives off now.
+ * @param samples how many, at the model's sample period
+ * @return ZERORATE_NOTHING_LEARNT before the first standstill
+ */
+zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
+                                         zerorate_heading_error* error);
+
+/**
+ * Writes what has been learnt as a record for the time without power, ZERORATE_SNAPSHOT_BYTES long.
+ * @param utc_s seconds since 1970, or ZERORATE_NO_CLOCK
+ * @return ZERORATE_NOTHING_LEARNT before the first standstill, ZERORATE_BUFFER_TOO_SMALL
+ */
+zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t* record,
+                              size_t capacity);
+
+/**
+ * Takes a record up, after zerorate_init() and before the first sample: ages it by the time that
+ * has passed (without a clock, by a day), and widens it by what switching the sensor on changes. A
+ * refusal leaves the instance as it was.
+ */
+zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8_t* record,
+                                 size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ZERORATE_H */

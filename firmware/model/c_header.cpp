@@ -1,0 +1,107 @@
+#include "firmware/model/c_header.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "firmware/model/node_model.hpp"
+#include "firmware/model/source_text.hpp"
+
+namespace zerorate::model {
+namespace {
+
+bool is_identifier(std::string_view name) {
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  return !name.empty() && is_letter(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) { return is_letter(c) || is_digit(c); });
+}
+
+std::string field(std::string_view name, const std::string& value) {
+  return "    ." + std::string{name} + " = " + value + ",\n";
+}
+std::string field(std::string_view name, float value) {
+  return field(name, literal(value));
+}
+std::string field(std::string_view name, bool value) {
+  return field(name, std::string{value ? "true" : "false"});
+}
+std::string field(std::string_view name, core::Duration value) {
+  return field(name, "INT64_C(" + std::to_string(value.ns()) + ")");
+}
+
+/// Modes that do nothing are left out: C makes zeros of them, and that is what unused means.
+template <class Modes>
+std::string modes(std::string_view name, const Modes& modes) {
+  std::string text;
+  for (const auto& mode : modes) {
+    if (mode.noise_variance == 0.0F && mode.initial_variance == 0.0F && mode.initial_mean == 0.0F) {
+      continue;
+    }
+    text += "        {.forgetting = " + literal(mode.forgetting) +
+            ", .noise_variance = " + literal(mode.noise_variance) +
+            ", .initial_variance = " + literal(mode.initial_variance) +
+            ", .initial_mean = " + literal(mode.initial_mean) + "},\n";
+  }
+  return text.empty() ? text : field(name, "{\n" + text + "    }");
+}
+
+std::string turn_on(float variance) {
+  return core::is_finite(variance) ? literal(variance) : "ZERORATE_UNKNOWN_VARIANCE";
+}
+
+std::string temperature(const core::TemperatureDrift& drift) {
+  if (!drift.is_on()) return {};
+  return field(
+      "temperature",
+      "{.reference_degc = " + literal(drift.reference_degc) +
+          ",\n        .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
+          ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
+          ",\n        .curvature_rad_s_per_k2 = " + literal(drift.curvature_rad_s_per_k2) +
+          ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
+          ",\n        .lag_s = " + literal(drift.lag_s) + "}");
+}
+
+}  // namespace
+
+std::string format_c_header(const SensorModel& model, core::Duration sample_period,
+                            core::Duration filter_tick, std::string_view name) {
+  if (!is_identifier(name)) {
+    throw std::invalid_argument("the name \"" + std::string{name} +
+                                "\" cannot name a constant in C; expected letters, digits and _");
+  }
+  const auto node = make_node_model<kHookDecaying, kHookRotating, kHookWeights>(
+      model, sample_period, filter_tick);
+  const std::string constant{name};
+  std::string guard = constant + "_H";
+  std::transform(guard.begin(), guard.end(), guard.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return "/** @file Sensor model: " + in_comment(model.name) +
+         ".\n"
+         " *  Made by `zerorate export --c`; change the model and make it again. */\n"
+         "#ifndef " +
+         guard + "\n#define " + guard +
+         "\n\n"
+         "#include \"firmware/hook/zerorate.h\"\n\n"
+         "// clang-format off\n"
+         "static const zerorate_model " +
+         constant + " = {\n" + field("sample_period_ns", sample_period) +
+         field("tick_ns", filter_tick) +
+         field("starts_stationary", node.modes.start == core::Start::stationary) +
+         field("is_stationary", node.modes.is_stationary) +
+         field("walk_variance_rad2_s2", node.modes.walk_variance) +
+         field("white_variance_rad2_s2", node.white_variance_rad2_s2) +
+         field("unaveraged_variance_rad2_s2", node.unaveraged_variance_rad2_s2) +
+         field("turn_on_variance_rad2_s2", turn_on(node.turn_on_variance_rad2_s2)) +
+         field("gate_threshold_sigma", node.gate.threshold_sigma) +
+         field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
+         modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
+         temperature(node.temperature) +
+         "};\n"
+         "// clang-format on\n\n"
+         "#endif\n";
+}
+
+}  // namespace zerorate::model

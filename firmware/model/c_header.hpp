@@ -1,0 +1,26 @@
+/// @file
+/// A model as C source, for vehicle firmware that calls firmware/hook/zerorate.h.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "core/base/time.hpp"
+#include "core/noise/temperature_drift.hpp"
+#include "firmware/model/sensor_model.hpp"
+
+namespace zerorate::model {
+
+/// The modes that a node behind the C interface has room for.
+inline constexpr std::size_t kHookDecaying = 7;
+inline constexpr std::size_t kHookRotating = 1;
+inline constexpr std::size_t kHookWeights = core::TemperatureDrift::kWeights;
+
+/// A header that defines `static const zerorate_model NAME`. Every number is the shortest decimal
+/// from which the compiler makes the same bits.
+/// Throws what make_node_model() throws, and std::invalid_argument where `name` is no identifier.
+[[nodiscard]] std::string format_c_header(const SensorModel& model, core::Duration sample_period,
+                                          core::Duration filter_tick, std::string_view name);
+
+}  // namespace zerorate::model

@@ -1,0 +1,334 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/model/c_header.hpp"
+#include "firmware/model/catalogue.hpp"
+#include "firmware/model/node_model.hpp"
+#include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/unit/firmware/hook/hook_rig.hpp"
+
+namespace zerorate::hook {
+namespace {
+
+using testing::feed;
+using testing::kDriveSamples;
+using testing::kPeriod_ns;
+using testing::kStopSamples;
+using testing::Moment;
+using testing::moment;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr std::int64_t kUtc_s = 1'790'000'000;
+
+using Record = std::array<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>;
+
+/// An instance that has stood for a minute.
+void stand(zerorate_node& node, std::uint64_t seed = 1) {
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < kStopSamples; ++k) feed(node, moment(k, seed));
+}
+
+Record save(const zerorate_node& node, std::int64_t utc_s = kUtc_s) {
+  Record record{};
+  EXPECT_EQ(zerorate_save(&node, utc_s, record.data(), record.size()), ZERORATE_OK);
+  return record;
+}
+
+TEST(HookOverThreeStopsAndDrives, IsTheNodeBitForBit) {
+  using Node = app::GyroNode<model::kHookDecaying, model::kHookRotating, model::kHookWeights>;
+  const auto period = core::Duration::nanoseconds(kPeriod_ns);
+  const auto noise =
+      model::make_node_model<model::kHookDecaying, model::kHookRotating, model::kHookWeights>(
+          model::find_model("lsm6dso"), period, core::Duration::milliseconds(500));
+  const Node::Params params{.modes = noise.modes,
+                            .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+                            .unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2,
+                            .gate = noise.gate,
+                            .sample_period = period};
+  Node expected{params};
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < 3 * (kStopSamples + kDriveSamples); ++k) {
+    const Moment now = moment(k);
+    drivers::GyroSample sample{.time = core::Instant::from_ns(now.measured.time_ns)};
+    for (std::size_t i = 0; i < 3; ++i)
+      sample.rate[i] = core::rad_per_s(now.measured.rate_rad_s[i]);
+    if (!now.stands) expected.pulse(sample.time);
+    const app::RateMessage message = expected.step(sample);
+    const zerorate_rate rate = feed(node, now);
+    ASSERT_EQ(rate.time_ns, now.measured.time_ns);
+    ASSERT_EQ(rate.health.calibrated, message.health.calibrated);
+    ASSERT_FALSE(rate.health.temperature_missing);  // the model does not ask for one
+    ASSERT_EQ(rate.motion == ZERORATE_STILL, message.motion == core::Motion::still);
+    ASSERT_EQ(rate.motion == ZERORATE_MOVING, message.motion == core::Motion::moving);
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(rate.corrected_rad_s[i], message.axes[i].corrected.in(core::rad_per_s)) << k;
+      ASSERT_EQ(rate.bias_rad_s[i], message.axes[i].bias.in(core::rad_per_s)) << k;
+      ASSERT_EQ(rate.sigma_rad_s[i], message.axes[i].sigma.in(core::rad_per_s)) << k;
+    }
+  }
+}
+
+TEST(HookWithPulses, IsTheSameAsWithTheVehiclesWord) {
+  zerorate_node told;
+  zerorate_node counting;
+  ASSERT_EQ(zerorate_init(&told, &front_gyro, nullptr), ZERORATE_OK);
+  ASSERT_EQ(zerorate_init(&counting, &front_gyro, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < 2 * (kStopSamples + kDriveSamples); ++k) {
+    const Moment now = moment(k);
+    const zerorate_rate expected = feed(told, now);
+    zerorate_rate rate{};
+    if (!now.stands) {
+      ASSERT_EQ(zerorate_pulse(&counting, now.measured.time_ns), ZERORATE_OK);
+    }
+    zerorate_sample(&counting, &now.measured, &rate);
+    ASSERT_EQ(rate.bias_rad_s[2], expected.bias_rad_s[2]) << k;
+    ASSERT_EQ(rate.motion, expected.motion) << k;
+  }
+}
+
+TEST(HookInstances, DoNotKnowOfEachOther) {
+  zerorate_node alone;
+  zerorate_node first;
+  zerorate_node second;
+  ASSERT_EQ(zerorate_init(&alone, &front_gyro, nullptr), ZERORATE_OK);
+  ASSERT_EQ(zerorate_init(&first, &front_gyro, nullptr), ZERORATE_OK);
+  ASSERT_EQ(zerorate_init(&second, &front_gyro, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < kStopSamples; ++k) {
+    const float expected = feed(alone, moment(k)).bias_rad_s[0];
+    ASSERT_EQ(feed(first, moment(k)).bias_rad_s[0], expected);
+    feed(second, moment(k, 2));
+  }
+  EXPECT_NE(feed(second, moment(kStopSamples)).bias_rad_s[0],
+            feed(first, moment(kStopSamples)).bias_rad_s[0]);
+}
+
+TEST(HookWhileItRuns, AllocatesNothing) {
+  zerorate_node node;
+  const support::AllocationCounter counter;
+  stand(node);
+  (void)save(node);
+  EXPECT_EQ(counter.count(), 0U);
+}
+
+TEST(HookBeforeInit, AnswersThatItIsNotInitialised) {
+  static zerorate_node node;  // zeros
+  zerorate_rate rate{};
+  zerorate_heading_error heading{};
+  Record record{};
+  const zerorate_measurement measured{};
+  EXPECT_EQ(zerorate_pulse(&node, 0), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_pulses_lost(&node, 0), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_zero_velocity(&node, 0, true), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, &heading), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_save(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_restore(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_pulse(nullptr, 0), ZERORATE_NOT_INITIALISED);
+}
+
+TEST(HookThatWasMoved, AnswersThatItIsNotInitialised) {
+  auto original = std::make_unique<zerorate_node>();
+  stand(*original);
+  zerorate_node copy;
+  std::memcpy(&copy, original.get(), sizeof copy);
+  EXPECT_EQ(zerorate_pulse(&copy, 0), ZERORATE_NOT_INITIALISED);
+}
+
+TEST(HookWithNullPointers, RefusesThem) {
+  zerorate_node node;
+  stand(node);
+  zerorate_rate rate{};
+  zerorate_heading_error heading{};
+  const zerorate_measurement measured{};
+  EXPECT_EQ(zerorate_init(nullptr, &front_gyro, nullptr), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_sample(&node, nullptr, &rate), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_sample(&node, &measured, nullptr), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_predict_heading(&node, 3, 100, &heading), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, nullptr), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_save(&node, 0, nullptr, 4096), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_restore(&node, 0, nullptr, 4096), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_init(&node, nullptr, nullptr), ZERORATE_BAD_ARGUMENT);
+}
+
+TEST(HookWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
+  const std::vector<std::pair<zerorate_result, std::function<void(zerorate_model&)>>> defects = {
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 0.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.walk_variance_rad2_s2 = -1e-9F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.unaveraged_variance_rad2_s2 = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.turn_on_variance_rad2_s2 = -0.5F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.gate_threshold_sigma = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].forgetting = 1.5F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].forgetting = 0.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].noise_variance = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].initial_mean = kNan; }},
+      {ZERORATE_BAD_MODEL,
+       [](auto& m) {
+         m.rotating[0].forgetting = {2.5F, 0.0F};
+       }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.rotating[0].initial_variance = -1.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.slope_sigma_rad_s_per_k = -1.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = kNan; }},
+      {ZERORATE_BAD_TIMES, [](auto& m) { m.tick_ns = 0; }},
+      {ZERORATE_BAD_TIMES, [](auto& m) { m.sample_period_ns = -1; }},
+      {ZERORATE_BAD_TIMES, [](auto& m) { m.tick_ns = m.sample_period_ns / 2; }},
+  };
+  for (std::size_t i = 0; i < defects.size(); ++i) {
+    zerorate_model model = front_gyro;
+    defects[i].second(model);
+    zerorate_node node;
+    EXPECT_EQ(zerorate_init(&node, &model, nullptr), defects[i].first) << "defect " << i;
+    EXPECT_EQ(zerorate_pulse(&node, 0), ZERORATE_NOT_INITIALISED) << "defect " << i;
+  }
+}
+
+TEST(HookWithTimesThatCannotBe, RefusesThem) {
+  zerorate_node node;
+  zerorate_config config = zerorate_default_config();
+  config.settle_ns = -1;
+  EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_TIMES);
+  config = zerorate_default_config();
+  config.hold_back_ns = 3'600'000'000'000;
+  EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_TIMES);
+}
+
+TEST(HookWithBadSamples, FlagsThemAndChangesNothing) {
+  zerorate_node node;
+  stand(node);
+  const Moment last = moment(kStopSamples);
+  const float bias = feed(node, last).bias_rad_s[0];
+  zerorate_rate rate{};
+
+  zerorate_measurement broken = moment(kStopSamples + 1).measured;
+  broken.rate_rad_s[1] = kNan;
+  EXPECT_EQ(zerorate_sample(&node, &broken, &rate), ZERORATE_OK);
+  EXPECT_TRUE(rate.health.sample_refused);
+  EXPECT_EQ(rate.bias_rad_s[0], bias);
+
+  EXPECT_EQ(zerorate_sample(&node, &last.measured, &rate), ZERORATE_OK);
+  EXPECT_TRUE(rate.health.time_refused);
+
+  zerorate_measurement saturated = moment(kStopSamples + 1).measured;
+  saturated.saturated_axes = 4;
+  EXPECT_EQ(zerorate_sample(&node, &saturated, &rate), ZERORATE_OK);
+  EXPECT_TRUE(rate.health.saturated);
+}
+
+// 1 mrad/s a degree, known to a percent: ten degrees more move the bias by 10 mrad/s at once.
+TEST(HookWithATemperature, FollowsItAndSaysWhereThereIsNone) {
+  zerorate_model model = front_gyro;
+  model.temperature = {
+      .reference_degc = 25.0F, .slope_rad_s_per_k = 1e-3F, .slope_sigma_rad_s_per_k = 1e-5F};
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_OK);
+  const auto feed_at = [&](std::int64_t k, float degc, bool has_temperature) {
+    Moment now = moment(k);
+    now.stands = k < kStopSamples;
+    now.measured.temperature_degc = degc;
+    now.measured.has_temperature = has_temperature;
+    return feed(node, now);
+  };
+  for (std::int64_t k = 0; k < kStopSamples; ++k) feed_at(k, 25.0F, true);
+  zerorate_rate rate{};
+  for (std::int64_t k = 0; k < 200; ++k) rate = feed_at(kStopSamples + k, 35.0F, true);
+  EXPECT_FALSE(rate.health.temperature_missing);
+  EXPECT_NEAR(rate.bias_rad_s[0], testing::kBias[0] + 0.01F, 4.0F * rate.sigma_rad_s[0]);
+  EXPECT_GT(rate.sigma_rad_s[0], 1e-4F);  // a percent of 10 mrad/s
+  for (std::int64_t k = 200; k < 2000; ++k) rate = feed_at(kStopSamples + k, 0.0F, false);
+  EXPECT_TRUE(rate.health.temperature_missing);
+}
+
+TEST(HookWhoseInputLostPulses, SaysSoOnce) {
+  zerorate_node node;
+  stand(node);
+  ASSERT_EQ(zerorate_pulses_lost(&node, kStopSamples * kPeriod_ns), ZERORATE_OK);
+  EXPECT_TRUE(feed(node, moment(kStopSamples)).health.pulses_lost);
+  EXPECT_FALSE(feed(node, moment(kStopSamples + 1)).health.pulses_lost);
+}
+
+TEST(HookAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
+  zerorate_node node;
+  zerorate_heading_error minute{};
+  zerorate_heading_error hour{};
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  EXPECT_EQ(zerorate_predict_heading(&node, 2, 6000, &minute), ZERORATE_NOTHING_LEARNT);
+  stand(node);
+  ASSERT_EQ(zerorate_predict_heading(&node, 2, 6000, &minute), ZERORATE_OK);
+  ASSERT_EQ(zerorate_predict_heading(&node, 2, 360'000, &hour), ZERORATE_OK);
+  EXPECT_NEAR(minute.angle_rad, testing::kBias[2] * 60.0F, 4.0F * minute.sigma_rad);
+  EXPECT_GT(hour.sigma_rad, 60.0F * minute.sigma_rad);  // the bias does not stay where it is
+}
+
+TEST(HookRestored, GoesOnWithTheBiasAndAWiderInterval) {
+  zerorate_node node;
+  stand(node);
+  const zerorate_rate before = feed(node, moment(kStopSamples));
+  const Record record = save(node);
+  zerorate_node restarted;
+  ASSERT_EQ(zerorate_init(&restarted, &front_gyro, nullptr), ZERORATE_OK);
+  ASSERT_EQ(zerorate_restore(&restarted, kUtc_s + 10, record.data(), record.size()), ZERORATE_OK);
+  const zerorate_rate after = feed(restarted, moment(kStopSamples));
+  EXPECT_TRUE(after.health.calibrated);
+  // What it forgets in ten seconds is less than what it did not know.
+  EXPECT_NEAR(after.bias_rad_s[0], before.bias_rad_s[0], before.sigma_rad_s[0]);
+  EXPECT_GT(after.sigma_rad_s[0], before.sigma_rad_s[0]);
+}
+
+TEST(HookOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
+  zerorate_node node;
+  stand(node);
+  const Record good = save(node);
+  const auto refusal = [&](const Record& record, std::size_t size, const zerorate_model& model,
+                           std::uint32_t sensor) {
+    zerorate_node restarted;
+    zerorate_config config = zerorate_default_config();
+    config.sensor_id = sensor;
+    EXPECT_EQ(zerorate_init(&restarted, &model, &config), ZERORATE_OK);
+    const zerorate_result result = zerorate_restore(&restarted, kUtc_s, record.data(), size);
+    EXPECT_FALSE(feed(restarted, moment(0)).health.calibrated);
+    return result;
+  };
+  EXPECT_EQ(refusal(good, 10, front_gyro, 0), ZERORATE_SNAPSHOT_NOT_OURS);
+  EXPECT_EQ(refusal(Record{}, good.size(), front_gyro, 0), ZERORATE_SNAPSHOT_NOT_OURS);
+  for (std::size_t byte = 4; byte < good.size(); byte += 37) {
+    Record damaged = good;
+    damaged[byte] ^= 0x10U;
+    EXPECT_EQ(refusal(damaged, damaged.size(), front_gyro, 0), ZERORATE_SNAPSHOT_DAMAGED) << byte;
+  }
+  EXPECT_EQ(refusal(good, good.size(), front_gyro, 7), ZERORATE_SNAPSHOT_SENSOR);
+  zerorate_model other = front_gyro;
+  other.white_variance_rad2_s2 *= 2.0F;
+  EXPECT_EQ(refusal(good, good.size(), other, 0), ZERORATE_SNAPSHOT_MODEL);
+  other = front_gyro;
+  other.turn_on_variance_rad2_s2 = ZERORATE_UNKNOWN_VARIANCE;
+  zerorate_node unknown;
+  ASSERT_EQ(zerorate_init(&unknown, &other, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < kStopSamples; ++k) feed(unknown, moment(k));
+  EXPECT_EQ(refusal(save(unknown), good.size(), other, 0), ZERORATE_SNAPSHOT_NOT_USABLE);
+}
+
+TEST(HookSaving, NeedsRoomAndAStop) {
+  zerorate_node node;
+  Record record{};
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  EXPECT_EQ(zerorate_save(&node, kUtc_s, record.data(), record.size() - 1),
+            ZERORATE_BUFFER_TOO_SMALL);
+  EXPECT_EQ(zerorate_save(&node, kUtc_s, record.data(), record.size()), ZERORATE_NOTHING_LEARNT);
+  stand(node);
+  record = save(node);
+  EXPECT_EQ(zerorate_restore(&node, kUtc_s, record.data(), record.size()), ZERORATE_TOO_LATE);
+}
+
+}  // namespace
+}  // namespace zerorate::hook
