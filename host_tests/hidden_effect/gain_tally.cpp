@@ -44,7 +44,7 @@ evaluate::BootstrapFigure GainTally::mean(double Gain::*figure) const {
 }
 
 bool GainTally::scores_better() const {
-  return median(&Gain::log_score_gain_nats_per_sample).value > 0.0;
+  return median(&Gain::log_score_gain_nats_per_sample).lo > 0.0;
 }
 bool GainTally::errs_no_more() const {
   return median(&Gain::rsse_ratio).value <= kGreatestErrorRatio &&

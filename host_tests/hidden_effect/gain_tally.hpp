@@ -26,8 +26,8 @@ class GainTally {
   /// Mean over the recordings; of coverages that over all drives, for each recording has as many.
   [[nodiscard]] evaluate::BootstrapFigure mean(double Gain::*figure) const;
 
-  /// What the issue asks: a better log score, an error not worse by more than 1 %, and a coverage
-  /// between .93 and .97.
+  /// The bars: a log score that is surely better (the whole interval of the median), errors not
+  /// worse by more than 1 %, and a coverage between .93 and .97.
   [[nodiscard]] bool scores_better() const;
   [[nodiscard]] bool errs_no_more() const;
   [[nodiscard]] bool covers() const;

@@ -75,12 +75,12 @@ TEST(GainTally, HoldsMediansAndMeansAgainstTheBars) {
                .heading_drift_ratio = 0.8,
                .coverage95_base = 0.8,
                .coverage95_extended = 0.95 + 0.1 * off,
-               .log_score_gain_nats_per_sample = 2e-3 + off});
+               .log_score_gain_nats_per_sample = 2e-3 + off * off});
   }
   EXPECT_DOUBLE_EQ(tally.median(&Gain::rsse_ratio).value, 1.0);
   EXPECT_DOUBLE_EQ(tally.mean(&Gain::coverage95_extended).value, 0.95 + 0.016);
   EXPECT_TRUE(tally.scores_better() && tally.errs_no_more() && tally.covers());
-  EXPECT_NE(tally.row().find("| rate_ramp | 3 | 2 ("), std::string::npos);
+  EXPECT_NE(tally.row().find("| rate_ramp | 3 | 2.4 ("), std::string::npos);
   EXPECT_NE(tally.row().find("| yes |"), std::string::npos);
   tally.add({.rsse_ratio = 1.1,
              .heading_drift_ratio = 0.8,
