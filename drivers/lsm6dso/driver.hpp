@@ -163,14 +163,20 @@ class Lsm6dso {
     }
     if ((*status & lsm6dso::bits::kStatusGda) == 0) return std::size_t{0};
     // Only now: reading the outputs clears data-ready, and a sample that came after the status was
-    // read would be thrown away with it.
-    std::array<std::uint8_t, 8> bytes{};
-    if (const auto done = read_registers(bus_, lsm6dso::kOutTempL, bytes); !done) {
+    // read would be thrown away with it. The status comes once more in front of them: what a line
+    // gives that got stuck in between is no sample.
+    std::array<std::uint8_t, 10> bytes{};
+    if (const auto done = read_registers(bus_, lsm6dso::kStatusReg, bytes); !done) {
       return core::Unexpected{done.error()};
     }
+    const unsigned again = bytes[0];
+    if ((again & (lsm6dso::bits::kStatusAlwaysZero | lsm6dso::bits::kStatusGda)) !=
+        lsm6dso::bits::kStatusGda) {
+      return refused(DriverErrorCode::corrupt_data, lsm6dso::kStatusReg.address);
+    }
     if (now < settled_at_) return std::size_t{0};
-    const auto temperature = lsm6dso::decode_temperature(decode_int16(bytes[0], bytes[1]));
-    out = make_sample(now, std::span<const std::uint8_t, 6>{&bytes[2], 6}, temperature);
+    const auto temperature = lsm6dso::decode_temperature(decode_int16(bytes[2], bytes[3]));
+    out = make_sample(now, std::span<const std::uint8_t, 6>{&bytes[4], 6}, temperature);
     return std::size_t{1};
   }
 

@@ -120,7 +120,7 @@ core::Result<FileStorage::Content, StorageError> FileStorage::read_open(
   const CallResult head = calls_->read(descriptor, header);
   if (!head) return core::Unexpected{StorageError::io};
   const Content content{.generation = get(std::span{header}.subspan<8, 8>()),
-                        .size = get(std::span{header}.subspan<4, 4>())};
+                        .size = static_cast<std::size_t>(get(std::span{header}.subspan<4, 4>()))};
   const bool is_ours = *head == kHeaderBytes && get(std::span{header}.first<4>()) == kMagic;
   if (!is_ours || content.size > kLargestRecord) return core::Unexpected{StorageError::corrupt};
   if (!buffer.empty() && content.size > buffer.size()) {

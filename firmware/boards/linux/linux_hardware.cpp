@@ -39,8 +39,9 @@ core::Duration LinuxHardware::longest_wait() const {
 
 void LinuxHardware::wait() {
   const core::Duration at_most = longest_wait();
-  const std::timespec limit{.tv_sec = at_most.ns() / 1'000'000'000,
-                            .tv_nsec = at_most.ns() % 1'000'000'000};
+  // On 32-bit processors the fields are narrower.
+  const std::timespec limit{.tv_sec = static_cast<std::time_t>(at_most.ns() / 1'000'000'000),
+                            .tv_nsec = static_cast<long>(at_most.ns() % 1'000'000'000)};
   // A negative descriptor, of a line that is not open, is passed over by the kernel.
   std::array<pollfd, 3> sources{{
       {.fd = wake_.descriptor(), .events = POLLIN, .revents = 0},

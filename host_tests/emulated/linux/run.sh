@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# run.sh REPOSITORY WORK_FOLDER SECONDS
+# run.sh REPOSITORY WORK_FOLDER SECONDS ZERORATE
 #
 # The arm64 zerorated, out of its Debian package, on Debian's own arm64 kernel under QEMU, in virtual time. Kernel modules of
 # ours (GPL-2.0, for tests only) give it a real SPI controller and a real GPIO chip; a process in the same
-# machine plays the gyro and the odometer, breaks them, and judges what zerorated publishes. Kernel, headers and
+# machine plays the gyro and the odometer, breaks them, and judges what zerorated publishes. What was measured is
+# then replayed here, and everything is done twice, to see that it is the same. Kernel, headers and
 # busybox come from Debian, newest version, once; where Debian cannot be reached the test fails.
 set -euo pipefail
 repository=$(readlink -f "$1")
 seconds=$3
+zerorate=$(readlink -f "$4") # of this machine, for the replay
 here="$repository/host_tests/emulated/linux"
 mkdir -p "$2"
 work=$(readlink -f "$2")
@@ -36,7 +38,7 @@ fetch() {
 }
 
 build() {
-  (cd "$repository" && cmake --preset linux-arm64 && cmake --build build/linux-arm64 --target zerorated zerorate_world && cd build/linux-arm64 && cpack) >"$work/build.log"
+  (cd "$repository" && cmake --preset linux-arm64 && cmake --build build/linux-arm64 --target zerorated zerorate zerorate_world && cd build/linux-arm64 && cpack) >"$work/build.log"
   rm -rf "$work/modules"
   cp -r "$here/kernel" "$work/modules"
   ZERORATE_REPOSITORY="$repository" DEB_BUILD_ARCH=amd64 DEB_HOST_ARCH=arm64 DEB_HOST_GNU_TYPE=aarch64-linux-gnu \
@@ -60,7 +62,7 @@ pack() {
   cp "$cross/host_tests/emulated/linux/guest/zerorate_world" "$root/bin/"
   cp -L $libraries/{ld-linux-aarch64.so.1,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} \
     "$work/target/usr/lib/aarch64-linux-gnu/libgpiod.so.2" "$root/lib/"
-  for file in $(module_files vcan can-raw) "$work"/modules/zerorate_{bus,lines}.ko; do
+  for file in $(module_files i2c-dev vcan can-raw) "$work"/modules/zerorate_{bus,lines}.ko; do
     cp "$file" "$root/modules/"
     basename "$file" >>"$root/modules/order"
   done
@@ -70,20 +72,26 @@ pack() {
   (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$work/initramfs.gz"
 }
 
+# boot NAME: one run; its console goes to NAME.log, its recording to NAME.csv.gz.
 boot() {
-  timeout 600 qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot \
+  timeout 900 qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot \
     -icount shift=1,sleep=off -rtc base=2026-01-01,clock=vm \
     -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
-    -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | tr -d '\r' | tee "$work/console.log"
+    -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | stdbuf -oL tr -d '\r' >"$work/$1.txt"
+  sed -n '/^RECORDING$/,/^END$/{//!p}' "$work/$1.txt" | base64 -d >"$work/$1.csv.gz"
+  sed '/^RECORDING$/,$d' "$work/$1.txt" >"$work/$1.log"
+  cat "$work/$1.log"
 }
 
 fetch
 build
 pack
-boot
-# The world's own findings; then what zerorated counted against what the world gave.
-grep -q '^WORLD [0-9]* passed, 0 failed$' "$work/console.log"
-pulses=$(sed -n 's/^PULSES //p' "$work/console.log")
-grep -q "^AFTER_DRIVES zerorate_pulses_total $pulses\$" "$work/console.log"
-grep -q '^/etc/zerorate/zerorated.toml: valid$' "$work/console.log"
-grep -q '^zerorated ended with 0$' "$work/console.log"
+boot first
+grep -q '^WORLD [0-9]* passed, 0 failed$' "$work/first.log"
+grep -q '^/etc/zerorate/zerorated.toml: valid$' "$work/first.log"
+"$zerorate" replay "$work/first.csv.gz" --model lsm6dso --filter-rate 2 --out "$work/replayed.csv" >"$work/replay.log"
+python3 -B "$here/compare_replay.py" "$work/first.csv.gz" "$work/replayed.csv"
+boot second >/dev/null
+cmp "$work/first.log" "$work/second.log"
+cmp "$work/first.csv.gz" "$work/second.csv.gz"
+echo "a second run printed the same"

@@ -1,5 +1,5 @@
 /// @file
-/// A simulated gyro and odometer behind the test modules' devices, inside the emulated machine.
+/// The devices of the emulated machine: a gyro, its interrupt line and an odometer, with faults.
 #pragma once
 
 #include <fcntl.h>
@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -17,18 +15,25 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/base/units.hpp"
 #include "hal/linux/clock.hpp"
-#include "hal/sim/clock.hpp"
-#include "hal/sim/lsm6dso.hpp"
-#include "hal/sim/spi.hpp"
-#include "host_tests/emulated/linux/kernel/zerorate_bus.h"
+#include "host_tests/emulated/linux/guest/played_chip.hpp"
 
 namespace zerorate::emulated {
 
-enum class BusFault { none, unplugged, no_answer, stuck_high };
+/// What a bus does to transactions.
+enum class BusFault {
+  none,
+  unplugged,    ///< the controller says ENODEV
+  no_answer,    ///< no answer within the controller's limit
+  nack_bursts,  ///< three of a hundred transactions in a row are not acknowledged
+  stuck_high,   ///< only ones come
+  stuck_low,    ///< only zeros
+  bit_errors,   ///< one bit of every hundredth answer is turned over
+};
 
 [[noreturn]] inline void give_up(const char* what) {
   std::perror(what);
@@ -41,7 +46,7 @@ inline int open_device(const char* path, int flags) {
   return descriptor;
 }
 
-/// Answers SPI transactions with an LSM6DSO, and drives its interrupt line and the odometer's.
+/// Answers the kernel's transactions with a chip, and drives its interrupt line and the odometer's.
 class DeviceWorld {
  public:
   static constexpr int kDataReadyLine = 0;
@@ -49,10 +54,16 @@ class DeviceWorld {
 
   DeviceWorld() : server_([this] { serve(); }) { server_.detach(); }
 
+  /// Another chip in the place of the one before.
+  void insert(std::unique_ptr<PlayedChip> chip) {
+    const std::lock_guard lock(mutex_);
+    chip_ = std::move(chip);
+    transactions_ = 0;
+    show_data_ready();
+  }
   void measure(const std::array<core::AngularRate, 3>& rate) {
     const std::lock_guard lock(mutex_);
-    clock_.advance_to(hal::linux_os::KernelClock::now());
-    chip_.measure(rate, core::Temperature::from_degc(25));
+    chip_->measure(rate);
     show_data_ready();
   }
   /// One pulse; when its rising edge was given.
@@ -65,6 +76,8 @@ class DeviceWorld {
   void set_fault(BusFault fault) { fault_ = fault; }
   void set_data_ready_broken(bool is_broken) { is_data_ready_broken_ = is_broken; }
   [[nodiscard]] int spi_mode() const { return spi_mode_; }
+  /// Since the chip was inserted.
+  [[nodiscard]] unsigned transactions() const { return transactions_; }
 
  private:
   using Request = zerorate_bus_transaction;
@@ -75,7 +88,7 @@ class DeviceWorld {
     if (write(lines_, text.data(), text.size()) < 0) give_up("zerorate_lines");
   }
   void show_data_ready() {
-    if (!is_data_ready_broken_) drive(kDataReadyLine, chip_.interrupt().level());
+    if (!is_data_ready_broken_) drive(kDataReadyLine, chip_->is_data_ready());
   }
 
   void serve() {
@@ -89,9 +102,9 @@ class DeviceWorld {
   }
 
   void answer(const Request& request, std::span<std::uint8_t> bytes) {
-    const BusFault fault = fault_;
-    if (fault == BusFault::no_answer) return;
-    Answer head{.status = fault == BusFault::unplugged ? -ENODEV : 0};
+    spi_mode_ = static_cast<int>(request.mode);
+    const unsigned number = ++transactions_;
+    if (fault_ == BusFault::no_answer) return;
     std::size_t size = 0;
     std::vector<hal::Operation> operations;
     for (std::uint32_t i = 0; i < request.segments; ++i) {
@@ -99,19 +112,30 @@ class DeviceWorld {
       operations.push_back(operation(request.segment[i].direction, segment));
       size += segment.size();
     }
-    if (fault == BusFault::stuck_high) {
-      std::ranges::fill(bytes.first(size), std::uint8_t{0xFF});
-    } else if (fault == BusFault::none) {
-      const std::lock_guard lock(mutex_);
-      clock_.advance_to(hal::linux_os::KernelClock::now());
-      (void)device_.transaction(operations);
-      show_data_ready();
-    }
-    spi_mode_ = static_cast<int>(request.mode);
+    const Answer head{.status = carry_out(request, operations, bytes.first(size), number)};
     std::vector<std::uint8_t> out(sizeof head + size);
     std::memcpy(out.data(), &head, sizeof head);
     std::ranges::copy(bytes.first(size), out.begin() + sizeof head);
     (void)!write(bus_, out.data(), out.size());
+  }
+
+  /// @return 0 or a negative error number
+  int carry_out(const Request& request, std::span<const hal::Operation> operations,
+                std::span<std::uint8_t> bytes, unsigned number) {
+    constexpr unsigned kFaultsEvery = 100;
+    const BusFault fault = fault_;
+    if (fault == BusFault::unplugged) return -ENODEV;
+    if (fault == BusFault::nack_bursts && number % kFaultsEvery < 3) return -ENXIO;
+    const std::lock_guard lock(mutex_);
+    const int status = chip_->transfer(request, operations);
+    show_data_ready();
+    if (fault == BusFault::stuck_high) std::ranges::fill(bytes, std::uint8_t{0xFF});
+    if (fault == BusFault::stuck_low) std::ranges::fill(bytes, std::uint8_t{0});
+    if (fault == BusFault::bit_errors && number % kFaultsEvery == 0) {
+      const unsigned bit = number / kFaultsEvery % (8U * static_cast<unsigned>(bytes.size()));
+      bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
+    }
+    return status;
   }
 
   static hal::Operation operation(std::uint32_t direction, std::span<std::uint8_t> bytes) {
@@ -123,12 +147,11 @@ class DeviceWorld {
   int bus_ = open_device("/dev/zerorate_bus", O_RDWR);
   int lines_ = open_device("/dev/zerorate_lines", O_WRONLY);
   std::mutex mutex_;
-  hal::sim::SimulatedClock clock_{hal::linux_os::KernelClock::now()};
-  hal::sim::SimulatedLsm6dso chip_{clock_};
-  hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso> device_{chip_};
+  std::unique_ptr<PlayedChip> chip_ = lsm6dso_on_spi();
   std::atomic<BusFault> fault_ = BusFault::none;
   std::atomic<bool> is_data_ready_broken_ = false;
   std::atomic<int> spi_mode_ = -1;
+  std::atomic<unsigned> transactions_ = 0;
   std::thread server_;
 };
 

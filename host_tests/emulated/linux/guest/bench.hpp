@@ -1,0 +1,100 @@
+/// @file
+/// One zerorated with its hardware, its receivers and its judge.
+#pragma once
+
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "host_tests/emulated/linux/guest/daemon_process.hpp"
+#include "host_tests/emulated/linux/guest/device_world.hpp"
+#include "host_tests/emulated/linux/guest/receivers.hpp"
+#include "host_tests/emulated/linux/guest/schedule.hpp"
+#include "host_tests/emulated/linux/guest/verdict.hpp"
+#include "host_tests/emulated/linux/guest/witness.hpp"
+
+namespace zerorate::emulated {
+
+/// A gyro as the world plays it and as zerorated is told of it.
+struct GyroSetup {
+  std::unique_ptr<PlayedChip> (*make)() = lsm6dso_on_spi;
+  std::string toml =
+      "chip = \"lsm6dso\"\nbus = \"spi\"\ndevice = \"/dev/spidev0.0\"\nspeed_hz = 8_000_000\n"
+      "rate_hz = 104\nfull_scale_dps = 250\n";
+  bool has_data_ready = true;
+  std::size_t axes = 3;
+  float lsb_dps = kLsbDps;
+  std::int64_t sample_ns = kSample104Hz_ns;
+};
+
+class Bench {
+ public:
+  /// Starts zerorated and waits until it talks to the gyro.
+  Bench(DeviceWorld& devices, Verdict& judge, const char* scenario, const GyroSetup& gyro)
+      : world(devices), verdict(judge), configuration_(write_configuration(gyro)) {
+    verdict.begin(scenario);
+    world.set_fault(BusFault::none);
+    world.insert(gyro.make());
+    witness.emplace(linux_node::read_configuration(configuration_), gyro.lsb_dps);
+    if (!gyro.has_data_ready) {  // it is read before the schedule begins
+      std::array<core::AngularRate, 3> rest;
+      rest.fill(core::deg_per_s(0.1F));
+      witness->expect(rest);
+      world.measure(rest);
+    }
+    daemon.emplace(configuration_);
+    const std::int64_t started = hal::linux_os::KernelClock::now().ns();
+    for (std::int64_t waited_ms = 0; world.transactions() == 0; ++waited_ms) {
+      if (waited_ms > 10'000) give_up("zerorated does not ask for the gyro");
+      sleep_until(started + waited_ms * 1'000'000);
+    }
+    schedule.emplace(world, *witness, gyro.axes, gyro.sample_ns, [this] { receivers.receive(); });
+  }
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  /// What holds at the end of every scenario.
+  ~Bench() {
+    schedule->run(0.1);
+    verdict.check("no rate was published that was not measured", tally().never_given == 0,
+                  tally().never_given);
+    verdict.check("zerorated ends by itself", daemon->stop(SIGTERM) == 0, 0);
+  }
+
+  [[nodiscard]] const Tally& tally() const { return witness->tally(); }
+
+  DeviceWorld& world;
+  Verdict& verdict;
+  Receivers receivers;
+  std::optional<Witness> witness;
+  std::optional<DaemonProcess> daemon;
+  std::optional<Schedule> schedule;
+
+ private:
+  static std::string write_configuration(const GyroSetup& gyro) {
+    std::string file = "/run/zerorated.toml";
+    std::ofstream text{file};
+    text << content_of("/zerorated.toml") << "\n[gyro]\n" << gyro.toml;
+    if (gyro.has_data_ready) {
+      text << "\n[data_ready]\nchip = \"/dev/gpiochip1\"\nline = \"GYRO_DRDY\"\n";
+    }
+    return file;
+  }
+
+  std::string configuration_;
+};
+
+/// Judges that samples come again after a fault, and that nothing is called faulty any more.
+inline void check_recovery(Bench& bench, double settling_s = 3.0, long samples_per_s = 100) {
+  bench.schedule->run(settling_s);
+  bench.witness->forget_given();
+  const Tally recovered = bench.tally();
+  bench.schedule->run(2.0);
+  const Tally& after = bench.tally();
+  const auto samples = after.with_rate - recovered.with_rate;
+  bench.verdict.check("samples come again", samples >= 2 * samples_per_s, samples);
+  bench.verdict.check("and nothing is faulty", after.faulty == recovered.faulty,
+                      after.faulty - recovered.faulty);
+}
+
+}  // namespace zerorate::emulated

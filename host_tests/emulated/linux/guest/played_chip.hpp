@@ -1,0 +1,94 @@
+/// @file
+/// A simulated gyro as the emulated machine's bus controllers see it.
+#pragma once
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "hal/linux/clock.hpp"
+#include "hal/sim/adxrs453.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/frame_spi.hpp"
+#include "hal/sim/i2c.hpp"
+#include "hal/sim/icm42688.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/spi.hpp"
+#include "host_tests/emulated/linux/kernel/zerorate_bus.h"
+
+namespace zerorate::emulated {
+
+/// Fresh from power-on when it is made.
+class PlayedChip {
+ public:
+  PlayedChip() = default;
+  PlayedChip(const PlayedChip&) = delete;
+  PlayedChip& operator=(const PlayedChip&) = delete;
+  virtual ~PlayedChip() = default;
+
+  /// Carries one transaction out.
+  /// @return 0 or a negative error number
+  virtual int transfer(const zerorate_bus_transaction& request,
+                       std::span<const hal::Operation> operations) = 0;
+  virtual void measure(const std::array<core::AngularRate, 3>& rate) = 0;
+  /// Level of the interrupt pin; a chip without one never drives it.
+  [[nodiscard]] virtual bool is_data_ready() = 0;
+};
+
+/// @tparam Wiring  how the chip hangs on its bus
+template <class Chip, class Wiring>
+class Wired final : public PlayedChip {
+ public:
+  template <class... Address>
+  explicit Wired(Address... address) : wiring_(chip_, address...) {}
+
+  int transfer(const zerorate_bus_transaction& request,
+               std::span<const hal::Operation> operations) override {
+    clock_.advance_to(hal::linux_os::KernelClock::now());
+    if constexpr (requires { wiring_.transaction(operations); }) {
+      if (request.bus != ZERORATE_BUS_SPI) return -ENXIO;
+      return wiring_.transaction(operations) ? 0 : -EIO;
+    } else {
+      if (request.bus != ZERORATE_BUS_I2C) return -ENXIO;
+      const hal::I2cAddress address{static_cast<std::uint8_t>(request.address)};
+      return wiring_.transaction(address, operations) ? 0 : -ENXIO;
+    }
+  }
+  void measure(const std::array<core::AngularRate, 3>& rate) override {
+    clock_.advance_to(hal::linux_os::KernelClock::now());
+    chip_.measure(rate, core::Temperature::from_degc(25));
+  }
+  [[nodiscard]] bool is_data_ready() override {
+    if constexpr (requires { chip_.interrupt(); }) {
+      return chip_.interrupt().level();
+    } else {
+      return false;
+    }
+  }
+
+ private:
+  hal::sim::SimulatedClock clock_{hal::linux_os::KernelClock::now()};
+  Chip chip_{clock_};
+  Wiring wiring_;
+};
+
+inline std::unique_ptr<PlayedChip> lsm6dso_on_spi() {
+  using Chip = hal::sim::SimulatedLsm6dso;
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
+}
+inline std::unique_ptr<PlayedChip> icm42688_on_spi() {
+  using Chip = hal::sim::SimulatedIcm42688;
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
+}
+inline std::unique_ptr<PlayedChip> lsm6dso_on_i2c() {
+  using Chip = hal::sim::SimulatedLsm6dso;
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedI2cBus<Chip>>>(hal::I2cAddress{0x6A});
+}
+inline std::unique_ptr<PlayedChip> adxrs453_on_spi() {
+  using Chip = hal::sim::SimulatedAdxrs453;
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedFrameSpi<Chip>>>();
+}
+
+}  // namespace zerorate::emulated

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""The manual pages say what the programs and the reference say.
+
+usage: man_pages_test.py REPOSITORY ZERORATE ZERORATED [unittest arguments]
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+REPOSITORY = pathlib.Path(sys.argv.pop(1))
+ZERORATE, ZERORATED = sys.argv.pop(1), sys.argv.pop(1)
+
+
+def page(name):
+    return (REPOSITORY / "docs/man" / name).read_text(encoding="utf-8").replace("\\-", "-")
+
+
+def options(text):
+    return set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text))
+
+
+def help_of(*command):
+    return subprocess.run([*command, "--help"], capture_output=True, text=True, timeout=20, check=True).stdout
+
+
+def commands_of(text):
+    return re.findall(r"^  (\w+)  ", text[text.index("Subcommands:"):], re.MULTILINE)
+
+
+class ManualPages(unittest.TestCase):
+    def test_zerorate_1_has_every_command_with_its_options(self):
+        sections = dict(re.findall(r"^\.SS (\w+)\n(.*?)(?=^\.S[SH])", page("zerorate.1"), re.MULTILINE | re.DOTALL))
+        commands = commands_of(help_of(ZERORATE))
+        self.assertEqual(sorted(sections), sorted(commands))
+        for command in commands:
+            text = help_of(ZERORATE, command)
+            self.assertEqual(options(sections[command]) | {"--help"}, options(text), command)
+            examples = re.findall(r"^  (zerorate .*)$", text, re.MULTILINE)
+            for example in examples:
+                self.assertIn(example, sections[command])
+
+    def test_zerorate_1_lists_the_commands_within_model(self):
+        for command in commands_of(help_of(ZERORATE, "model")):
+            self.assertIn(f"\n.B model {command}\n", page("zerorate.1"))
+
+    def test_zerorated_8_has_every_option(self):
+        self.assertEqual(options(page("zerorated.8")), options(help_of(ZERORATED)))
+
+    def test_zerorated_toml_5_has_every_key_of_the_reference(self):
+        reference = (REPOSITORY / "docs/reference/zerorated.md").read_text(encoding="utf-8")
+        table = reference[reference.index("| key |"):reference.index("A sink never delays")]
+        documented, table_name = set(), ""
+        for row in table.splitlines()[2:]:
+            first = row.split("|")[1].strip() if row.startswith("|") else ""
+            if first.startswith("**"):
+                table_name = first.strip("*")
+            documented |= {(table_name, key) for key in re.findall(r"`(\w+)`", first)}
+        described, table_name = set(), ""
+        for line in page("zerorated.toml.5").splitlines():
+            if match := re.fullmatch(r"\.SS \[+(\w+)\]+", line):
+                table_name = match[1]
+            if match := re.fullmatch(r"\.B ([a-z_, ]+)", line):
+                described |= {(table_name, key) for key in match[1].split(", ")}
+        self.assertEqual(described, documented)
+
+    @unittest.skipUnless(shutil.which("groff"), "no groff")
+    def test_every_page_is_good_roff(self):
+        for file in (REPOSITORY / "docs/man").iterdir():
+            run = subprocess.run(["groff", "-man", "-Tutf8", "-ww", file], capture_output=True, text=True, timeout=20,
+                                 check=True)
+            self.assertEqual(run.stderr, "", file)
+
+
+if __name__ == "__main__":
+    unittest.main()
