@@ -1,9 +1,10 @@
 # Sourced: packages of any architecture from this machine's own Debian sources, by a private index, so that
 # nothing is added to the machine's.
 
-# private_apt_root ARCH DIR: makes the index once.
+# private_apt_root ARCH DIR [SUITE]: makes the index once; of another suite of Debian than this machine's, where
+# one is named.
 private_apt_root() {
-  local arch=$1 root=$2
+  local arch=$1 root=$2 suite=${3:-}
   if [[ -e $root/ready ]]; then return; fi
   mkdir -p "$root"/etc/{preferences.d,sources.list.d} "$root/state/lists/partial" "$root/cache/archives/partial"
   : >"$root/status"
@@ -11,6 +12,9 @@ private_apt_root() {
     sed "/^URIs:/a Architectures: $arch" /etc/apt/sources.list.d/debian.sources >"$root/etc/sources.list.d/debian.sources"
   else
     sed -n "s/^deb  *\(\[[^]]*\]  *\)\{0,1\}\(.*debian.*\)/deb [arch=$arch] \2/p" /etc/apt/sources.list >"$root/etc/sources.list.d/debian.list"
+  fi
+  if [[ -n $suite ]]; then
+    sed -i "s/$(. /etc/os-release && echo "$VERSION_CODENAME")/$suite/g" "$root"/etc/sources.list.d/*
   fi
   cat >"$root/apt.conf" <<CONF
 APT::Architecture "$arch"; APT::Architectures { "$arch"; };

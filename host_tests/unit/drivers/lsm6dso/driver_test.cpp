@@ -47,6 +47,19 @@ TEST(Lsm6dso, ReadsItsOwnPeriod) {
   EXPECT_NEAR(rig.driver.sample_period().in_seconds(), 64.0F / 6667.0F / 1.03F, 1e-8F);
 }
 
+TEST(Lsm6dso, GivesNoSampleFromALineThatGotStuckBetweenStatusAndData) {
+  for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
+    Rig rig;
+    ASSERT_TRUE(rig.start_and_settle());
+    rig.sample({deg_per_s(1.0F), {}, {}});
+    rig.faults.inject({.kind = kind, .first = rig.faults.calls() + 1});
+    std::array<GyroSample, 4> out{};
+    const auto read = rig.read(out);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error(), (DriverError{DriverErrorCode::corrupt_data, {}, 0x1E}));
+  }
+}
+
 TEST(Lsm6dsoFifo, GoesOnWithTheOldestThatIsLeftAfterAnOverrun) {
   Rig rig{kFifo};
   ASSERT_TRUE(rig.start_and_settle());
