@@ -11,11 +11,19 @@ set(CMAKE_CXX_COMPILER ${ZERORATE_TRIPLET}-g++)
 set(CMAKE_LIBRARY_ARCHITECTURE ${ZERORATE_TRIPLET})
 set(CMAKE_SKIP_RPATH ON)  # the sysroot is no place on the target
 
-set(_zerorate_sysroot "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot/${ZERORATE_DEBIAN_ARCH}")
+# Debian 12 has libgpiod 1.6, Debian 13 (trixie) has 2: with its suite named here, it is built against.
+set(ZERORATE_GPIOD_SUITE "" CACHE STRING "Suite of Debian that libgpiod is taken from; empty: this machine's")
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES ZERORATE_GPIOD_SUITE)
+set(_zerorate_gpiod libgpiod2)
+if(ZERORATE_GPIOD_SUITE)
+  set(_zerorate_gpiod libgpiod3)
+endif()
+set(_zerorate_sysroot "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot/${ZERORATE_DEBIAN_ARCH}${ZERORATE_GPIOD_SUITE}")
 cmake_path(NORMAL_PATH _zerorate_sysroot)
+set(ZERORATE_SYSROOT "${_zerorate_sysroot}" CACHE INTERNAL "Where the libraries of the target are")
 if(NOT EXISTS "${_zerorate_sysroot}/usr/include/gpiod.h")
   execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
-    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" libgpiod-dev libgpiod2
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libgpiod-dev ${_zerorate_gpiod}
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
 set(ENV{PKG_CONFIG_LIBDIR} "${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}/pkgconfig")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh REPOSITORY WORK_FOLDER SECONDS ZERORATE
+# run.sh REPOSITORY WORK_FOLDER SECONDS ZERORATE PRESET
 #
 # The arm64 zerorated, out of its Debian package, on Debian's own arm64 kernel under QEMU, in virtual time. Kernel modules of
 # ours (GPL-2.0, for tests only) give it a real SPI controller and a real GPIO chip; a process in the same
@@ -13,7 +13,10 @@ zerorate=$(readlink -f "$4") # of this machine, for the replay
 here="$repository/host_tests/emulated/linux"
 mkdir -p "$2"
 work=$(readlink -f "$2")
-cross="$repository/build/linux-arm64"
+preset=$5
+cross="$repository/build/$preset"
+out="$work/$preset"
+mkdir -p "$out"
 source "$repository/toolchains/private-apt.sh"
 
 fetch() {
@@ -26,23 +29,24 @@ fetch() {
   if [[ -e "$work/fetched-$version" ]]; then return; fi
   rm -rf "$work"/{debs,kernel,headers,target}
   private_apt_download "$work/apt-arm64" "$work/debs" "$image" "linux-headers-$version" \
-    "linux-headers-${version%-arm64}-common" busybox-static libgpiod2
+    "linux-headers-${version%-arm64}-common" busybox-static
   private_apt_download "$work/apt-amd64" "$work/debs" "linux-kbuild-$(cut -d. -f1,2 <<<"$version")"
   mkdir -p "$work"/{kernel,headers,target}
   dpkg-deb -x "$work/debs/${image}"_*.deb "$work/kernel"
   depmod -b "$work/kernel" "$version"
   for deb in "$work"/debs/linux-{headers,kbuild}-*.deb; do dpkg-deb -x "$deb" "$work/headers"; done
-  for deb in "$work"/debs/{busybox,libgpiod}*.deb; do dpkg-deb -x "$deb" "$work/target"; done
+  for deb in "$work"/debs/busybox*.deb; do dpkg-deb -x "$deb" "$work/target"; done
   sed -i "s# /usr/src/# $work/headers/usr/src/#" "$work/headers/usr/src/linux-headers-$version/Makefile"
   touch "$work/fetched-$version"
 }
 
 build() {
-  (cd "$repository" && cmake --preset linux-arm64 && cmake --build build/linux-arm64 --target zerorated zerorate zerorate_world && cd build/linux-arm64 && cpack) >"$work/build.log"
-  rm -rf "$work/modules"
-  cp -r "$here/kernel" "$work/modules"
+  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_world &&
+    cd "$cross" && cpack) >"$out/build.log"
+  rm -rf "$out/modules"
+  cp -r "$here/kernel" "$out/modules"
   ZERORATE_REPOSITORY="$repository" DEB_BUILD_ARCH=amd64 DEB_HOST_ARCH=arm64 DEB_HOST_GNU_TYPE=aarch64-linux-gnu \
-    make -s -C "$work/headers/usr/src/linux-headers-$version" M="$work/modules" modules >>"$work/build.log" 2>&1
+    make -s -C "$work/headers/usr/src/linux-headers-$version" M="$out/modules" modules >>"$out/build.log" 2>&1
 }
 
 # The modules that `modprobe NAME...` would load, in order, one path a line.
@@ -54,44 +58,46 @@ module_files() {
 }
 
 pack() {
-  local root="$work/root" libraries=/usr/aarch64-linux-gnu/lib file
+  local root="$out/root" libraries=/usr/aarch64-linux-gnu/lib file
   rm -rf "$root"
   mkdir -p "$root"/{bin,dev,lib,modules,proc,run,sys}
   cp "$work/target/bin/busybox" "$root/bin/"
   dpkg-deb -x "$cross"/zerorate_*_arm64.deb "$root"
   cp "$cross/host_tests/emulated/linux/guest/zerorate_world" "$root/bin/"
-  cp -L $libraries/{ld-linux-aarch64.so.1,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} \
-    "$work/target/usr/lib/aarch64-linux-gnu/libgpiod.so.2" "$root/lib/"
-  for file in $(module_files i2c-dev vcan can-raw) "$work"/modules/zerorate_{bus,lines}.ko; do
+  cp -L $libraries/{ld-linux-aarch64.so.1,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} "$root/lib/"
+  # The one that zerorated was linked to, under the name that it asks for.
+  file=$(readelf -d "$root/usr/sbin/zerorated" | sed -n 's/.*\[\(libgpiod[^]]*\)\]/\1/p')
+  cp -L "$(sed -n 's/^ZERORATE_SYSROOT:.*=//p' "$cross/CMakeCache.txt")/usr/lib/aarch64-linux-gnu/$file" "$root/lib/"
+  for file in $(module_files i2c-dev vcan can-raw) "$out"/modules/zerorate_{bus,lines}.ko; do
     cp "$file" "$root/modules/"
     basename "$file" >>"$root/modules/order"
   done
   cp "$here/zerorated.toml" "$root/"
   sed "s/@SECONDS@/$seconds/" "$here/init.sh" >"$root/init"
   chmod +x "$root/init"
-  (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$work/initramfs.gz"
+  (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
 }
 
 # boot NAME: one run; its console goes to NAME.log, its recording to NAME.csv.gz.
 boot() {
   timeout 900 qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot \
     -icount shift=1,sleep=off -rtc base=2026-01-01,clock=vm \
-    -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
-    -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | stdbuf -oL tr -d '\r' >"$work/$1.txt"
-  sed -n '/^RECORDING$/,/^END$/{//!p}' "$work/$1.txt" | base64 -d >"$work/$1.csv.gz"
-  sed '/^RECORDING$/,$d' "$work/$1.txt" >"$work/$1.log"
-  cat "$work/$1.log"
+    -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz" \
+    -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | stdbuf -oL tr -d '\r' >"$out/$1.txt"
+  sed -n '/^RECORDING$/,/^END$/{//!p}' "$out/$1.txt" | base64 -d >"$out/$1.csv.gz"
+  sed '/^RECORDING$/,$d' "$out/$1.txt" >"$out/$1.log"
+  cat "$out/$1.log"
 }
 
 fetch
 build
 pack
 boot first
-grep -q '^WORLD [0-9]* passed, 0 failed$' "$work/first.log"
-grep -q '^/etc/zerorate/zerorated.toml: valid$' "$work/first.log"
-"$zerorate" replay "$work/first.csv.gz" --model lsm6dso --filter-rate 2 --out "$work/replayed.csv" >"$work/replay.log"
-python3 -B "$here/compare_replay.py" "$work/first.csv.gz" "$work/replayed.csv"
+grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/first.log"
+grep -q '^/etc/zerorate/zerorated.toml: valid$' "$out/first.log"
+"$zerorate" replay "$out/first.csv.gz" --model lsm6dso --filter-rate 2 --out "$out/replayed.csv" >"$out/replay.log"
+python3 -B "$here/compare_replay.py" "$out/first.csv.gz" "$out/replayed.csv"
 boot second >/dev/null
-cmp "$work/first.log" "$work/second.log"
-cmp "$work/first.csv.gz" "$work/second.csv.gz"
+cmp "$out/first.log" "$out/second.log"
+cmp "$out/first.csv.gz" "$out/second.csv.gz"
 echo "a second run printed the same"
