@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kMostRounds = 8;
 constexpr double kConverged = 0.02;  // nats
+constexpr std::size_t kFewestBlocks = 65'536;
+constexpr std::size_t kDensityNodes = 2048;  // in each octave
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -89,6 +91,13 @@ double draw_beyond(const Range& range, double measured, double mean, double sigm
   return mean + sigma * simulate::normal_quantile(share);
 }
 
+/// The greatest divisor of a length that leaves enough blocks, an even number of them.
+std::size_t block_of(std::size_t size) {
+  std::size_t block = std::max<std::size_t>(1, size / kFewestBlocks);
+  while (size % (2 * block) != 0) --block;
+  return block;
+}
+
 double overlap(const Column& a, const Column& b, const std::vector<double>& density) {
   double sum = 0.0;
   const std::size_t end = std::min(a.end(), b.end());
@@ -111,6 +120,7 @@ double overlap(const Column& a, const std::vector<double>& c, const std::vector<
 Problem::Problem(const EvenSeries& series, std::uint64_t seed)
     : series_(&series),
       transform_(spectrum::fast_length_below(series.size())),
+      block_(block_of(transform_.length())),
       sines_(transform_.length()),
       seed_(seed) {
   const std::size_t n = transform_.length();
@@ -122,6 +132,8 @@ Problem::Problem(const EvenSeries& series, std::uint64_t seed)
     sines_[k] =
         2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
   }
+  if (block_ > 1) block_transform_.emplace(n / block_);
+  if (!series.is_ticks) lattice_ = find_lattice(measured());
 }
 
 std::vector<double> Problem::measured() const {
@@ -135,7 +147,18 @@ std::vector<double> Problem::measured() const {
 Explanation::Explanation(const Problem& problem, std::vector<Part> parts, const Explanation* before)
     : problem_(&problem), parts_(std::move(parts)) {
   for (const Part& part : parts_) terms_ = terms_ | part.terms;
-  replace_values();
+  mark_replaced();
+  const bool is_as_before = before != nullptr && is_replaced_ == before->is_replaced_ &&
+                            clipped() == before->clipped();
+  if (is_as_before) {
+    clean_ = before->clean_;
+    coefficients_ = before->coefficients_;
+  } else {
+    clean_ = std::make_shared<const std::vector<double>>(replace_values());
+    std::vector<double> coefficients = problem.transform().forward(*clean_);
+    coefficients[0] = 0.0;
+    coefficients_ = std::make_shared<const std::vector<double>>(std::move(coefficients));
+  }
   fit(before);
 }
 
@@ -145,18 +168,22 @@ std::size_t Explanation::first_amplitude(std::size_t part) const {
   return first;
 }
 
+Range Explanation::clipped() const {
+  Range range;
+  for (const Part& part : parts_) {
+    range = {std::max(range.lo, part.clipped.lo), std::min(range.hi, part.clipped.hi)};
+  }
+  return range;
+}
+
 /// What is lost or disturbed becomes what its neighbours let expect, with noise of their size, so
 /// that the spectrum of the whole stays what it was.
-void Explanation::replace_values() {
+std::vector<double> Explanation::replace_values() const {
   const std::size_t n = problem_->size();
   const std::vector<double>& rate = problem_->rate_rad_s();
-  clean_ = rate;
-  mark_replaced();
-  if (std::ranges::find(is_replaced_, true) == is_replaced_.end()) return;
-  Range clipped;
-  for (const Part& part : parts_) {
-    clipped = {std::max(clipped.lo, part.clipped.lo), std::min(clipped.hi, part.clipped.hi)};
-  }
+  std::vector<double> clean = rate;
+  if (std::ranges::find(is_replaced_, true) == is_replaced_.end()) return clean;
+  const Range range = clipped();
   const double sigma = rough_sigma(rate, is_replaced_);
   const simulate::RandomStream noise =
       simulate::RandomStream(problem_->seed()).substream("replaced values");
@@ -169,10 +196,11 @@ void Explanation::replace_values() {
     const Bridge bridge(rate, is_replaced_, first, end);
     for (std::size_t k = first; k < end; ++k) {
       const double uniform = noise.uniform(static_cast<std::int64_t>(k));
-      clean_[k] = draw_beyond(clipped, rate[k], bridge.at(k), sigma, uniform);
+      clean[k] = draw_beyond(range, rate[k], bridge.at(k), sigma, uniform);
     }
     first = end;
   }
+  return clean;
 }
 
 void Explanation::mark_replaced() {
@@ -187,10 +215,8 @@ void Explanation::mark_replaced() {
 }
 
 void Explanation::fit(const Explanation* before) {
-  std::vector<double> coefficients = problem_->transform().forward(clean_);
-  coefficients[0] = 0.0;
-  residual_ = coefficients;
-  std::vector<SpectralBin> bins = bin_coefficients(residual_);
+  residual_ = coefficients_;
+  std::vector<SpectralBin> bins = bin_coefficients(*residual_);
   std::vector<NoiseSpectrum> starts;
   if (before != nullptr) starts.push_back(before->noise().spectrum);
   const NoiseSpectrum rough = rough_spectrum(bins);
@@ -201,41 +227,45 @@ void Explanation::fit(const Explanation* before) {
   for (const Part& part : parts_)
     starts.insert(starts.end(), part.starts.begin(), part.starts.end());
 
-  const bool has_columns =
-      std::ranges::any_of(parts_, [](const Part& p) { return !p.columns.empty(); });
+  const bool has_columns = !columns().empty();
   if (has_columns && before != nullptr) {
     noise_ = before->noise();
   } else {
     noise_ = fit_spectrum(bins, problem_->size(), terms_, starts);
   }
-  update_density();
   if (!has_columns) return;
   double reached = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
-    fit_amplitudes(coefficients);
-    bins = bin_coefficients(residual_);
+    fit_amplitudes();
+    bins = bin_coefficients(*residual_);
     if (round > 0) starts = {noise_.spectrum};
     noise_ = fit_spectrum(bins, problem_->size(), terms_, starts);
-    update_density();
     if (noise_.log_likelihood - reached < kConverged) break;
     reached = noise_.log_likelihood;
   }
 }
 
-void Explanation::fit_amplitudes(const std::vector<double>& coefficients) {
+std::vector<const Column*> Explanation::columns() const {
   std::vector<const Column*> columns;
   for (const Part& part : parts_) {
     for (const Column& column : part.columns) columns.push_back(&column);
   }
+  return columns;
+}
+
+void Explanation::fit_amplitudes() {
+  const std::vector<const Column*> columns = this->columns();
+  std::size_t end = 0;
+  for (const Column* column : columns) end = std::max(end, column->end());
+  const std::vector<double> density = density_below(end);
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd normal(count, count);
   Eigen::VectorXd right(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Column& column = *columns[static_cast<std::size_t>(i)];
-    right(i) = overlap(column, coefficients, density_);
+    right(i) = overlap(column, *coefficients_, density);
     for (Eigen::Index j = 0; j <= i; ++j) {
-      normal(i, j) = normal(j, i) =
-          overlap(column, *columns[static_cast<std::size_t>(j)], density_);
+      normal(i, j) = normal(j, i) = overlap(column, *columns[static_cast<std::size_t>(j)], density);
     }
   }
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -243,49 +273,94 @@ void Explanation::fit_amplitudes(const std::vector<double>& coefficients) {
   scaled.diagonal().array() += 1e-10;
   covariance_ = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
   amplitudes_ = covariance_ * right;
-  residual_ = coefficients;
+  std::vector<double> residual = *coefficients_;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = *columns[i];
     const double amplitude = amplitudes_(static_cast<Eigen::Index>(i));
     for (std::size_t k = column.first; k < column.end(); ++k) {
-      residual_[k] -= amplitude * column.coefficients[k - column.first];
+      residual[k] -= amplitude * column.coefficients[k - column.first];
     }
   }
+  residual_ = std::make_shared<const std::vector<double>>(std::move(residual));
 }
 
-void Explanation::update_density() {
+/// Above the lowest frequencies the density is so smooth that it is a straight line from one node
+/// to the next, to seven digits.
+std::vector<double> Explanation::density_below(std::size_t end) const {
   const std::vector<double>& sines = problem_->sines();
   const std::size_t n = sines.size();
-  density_.resize(n);
-  density_[0] = std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (std::size_t k = 1; k < n; ++k) {
-    density_[k] = noise_.spectrum.density(sines[k], k, n);
-    sum += 1.0 / density_[k];
+  const auto at = [&](std::size_t k) { return noise_.spectrum.density(sines[k], k, n); };
+  std::vector<double> density(end);
+  if (end == 0) return density;
+  density[0] = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < std::min(end, 2 * kDensityNodes); ++k) density[k] = at(k);
+  for (std::size_t first = 2 * kDensityNodes; first < end;) {
+    const std::size_t next = std::min(first + first / kDensityNodes, n - 1);
+    const double start = at(first);
+    const double rise = next > first ? (at(next) - start) / static_cast<double>(next - first) : 0.0;
+    const std::size_t last = std::min(next > first ? next : first + 1, end);
+    for (std::size_t k = first; k < last; ++k) {
+      density[k] = start + rise * static_cast<double>(k - first);
+    }
+    first = last;
   }
-  information_ = sum / static_cast<double>(n);
-  whitened_.clear();
-  weighted_.clear();
+  return density;
+}
+
+const std::vector<double>& Explanation::density() const {
+  if (!density_) {
+    density_ = std::make_shared<const std::vector<double>>(density_below(problem_->size()));
+  }
+  return *density_;
+}
+
+double Explanation::information() const {
+  if (!information_) {
+    double sum = 0.0;
+    for (std::size_t k = 1; k < problem_->size(); ++k) sum += 1.0 / density()[k];
+    information_ = sum / static_cast<double>(problem_->size());
+  }
+  return *information_;
 }
 
 const std::vector<double>& Explanation::whitened() const {
-  if (whitened_.empty()) {
-    std::vector<double> flat(residual_.size());
-    for (std::size_t k = 1; k < flat.size(); ++k) flat[k] = residual_[k] / std::sqrt(density_[k]);
-    whitened_ = problem_->transform().inverse(flat);
+  if (!whitened_) {
+    std::vector<double> flat(residual().size());
+    for (std::size_t k = 1; k < flat.size(); ++k) flat[k] = residual()[k] / std::sqrt(density()[k]);
+    whitened_ = std::make_shared<const std::vector<double>>(problem_->transform().inverse(flat));
   }
-  return whitened_;
+  return *whitened_;
+}
+
+const std::vector<double>& Explanation::weighted() const {
+  if (!weighted_) {
+    std::vector<double> divided(residual().size());
+    for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual()[k] / density()[k];
+    weighted_ = std::make_shared<const std::vector<double>>(problem_->transform().inverse(divided));
+  }
+  return *weighted_;
+}
+
+bool Explanation::is_coarse() const {
+  if (!problem_->lattice()) return false;
+  const double step = problem_->lattice()->step * std::sqrt(information());
+  // Rounding adds -step^4 / 120 to the fourth cumulant of values of unit variance. From 1.75 sigma
+  // on the variance also depends on where between two levels the bias lies.
+  constexpr double kChance = 1.2;  // standard deviations
+  constexpr double kMost = 1.75;
+  const double chance = std::sqrt(24.0 / static_cast<double>(problem_->size()));
+  return step > kMost || std::pow(step, 4.0) / 120.0 > kChance * chance;
 }
 
 Explanation::FastResidual Explanation::fast_residual() const {
   const NoiseSpectrum& all = noise_.spectrum;
   const NoiseSpectrum white{.white_variance = all.white_variance,
                             .low_pass_share = all.low_pass_share};
-  std::vector<double> flat(residual_.size());
+  std::vector<double> flat(residual().size());
   double kept = 0.0;
   for (std::size_t k = 1; k < flat.size(); ++k) {
-    if (white.density(problem_->sines()[k], 0, flat.size()) < 0.5 * density_[k]) continue;
-    flat[k] = residual_[k] / std::sqrt(density_[k]);
+    if (white.density(problem_->sines()[k], 0, flat.size()) < 0.5 * density()[k]) continue;
+    flat[k] = residual()[k] / std::sqrt(density()[k]);
     kept += 1.0;
   }
   const double share = kept / static_cast<double>(flat.size());
@@ -294,15 +369,6 @@ Explanation::FastResidual Explanation::fast_residual() const {
   FastResidual fast{problem_->transform().inverse(flat), share};
   for (double& value : fast.values) value /= std::sqrt(share);
   return fast;
-}
-
-const std::vector<double>& Explanation::weighted() const {
-  if (weighted_.empty()) {
-    std::vector<double> divided(residual_.size());
-    for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual_[k] / density_[k];
-    weighted_ = problem_->transform().inverse(divided);
-  }
-  return weighted_;
 }
 
 }  // namespace zerorate::diagnose

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/even_series.hpp"
+#include "host_tools/lib/diagnose/level_lattice.hpp"
 #include "host_tools/lib/diagnose/noise_spectrum.hpp"
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 
@@ -35,7 +36,16 @@ class Problem {
   [[nodiscard]] double median_rad_s() const { return median_; }
   /// The same without the lost values.
   [[nodiscard]] std::vector<double> measured() const;
+  /// What the measured values lie on; nothing for means over ticks.
+  [[nodiscard]] const std::optional<LevelLattice>& lattice() const { return lattice_; }
   [[nodiscard]] const spectrum::CosineTransform& transform() const { return transform_; }
+  /// Slow functions are known well enough by their means over blocks of so many values: 1 up to
+  /// some 10^5 values.
+  [[nodiscard]] std::size_t block() const { return block_; }
+  /// The transform of one value a block.
+  [[nodiscard]] const spectrum::CosineTransform& block_transform() const {
+    return block_transform_ ? *block_transform_ : transform_;
+  }
   /// 2 sin(w/2) of each DCT coefficient.
   [[nodiscard]] const std::vector<double>& sines() const { return sines_; }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
@@ -44,7 +54,10 @@ class Problem {
   const EvenSeries* series_;
   std::vector<double> rate_;
   double median_ = 0.0;
+  std::optional<LevelLattice> lattice_;
   spectrum::CosineTransform transform_;
+  std::size_t block_ = 1;
+  std::optional<spectrum::CosineTransform> block_transform_;
   std::vector<double> sines_;
   std::uint64_t seed_;
 };
@@ -67,6 +80,8 @@ struct Run {
 struct Range {
   double lo = -std::numeric_limits<double>::infinity();
   double hi = std::numeric_limits<double>::infinity();
+
+  bool operator==(const Range&) const = default;
 };
 
 /// What an effect contributes to a hypothesis. Most effects use one or two of the members.
@@ -78,11 +93,11 @@ struct Part {
   std::vector<double> shape;          ///< what else the effect wants to remember, its own affair
   std::vector<Run> replaced;          ///< values that say nothing of the noise
   Range clipped;                      ///< replaced values at its ends are known to lie beyond them
-  double step_rad_s = 0.0;            ///< the values lie on levels so far apart; 0: they do not
   std::vector<float> relative_sigma;  ///< of the white noise, one a value; empty: 1
 };
 
-/// Parts with everything that can be fitted.
+/// Parts with everything that can be fitted. What is as long as the record is shared among copies,
+/// and among hypotheses that agree on it.
 class Explanation {
  public:
   /// Fits the noise and all amplitudes: generalised least squares and Whittle fit in turn.
@@ -101,17 +116,24 @@ class Explanation {
   [[nodiscard]] const Eigen::MatrixXd& amplitude_covariance() const { return covariance_; }
 
   /// The record, disturbed values replaced [rad/s, about the median].
-  [[nodiscard]] const std::vector<double>& clean() const { return clean_; }
+  [[nodiscard]] const std::vector<double>& clean() const { return *clean_; }
   /// DCT coefficients without the mean functions; c_0 is 0.
-  [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
+  [[nodiscard]] const std::vector<double>& residual() const { return *residual_; }
   /// S_k; S_0 is infinite.
-  [[nodiscard]] const std::vector<double>& density() const { return density_; }
+  [[nodiscard]] const std::vector<double>& density() const;
   /// Residual with its spectrum made flat: independent, of variance 1 under the hypothesis.
   [[nodiscard]] const std::vector<double>& whitened() const;
   /// Sigma^-1 (y - mean), value by value.
   [[nodiscard]] const std::vector<double>& weighted() const;
   /// The diagonal of Sigma^-1: a value predicted from all others has the variance 1 / this.
-  [[nodiscard]] double information() const { return information_; }
+  [[nodiscard]] double information() const;
+  /// The values lie on levels so coarse that rounding changes their distribution and its spread by
+  /// more than this record's chance: single values tell of the levels, not of the noise.
+  [[nodiscard]] bool is_coarse() const;
+  /// What rounding alone may do to a level where the values are coarse: one step; else nothing.
+  [[nodiscard]] double rounding_rad_s() const {
+    return is_coarse() ? problem_->lattice()->step : 0.0;
+  }
   /// Residual of the part of the spectrum where white noise prevails, made flat; variance 1.
   struct FastResidual {
     std::vector<double> values;
@@ -120,16 +142,17 @@ class Explanation {
   [[nodiscard]] FastResidual fast_residual() const;
   /// Values that are replaced, by any part, or lost.
   [[nodiscard]] const std::vector<bool>& is_replaced() const { return is_replaced_; }
-  /// The columns weighted by Sigma^-1 among themselves, inverted: for what is left of a further
-  /// column when these are there.
-  [[nodiscard]] const Eigen::MatrixXd& column_covariance() const { return covariance_; }
 
  private:
-  void replace_values();
+  using Values = std::shared_ptr<const std::vector<double>>;
+
   void mark_replaced();
+  [[nodiscard]] Range clipped() const;
+  [[nodiscard]] std::vector<double> replace_values() const;
   void fit(const Explanation* before);
-  void fit_amplitudes(const std::vector<double>& coefficients);
-  void update_density();
+  void fit_amplitudes();
+  [[nodiscard]] std::vector<const Column*> columns() const;
+  [[nodiscard]] std::vector<double> density_below(std::size_t end) const;
 
   const Problem* problem_;
   std::vector<Part> parts_;
@@ -138,12 +161,13 @@ class Explanation {
   Eigen::VectorXd amplitudes_;
   Eigen::MatrixXd covariance_;
   std::vector<bool> is_replaced_;
-  std::vector<double> clean_;
-  std::vector<double> residual_;
-  std::vector<double> density_;
-  double information_ = 0.0;
-  mutable std::vector<double> whitened_;
-  mutable std::vector<double> weighted_;
+  Values clean_;
+  Values coefficients_;  ///< of what is clean
+  Values residual_;
+  mutable Values density_;  ///< this one and the next are made when they are asked for
+  mutable Values whitened_;
+  mutable Values weighted_;
+  mutable std::optional<double> information_;
 };
 
 }  // namespace zerorate::diagnose

@@ -1,6 +1,7 @@
 #include "host_tools/lib/diagnose/selection.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -21,7 +22,8 @@ std::vector<Candidate> candidates_for(const Explanation& without,
         without.parts(), [&](const Part& part) { return part.effect == effect->name(); });
     if (is_in) continue;
     std::optional<Offer> offer = effect->examine(without);
-    if (offer) candidates.push_back({effect.get(), std::move(*offer)});
+    // A fit that ran away is no offer.
+    if (offer && std::isfinite(offer->surprise_nats)) candidates.push_back({effect.get(), std::move(*offer)});
   }
   std::ranges::stable_sort(candidates, std::greater{}, [](const Candidate& candidate) {
     return candidate.offer.surprise_nats;

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/effects/level_lattice.hpp"
+#include "host_tools/lib/diagnose/level_lattice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,20 +5,12 @@
 #include <iterator>
 
 namespace zerorate::diagnose {
-namespace {
-
-/// Up to this step, in sigma of a value, its error is as good as independent noise.
-constexpr double kCoarseStep = 1.5;
-
-}  // namespace
-
 Remainder::Remainder(const Explanation& hypothesis)
     : explanation(&hypothesis), values(hypothesis.whitened()) {
   for (const Part& part : hypothesis.parts()) {
     for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
       values[k] /= double{part.relative_sigma[k]};
     }
-    is_coarse = is_coarse || part.step_rad_s * std::sqrt(hypothesis.information()) > kCoarseStep;
   }
 }
 
@@ -32,7 +24,7 @@ Adequacy examine_adequacy(const Explanation& explanation) {
   add(test_spectrum_over_time(remainder));
   add(test_temperature(remainder));
   // Means over ticks of unequal numbers of samples have unequal variances.
-  const bool values_are_alike = !explanation.problem().series().is_ticks && !remainder.is_coarse;
+  const bool values_are_alike = !explanation.problem().series().is_ticks && !explanation.is_coarse();
   if (values_are_alike) {
     add(test_variance(remainder));
     add(test_distribution(remainder));

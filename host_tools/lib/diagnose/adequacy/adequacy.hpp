@@ -27,8 +27,6 @@ struct Remainder {
 
   const Explanation* explanation;
   std::vector<double> values;  ///< whitened and divided by the relative sigma: independent, N(0, 1)
-  /// The steps are so coarse that values on levels cannot look normal.
-  bool is_coarse = false;
 };
 
 using Tests = std::vector<Test>;

@@ -65,11 +65,9 @@ class BiasJump final : public Effect {
       lo = std::min(lo, j);
       hi = std::max(hi, j);
     }
-    std::vector<double> step(scan.problem().size());
-    std::fill(step.begin() + static_cast<std::ptrdiff_t>(at), step.end(), 1.0);
     return Part{
         .effect = name(),
-        .columns = {column_of(scan.problem(), step)},
+        .columns = {step_column(scan.problem(), at)},
         .shape = {static_cast<double>(at), static_cast<double>(lo), static_cast<double>(hi)}};
   }
 };

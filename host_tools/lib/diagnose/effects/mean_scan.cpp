@@ -36,19 +36,86 @@ std::vector<double> dense(const Column& column, std::size_t size) {
   return coefficients;
 }
 
-}  // namespace
-
-Column column_of(const Problem& problem, std::span<const double> values, bool slow) {
-  std::vector<double> coefficients = problem.transform().forward(values);
-  const std::size_t end =
-      slow ? std::min(coefficients.size(), kMostSlowCoefficients) : coefficients.size();
-  return {1, {coefficients.begin() + 1, coefficients.begin() + static_cast<std::ptrdiff_t>(end)}};
+std::vector<double> without_first(std::vector<double> coefficients) {
+  coefficients.erase(coefficients.begin());
+  return coefficients;
 }
 
-Column column_of(const Problem& problem, const std::function<double(double)>& function, bool slow) {
+/// How many coefficients, from 1 on, a slow function has.
+std::size_t slow_coefficients(const Problem& problem) {
+  return problem.block() == 1 ? problem.size() - 1 : problem.size() / problem.block() / 2;
+}
+
+/// The lower half of the coefficients of one value a block, as those of a record.
+std::vector<double> of_blocks(const Problem& problem, std::span<const double> values) {
+  std::vector<double> coefficients = without_first(problem.block_transform().forward(values));
+  coefficients.resize(slow_coefficients(problem));
+  const double scale = std::sqrt(static_cast<double>(problem.block()));
+  for (double& c : coefficients) c *= scale;
+  return coefficients;
+}
+
+}  // namespace
+
+Column column_of(const Problem& problem, std::span<const double> values) {
+  if (problem.block() == 1) return {1, without_first(problem.transform().forward(values))};
+  const std::size_t block = problem.block();
+  const auto width = static_cast<double>(block);
+  std::vector<double> means(problem.size() / block);
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    for (std::size_t k = i * block; k < (i + 1) * block; ++k) means[i] += values[k] / width;
+  }
+  std::vector<double> coefficients = of_blocks(problem, means);
+  // What averaging has taken away.
+  for (std::size_t k = 1; k <= coefficients.size(); ++k) {
+    const double half = 0.5 * std::numbers::pi * static_cast<double>(k) /
+                        static_cast<double>(problem.size());
+    coefficients[k - 1] *= width * std::sin(half) / std::sin(width * half);
+  }
+  return {1, std::move(coefficients)};
+}
+
+Column column_of(const Problem& problem, const std::function<double(double)>& function) {
+  const std::size_t block = problem.block();
+  const double centre_s = 0.5 * static_cast<double>(block - 1) * problem.period_s();
+  std::vector<double> values(problem.size() / block);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = function(problem.time_s(i * block) + centre_s);
+  }
+  return {1, of_blocks(problem, values)};
+}
+
+Column fast_column_of(const Problem& problem, const std::function<double(double)>& function) {
   std::vector<double> values(problem.size());
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = function(problem.time_s(k));
-  return column_of(problem, values, slow);
+  return {1, without_first(problem.transform().forward(values))};
+}
+
+Column step_column(const Problem& problem, std::size_t first) {
+  const auto n = static_cast<double>(problem.size());
+  const double turn = std::numbers::pi * static_cast<double>(first) / n;
+  Column column{1, std::vector<double>(slow_coefficients(problem))};
+  for (std::size_t k = 1; k < column.end(); ++k) {
+    column.coefficients[k - 1] =
+        -std::sqrt(2.0 / n) * std::sin(turn * static_cast<double>(k)) / problem.sines()[k];
+  }
+  return column;
+}
+
+Column decay_column(const Problem& problem, double tau_s) {
+  // A geometric series.
+  const auto n = static_cast<double>(problem.size());
+  const double samples = tau_s / problem.period_s();
+  const double lost = -std::expm1(-1.0 / samples);
+  const double end = std::exp(-n / samples);
+  Column column{1, std::vector<double>(slow_coefficients(problem))};
+  for (std::size_t k = 1; k < column.end(); ++k) {
+    const double square = problem.sines()[k] * problem.sines()[k];
+    const double ends = k % 2 == 0 ? 1.0 - end : 1.0 + end;
+    column.coefficients[k - 1] = std::sqrt(2.0 / n) * ends * lost * std::sqrt(1.0 - 0.25 * square) /
+                                 (lost * lost + (1.0 - lost) * square);
+  }
+  return column;
 }
 
 MeanScan::MeanScan(const Explanation& explanation)
@@ -64,6 +131,7 @@ MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
         others_.push_back(&column);
         continue;
       }
+      is_changed_ = true;
       for (std::size_t k = column.first; k < column.end(); ++k) {
         residual_[k] += size * column.coefficients[k - column.first];
       }
@@ -80,7 +148,12 @@ MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
   others_covariance_ =
       count > 0 ? Eigen::MatrixXd(normal.completeOrthogonalDecomposition().pseudoInverse())
                 : normal;
-  weighted_ = problem().transform().inverse(divided(residual_, density()));
+}
+
+const std::vector<double>& MeanScan::weighted() const {
+  if (!is_changed_) return explanation_->weighted();
+  if (weighted_.empty()) weighted_ = problem().transform().inverse(divided(residual_, density()));
+  return weighted_;
 }
 
 double MeanScan::product(const Column& a, const Column& b) const {
@@ -160,7 +233,7 @@ std::vector<double> MeanScan::step_gains() const {
   const std::size_t n = problem().size();
   std::vector<double> information = step_information();
   const std::vector<double> original = information;
-  const std::vector<double> sums = tail_sums(weighted_);
+  const std::vector<double> sums = tail_sums(weighted());
   std::vector<std::vector<double>> beside;
   beside.reserve(others_.size());
   for (const Column* other : others_) {

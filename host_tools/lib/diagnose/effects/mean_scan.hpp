@@ -14,15 +14,19 @@
 
 namespace zerorate::diagnose {
 
-/// Coefficients beyond this one say nothing of slow functions.
-inline constexpr std::size_t kMostSlowCoefficients = 65'536;
-
-/// The DCT of a function of time given at each value; slow functions are cut off above.
-[[nodiscard]] Column column_of(const Problem& problem, std::span<const double> values,
-                               bool slow = true);
+/// The DCT of a slow function of time given at each value. Of long records it is taken of the means
+/// over blocks, and coefficients beyond half of theirs are left out.
+[[nodiscard]] Column column_of(const Problem& problem, std::span<const double> values);
+/// The same of a function that is smooth over a block.
 [[nodiscard]] Column column_of(const Problem& problem,
-                               const std::function<double(double time_s)>& function,
-                               bool slow = true);
+                               const std::function<double(double time_s)>& function);
+/// Of a fast one, with all coefficients.
+[[nodiscard]] Column fast_column_of(const Problem& problem,
+                                    const std::function<double(double time_s)>& function);
+/// Of 0 before value `first` and 1 from it on.
+[[nodiscard]] Column step_column(const Problem& problem, std::size_t first);
+/// Of e^(-t / tau).
+[[nodiscard]] Column decay_column(const Problem& problem, double tau_s);
 
 class MeanScan {
  public:
@@ -43,7 +47,7 @@ class MeanScan {
   [[nodiscard]] double information(const Column& column) const;
 
   /// Sigma^-1 (y - mean), value by value.
-  [[nodiscard]] const std::vector<double>& weighted() const { return weighted_; }
+  [[nodiscard]] const std::vector<double>& weighted() const;
   /// Gain of a step before each value (position 0 and the last ones included, as 0).
   [[nodiscard]] std::vector<double> step_gains() const;
   /// How often the gain of steps crosses a level G upwards by chance, over e^(-G).
@@ -58,7 +62,8 @@ class MeanScan {
   std::vector<const Column*> others_;
   Eigen::MatrixXd others_covariance_;
   std::vector<double> residual_;
-  std::vector<double> weighted_;
+  bool is_changed_ = false;  ///< the residual is not that of the explanation
+  mutable std::vector<double> weighted_;
 };
 
 /// A search that names the best part at the given noise.

@@ -25,51 +25,65 @@ struct Event {
   double peak_rad_s = 0.0;
 };
 
-/// A half-sine of unit peak.
-double pulse(std::size_t i, std::size_t length) {
-  return std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
-}
-
-/// Gains of a pulse of one length at all places at once: a matched filter on Sigma^-1 y.
+/// Gains of a half-sine of unit peak and of one length at all places: a matched filter on
+/// Sigma^-1 y, which follows from one place to the next by turning the sum of e^(i pi k / length).
 class Matched {
  public:
-  explicit Matched(const Explanation& explanation)
-      : explanation_(&explanation),
-        fft_(explanation.problem().size()),
-        weighted_(fft_.bins()),
-        size_(explanation.problem().size()) {
-    fft_.forward(explanation.weighted(), weighted_);
-  }
+  explicit Matched(const Explanation& explanation) : explanation_(&explanation) {}
 
   /// Calls visit(place, gain, amplitude) for every place that the pulse fits in.
   template <class Visit>
   void scan(std::size_t length, Visit visit) const {
-    std::vector<double> shape(size_);
-    for (std::size_t i = 0; i < length; ++i) shape[i] = pulse(i, length);
-    std::vector<std::complex<double>> bins(fft_.bins());
-    fft_.forward(shape, bins);
-    // Its information is the same everywhere but at the very ends.
-    double information = 0.0;
-    const std::vector<double>& density = explanation_->density();
-    for (std::size_t j = 0; j < bins.size(); ++j) {
-      const double twice = j == 0 || 2 * j == size_ ? 1.0 : 2.0;
-      const std::size_t k = std::clamp<std::size_t>(2 * j, 1, size_ - 1);
-      information += twice * std::norm(bins[j]) / density[k];
+    const std::vector<double>& weighted = explanation_->weighted();
+    const double information = information_of(length);
+    const double rounding = explanation_->rounding_rad_s();
+    const double turn = std::numbers::pi / static_cast<double>(length);
+    const std::complex<double> back = std::polar(1.0, -turn);
+    const std::complex<double> first = std::polar(1.0, 0.5 * turn);
+    const std::complex<double> last = std::polar(1.0, turn * (static_cast<double>(length) - 0.5));
+    std::complex<double> sum;
+    for (std::size_t i = 0; i < length; ++i) {
+      sum += weighted[i] * std::polar(1.0, turn * (static_cast<double>(i) + 0.5));
     }
-    information /= static_cast<double>(size_);
-    for (std::size_t j = 0; j < bins.size(); ++j) bins[j] = std::conj(bins[j]) * weighted_[j];
-    std::vector<double> match(size_);
-    fft_.inverse(bins, match);
-    for (std::size_t at = 0; at + length <= size_; ++at) {
-      visit(at, 0.5 * match[at] * match[at] / information, match[at] / information);
+    for (std::size_t at = 0;; ++at) {
+      const double amplitude = sum.imag() / information;
+      const double beyond = std::max(0.0, std::abs(amplitude) - rounding);
+      visit(at, 0.5 * beyond * beyond * information, amplitude);
+      if (at + length >= weighted.size()) break;
+      sum = product(back, sum - weighted[at] * first) + weighted[at + length] * last;
     }
   }
 
  private:
+  // Without the NaN rules of std::complex's operator*.
+  static std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+  }
+
+  /// x' Sigma^-1 x, the same at all places but the very ends: from a transform in which the pulse
+  /// has room.
+  [[nodiscard]] double information_of(std::size_t length) const {
+    constexpr std::size_t kRoom = 16;
+    const spectrum::RealFft fft(spectrum::fast_length_below(kRoom * length));
+    std::vector<double> pulse(fft.length());
+    for (std::size_t i = 0; i < length; ++i) {
+      pulse[i] = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) /
+                          static_cast<double>(length));
+    }
+    std::vector<std::complex<double>> bins(fft.bins());
+    fft.forward(pulse, bins);
+    const NoiseSpectrum& noise = explanation_->noise().spectrum;
+    const auto size = static_cast<double>(fft.length());
+    double sum = 0.0;
+    for (std::size_t j = 1; j < bins.size(); ++j) {
+      const double twice = 2 * j == fft.length() ? 1.0 : 2.0;
+      const double sine = 2.0 * std::sin(std::numbers::pi * static_cast<double>(j) / size);
+      sum += twice * std::norm(bins[j]) / noise.density(sine, 0, explanation_->problem().size());
+    }
+    return sum / size;
+  }
+
   const Explanation* explanation_;
-  spectrum::RealFft fft_;
-  std::vector<std::complex<double>> weighted_;
-  std::size_t size_;
 };
 
 /// Rotation inside what is held for a standstill. The part's shape: first, end and peak (rad/s) of

@@ -38,12 +38,15 @@ struct Mixture {
   }
 };
 
-/// Deletion residuals: how far each value is from what all others let expect, in sigma.
+/// Deletion residuals: how far each value is from what all others let expect, in sigma. Of values
+/// on coarse levels, what rounding cannot have done.
 std::vector<double> deletion_residuals(const Explanation& explanation) {
   std::vector<double> residuals = explanation.weighted();
-  const double scale = 1.0 / std::sqrt(explanation.information());
+  const double root = std::sqrt(explanation.information());
+  const double rounding = explanation.rounding_rad_s() * root;
   for (std::size_t k = 0; k < residuals.size(); ++k) {
-    residuals[k] = explanation.is_replaced()[k] ? 0.0 : residuals[k] * scale;
+    const double z = explanation.is_replaced()[k] ? 0.0 : residuals[k] / root;
+    residuals[k] = std::copysign(std::max(0.0, std::abs(z) - rounding), z);
   }
   return residuals;
 }
@@ -51,7 +54,9 @@ std::vector<double> deletion_residuals(const Explanation& explanation) {
 /// Counts and mean squares of |z|, so that fitting does not depend on the length of the record.
 class Histogram {
  public:
-  explicit Histogram(const std::vector<double>& residuals) : bins_(kBins) {
+  /// @param least_variance  of the noise
+  Histogram(const std::vector<double>& residuals, double least_variance)
+      : least_variance_(least_variance), bins_(kBins) {
     for (const double z : residuals) {
       const double place = std::min(std::abs(z) * kBinsPerSigma, double{kBins - 1});
       Bin& bin = bins_[static_cast<std::size_t>(place)];
@@ -75,7 +80,7 @@ class Histogram {
         good_squares += (1.0 - posterior) * bin.squares;
         total += bin.count;
       }
-      mixture.variance = good_squares / (total - bad);
+      mixture.variance = std::max(least_variance_, good_squares / (total - bad));
       mixture.probability = std::clamp(bad / total, 1e-9, kMostProbable);
       const double size = std::sqrt(std::max(0.0, bad_squares / bad / mixture.variance - 1.0));
       mixture.size = std::max(size, kLeastSize);
@@ -95,7 +100,8 @@ class Histogram {
       sum += bin.count * (mixture.at(std::sqrt(bin.squares / bin.count)).log_ratio) -
              0.5 * bin.squares;
     }
-    return sum + 0.5 * total * (std::log(squares / total) + 1.0);
+    const double variance = std::max(least_variance_, squares / total);
+    return sum + 0.5 * total * std::log(variance) + 0.5 * squares / variance;
   }
 
  private:
@@ -103,6 +109,7 @@ class Histogram {
     double count = 0.0;
     double squares = 0.0;
   };
+  double least_variance_;
   std::vector<Bin> bins_;
 };
 
@@ -113,7 +120,8 @@ class Outliers final : public Effect {
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     const std::vector<double> residuals = deletion_residuals(without);
-    const Histogram histogram(residuals);
+    // What rounding may have done was taken away, so that nothing may be left of the noise.
+    const Histogram histogram(residuals, without.is_coarse() ? 1.0 : 0.0);
     Mixture best;
     double best_gain = 0.0;
     for (const double size : {3.0, 10.0, 50.0}) {

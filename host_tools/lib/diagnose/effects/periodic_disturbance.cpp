@@ -42,13 +42,10 @@ class PeriodicDisturbance final : public Effect {
         std::hypot(a * found.amplitude_error(0), b * found.amplitude_error(1)) / std::hypot(a, b);
     const double frequency = found.part().shape.front();
     const double rad_per_s = 2.0 * std::numbers::pi * frequency;
-    const Column derivative = column_of(
-        found.all.problem(),
-        [&](double time_s) {
-          const double turn = rad_per_s * time_s;
-          return 2.0 * std::numbers::pi * time_s * (b * std::cos(turn) - a * std::sin(turn));
-        },
-        false);
+    const Column derivative = fast_column_of(found.all.problem(), [&](double time_s) {
+      const double turn = rad_per_s * time_s;
+      return 2.0 * std::numbers::pi * time_s * (b * std::cos(turn) - a * std::sin(turn));
+    });
     return {.parameters = {parameter("amplitude_dps", amplitude, error * kDegPerRad),
                            parameter("frequency_hz", frequency, shape_error(found, derivative))},
             .sentence = fmt::format("A sine of {:.2g} deg/s at {:.5g} Hz (or an alias of it) is in "
@@ -91,10 +88,10 @@ class PeriodicDisturbance final : public Effect {
     const double frequency_hz = cycles / problem.period_s();
     const double rad_per_s = 2.0 * std::numbers::pi * frequency_hz;
     return Part{.effect = name(),
-                .columns = {column_of(
-                                problem, [&](double t) { return std::cos(rad_per_s * t); }, false),
-                            column_of(
-                                problem, [&](double t) { return std::sin(rad_per_s * t); }, false)},
+                .columns = {fast_column_of(problem,
+                                           [&](double t) { return std::cos(rad_per_s * t); }),
+                            fast_column_of(problem,
+                                           [&](double t) { return std::sin(rad_per_s * t); })},
                 .shape = {frequency_hz}};
   }
 };

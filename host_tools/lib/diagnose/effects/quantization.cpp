@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/level_lattice.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 
 namespace zerorate::diagnose {
@@ -18,14 +18,13 @@ class Quantization final : public Effect {
   [[nodiscard]] std::string_view name() const override { return "quantization"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    if (without.problem().series().is_ticks) return std::nullopt;
-    const std::vector<double> values = without.problem().measured();
-    const auto lattice = find_lattice(values);
+    const auto& lattice = without.problem().lattice();
     if (!lattice || lattice->step * std::sqrt(without.information()) < kFinest) return std::nullopt;
     // A value without steps would lie within a tenth of a step from a level one time in five.
-    const double gain = static_cast<double>(values.size() - lattice->counts.size()) * std::log(5.0);
-    return Offer{
-        {.effect = name(), .shape = {lattice->step}, .step_rad_s = lattice->step}, gain, gain};
+    const std::size_t values =
+        std::accumulate(lattice->counts.begin(), lattice->counts.end(), std::size_t{0});
+    const double gain = static_cast<double>(values - lattice->counts.size()) * std::log(5.0);
+    return Offer{{.effect = name(), .shape = {lattice->step}}, gain, gain};
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {

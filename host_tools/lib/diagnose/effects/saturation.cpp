@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/level_lattice.hpp"
+#include "host_tools/lib/diagnose/level_lattice.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 
 namespace zerorate::diagnose {
@@ -24,7 +24,7 @@ class Saturation final : public Effect {
     const Problem& problem = without.problem();
     if (problem.series().is_ticks) return std::nullopt;
     const std::vector<double> values = problem.measured();
-    const auto [low, high] = gains_of(values);
+    const auto [low, high] = gains_of(values, problem.lattice());
     if (low <= 0.0 && high <= 0.0) return std::nullopt;
     const auto [least, most] = std::ranges::minmax(values);
     Offer offer{.part = {.effect = name(), .shape = {std::nan(""), std::nan(""), 0.0}},
@@ -80,8 +80,8 @@ class Saturation final : public Effect {
     double high = 0.0;
   };
 
-  static Gains gains_of(const std::vector<double>& values) {
-    const auto lattice = find_lattice(values);
+  static Gains gains_of(const std::vector<double>& values,
+                        const std::optional<LevelLattice>& lattice) {
     if (!lattice) {
       const ExtremeCounts counts = count_extremes(values);
       return {gain_of_ties(counts.lowest), gain_of_ties(counts.highest)};

@@ -97,10 +97,10 @@ class TemperatureDrift final : public Effect {
       excess[k] = element - reference;
     }
     Part part{
-        .effect = name(), .columns = {column_of(problem, excess)}, .shape = {lag_s, reference}};
+        .effect = name(), .columns = {column_of(problem, std::span<const double>(excess))}, .shape = {lag_s, reference}};
     if (quadratic) {
       for (double& e : excess) e *= e;
-      part.columns.push_back(column_of(problem, excess));
+      part.columns.push_back(column_of(problem, std::span<const double>(excess)));
     }
     return part;
   }

@@ -18,6 +18,7 @@ constexpr std::size_t kBlocks = 240;  // a change is searched for between blocks
 constexpr double kMostCycles = 40.0;  // of a periodic strength over the record
 constexpr std::size_t kShortest = 2;  // blocks
 constexpr double kDeepest = 0.98;     // modulation
+constexpr std::size_t kPeriodicBlocks = 5000;  // a hundred and more in a period
 
 /// The strength of the noise over time, up to a factor.
 struct Profile {
@@ -34,9 +35,11 @@ struct Profile {
 
   [[nodiscard]] double variance(std::size_t k, std::size_t size) const {
     if (kind == Kind::steps) return k >= first && k < end ? ratio : 1.0;
-    const double turn =
-        2.0 * std::numbers::pi * cycles * static_cast<double>(k) / static_cast<double>(size);
-    return std::max(1.0 + cosine * std::cos(turn) + sine * std::sin(turn), 1.0 - kDeepest);
+    const double at = turn(k, size);
+    return std::max(1.0 + cosine * std::cos(at) + sine * std::sin(at), 1.0 - kDeepest);
+  }
+  [[nodiscard]] double turn(std::size_t k, std::size_t size) const {
+    return 2.0 * std::numbers::pi * cycles * static_cast<double>(k) / static_cast<double>(size);
   }
 };
 
@@ -51,7 +54,9 @@ class Squares {
 
   [[nodiscard]] std::size_t size() const { return sums_.size() - 1; }
   [[nodiscard]] double freedom() const { return freedom_; }
-  [[nodiscard]] double square(std::size_t k) const { return sums_[k + 1] - sums_[k]; }
+  [[nodiscard]] double sum(std::size_t first, std::size_t end) const {
+    return sums_[end] - sums_[first];
+  }
   [[nodiscard]] double mean() const { return sums_.back() / static_cast<double>(size()); }
 
   /// Of another variance in [first, end) than elsewhere.
@@ -60,17 +65,18 @@ class Squares {
     const auto inside = static_cast<double>(end - first);
     const double outside = all - inside;
     if (inside < 1.0 || outside < 1.0) return 0.0;
-    const double sum = sums_[end] - sums_[first];
-    const double rest = std::max(sums_.back() - sum, 1e-300);
+    const double within = sum(first, end);
+    const double rest = std::max(sums_.back() - within, 1e-300);
     return 0.5 * freedom_ *
-           (all * std::log(sums_.back() / all) - inside * std::log(std::max(sum, 1e-300) / inside) -
+           (all * std::log(sums_.back() / all) -
+            inside * std::log(std::max(within, 1e-300) / inside) -
             outside * std::log(rest / outside));
   }
   [[nodiscard]] double ratio(std::size_t first, std::size_t end) const {
     const auto inside = static_cast<double>(end - first);
-    const double sum = sums_[end] - sums_[first];
-    const double rest = (sums_.back() - sum) / (static_cast<double>(size()) - inside);
-    return sum / inside / rest;
+    const double within = sum(first, end);
+    const double rest = (sums_.back() - within) / (static_cast<double>(size()) - inside);
+    return within / inside / rest;
   }
 
  private:
@@ -117,14 +123,20 @@ Profile best_steps(const Squares& squares) {
 }
 
 /// The variance swings as a sine. The frequency from the spectrum of the squares, the depth by
-/// scoring.
+/// scoring; both from sums over blocks, which are short beside any period.
 Profile best_periodic(const Squares& squares) {
-  const std::size_t n = spectrum::fast_length_below(squares.size());
+  const std::size_t block = std::max<std::size_t>(1, squares.size() / kPeriodicBlocks);
+  const std::size_t n = spectrum::fast_length_below(squares.size() / block);
+  const auto width = static_cast<double>(block);
   const double mean = squares.mean();
+  std::vector<double> relative(n);
+  for (std::size_t b = 0; b < n; ++b) {
+    relative[b] = squares.sum(b * block, (b + 1) * block) / (width * mean);
+  }
   constexpr std::size_t kPadding = 4;
   const spectrum::RealFft fft(kPadding * n);
   std::vector<double> excess(fft.length());
-  for (std::size_t k = 0; k < n; ++k) excess[k] = squares.square(k) / mean - 1.0;
+  for (std::size_t b = 0; b < n; ++b) excess[b] = relative[b] - 1.0;
   std::vector<std::complex<double>> bins(fft.bins());
   fft.forward(excess, bins);
   const auto last = std::min(bins.size(), static_cast<std::size_t>(kMostCycles * kPadding));
@@ -132,9 +144,9 @@ Profile best_periodic(const Squares& squares) {
   for (std::size_t j = at; j < last; ++j) {
     if (std::norm(bins[j]) > std::norm(bins[at])) at = j;
   }
+  const double covered = static_cast<double>(n * block) / static_cast<double>(squares.size());
   Profile best{.kind = Profile::Kind::periodic,
-               .cycles = static_cast<double>(at) / kPadding * static_cast<double>(squares.size()) /
-                         static_cast<double>(n)};
+               .cycles = static_cast<double>(at) / kPadding / covered};
   const double scale = 2.0 / static_cast<double>(n);
   best.cosine = std::clamp(scale * bins[at].real(), -0.7, 0.7);
   best.sine = std::clamp(-scale * bins[at].imag(), -0.7, 0.7);
@@ -143,19 +155,18 @@ Profile best_periodic(const Squares& squares) {
     double scaled = 0.0;
     std::array<double, 2> score{};
     double information = 0.0;
-    for (std::size_t k = 0; k < squares.size(); ++k) {
-      const double variance = best.variance(k, squares.size());
-      const double turn = 2.0 * std::numbers::pi * best.cycles * static_cast<double>(k) /
-                          static_cast<double>(squares.size());
-      const double relative = squares.square(k) / (mean * variance);
+    for (std::size_t b = 0; b < n; ++b) {
+      const std::size_t centre = b * block + block / 2;
+      const double variance = best.variance(centre, squares.size());
+      const double turn = best.turn(centre, squares.size());
       log_sum += std::log(variance);
-      scaled += relative;
-      score[0] += (relative - 1.0) * std::cos(turn) / variance;
-      score[1] += (relative - 1.0) * std::sin(turn) / variance;
+      scaled += relative[b] / variance;
+      score[0] += (relative[b] / variance - 1.0) * std::cos(turn) / variance;
+      score[1] += (relative[b] / variance - 1.0) * std::sin(turn) / variance;
       information += 0.5 / (variance * variance);
     }
-    const auto all = static_cast<double>(squares.size());
-    const double gain = 0.5 * squares.freedom() * (-log_sum - all * std::log(scaled / all));
+    const auto all = static_cast<double>(n);
+    const double gain = 0.5 * width * squares.freedom() * (-log_sum - all * std::log(scaled / all));
     best.gain_nats = std::max(best.gain_nats, gain);
     best.cosine += score[0] / information;
     best.sine += score[1] / information;
@@ -177,6 +188,7 @@ class VariableNoise final : public Effect {
   [[nodiscard]] std::string_view name() const override { return "variable_noise"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    if (without.is_coarse()) return std::nullopt;
     const Squares squares(without.fast_residual());
     Profile best = best_steps(squares);
     const Profile periodic = best_periodic(squares);

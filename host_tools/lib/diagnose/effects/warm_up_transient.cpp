@@ -56,17 +56,13 @@ class WarmUpTransient final : public Effect {
   }
 
  private:
-  static Column column(const Problem& problem, double time_constant_s) {
-    return column_of(problem, [&](double time_s) { return std::exp(-time_s / time_constant_s); });
-  }
-
   [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
     const Problem& problem = scan.problem();
     const double longest_s = kLongest * problem.span_s();
     double best_s = 0.0;
     double best_gain = -1.0;
     const auto try_one = [&](double time_constant_s) {
-      const double gain = scan.gain(column(problem, time_constant_s));
+      const double gain = scan.gain(decay_column(problem, time_constant_s));
       if (gain <= best_gain) return;
       best_gain = gain;
       best_s = time_constant_s;
@@ -77,7 +73,7 @@ class WarmUpTransient final : public Effect {
       try_one(std::min(centre * factor, longest_s));
       try_one(centre / factor);
     }
-    return Part{.effect = name(), .columns = {column(problem, best_s)}, .shape = {best_s}};
+    return Part{.effect = name(), .columns = {decay_column(problem, best_s)}, .shape = {best_s}};
   }
 };
 

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/effects/level_lattice.hpp"
+#include "host_tools/lib/diagnose/level_lattice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,16 @@ namespace {
 constexpr double kTolerance = 0.1;         // of a step
 constexpr double kSinglePrecision = 4e-7;  // of the value: a rate was a float
 
+/// How far apart two equal values of a range may be.
+double single_precision_of(double least, double most) {
+  return kSinglePrecision * std::max(std::abs(least), std::abs(most));
+}
+
 /// Distinct values with their counts; equal to the last digits of single precision.
 std::vector<std::pair<double, std::size_t>> levels_of(std::span<const double> values) {
   std::vector<double> sorted(values.begin(), values.end());
   std::ranges::sort(sorted);
-  const double same =
-      kSinglePrecision * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
+  const double same = single_precision_of(sorted.front(), sorted.back());
   std::vector<std::pair<double, std::size_t>> levels;
   for (const double value : sorted) {
     if (!levels.empty() && value - levels.back().first <= same) {
@@ -62,8 +66,14 @@ std::optional<LevelLattice> find_lattice(std::span<const double> values) {
 }
 
 ExtremeCounts count_extremes(std::span<const double> values) {
-  const auto levels = levels_of(values);
-  return {levels.front().second, levels.back().second};
+  const auto [least, most] = std::ranges::minmax(values);
+  const double same = single_precision_of(least, most);
+  ExtremeCounts counts;
+  for (const double value : values) {
+    if (value - least <= same) ++counts.lowest;
+    if (most - value <= same) ++counts.highest;
+  }
+  return counts;
 }
 
 }  // namespace zerorate::diagnose
