@@ -148,8 +148,8 @@ Explanation::Explanation(const Problem& problem, std::vector<Part> parts, const 
     : problem_(&problem), parts_(std::move(parts)) {
   for (const Part& part : parts_) terms_ = terms_ | part.terms;
   mark_replaced();
-  const bool is_as_before = before != nullptr && is_replaced_ == before->is_replaced_ &&
-                            clipped() == before->clipped();
+  const bool is_as_before =
+      before != nullptr && is_replaced_ == before->is_replaced_ && clipped() == before->clipped();
   if (is_as_before) {
     clean_ = before->clean_;
     coefficients_ = before->coefficients_;

@@ -23,7 +23,8 @@ std::vector<Candidate> candidates_for(const Explanation& without,
     if (is_in) continue;
     std::optional<Offer> offer = effect->examine(without);
     // A fit that ran away is no offer.
-    if (offer && std::isfinite(offer->surprise_nats)) candidates.push_back({effect.get(), std::move(*offer)});
+    if (offer && std::isfinite(offer->surprise_nats))
+      candidates.push_back({effect.get(), std::move(*offer)});
   }
   std::ranges::stable_sort(candidates, std::greater{}, [](const Candidate& candidate) {
     return candidate.offer.surprise_nats;

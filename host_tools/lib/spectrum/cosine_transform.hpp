@@ -21,6 +21,8 @@ class CosineTransform {
   explicit CosineTransform(std::size_t length);
 
   [[nodiscard]] std::size_t length() const { return fft_.length(); }
+  /// The Fourier transform of the same length, with its tables.
+  [[nodiscard]] const RealFft& fourier() const { return fft_; }
   /// @param values n numbers
   [[nodiscard]] std::vector<double> forward(std::span<const double> values) const;
   /// @param coefficients n numbers

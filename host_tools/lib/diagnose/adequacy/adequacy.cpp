@@ -24,7 +24,8 @@ Adequacy examine_adequacy(const Explanation& explanation) {
   add(test_spectrum_over_time(remainder));
   add(test_temperature(remainder));
   // Means over ticks of unequal numbers of samples have unequal variances.
-  const bool values_are_alike = !explanation.problem().series().is_ticks && !explanation.is_coarse();
+  const bool values_are_alike =
+      !explanation.problem().series().is_ticks && !explanation.is_coarse();
   if (values_are_alike) {
     add(test_variance(remainder));
     add(test_distribution(remainder));

@@ -92,7 +92,8 @@ Tests test_temperature(const Remainder& remainder) {
   const auto test = [&](const char* words, std::initializer_list<std::vector<double>> functions) {
     std::vector<Column> columns;
     columns.reserve(functions.size());
-    for (const auto& function : functions) columns.push_back(column_of(problem, std::span(function)));
+    for (const auto& function : functions)
+      columns.push_back(column_of(problem, std::span(function)));
     tests.push_back({words, log_chi_squared_tail(2.0 * scan.gain(columns),
                                                  static_cast<double>(columns.size()))});
   };

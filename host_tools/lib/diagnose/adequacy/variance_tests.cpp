@@ -52,7 +52,7 @@ Test strongest_period(const Remainder& remainder) {
     excess[k] = std::min(remainder.values[k] * remainder.values[k], 9.0) - mean;
     squares += excess[k] * excess[k];
   }
-  const spectrum::RealFft fft(n);
+  const spectrum::RealFft& fft = remainder.explanation->problem().transform().fourier();
   std::vector<std::complex<double>> bins(fft.bins());
   fft.forward(excess, bins);
   double most = 0.0;

@@ -68,8 +68,8 @@ Column column_of(const Problem& problem, std::span<const double> values) {
   std::vector<double> coefficients = of_blocks(problem, means);
   // What averaging has taken away.
   for (std::size_t k = 1; k <= coefficients.size(); ++k) {
-    const double half = 0.5 * std::numbers::pi * static_cast<double>(k) /
-                        static_cast<double>(problem.size());
+    const double half =
+        0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(problem.size());
     coefficients[k - 1] *= width * std::sin(half) / std::sin(width * half);
   }
   return {1, std::move(coefficients)};
@@ -100,6 +100,38 @@ Column step_column(const Problem& problem, std::size_t first) {
         -std::sqrt(2.0 / n) * std::sin(turn * static_cast<double>(k)) / problem.sines()[k];
   }
   return column;
+}
+
+std::pair<Column, Column> tone_columns(const Problem& problem, double cycles) {
+  // Geometric series of e^(i w t) cos(theta_k (t + 1/2)): with x = n w / 2 their sum is
+  // e^(i w (n-1)/2) (sin x or i cos x) (1 / sin((w + theta) / 2) + 1 / sin((w - theta) / 2)) / 2.
+  const auto n = static_cast<double>(problem.size());
+  double place = 2.0 * n * cycles;  // of the tone among the coefficients
+  constexpr double kLeastDistance = 1e-4;
+  if (std::abs(place - std::round(place)) < kLeastDistance) {
+    place = std::round(place) + kLeastDistance;
+  }
+  const double half = 0.5 * std::numbers::pi * place / n;
+  const double x = 0.5 * std::numbers::pi * place;
+  const std::complex<double> even = std::polar(std::sin(x) / std::sqrt(2.0 * n), half * (n - 1.0));
+  const std::complex<double> odd =
+      std::polar(std::cos(x) / std::sqrt(2.0 * n), half * (n - 1.0) + 0.5 * std::numbers::pi);
+  constexpr std::size_t kReach = 32'768;
+  const auto centre = static_cast<std::size_t>(place);
+  const std::size_t first = centre > kReach ? centre - kReach : 1;
+  const std::size_t end = std::min(problem.size(), centre + kReach);
+  Column cosine{first, {}};
+  Column sine{first, {}};
+  cosine.coefficients.reserve(end - first);
+  sine.coefficients.reserve(end - first);
+  for (std::size_t k = first; k < end; ++k) {
+    const double theta = 0.5 * std::numbers::pi * static_cast<double>(k) / n;
+    const double leak = 1.0 / std::sin(half + theta) + 1.0 / std::sin(half - theta);
+    const std::complex<double> c = leak * (k % 2 == 0 ? even : odd);
+    cosine.coefficients.push_back(c.real());
+    sine.coefficients.push_back(c.imag());
+  }
+  return {std::move(cosine), std::move(sine)};
 }
 
 Column decay_column(const Problem& problem, double tau_s) {
@@ -209,7 +241,8 @@ double MeanScan::gain(std::span<const Column> columns) const {
   return 0.5 * normalised.dot(scaled.ldlt().solve(normalised));
 }
 
-std::vector<double> MeanScan::step_information() const {
+const std::vector<double>& MeanScan::step_information() const {
+  if (!step_information_.empty()) return step_information_;
   // A step before value j has the coefficients -sqrt(2/n) sin(pi k j / n) / s_k.
   const std::size_t n = problem().size();
   std::vector<double> strength(n);
@@ -219,20 +252,19 @@ std::vector<double> MeanScan::step_information() const {
     strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density()[k]);
     total += strength[k];
   }
-  const spectrum::RealFft fft(n);
+  const spectrum::RealFft& fft = problem().transform().fourier();
   std::vector<std::complex<double>> bins(fft.bins());
   fft.forward(strength, bins);
-  std::vector<double> information(n);
+  step_information_.resize(n);
   for (std::size_t j = 0; j < n; ++j) {
-    information[j] = total - bins[std::min(j, n - j)].real();
+    step_information_[j] = total - bins[std::min(j, n - j)].real();
   }
-  return information;
+  return step_information_;
 }
 
 std::vector<double> MeanScan::step_gains() const {
   const std::size_t n = problem().size();
-  std::vector<double> information = step_information();
-  const std::vector<double> original = information;
+  const std::vector<double>& information = step_information();
   const std::vector<double> sums = tail_sums(weighted());
   std::vector<std::vector<double>> beside;
   beside.reserve(others_.size());
@@ -246,13 +278,13 @@ std::vector<double> MeanScan::step_gains() const {
   for (std::size_t j = kEdge; j + kEdge < n; ++j) {
     for (std::size_t i = 0; i < others_.size(); ++i) b(static_cast<Eigen::Index>(i)) = beside[i][j];
     const double left = information[j] - (others_.empty() ? 0.0 : b.dot(others_covariance_ * b));
-    if (left > 1e-3 * original[j]) gains[j] = 0.5 * sums[j] * sums[j] / left;
+    if (left > 1e-3 * information[j]) gains[j] = 0.5 * sums[j] * sums[j] / left;
   }
   return gains;
 }
 
 double MeanScan::step_crossings() const {
-  const std::vector<double> information = step_information();
+  const std::vector<double>& information = step_information();
   double sum = 0.0;
   for (std::size_t j = 2; j + 2 < information.size(); ++j) {
     const double a = information[j];

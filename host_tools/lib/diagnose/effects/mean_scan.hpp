@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host_tools/lib/diagnose/effect.hpp"
@@ -25,6 +26,8 @@ namespace zerorate::diagnose {
                                     const std::function<double(double time_s)>& function);
 /// Of 0 before value `first` and 1 from it on.
 [[nodiscard]] Column step_column(const Problem& problem, std::size_t first);
+/// Of cosine and sine of a tone, `cycles` a value; what is far from its frequency is left out.
+[[nodiscard]] std::pair<Column, Column> tone_columns(const Problem& problem, double cycles);
 /// Of e^(-t / tau).
 [[nodiscard]] Column decay_column(const Problem& problem, double tau_s);
 
@@ -56,7 +59,7 @@ class MeanScan {
  private:
   [[nodiscard]] double product(const Column& a, const Column& b) const;
   [[nodiscard]] Eigen::VectorXd beside(const Column& column) const;
-  [[nodiscard]] std::vector<double> step_information() const;
+  [[nodiscard]] const std::vector<double>& step_information() const;
 
   const Explanation* explanation_;
   std::vector<const Column*> others_;
@@ -64,6 +67,7 @@ class MeanScan {
   std::vector<double> residual_;
   bool is_changed_ = false;  ///< the residual is not that of the explanation
   mutable std::vector<double> weighted_;
+  mutable std::vector<double> step_information_;
 };
 
 /// A search that names the best part at the given noise.

@@ -67,8 +67,8 @@ class Matched {
     const spectrum::RealFft fft(spectrum::fast_length_below(kRoom * length));
     std::vector<double> pulse(fft.length());
     for (std::size_t i = 0; i < length; ++i) {
-      pulse[i] = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) /
-                          static_cast<double>(length));
+      pulse[i] =
+          std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     }
     std::vector<std::complex<double>> bins(fft.bins());
     fft.forward(pulse, bins);

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
+#include <utility>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
 constexpr double kFewestCycles = 1.5;
-constexpr std::size_t kPadding = 4;
 
 /// A line in the spectrum: a sine of constant frequency, amplitude and phase. The part's shape: its
 /// frequency in Hz. Its columns: cosine and sine.
@@ -64,35 +62,72 @@ class PeriodicDisturbance final : public Effect {
  private:
   [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
     const Problem& problem = scan.problem();
-    const std::size_t n = problem.size();
-    const spectrum::RealFft fft(kPadding * n);
-    std::vector<double> padded(fft.length());
-    std::ranges::copy(scan.weighted(), padded.begin());
-    std::vector<std::complex<double>> bins(fft.bins());
-    fft.forward(padded, bins);
-    const auto gain = [&](std::size_t j) {
-      const std::size_t k = std::clamp<std::size_t>(2 * j / kPadding, 1, n - 1);
-      return std::norm(bins[j]) * scan.density()[k] / static_cast<double>(n);
-    };
-    const auto first = static_cast<std::size_t>(kFewestCycles * static_cast<double>(kPadding));
-    std::size_t best = first;
-    for (std::size_t j = first; j + 2 < bins.size(); ++j) {
-      if (gain(j) > gain(best)) best = j;
-    }
-    // The vertex of the parabola through three points.
-    const double left = gain(best - 1);
-    const double right = gain(best + 1);
-    const double bend = left - 2.0 * gain(best) + right;
-    const double offset = bend < 0.0 ? std::clamp(0.5 * (left - right) / bend, -1.0, 1.0) : 0.0;
-    const double cycles = (static_cast<double>(best) + offset) / static_cast<double>(kPadding * n);
-    const double frequency_hz = cycles / problem.period_s();
-    const double rad_per_s = 2.0 * std::numbers::pi * frequency_hz;
+    const std::vector<double> gains = line_gains(scan);
+    const auto first = static_cast<std::ptrdiff_t>(2.0 * kFewestCycles);
+    const auto best = std::max_element(gains.begin() + first, gains.end() - 1) - gains.begin();
+    const double cycles = refined(scan.weighted(), 0.5 * static_cast<double>(best)) /
+                          static_cast<double>(problem.size());
+    auto [cosine, sine] = tone_columns(problem, cycles);
     return Part{.effect = name(),
-                .columns = {fast_column_of(problem,
-                                           [&](double t) { return std::cos(rad_per_s * t); }),
-                            fast_column_of(problem,
-                                           [&](double t) { return std::sin(rad_per_s * t); })},
-                .shape = {frequency_hz}};
+                .columns = {std::move(cosine), std::move(sine)},
+                .shape = {cycles / problem.period_s()}};
+  }
+
+  /// Of a line at k / 2n cycles a sample, for every k.
+  static std::vector<double> line_gains(const MeanScan& scan) {
+    // The cosine transform of (-1)^i x_i, read backwards, is the sine transform of x.
+    const std::size_t n = scan.problem().size();
+    std::vector<double> alternating = scan.weighted();
+    for (std::size_t i = 1; i < n; i += 2) alternating[i] = -alternating[i];
+    const std::vector<double> reversed = scan.problem().transform().forward(alternating);
+    std::vector<double> gains(n);
+    for (std::size_t k = 1; k < n; ++k) {
+      const double cosine = scan.residual()[k] / scan.density()[k];
+      const double sine = reversed[n - k];
+      gains[k] = 0.5 * (cosine * cosine + sine * sine) * scan.density()[k];
+    }
+    return gains;
+  }
+
+  /// Where within half a cycle the line is strongest.
+  static double refined(const std::vector<double>& weighted, double cycles) {
+    const auto power = [&](double at) {
+      return line_power(weighted, at / static_cast<double>(weighted.size()));
+    };
+    double centre = power(cycles);
+    for (double step = 0.25; step > 0.01; step *= 0.5) {
+      const double below = power(cycles - step);
+      const double above = power(cycles + step);
+      // The vertex of the parabola through three points.
+      const double bend = below - 2.0 * centre + above;
+      if (bend >= 0.0) continue;
+      cycles += step * std::clamp(0.5 * (below - above) / bend, -1.0, 1.0);
+      centre = power(cycles);
+    }
+    return cycles;
+  }
+
+  /// |sum x_i e^(-i turn)|^2, each factor turned from the one before; anew every so often, so that
+  /// the rounding does not grow.
+  static double line_power(const std::vector<double>& values, double cycles_per_value) {
+    constexpr std::size_t kStretch = 4096;
+    const double turn = 2.0 * std::numbers::pi * cycles_per_value;
+    const double cosine = std::cos(turn);
+    const double sine = std::sin(turn);
+    double real = 0.0;
+    double imaginary = 0.0;
+    for (std::size_t first = 0; first < values.size(); first += kStretch) {
+      double x = std::cos(turn * static_cast<double>(first));
+      double y = std::sin(turn * static_cast<double>(first));
+      for (std::size_t i = first; i < std::min(first + kStretch, values.size()); ++i) {
+        real += values[i] * x;
+        imaginary += values[i] * y;
+        const double next = x * cosine - y * sine;
+        y = x * sine + y * cosine;
+        x = next;
+      }
+    }
+    return real * real + imaginary * imaginary;
   }
 };
 

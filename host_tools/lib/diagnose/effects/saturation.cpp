@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/level_lattice.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/level_lattice.hpp"
 
 namespace zerorate::diagnose {
 namespace {

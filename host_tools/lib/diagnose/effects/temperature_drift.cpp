@@ -96,8 +96,9 @@ class TemperatureDrift final : public Effect {
       element += follow * (temperature[k] - element);
       excess[k] = element - reference;
     }
-    Part part{
-        .effect = name(), .columns = {column_of(problem, std::span<const double>(excess))}, .shape = {lag_s, reference}};
+    Part part{.effect = name(),
+              .columns = {column_of(problem, std::span<const double>(excess))},
+              .shape = {lag_s, reference}};
     if (quadratic) {
       for (double& e : excess) e *= e;
       part.columns.push_back(column_of(problem, std::span<const double>(excess)));
