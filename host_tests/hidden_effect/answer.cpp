@@ -64,6 +64,12 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
   Answer answer{.verdict = document.at("verdict"), .gain = gain_in(document.at("gain"))};
   for (const auto& cause : document.at("causes")) {
     answer.causes.push_back(cause.at("name"));
+    constexpr std::string_view kEnd = "_ci95";
+    for (const auto& [key, interval] : cause.at("parameters").items()) {
+      if (!key.ends_with(kEnd) || interval[0].is_null() || interval[1].is_null()) continue;
+      answer.intervals[answer.causes.back()][key.substr(0, key.size() - kEnd.size())] = {
+          interval[0].get<double>(), interval[1].get<double>()};
+    }
     for (const auto& rival : cause.at("alternatives")) {
       answer.alternatives.push_back(rival.at("name"));
     }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tests/hidden_effect/scenario.hpp"
@@ -25,6 +27,8 @@ struct Answer {
   std::vector<std::string> causes;        ///< strongest first
   std::vector<std::string> alternatives;  ///< of all causes
   Gain gain;
+  /// 95 % intervals of the parameters of each cause, by its name and theirs.
+  std::map<std::string, std::map<std::string, std::pair<double, double>>> intervals;
 };
 
 /// Runs `zerorate diagnose recording --json ...` as a process of its own and reads what it wrote.

@@ -36,11 +36,22 @@ struct CampaignOptions {
   std::string zerorate = ZERORATE_PROGRAM;
   std::size_t runs = 416;  // thirteen rounds
   std::string document;
+  std::string commit;
   std::string json;
   std::pair<std::size_t, std::string> write_run;
   bool gain = false;
   std::size_t gain_recordings = 20;  ///< of each effect
 };
+
+/// A program that fails has not answered; the campaign goes on.
+Answer answer_of(const CampaignOptions& options, const std::filesystem::path& recording) {
+  try {
+    return diagnose(options.zerorate, recording);
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return {.verdict = "failed"};
+  }
+}
 
 Tally campaign(const CampaignOptions& options) {
   const testing::ScratchFolder folder;
@@ -50,7 +61,7 @@ Tally campaign(const CampaignOptions& options) {
   for (std::size_t run = 0; run < options.runs; ++run) {
     const Scenario scenario = draw_scenario(options.scenario, run);
     write_recording(scenario, recording);
-    tally.add(run, scenario, diagnose(options.zerorate, recording));
+    tally.add(run, scenario, answer_of(options, recording));
     progress.update(static_cast<double>(run + 1) / static_cast<double>(options.runs));
   }
   return tally;
@@ -100,9 +111,10 @@ void run_document(CampaignOptions options) {
   for (const double nats : {40.0, 25.0}) {
     options.scenario.nats = nats;
     const Tally tally = campaign(options);
-    figures += fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}.\n\n{}", nats,
-                           options.runs, options.scenario.samples, options.scenario.seed,
-                           tally.markdown());
+    figures +=
+        fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}, commit {}.\n\n{}",
+                    nats, options.runs, options.scenario.samples, options.scenario.seed,
+                    options.commit.empty() ? "unknown" : options.commit, tally.markdown());
   }
   write_document(options.document, figures + "\n");
 }
@@ -141,7 +153,6 @@ void run(const CampaignOptions& options) {
   }
   const Tally tally = campaign(options);
   fmt::print("{}\n", tally.markdown());
-  for (const std::string& miss : tally.misses()) fmt::print("{}\n", miss);
   if (!options.json.empty()) std::ofstream{options.json} << tally.json();
 }
 
@@ -168,6 +179,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--recordings", options.gain_recordings, "of each effect, with --gain")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--commit", options.commit, "of the program that is tried, for the document");
   app.add_option("--write-run", options.write_run, "write the recording of one run and stop");
   CLI11_PARSE(app, argc, argv);
   run(options);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -14,8 +14,6 @@
 
 namespace zerorate::hidden_effect {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 /// Classes between which a pair is drawn: within one, two effects can be each other's alternative.
 enum class Class : std::uint8_t { slow, coloured, pointwise };
@@ -44,19 +42,22 @@ struct SizedEffect {
   Part part;
   double size;
   bool replaces_flicker;
+  Figures figures;
 };
 
-/// Draws the other parameters again where no size gives so many nats.
-SizedEffect sized(const EffectEntry& entry, const Setting& setting, double nats, Draws& draws) {
+/// Draws the other parameters again where no size gives so many nats; nothing where that does not
+/// help either.
+std::optional<SizedEffect> sized(const EffectEntry& entry, const Setting& setting, double nats,
+                                 Draws& draws) {
   constexpr int kMostTries = 20;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     const Sizable effect = entry.draw(setting, draws);
     if (const auto size = size_for(effect, nats)) {
-      return {effect.name, effect.at(*size), *size, effect.replaces_flicker};
+      return SizedEffect{effect.name, effect.at(*size), *size, effect.replaces_flicker,
+                         effect.figures(*size)};
     }
   }
-  throw std::runtime_error(
-      fmt::format("{} cannot be made to cost {} nats in this setting", entry.name, nats));
+  return std::nullopt;
 }
 
 std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::size_t run,
@@ -108,6 +109,30 @@ simulate::Signal compose(const Setting& setting, std::vector<SizedEffect> effect
   return signal;
 }
 
+std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
+                                     const simulate::RandomStream& stream) {
+  const Setting setting = draw_setting(options.samples, stream);
+  Draws draws{stream.substream("effects")};
+  const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
+  const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
+  std::vector<SizedEffect> effects;
+  for (const EffectEntry& entry : choose(kind, options, run, draws)) {
+    auto effect = sized(entry, setting, nats, draws);
+    if (!effect) return std::nullopt;
+    effects.push_back(*std::move(effect));
+  }
+  Scenario scenario{.kind = kind,
+                    .description = describe(setting, effects),
+                    .with_temperature = draws.with_probability(0.5),
+                    .signal = compose(setting, effects)};
+  for (const SizedEffect& effect : effects) {
+    scenario.truth.push_back(effect.name);
+    scenario.figures[effect.name] = effect.figures;
+    scenario.with_temperature |= effect.name.starts_with("temperature");
+  }
+  return scenario;
+}
+
 }  // namespace
 
 std::string_view name(Kind kind) {
@@ -124,23 +149,14 @@ Kind kind_of_run(std::size_t run) {
 
 Scenario draw_scenario(const ScenarioOptions& options, std::size_t run) {
   const auto stream = simulate::RandomStream(options.seed).substream(run);
-  const Setting setting = draw_setting(options.samples, stream);
-  Draws draws{stream.substream("effects")};
-  const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
-  const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
-  std::vector<SizedEffect> effects;
-  for (const EffectEntry& entry : choose(kind, options, run, draws)) {
-    effects.push_back(sized(entry, setting, nats, draws));
+  // Some base noise hides an effect whatever its size: then another is drawn.
+  constexpr std::size_t kMostTries = 20;
+  for (std::size_t attempt = 0; attempt < kMostTries; ++attempt) {
+    auto scenario = try_scenario(options, run, attempt == 0 ? stream : stream.substream(attempt));
+    if (scenario) return *std::move(scenario);
   }
-  Scenario scenario{.kind = kind,
-                    .description = describe(setting, effects),
-                    .with_temperature = draws.with_probability(0.5),
-                    .signal = compose(setting, effects)};
-  for (const SizedEffect& effect : effects) {
-    scenario.truth.push_back(effect.name);
-    scenario.with_temperature |= effect.name.starts_with("temperature");
-  }
-  return scenario;
+  throw std::runtime_error(
+      fmt::format("run {}: no effect could be made to cost {} nats", run, options.nats));
 }
 
 void write_recording(const Scenario& scenario, const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +20,9 @@ enum class Kind : std::uint8_t { clean, single, pair, outside };
 struct Scenario {
   Kind kind = Kind::clean;
   std::vector<std::string> truth;  ///< names of what is hidden, none if clean
-  std::string description;         ///< sample rate, noise and sizes, for who reads of a miss
-  bool with_temperature = false;   ///< whether the recording has the column
+  std::map<std::string, std::map<std::string, double>> figures;  ///< of each, by its name
+  std::string description;        ///< sample rate, noise and sizes, for who reads of a miss
+  bool with_temperature = false;  ///< whether the recording has the column
   simulate::Signal signal;
 };
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +15,10 @@
 
 namespace zerorate::hidden_effect {
 
+/// Physical figures under the names that the JSON has for them.
+using Figures = std::map<std::string, double>;
+inline constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
 /// An effect whose other parameters are drawn, and only the size is open.
 struct Sizable {
   std::string name;
@@ -20,6 +26,8 @@ struct Sizable {
   std::function<double(double size)> loss_nats;  ///< rises with the size
   double guess = 1.0;                            ///< a size from which to search
   bool replaces_flicker = false;                 ///< its noise stands for that of the base
+  /// What a diagnosis should find, as its parameters are named; those that the size determines.
+  std::function<Figures(double size)> figures = [](double) { return Figures{}; };
 };
 
 /// The size at which the base loses so much; nothing if no size does.

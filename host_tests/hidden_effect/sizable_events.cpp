@@ -103,8 +103,9 @@ Sizable draw_random_telegraph_noise(const Setting& setting, Draws& draws) {
   const double asymmetry = draws.log_uniform(0.5, 2.0);
   const double low_s = mean_s * asymmetry;
   const double high_s = mean_s / asymmetry;
-  const auto effect = [=, sign = draws.sign()](double height) -> Effect {
-    return simulate::RandomTelegraphNoise{sign * height, low_s, high_s};
+  const double effect_sign = draws.sign();
+  const auto effect = [=](double height) -> Effect {
+    return simulate::RandomTelegraphNoise{effect_sign * height, low_s, high_s};
   };
   const std::vector<double> level = alone(setting, part_of(setting, effect(1.0)));
   const double price = path_price_nats(level, setting.period_s / low_s, setting.period_s / high_s);
@@ -117,7 +118,12 @@ Sizable draw_random_telegraph_noise(const Setting& setting, Draws& draws) {
                 for (double& contrast : scaled) contrast *= height;
                 return setting.noise.loss_to_mean(scaled) - price;
               },
-          .guess = 20.0 / std::sqrt(setting.noise.squared_norm(*unit) + 1e-300)};
+          .guess = 20.0 / std::sqrt(setting.noise.squared_norm(*unit) + 1e-300),
+          .figures = [=, is_up = effect_sign > 0.0](double height) -> Figures {
+            return {{"height_dps", height * kDegPerRad},
+                    {"mean_low_s", is_up ? low_s : high_s},
+                    {"mean_high_s", is_up ? high_s : low_s}};
+          }};
 }
 
 Sizable draw_outliers(const Setting& setting, Draws& draws) {
@@ -126,7 +132,12 @@ Sizable draw_outliers(const Setting& setting, Draws& draws) {
     return simulate::Outliers{sigma, probability};
   };
   const std::vector<double> mean = alone(setting, part_of(setting, effect(1.0)));
-  return random_events(setting, "outliers", find_events(setting, mean, {1.0}, probability), effect);
+  Sizable outliers =
+      random_events(setting, "outliers", find_events(setting, mean, {1.0}, probability), effect);
+  outliers.figures = [probability](double sigma) -> Figures {
+    return {{"probability", probability}, {"sigma_dps", sigma * kDegPerRad}};
+  };
+  return outliers;
 }
 
 Sizable draw_motion_contamination(const Setting& setting, Draws& draws) {
@@ -140,8 +151,13 @@ Sizable draw_motion_contamination(const Setting& setting, Draws& draws) {
     return simulate::MotionContamination{sigma, interval_s, duration_s};
   };
   const std::vector<double> mean = alone(setting, part_of(setting, effect(1.0)));
-  return random_events(setting, "motion_contamination",
-                       find_events(setting, mean, shape, setting.period_s / interval_s), effect);
+  Sizable motion =
+      random_events(setting, "motion_contamination",
+                    find_events(setting, mean, shape, setting.period_s / interval_s), effect);
+  motion.figures = [duration_s = samples * setting.period_s](double sigma) -> Figures {
+    return {{"peak_sigma_dps", sigma * kDegPerRad}, {"duration_s", duration_s}};
+  };
+  return motion;
 }
 
 }  // namespace zerorate::hidden_effect

@@ -53,17 +53,25 @@ Sizable draw_rate_random_walk(const Setting& setting, Draws& /*draws*/) {
                                return simulate::RateRandomWalk{step / root_period};
                              });
   walk.guess = 0.01 * setting.noise.white_sigma();
+  walk.figures = [root_period](double step) -> Figures {
+    return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
+  };
   return walk;
 }
 
 Sizable draw_correlated_noise(const Setting& setting, Draws& draws) {
   const double most = static_cast<double>(setting.samples) / 40.0;
   const double time_constant = draws.log_uniform(2.0, most);  // samples
-  return added_noise(setting, "correlated_noise",
-                     gauss_markov_spectrum(setting.samples, time_constant),
-                     [=, period_s = setting.period_s](double sigma) -> Effect {
-                       return simulate::CorrelatedNoise{sigma, time_constant * period_s};
-                     });
+  const double time_constant_s = time_constant * setting.period_s;
+  Sizable noise = added_noise(setting, "correlated_noise",
+                              gauss_markov_spectrum(setting.samples, time_constant),
+                              [time_constant_s](double sigma) -> Effect {
+                                return simulate::CorrelatedNoise{sigma, time_constant_s};
+                              });
+  noise.figures = [time_constant_s](double sigma) -> Figures {
+    return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
+  };
+  return noise;
 }
 
 Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
@@ -88,7 +96,10 @@ Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
                 return setting.noise.loss_to_spectrum(truth);
               },
           .guess = setting.flicker_sigma_rad_s,
-          .replaces_flicker = true};
+          .replaces_flicker = true,
+          .figures = [order](double) -> Figures {
+            return {{"order", order}};
+          }};
 }
 
 Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
@@ -109,7 +120,10 @@ Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
                 }
                 return setting.noise.loss_to_spectrum(truth);
               },
-          .guess = 0.3};
+          .guess = 0.3,
+          .figures = [rate_hz = setting.rate_hz()](double time_constant) -> Figures {
+            return {{"cut_off_hz", rate_hz / (2.0 * std::numbers::pi * time_constant)}};
+          }};
 }
 
 Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
@@ -120,43 +134,66 @@ Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
   const double reference_degc = draws.uniform(20.0, 30.0);
   // Of a curved one about half is curvature.
   const double quadratic = curved ? sign * draws.sign() * 0.1 : 0.0;
-  return added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
+  Sizable mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
     return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,
                                       .quadratic_rad_s_per_k2 = quadratic * slope,
                                       .reference_degc = reference_degc,
                                       .lag_s = lag_s};
   });
+  mean.figures = [sign, curved](double slope) -> Figures {
+    // The slope of a curved one depends on the temperature that it is told at.
+    if (curved) return {};
+    return {{"linear_dps_per_k", sign * slope * kDegPerRad}};
+  };
+  return mean;
 }
 
 Sizable draw_warm_up_transient(const Setting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_constant_s = setting.record_s() * draws.log_uniform(0.02, 0.25);
-  return added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
+  Sizable mean = added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
     return simulate::WarmUpTransient{sign * amplitude, time_constant_s};
   });
+  mean.figures = [=](double amplitude) -> Figures {
+    return {{"amplitude_dps", sign * amplitude * kDegPerRad}, {"time_constant_s", time_constant_s}};
+  };
+  return mean;
 }
 
 Sizable draw_rate_ramp(const Setting& setting, Draws& draws) {
   const double slope = draws.sign() / setting.record_s();
-  return added_mean(setting, "rate_ramp",
-                    [=](double rise) -> Effect { return simulate::RateRamp{slope * rise}; });
+  Sizable mean = added_mean(setting, "rate_ramp", [=](double rise) -> Effect {
+    return simulate::RateRamp{slope * rise};
+  });
+  mean.figures = [slope](double rise) -> Figures {
+    return {{"slope_dps_per_s", slope * rise * kDegPerRad}};
+  };
+  return mean;
 }
 
 Sizable draw_periodic_disturbance(const Setting& setting, Draws& draws) {
   const double cycles = draws.log_uniform(15.0, 0.45 * static_cast<double>(setting.samples));
   const double frequency_hz = cycles / setting.record_s();
   const double phase_rad = draws.uniform(0.0, 2.0 * std::numbers::pi);
-  return added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
+  Sizable mean = added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
     return simulate::PeriodicDisturbance{amplitude, frequency_hz, phase_rad};
   });
+  mean.figures = [frequency_hz](double amplitude) -> Figures {
+    return {{"amplitude_dps", amplitude * kDegPerRad}, {"frequency_hz", frequency_hz}};
+  };
+  return mean;
 }
 
 Sizable draw_bias_jump(const Setting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_s = setting.record_s() * draws.uniform(0.08, 0.92);
-  return added_mean(setting, "bias_jump", [=](double height) -> Effect {
+  Sizable mean = added_mean(setting, "bias_jump", [=](double height) -> Effect {
     return simulate::BiasJump{sign * height, time_s};
   });
+  mean.figures = [=](double height) -> Figures {
+    return {{"height_dps", sign * height * kDegPerRad}, {"time_s", time_s}};
+  };
+  return mean;
 }
 
 }  // namespace zerorate::hidden_effect

@@ -53,7 +53,10 @@ Sizable draw_variable_noise(const Setting& setting, Draws& draws) {
                 const auto n = static_cast<double>(setting.samples);
                 return 0.5 * (n * std::log(sum / n) - sum_of_logs);
               },
-          .guess = 0.3 * setting.noise.white_sigma()};
+          .guess = 0.3 * setting.noise.white_sigma(),
+          .figures = [period_s](double) -> Figures {
+            return {{"swing_period_s", period_s}};
+          }};
 }
 
 Sizable draw_quantization(const Setting& setting, Draws& draws) {
@@ -82,7 +85,10 @@ Sizable draw_quantization(const Setting& setting, Draws& draws) {
                 }
                 return sum;
               },
-          .guess = 2.0 * white};
+          .guess = 2.0 * white,
+          .figures = [finer](double step) -> Figures {
+            return {{"step_dps", finer * step * kDegPerRad}};
+          }};
 }
 
 Sizable draw_saturation(const Setting& setting, Draws& /*draws*/) {
@@ -127,7 +133,11 @@ Sizable draw_dropped_samples(const Setting& setting, Draws& draws) {
                        (p * std::log(p / kGoodLink) +
                         (1.0 - p) * (std::log1p(-p) - std::log1p(-kGoodLink)));
               },
-          .guess = 1e-3};
+          .guess = 1e-3,
+          .figures = [mean_run](double probability) -> Figures {
+            return {{"lost_share", probability / (probability + 1.0 / mean_run)},
+                    {"mean_run_samples", mean_run}};
+          }};
 }
 
 }  // namespace zerorate::hidden_effect

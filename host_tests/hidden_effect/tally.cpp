@@ -102,12 +102,26 @@ void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer)
       break;
   }
   if (answer.verdict == "explained") wrong_.count(result.wrong);
+  count_coverage(scenario, answer);
   if (!is_right(scenario, answer, result)) {
     misses_.push_back(fmt::format(
         "run {}: {} ({}) was answered: {}, causes [{}], alternatives [{}]", run,
         scenario.truth.empty() ? "clean" : fmt::format("{}", fmt::join(scenario.truth, " + ")),
         scenario.description, answer.verdict, fmt::join(answer.causes, ", "),
         fmt::join(answer.alternatives, ", ")));
+  }
+}
+
+void Tally::count_coverage(const Scenario& scenario, const Answer& answer) {
+  for (const auto& [effect, intervals] : answer.intervals) {
+    const auto truths = scenario.figures.find(effect);
+    if (truths == scenario.figures.end()) continue;
+    for (const auto& [name, truth] : truths->second) {
+      const auto interval = intervals.find(name);
+      if (interval == intervals.end()) continue;
+      const auto [lo, hi] = interval->second;
+      coverage_[effect + ": " + name].count(lo <= truth && truth <= hi);
+    }
   }
 }
 
@@ -134,7 +148,22 @@ std::string Tally::markdown() const {
                     percent(bar.rate.share()), percent(bar.rate.lo95()), percent(bar.rate.hi95()),
                     bar.rate.runs, bar.holds() ? "holds" : "**missed**");
   }
-  return text + "\n" + matrix();
+  text += "\n" + coverage_table() + "\n" + matrix();
+  if (misses_.empty()) return text;
+  text += "\nAnswers that were not the right one:\n\n";
+  for (const std::string& miss : misses_) text += "- " + miss + "\n";
+  return text;
+}
+
+std::string Tally::coverage_table() const {
+  std::string text = "| parameter | truth in its 95 % interval | of |\n|---|---|---|\n";
+  Rate all;
+  for (const auto& [name, rate] : coverage_) {
+    text += fmt::format("| {} | {} | {} |\n", name, rate.hits, rate.runs);
+    all.hits += rate.hits;
+    all.runs += rate.runs;
+  }
+  return text + fmt::format("| all | {} ({}) | {} |\n", all.hits, percent(all.share()), all.runs);
 }
 
 std::string Tally::matrix() const {
@@ -183,6 +212,9 @@ std::string Tally::json() const {
                                 {"hi95", bar.rate.hi95()},
                                 {"runs", bar.rate.runs},
                                 {"holds", bar.holds()}});
+  }
+  for (const auto& [name, rate] : coverage_) {
+    document["coverage"][name] = {{"hits", rate.hits}, {"runs", rate.runs}};
   }
   for (const auto& [truth, row] : rows_) {
     document["confusion"][truth] = {{"runs", row.runs},

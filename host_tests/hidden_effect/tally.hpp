@@ -61,12 +61,16 @@ class Tally {
   [[nodiscard]] std::vector<Bar> bars() const;
   /// One line for each recording whose answer was not the right one.
   [[nodiscard]] const std::vector<std::string>& misses() const { return misses_; }
-  /// Bars, confusion matrix and misses.
+  /// How often the 95 % interval of a parameter held the truth, where its effect was named.
+  [[nodiscard]] const std::map<std::string, Rate>& coverage() const { return coverage_; }
+  /// Bars, coverage, confusion matrix and misses.
   [[nodiscard]] std::string markdown() const;
   [[nodiscard]] std::string json() const;
 
  private:
+  void count_coverage(const Scenario& scenario, const Answer& answer);
   [[nodiscard]] std::string matrix() const;
+  [[nodiscard]] std::string coverage_table() const;
 
   ScenarioOptions options_;
   std::map<std::string, Row> rows_;
@@ -76,6 +80,7 @@ class Tally {
   Rate false_alarms_;
   Rate outside_unexplained_;
   Rate wrong_;
+  std::map<std::string, Rate> coverage_;
   std::vector<std::string> misses_;
 };
 

@@ -8,29 +8,10 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kFewestFilled = 0.7;
 constexpr double kFewestFilledTicks = 0.98;
 constexpr std::size_t kLongHole = 50;
 constexpr std::size_t kFewestTicks = 256;
 constexpr std::size_t kReach = 8;  // values on each side that a hole is filled from
-
-/// Periods from one sample to the next, at least one.
-std::size_t periods(double interval_s, double period_s) {
-  return static_cast<std::size_t>(std::max(1.0, std::round(interval_s / period_s)));
-}
-
-/// The mean of the intervals that are about one period.
-double mean_period(const Record& record) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (std::size_t k = 1; k < record.size(); ++k) {
-    const double interval = record.time_s[k] - record.time_s[k - 1];
-    if (std::abs(interval - record.sample_period_s) > 0.5 * record.sample_period_s) continue;
-    sum += interval;
-    count += 1.0;
-  }
-  return count > 0.0 ? sum / count : record.sample_period_s;
-}
 
 /// Values by their place on a grid; means where several fall on one.
 class Grid {
@@ -79,14 +60,12 @@ double temperature_at(const Record& record, std::size_t k) {
   return record.temperature_degc.empty() ? 0.0 : record.temperature_degc[k];
 }
 
-EvenSeries on_sample_grid(const Record& record, double period_s) {
+EvenSeries on_sample_grid(const Record& record, const Arrivals& arrivals) {
   Grid grid(!record.temperature_degc.empty());
-  std::size_t place = 0;
   for (std::size_t k = 0; k < record.size(); ++k) {
-    if (k > 0) place += periods(record.time_s[k] - record.time_s[k - 1], period_s);
-    grid.add(place, record.rate_rad_s[k], temperature_at(record, k));
+    grid.add(arrivals.places[k], record.rate_rad_s[k], temperature_at(record, k));
   }
-  return grid.series(period_s, record.time_s.front());
+  return grid.series(arrivals.period_s, record.time_s.front());
 }
 
 Grid ticks_of(const Record& record, double tick_s) {
@@ -187,32 +166,12 @@ void fill_holes(EvenSeries& series) {
 
 }  // namespace
 
-Losses count_losses(const Record& record) {
-  const double period_s = mean_period(record);
-  Losses losses{.expected = 1};
-  double squares = 0.0;
-  double count = 0.0;
-  for (std::size_t k = 1; k < record.size(); ++k) {
-    const double interval = record.time_s[k] - record.time_s[k - 1];
-    const std::size_t steps = periods(interval, period_s);
-    losses.expected += steps;
-    losses.lost += steps - 1;
-    losses.runs += steps > 1 ? 1 : 0;
-    const double off = interval / period_s - static_cast<double>(steps);
-    squares += off * off;
-    count += 1.0;
-  }
-  losses.jitter = std::sqrt(squares / count);
-  losses.is_uneven = static_cast<double>(losses.lost) >
-                     (1.0 - kFewestFilled) * static_cast<double>(losses.expected);
-  return losses;
-}
-
 EvenSeries even_series_of(const Record& record) {
-  const Losses losses = count_losses(record);
+  const Arrivals arrivals = place_samples(record);
   EvenSeries series =
-      losses.is_uneven ? on_ticks(record) : on_sample_grid(record, mean_period(record));
-  series.losses = losses;
+      arrivals.losses.is_uneven ? on_ticks(record) : on_sample_grid(record, arrivals);
+  series.losses = arrivals.losses;
+  series.span_s = record.time_s.back() - record.time_s.front();
   keep_longest_stretch(series);
   fill_holes(series);
   return series;

@@ -6,20 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "host_tools/lib/diagnose/losses.hpp"
 #include "host_tools/lib/diagnose/record.hpp"
 
 namespace zerorate::diagnose {
-
-/// Losses of a record by its time stamps.
-struct Losses {
-  std::size_t expected = 0;  ///< samples, had none been lost
-  std::size_t lost = 0;
-  std::size_t runs = 0;
-  double jitter = 0.0;     ///< rms deviation of the other intervals, in periods
-  bool is_uneven = false;  ///< no grid of the median interval fits
-};
-
-[[nodiscard]] Losses count_losses(const Record& record);
 
 struct EvenSeries {
   double period_s = 0.0;
@@ -28,6 +18,7 @@ struct EvenSeries {
   std::vector<double> temperature_degc;  ///< as many, or none
   std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
   Losses losses;                         ///< of the whole record
+  double span_s = 0.0;                   ///< of the whole record
   /// Means over ticks, because the samples come too unevenly; a value holds some of them.
   bool is_ticks = false;
 

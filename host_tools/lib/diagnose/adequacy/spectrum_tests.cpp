@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -51,12 +54,38 @@ Test strongest_line(const Explanation& explanation) {
           log_of_smallest(-0.5 * most, static_cast<double>(c.size()))};
 }
 
+/// What a tone of another shape than a sine has at whole multiples of its frequency.
+void test_harmonics(const Explanation& explanation, Tests& tests) {
+  constexpr double kHighest = 6.0;
+  constexpr double kNyquist = 0.49;  // cycles a sample
+  const Problem& problem = explanation.problem();
+  const MeanScan scan(explanation);
+  for (const Part& part : explanation.parts()) {
+    if (part.effect != "periodic_disturbance") continue;
+    const double cycles = part.shape.front() * problem.period_s();
+    double gain = 0.0;
+    double freedom = 0.0;
+    for (double harmonic = 2.0; harmonic <= kHighest; harmonic += 1.0) {
+      if (harmonic * cycles > kNyquist) break;
+      auto [cosine, sine] = tone_columns(problem, harmonic * cycles);
+      const std::array<Column, 2> columns{std::move(cosine), std::move(sine)};
+      gain += scan.gain(columns);
+      freedom += 2.0;
+    }
+    if (freedom == 0.0) continue;
+    tests.push_back(
+        {fmt::format("the tone at {:.4g} Hz has harmonics: it is no sine", part.shape.front()),
+         log_chi_squared_tail(2.0 * gain, freedom)});
+  }
+}
+
 }  // namespace
 
 Tests test_spectrum(const Remainder& remainder) {
   Tests tests;
   for (const double ratio : {2.0, 1.3}) test_bands(*remainder.explanation, ratio, tests);
   tests.push_back(strongest_line(*remainder.explanation));
+  test_harmonics(*remainder.explanation, tests);
   return tests;
 }
 

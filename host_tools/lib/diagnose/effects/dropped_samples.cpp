@@ -19,35 +19,48 @@ class DroppedSamples final : public Effect {
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     const Losses& losses = without.problem().series().losses;
     if (losses.runs == 0) return std::nullopt;
-    const auto runs = static_cast<double>(losses.runs);
-    const auto expected = static_cast<double>(losses.expected);
-    const double gain =
-        runs * std::log(runs / expected / kSoundRate) - (runs - kSoundRate * expected);
+    // What a sound recording would have lost, against what did not arrive: one Poisson rate.
+    const bool in_bursts = losses.in_bursts;
+    const auto missing = static_cast<double>(in_bursts ? losses.runs : losses.lost);
+    const double due =
+        kSoundRate * static_cast<double>(in_bursts ? without.problem().size() : losses.expected);
+    const double gain = missing * std::log(missing / due) - (missing - due);
     if (gain <= 0.0) return std::nullopt;
     return Offer{{.effect = name()}, gain, gain};
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {
     const Losses& losses = found.all.problem().series().losses;
-    const auto runs = static_cast<double>(losses.runs);
-    const double share = static_cast<double>(losses.lost) / static_cast<double>(losses.expected);
-    const double mean_run = static_cast<double>(losses.lost) / runs;
-    const double log_error = 1.0 / std::sqrt(runs);
-    Account account{.parameters = {positive_parameter("lost_share", share, log_error),
-                                   positive_parameter("mean_run_samples", mean_run, log_error)}};
-    account.sentence =
-        losses.is_uneven
-            ? fmt::format(
-                  "The samples come in bursts: {:.0f} gaps lie between them, and {:.0f} % of "
-                  "what the usual interval promises is missing.",
-                  runs, 100.0 * share)
-            : fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gaps.", losses.lost,
-                          100.0 * share, runs);
-    return account;
+    return losses.in_bursts ? tell_bursts(losses, found.all.problem().series().span_s)
+                            : tell_losses(losses);
   }
 
   /// Time stamps tell the filter; nothing is to be added.
   void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+
+ private:
+  static Account tell_losses(const Losses& losses) {
+    const auto runs = static_cast<double>(losses.runs);
+    const double share = static_cast<double>(losses.lost) / static_cast<double>(losses.expected);
+    const double log_error = 1.0 / std::sqrt(runs);
+    return {.parameters = {positive_parameter("lost_share", share, log_error),
+                           positive_parameter("mean_run_samples",
+                                              static_cast<double>(losses.lost) / runs, log_error)},
+            .sentence = fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gap{}.",
+                                    losses.lost, 100.0 * share, runs, runs > 1.0 ? "s" : "")};
+  }
+  static Account tell_bursts(const Losses& losses, double span_s) {
+    const auto gaps = static_cast<double>(losses.runs);
+    const double log_error = 1.0 / std::sqrt(gaps);
+    return {
+        .parameters = {positive_parameter("gaps", gaps, log_error),
+                       positive_parameter("mean_gap_s", losses.gaps_s / gaps, log_error)},
+        .sentence = fmt::format("The samples come in bursts, as if they were stamped when they "
+                                "were read: {:.0f} gaps of {:.2g} s on average take up {:.0f} % "
+                                "of the time. How many samples are missing the stamps do not "
+                                "tell.",
+                                gaps, losses.gaps_s / gaps, 100.0 * losses.gaps_s / span_s)};
+  }
 };
 
 }  // namespace

@@ -119,6 +119,8 @@ class Outliers final : public Effect {
   [[nodiscard]] std::string_view name() const override { return "outliers"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
+    // Means over ticks of unequal numbers of samples have unequal variances.
+    if (without.problem().series().is_ticks) return std::nullopt;
     const std::vector<double> residuals = deletion_residuals(without);
     // What rounding may have done was taken away, so that nothing may be left of the noise.
     const Histogram histogram(residuals, without.is_coarse() ? 1.0 : 0.0);

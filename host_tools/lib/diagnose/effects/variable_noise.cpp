@@ -188,7 +188,7 @@ class VariableNoise final : public Effect {
   [[nodiscard]] std::string_view name() const override { return "variable_noise"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    if (without.is_coarse()) return std::nullopt;
+    if (without.is_coarse() || without.problem().series().is_ticks) return std::nullopt;
     const Squares squares(without.fast_residual());
     Profile best = best_steps(squares);
     const Profile periodic = best_periodic(squares);
