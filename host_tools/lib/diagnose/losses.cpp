@@ -8,8 +8,9 @@ namespace zerorate::diagnose {
 namespace {
 
 constexpr double kFewestFilled = 0.7;
-constexpr double kMostJitter = 0.125;  // of a period, beyond which a late sample is no loss yet
-constexpr double kNoGrid = 0.15;       // rms distance of stamps that lie on no grid; 0.29 at most
+constexpr double kMostJitter = 0.125;   // of a period, beyond which a late sample is no loss yet
+constexpr std::size_t kConfirming = 7;  // samples, the late one included
+constexpr double kNoGrid = 0.15;        // rms distance of stamps that lie on no grid; 0.29 at most
 
 /// The mean of the intervals that are about one median interval.
 double mean_period(const Record& record) {
@@ -39,18 +40,23 @@ double interval_jitter(const Record& record, double period_s) {
 class GridPhase {
  public:
   GridPhase(const Record& record, double period_s, bool is_jittery)
-      : record_(record), period_s_(period_s), confirmed_(is_jittery ? 3U : 1U) {}
+      : record_(record), period_s_(period_s), confirmed_(is_jittery ? kConfirming : 1U) {}
 
   /// Periods from the sample before to this one: 1 where nothing is lost.
   std::size_t step_to(std::size_t k) {
     const double due_s = phase_s_ + period_s_;
-    const double late = std::round(lateness(k, due_s));
+    // Before a loss most of those that confirm may be late already, and this one not.
+    const bool is_late = record_.time_s[k] - due_s > 0.5 * period_s_;
+    const double most_are = std::round(lateness(k, due_s));
+    const double late = is_late ? std::max(0.0, most_are) : std::min(0.0, most_are);
     // Two samples may share a place.
     const double steps = std::max(0.0, 1.0 + late);
     phase_s_ += steps * period_s_;
     // Clocks drift, holes are long: the latest stamps tell the phase.
     constexpr double kFollow = 0.1;
-    phase_s_ += (confirmed_ == 1 ? 1.0 : kFollow) * (record_.time_s[k] - phase_s_);
+    const double off_s = record_.time_s[k] - phase_s_;
+    phase_s_ +=
+        confirmed_ == 1 ? off_s : kFollow * std::clamp(off_s, -0.5 * period_s_, 0.5 * period_s_);
     return static_cast<std::size_t>(steps);
   }
   void start(double time_s) { phase_s_ = time_s; }
@@ -58,7 +64,7 @@ class GridPhase {
  private:
   /// In periods; the middle one of this sample and those that confirm it.
   [[nodiscard]] double lateness(std::size_t k, double due_s) const {
-    std::array<double, 3> late{};
+    std::array<double, kConfirming> late{};
     const std::size_t count = std::min(confirmed_, record_.size() - k);
     for (std::size_t j = 0; j < count; ++j) {
       late[j] = (record_.time_s[k + j] - due_s) / period_s_ - static_cast<double>(j);

@@ -32,8 +32,8 @@ struct Arrivals {
 };
 
 /// The phase of the grid follows the stamps. Where they jitter by more than an eighth of a period a
-/// sample counts as late, and not as the first after a loss, until the two that follow are late as
-/// well. O(n).
+/// sample counts as late, and not as the first after a loss, unless most of the seven from it on
+/// are late. O(n).
 [[nodiscard]] Arrivals place_samples(const Record& record);
 
 }  // namespace zerorate::diagnose

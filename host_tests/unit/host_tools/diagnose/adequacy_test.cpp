@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 #include "host_tools/lib/simulate/random_stream.hpp"
 
 namespace zerorate::diagnose {
@@ -72,6 +73,39 @@ TEST(AdequacyWithAFavouriteValue, FailsAndSaysSo) {
   std::vector<double> values = white(4);
   for (double& value : values) value = std::abs(value) < 0.05 ? 0.0 : value;
   EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("far more often")));
+}
+
+TEST(AdequacyWithADeadBand, FailsAndSaysSo) {
+  std::vector<double> values = white(6);
+  for (double& value : values) value = std::abs(value) < 0.5 ? 0.0 : value;
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("occurs far more often")));
+}
+
+TEST(AdequacyOfALattice, FailsOnlyWithAFavouriteLevel) {
+  std::vector<double> values = white(7);
+  for (double& value : values) value = 0.25 * std::round(4.0 * value);
+  EXPECT_TRUE(adequacy_of(values).holds);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k % 3 == 0 && values[k] == 0.5) values[k] = 0.25;
+  }
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("than its neighbours let expect")));
+}
+
+TEST(AdequacyWithANamedToneThatIsASquare, FailsByItsHarmonics) {
+  constexpr double kCycles = 0.0137;
+  std::vector<double> values = white(8);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] +=
+        std::sin(2.0 * std::numbers::pi * kCycles * static_cast<double>(k)) > 0.0 ? 0.2 : -0.2;
+  }
+  const EvenSeries series = series_of(std::move(values));
+  const Problem problem(series, 1);
+  auto [cosine, sine] = tone_columns(problem, kCycles);
+  const Part tone{.effect = "periodic_disturbance",
+                  .columns = {std::move(cosine), std::move(sine)},
+                  .shape = {kCycles / series.period_s}};
+  EXPECT_THAT(examine_adequacy(Explanation(problem, {tone})).failures,
+              Contains(HasSubstr("has harmonics")));
 }
 
 TEST(Tails, AgreeWithTables) {

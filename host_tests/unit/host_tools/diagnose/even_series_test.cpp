@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "host_tools/lib/simulate/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -71,6 +74,38 @@ TEST(SeriesOfAJitteryRecord, LosesNothing) {
   EXPECT_EQ(series.size(), 1000U);
   EXPECT_EQ(series.losses.lost, 0U);
   EXPECT_GT(series.losses.jitter, 0.1);
+}
+
+// With stamps off by a fifth of a period (rms) one interval in 250 is longer than 1.5 periods.
+TEST(LossesOfAVeryJitteryRecord, AreOnlyWhatIsMissing) {
+  Record record = steady(20'000, 0.01);
+  std::vector<double> off(record.size());
+  simulate::RandomStream(8).fill_normal(0, off);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.time_s[k] += 0.002 * std::clamp(off[k], -2.4, 2.4);
+  }
+  EXPECT_EQ(place_samples(record).losses.lost, 0U);
+  for (const std::size_t first : {15'000U, 4000U}) lose(record, first, 7);
+  const Losses losses = place_samples(record).losses;
+  EXPECT_EQ(losses.lost, 14U);
+  EXPECT_EQ(losses.expected, 20'000U);
+}
+
+TEST(LossesOfBatches, AreGapsAndNoShare) {
+  Record record{.axis = "rate", .sample_period_s = 0.002};
+  std::vector<double> off(20'000);
+  simulate::RandomStream(8).fill_normal(0, off);
+  double time_s = 0.0;
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    time_s += 0.002 + 0.0005 * std::clamp(off[k], -3.0, 3.0) + (k % 10 == 9 ? 0.08 : 0.0);
+    record.time_s.push_back(time_s);
+    record.rate_rad_s.push_back(0.0);
+  }
+  const Losses losses = place_samples(record).losses;
+  EXPECT_TRUE(losses.in_bursts);
+  EXPECT_EQ(losses.lost, 0U);
+  EXPECT_EQ(losses.runs, 2000U);
+  EXPECT_NEAR(losses.gaps_s, 2000 * 0.082, 0.5);
 }
 
 TEST(SeriesOfARecordInBursts, HoldsMeansOverTicks) {
