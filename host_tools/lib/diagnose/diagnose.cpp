@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/even_series.hpp"
 #include "host_tools/lib/diagnose/gain.hpp"
@@ -40,10 +42,32 @@ std::vector<std::unique_ptr<Effect>> make_effects() {
   return effects;
 }
 
+/// The parts by their gain. Noise that wanders takes in whatever functions of time and temperature
+/// leave, so that beside one of them its gain is no rank: it comes after them.
+std::vector<std::size_t> by_rank(const Selection& selection) {
+  const std::vector<Part>& parts = selection.explanation.parts();
+  const auto wanders = [&](std::size_t i) {
+    return parts[i].terms.random_walk || parts[i].terms.free_order || parts[i].terms.gauss_markov;
+  };
+  double least_function = std::numeric_limits<double>::infinity();
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    order.push_back(i);
+    if (!parts[i].columns.empty()) {
+      least_function = std::min(least_function, selection.choices[i].gain_nats);
+    }
+  }
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) {
+    const double gain = selection.choices[i].gain_nats;
+    return std::pair{wanders(i) ? std::min(gain, least_function) : gain, !wanders(i)};
+  });
+  return order;
+}
+
 std::vector<Cause> causes_of(const Selection& selection) {
   std::vector<Cause> causes;
   causes.reserve(selection.choices.size());
-  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+  for (const std::size_t i : by_rank(selection)) {
     const Choice& choice = selection.choices[i];
     Account account = choice.effect->tell({selection.explanation, i});
     causes.push_back({.effect = std::string(choice.effect->name()),
@@ -53,7 +77,6 @@ std::vector<Cause> causes_of(const Selection& selection) {
                       .alternatives = choice.alternatives,
                       .sentence = std::move(account.sentence)});
   }
-  std::ranges::stable_sort(causes, std::greater{}, &Cause::gain_nats);
   return causes;
 }
 
@@ -164,6 +187,11 @@ Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
     diagnosis.remarks.push_back(fmt::format(
         "Of the {} standstills of the recording the longest, of {:.0f} s, was diagnosed.",
         record.standstills, record.time_s.back() - record.time_s.front()));
+  }
+  if (series.start_off_rad_s != 0.0) {
+    diagnosis.remarks.push_back(
+        fmt::format("The first sample, {:.3g} deg/s off those that follow, was left out.",
+                    series.start_off_rad_s * kDegPerRad));
   }
   if (series.is_ticks) {
     diagnosis.remarks.emplace_back(

@@ -127,7 +127,9 @@ struct Diagnosis {
   std::size_t samples = 0;
   double sample_period_s = 0.0;
   Verdict verdict = Verdict::consistent;
-  std::vector<Cause> causes;  ///< at most kMostCauses, strongest first
+  /// At most kMostCauses, strongest first; noise that wanders after functions of time or
+  /// temperature.
+  std::vector<Cause> causes;
   std::vector<Misfit> misfit;
   Adequacy base_adequacy;
   Adequacy extended_adequacy;

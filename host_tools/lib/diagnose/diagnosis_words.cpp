@@ -56,15 +56,21 @@ const Misfit* worst_misfit(const Diagnosis& diagnosis) {
 std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
   const auto chosen = std::ranges::find(diagnosis.evidence, true, &Evidence::selected);
   if (chosen == diagnosis.evidence.end()) return std::nullopt;
+  // As alternatives are compared: with the price of parameters and search taken off.
+  const auto worth = [](const Evidence& evidence) {
+    return evidence.gain_nats - evidence.price_nats;
+  };
+  const auto& alternatives = diagnosis.causes.front().alternatives;
   const auto is_rejected = [&](const Evidence& evidence) {
-    return !evidence.selected && evidence.not_examined.empty() &&
-           evidence.gain_nats > evidence.price_nats &&
-           chosen->gain_nats - evidence.gain_nats > kAlternativeNats;
+    return !evidence.selected && evidence.not_examined.empty() && worth(evidence) > 0.0 &&
+           worth(*chosen) - worth(evidence) > kAlternativeNats &&
+           std::ranges::find(alternatives, evidence.effect, &Alternative::effect) ==
+               alternatives.end();
   };
   const auto rival = std::ranges::find_if(diagnosis.evidence, is_rejected);
   if (rival == diagnosis.evidence.end()) return std::nullopt;
   return fmt::format(" Of the others {} comes nearest and does not do ({:.0f} nats worse).",
-                     plain_name(rival->effect), chosen->gain_nats - rival->gain_nats);
+                     plain_name(rival->effect), worth(*chosen) - worth(*rival));
 }
 
 std::string cause_sentences(const Diagnosis& diagnosis) {

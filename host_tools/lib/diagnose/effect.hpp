@@ -49,6 +49,8 @@ class Effect {
   virtual ~Effect() = default;
 
   [[nodiscard]] virtual std::string_view name() const = 0;
+  /// What causes it was measured beside the rate.
+  [[nodiscard]] virtual bool is_measured() const { return false; }
   /// Searches. Nothing where the record cannot show the effect or nothing at all is found.
   [[nodiscard]] virtual std::optional<Offer> examine(const Explanation& without) const = 0;
   [[nodiscard]] virtual Account tell(const Found& found) const = 0;

@@ -164,6 +164,29 @@ void fill_holes(EvenSeries& series) {
   });
 }
 
+/// Many sensors deliver one wild value after switch-on.
+void leave_out_start(EvenSeries& series) {
+  constexpr std::size_t kFollowing = 65;
+  constexpr double kWild = 20.0;                   // sigma
+  constexpr double kSigmaOfDifference = 1.048358;  // over the median of |difference|, normal noise
+  if (series.size() <= kFollowing) return;
+  std::vector<double> following(series.rate_rad_s.begin() + 1,
+                                series.rate_rad_s.begin() + 1 + kFollowing);
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < following.size(); ++k) {
+    steps.push_back(std::abs(following[k] - following[k - 1]));
+  }
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  const double off = series.rate_rad_s.front() - median(following);
+  if (std::abs(off) <= kWild * kSigmaOfDifference * median(steps)) return;
+  series.start_off_rad_s = off;
+  series.lost.front() = true;
+}
+
 }  // namespace
 
 EvenSeries even_series_of(const Record& record) {
@@ -173,6 +196,7 @@ EvenSeries even_series_of(const Record& record) {
   series.losses = arrivals.losses;
   series.span_s = record.time_s.back() - record.time_s.front();
   keep_longest_stretch(series);
+  leave_out_start(series);
   fill_holes(series);
   return series;
 }

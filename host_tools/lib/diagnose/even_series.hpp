@@ -19,6 +19,9 @@ struct EvenSeries {
   std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
   Losses losses;                         ///< of the whole record
   double span_s = 0.0;                   ///< of the whole record
+  /// How far the first value lay from those that follow, if so far that it was taken for one of the
+  /// switch-on and for lost; else 0.
+  double start_off_rad_s = 0.0;
   /// Means over ticks, because the samples come too unevenly; a value holds some of them.
   bool is_ticks = false;
 

@@ -29,6 +29,15 @@ std::vector<Candidate> candidates_for(const Explanation& without,
   std::ranges::stable_sort(candidates, std::greater{}, [](const Candidate& candidate) {
     return candidate.offer.surprise_nats;
   });
+  // A cause that was measured beside the rate and is beyond doubt goes before any that was searched
+  // for: with enough of them those draw everything.
+  constexpr double kBeyondDoubt = 50.0;  // nats
+  const auto measured = std::ranges::find_if(candidates, [](const Candidate& candidate) {
+    return candidate.effect->is_measured() && candidate.offer.surprise_nats > kBeyondDoubt;
+  });
+  if (!without.parts().empty() && measured != candidates.end()) {
+    std::rotate(candidates.begin(), measured, measured + 1);
+  }
   return candidates;
 }
 
@@ -37,7 +46,7 @@ Choice choice_of(const std::vector<Candidate>& candidates) {
   Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
   for (const Candidate& rival : std::span(candidates).subspan(1)) {
     const double behind = best.offer.surprise_nats - rival.offer.surprise_nats;
-    if (behind > kAlternativeNats) break;
+    if (std::abs(behind) > kAlternativeNats) continue;
     choice.alternatives.push_back({std::string(rival.effect->name()), behind});
   }
   return choice;

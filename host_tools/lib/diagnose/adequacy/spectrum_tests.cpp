@@ -37,21 +37,42 @@ void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
   }
 }
 
-/// Two neighbouring coefficients hold nearly all of a line.
+/// The strongest window among all of some widths, each beginning at every half of it. Two
+/// coefficients hold nearly all of a steady line; one that wanders, or a resonance, fills more.
 Test strongest_line(const Explanation& explanation) {
   const std::vector<double>& c = explanation.residual();
   const std::vector<double>& density = explanation.density();
-  double most = 0.0;
-  std::size_t at = 1;
-  for (std::size_t k = 1; k + 1 < c.size(); ++k) {
-    const double power = c[k] * c[k] / density[k] + c[k + 1] * c[k + 1] / density[k + 1];
-    if (power <= most) continue;
-    most = power;
-    at = k;
+  std::vector<double> sums(c.size());
+  for (std::size_t k = 1; k < c.size(); ++k) sums[k] = sums[k - 1] + c[k] * c[k] / density[k];
+  double least = 0.0;
+  double widths = 0.0;
+  double from = 0.0;
+  double to = 0.0;
+  double times = 1.0;
+  for (std::size_t width = 2; 16 * width <= c.size(); width *= 4) {
+    const std::size_t step = width / 2;
+    double most = 0.0;
+    std::size_t at = 0;
+    for (std::size_t k = 0; k + width < c.size(); k += step) {
+      const double power = sums[k + width] - sums[k];
+      if (power <= most) continue;
+      most = power;
+      at = k;
+    }
+    const auto freedom = static_cast<double>(width);
+    const double log_p =
+        log_of_smallest(log_chi_squared_tail(most, freedom), static_cast<double>(c.size() / step));
+    widths += 1.0;
+    if (log_p >= least) continue;
+    least = log_p;
+    from = frequency_hz(explanation.problem(), static_cast<double>(at + 1));
+    to = frequency_hz(explanation.problem(), static_cast<double>(at + width));
+    times = most / freedom;
   }
-  return {fmt::format("a line stands out at {:.4g} Hz",
-                      frequency_hz(explanation.problem(), static_cast<double>(at) + 0.5)),
-          log_of_smallest(-0.5 * most, static_cast<double>(c.size()))};
+  return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the "
+                      "expected power",
+                      from, to, times),
+          log_of_smallest(least, widths)};
 }
 
 /// What a tone of another shape than a sine has at whole multiples of its frequency.

@@ -20,6 +20,7 @@ constexpr double kWorthAParameter = 5.0;  // nats
 class TemperatureDrift final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "temperature_drift"; }
+  [[nodiscard]] bool is_measured() const override { return true; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     if (!has_spread(without.problem())) return std::nullopt;
