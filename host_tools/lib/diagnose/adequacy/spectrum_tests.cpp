@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <utility>
 
@@ -37,40 +38,56 @@ void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
   }
 }
 
-/// The strongest window among all of some widths, each beginning at every half of it. Two
-/// coefficients hold nearly all of a steady line; one that wanders, or a resonance, fills more.
-Test strongest_line(const Explanation& explanation) {
-  const std::vector<double>& c = explanation.residual();
-  const std::vector<double>& density = explanation.density();
-  std::vector<double> sums(c.size());
-  for (std::size_t k = 1; k < c.size(); ++k) sums[k] = sums[k - 1] + c[k] * c[k] / density[k];
+/// Two neighbouring coefficients hold nearly all of a steady line.
+Test strongest_line(const Explanation& explanation, const std::vector<double>& sums) {
+  double most = 0.0;
+  std::size_t at = 1;
+  for (std::size_t k = 1; k + 1 < sums.size(); ++k) {
+    const double power = sums[k + 1] - sums[k - 1];
+    if (power <= most) continue;
+    most = power;
+    at = k;
+  }
+  return {fmt::format("a line stands out at {:.4g} Hz",
+                      frequency_hz(explanation.problem(), static_cast<double>(at) + 0.5)),
+          log_of_smallest(-0.5 * most, static_cast<double>(sums.size()))};
+}
+
+/// A line that wanders, or a resonance, fills more: windows of all widths, each against what lies
+/// beside it, which is as wide again on both sides and at least 64 coefficients.
+Test strongest_hump(const Explanation& explanation, const std::vector<double>& sums) {
+  constexpr std::size_t kWidest = 2048;
   double least = 0.0;
   double widths = 0.0;
   double from = 0.0;
   double to = 0.0;
   double times = 1.0;
-  for (std::size_t width = 2; 16 * width <= c.size(); width *= 4) {
-    const std::size_t step = width / 2;
+  for (std::size_t width = 8; width <= kWidest && 16 * width <= sums.size(); width *= 2) {
+    const std::size_t beside = std::max<std::size_t>(2 * width, 64);
+    const std::size_t step = width / 4;
     double most = 0.0;
     std::size_t at = 0;
-    for (std::size_t k = 0; k + width < c.size(); k += step) {
-      const double power = sums[k + width] - sums[k];
-      if (power <= most) continue;
-      most = power;
+    for (std::size_t k = beside; k + width + beside < sums.size(); k += step) {
+      const double inside = sums[k + width] - sums[k];
+      const double around = sums[k] - sums[k - beside] + sums[k + width + beside] - sums[k + width];
+      if (inside <= most * around) continue;
+      most = inside / around;
       at = k;
     }
-    const auto freedom = static_cast<double>(width);
+    const double share = most / (1.0 + most);
+    const double p =
+        boost::math::ibetac(0.5 * static_cast<double>(width), static_cast<double>(beside), share);
     const double log_p =
-        log_of_smallest(log_chi_squared_tail(most, freedom), static_cast<double>(c.size() / step));
+        log_of_smallest(std::log(std::max(p, 1e-290)), static_cast<double>(sums.size() / step));
     widths += 1.0;
     if (log_p >= least) continue;
     least = log_p;
     from = frequency_hz(explanation.problem(), static_cast<double>(at + 1));
     to = frequency_hz(explanation.problem(), static_cast<double>(at + width));
-    times = most / freedom;
+    times = most * 2.0 * static_cast<double>(beside) / static_cast<double>(width);
   }
-  return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the "
-                      "expected power",
+  return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the power "
+                      "beside it",
                       from, to, times),
           log_of_smallest(least, widths)};
 }
@@ -105,7 +122,12 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
 Tests test_spectrum(const Remainder& remainder) {
   Tests tests;
   for (const double ratio : {2.0, 1.3}) test_bands(*remainder.explanation, ratio, tests);
-  tests.push_back(strongest_line(*remainder.explanation));
+  const std::vector<double>& c = remainder.explanation->residual();
+  const std::vector<double>& density = remainder.explanation->density();
+  std::vector<double> sums(c.size());
+  for (std::size_t k = 1; k < c.size(); ++k) sums[k] = sums[k - 1] + c[k] * c[k] / density[k];
+  tests.push_back(strongest_line(*remainder.explanation, sums));
+  tests.push_back(strongest_hump(*remainder.explanation, sums));
   test_harmonics(*remainder.explanation, tests);
   return tests;
 }
