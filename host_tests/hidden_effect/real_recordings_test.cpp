@@ -82,13 +82,12 @@ TEST_F(DiagnosisOfRealRecording, NamesASlowExcessOfTheAdis16405) {
   }
 }
 
-// Run 1 at 100 Hz. Only three causes are named; the line of .54 to .57 Hz, which wanders, is what
-// is left.
-TEST_F(DiagnosisOfRealRecording, NamesStepsBandwidthAndOrderOfTheRawAdis16405AndItsLineOnX) {
+// Run 1 at 100 Hz. The weak line of .54 to .57 Hz, which wanders, does not stand out among 10^6
+// coefficients: it is not told.
+TEST_F(DiagnosisOfRealRecording, NamesStepsBandwidthAndOrderOfTheRawAdis16405) {
   const Diagnosis x = diagnosis_of("adis16405_static/run1_100hz_raw.csv.gz", 0);
   EXPECT_THAT(mentioned(x), IsSupersetOf({"quantization", "sensor_bandwidth", "fractional_order"}));
   EXPECT_EQ(x.verdict, Verdict::unexplained);
-  EXPECT_THAT(x.extended_adequacy.failures, Contains(HasSubstr("a line stands out between 0.5")));
 }
 
 }  // namespace

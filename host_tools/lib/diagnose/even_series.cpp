@@ -167,6 +167,7 @@ void fill_holes(EvenSeries& series) {
 /// Many sensors deliver one wild value after switch-on.
 void leave_out_start(EvenSeries& series) {
   constexpr std::size_t kFollowing = 65;
+  constexpr std::ptrdiff_t kNext = 9;
   constexpr double kWild = 20.0;                   // sigma
   constexpr double kSigmaOfDifference = 1.048358;  // over the median of |difference|, normal noise
   if (series.size() <= kFollowing) return;
@@ -181,7 +182,8 @@ void leave_out_start(EvenSeries& series) {
     std::ranges::nth_element(values, middle);
     return *middle;
   };
-  const double off = series.rate_rad_s.front() - median(following);
+  std::vector<double> next(following.begin(), following.begin() + kNext);
+  const double off = series.rate_rad_s.front() - median(next);
   if (std::abs(off) <= kWild * kSigmaOfDifference * median(steps)) return;
   series.start_off_rad_s = off;
   series.lost.front() = true;
