@@ -77,8 +77,9 @@ Test strongest_hump(const Explanation& explanation, const std::vector<double>& s
     const double share = most / (1.0 + most);
     const double p =
         boost::math::ibetac(0.5 * static_cast<double>(width), static_cast<double>(beside), share);
+    const std::size_t places = sums.size() / step;
     const double log_p =
-        log_of_smallest(std::log(std::max(p, 1e-290)), static_cast<double>(sums.size() / step));
+        log_of_smallest(std::log(std::max(p, 1e-290)), static_cast<double>(places));
     widths += 1.0;
     if (log_p >= least) continue;
     least = log_p;
