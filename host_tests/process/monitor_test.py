@@ -139,7 +139,8 @@ class Monitor(unittest.TestCase):
         line = {"sequence": 0, "time_ns": 10**9, "motion": "still", "rate_dps": [0.25, None, -1],
                 "measured_dps": [0, 0, 0], "bias_dps": [1, 2, 3], "sigma_dps": [0.001, None, 1], "calibrated": True}
         line |= {flag: False for flag in ("sample_refused", "time_refused", "saturated", "model_inconsistent",
-                                          "odometer_fault", "sensor_fault")}
+                                          "odometer_fault", "sensor_fault", "measurement_rejected",
+                                          "temperature_missing")}
         pipe_end, pipe = os.pipe()
         self.process = subprocess.Popen([ZERORATE, "monitor", "--json", "-", "--interval", "0.05"], stdin=pipe_end,
                                         stdout=screen, stderr=subprocess.PIPE)
