@@ -9,6 +9,8 @@
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/explanation.hpp"
+#include "host_tools/lib/diagnose/selection.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::diagnose {
@@ -80,6 +82,20 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, StrongEffect, ::testing::ValuesIn(cases()),
                          [](const auto& example) {
                            return std::string(simulate::name(example.param.effect));
                          });
+
+// Blocks leave a thousand of these values over, whose variance is another by chance: that must not
+// count as a change of strength.
+TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
+  constexpr std::size_t kLength = 66'000;
+  for (const std::uint64_t run : {1U, 2U, 3U, 4U}) {
+    EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
+    series.lost.resize(kLength);
+    simulate::RandomStream(17, run).fill_normal(0, series.rate_rad_s);
+    const Problem problem(series, 1);
+    const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
+    EXPECT_TRUE(!offer || offer->surprise_nats < kLeastSurprise) << run;
+  }
+}
 
 TEST(Catalogue, HasSixteenEffectsOfDifferentNames) {
   std::vector<std::string> names;

@@ -57,7 +57,6 @@ class Squares {
   [[nodiscard]] double sum(std::size_t first, std::size_t end) const {
     return sums_[end] - sums_[first];
   }
-  [[nodiscard]] double mean() const { return sums_.back() / static_cast<double>(size()); }
 
   /// Of another variance in [first, end) than elsewhere.
   [[nodiscard]] double gain(std::size_t first, std::size_t end) const {
@@ -128,7 +127,8 @@ Profile best_periodic(const Squares& squares) {
   const std::size_t block = std::max<std::size_t>(1, squares.size() / kPeriodicBlocks);
   const std::size_t n = spectrum::fast_length_below(squares.size() / block);
   const auto width = static_cast<double>(block);
-  const double mean = squares.mean();
+  // Of what the blocks cover: a mean of other values would be a gain of its own.
+  const double mean = squares.sum(0, n * block) / static_cast<double>(n * block);
   std::vector<double> relative(n);
   for (std::size_t b = 0; b < n; ++b) {
     relative[b] = squares.sum(b * block, (b + 1) * block) / (width * mean);
