@@ -36,9 +36,7 @@ template <class Modes>
 std::string modes(std::string_view name, const Modes& modes) {
   std::string text;
   for (const auto& mode : modes) {
-    if (mode.noise_variance == 0.0F && mode.initial_variance == 0.0F && mode.initial_mean == 0.0F) {
-      continue;
-    }
+    if (!detail::is_active(mode)) continue;
     text += "        {.forgetting = " + literal(mode.forgetting) +
             ", .noise_variance = " + literal(mode.noise_variance) +
             ", .initial_variance = " + literal(mode.initial_variance) +

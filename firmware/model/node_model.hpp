@@ -46,14 +46,16 @@ struct NodeModel {
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
 namespace detail {
+template <class Mode>
+[[nodiscard]] constexpr bool is_active(const Mode& mode) {
+  return mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F;
+}
 /// Modes of one kind that do something, moved to the front; how many there are.
 template <class Mode, std::size_t N>
 [[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes) {
   std::size_t active = 0;
   for (const Mode mode : modes) {
-    if (mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F) {
-      modes[active++] = mode;
-    }
+    if (is_active(mode)) modes[active++] = mode;
   }
   return active;
 }

@@ -16,6 +16,9 @@ namespace {
 
 constexpr auto kSamplePeriod = core::Duration::milliseconds(10);
 constexpr auto kTick = core::Duration::milliseconds(500);
+// The PC and the vehicle agree on what a model may hold, though neither room includes the other.
+static_assert(kHookDecaying == ZERORATE_DECAYING_MODES);
+static_assert(kHookRotating == ZERORATE_ROTATING_MODES);
 
 TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/hook/examples/front_gyro.h");
