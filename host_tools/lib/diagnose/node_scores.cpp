@@ -15,6 +15,7 @@ constexpr std::size_t kDecaying = model::kMostDecaying;
 constexpr std::size_t kRotating = model::kMostRotating;
 constexpr std::size_t kTemperature = model::kMostTemperature;
 using Filter = core::KalmanPredictor<kDecaying, kRotating, kTemperature>;
+using Noise = core::Transition<kDecaying, kRotating>;
 using NodeModel = model::NodeModel<kDecaying, kRotating>;
 
 /// The filter at a tick; what is between the ticks that it measures is a gap.
@@ -23,6 +24,7 @@ class Node {
   Node(const NodeModel& node, core::Duration tick)
       : node_(node),
         tick_(tick),
+        one_tick_(node.modes.one_tick()),
         coefficients_(node.modes, node.gate, node.temperature),
         temperature_(node.temperature) {}
 
@@ -30,7 +32,7 @@ class Node {
   void enter(const identify::TickMean& mean, float temperature_degc) {
     temperature_.take(core::Instant{} + tick_ * std::int64_t{mean.tick}, true, temperature_degc);
     const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
-    static_cast<core::Transition<kDecaying, kRotating>&>(lead_) = node_.modes.over(ticks);
+    static_cast<Noise&>(lead_) = ticks == 1 ? one_tick_ : node_.modes.over(ticks);
     temperature_.lead_over(ticks, lead_);
   }
   /// The tick that was entered last.
@@ -53,6 +55,7 @@ class Node {
  private:
   const NodeModel& node_;
   core::Duration tick_;
+  Noise one_tick_;  ///< the span of nearly all steps
   Filter::Coefficients coefficients_;
   Filter filter_{coefficients_};
   core::TemperatureTrack<kTemperature> temperature_;
