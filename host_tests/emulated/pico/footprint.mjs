@@ -1,11 +1,11 @@
 // How much of a Pico the node needs: measured on the image that is shipped, in the emulated chip.
 // `node footprint.mjs FILE` writes docs/reference/footprint.md; footprint.test.mjs holds it to that.
 
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { rates } from './frames.mjs';
 import { Rig, drive, image } from './rig.mjs';
+import { provenStack, worstStack } from './stack.mjs';
 
 const DURATION_S = 40, SEED = 3;
 
@@ -69,15 +69,6 @@ function instructionsByCall() {
     [`instructions: ${name}`, Math.round(instructions / calls)]));
 }
 
-// What the stack cannot exceed, by toolchains/gates/stack_depth.py.
-function provenStack() {
-  const tool = (name) => [`--${name}`, `arm-none-eabi-${name}`];
-  const interrupts = ['handle_timer_0,handle_uart0', 'handle_io_bank0'].flatMap((names) => ['--interrupts', names]);
-  const done = spawnSync('python3', ['-B', process.env.PICO_STACK_GATE, ...tool('objdump'), ...tool('nm'),
-    ...interrupts, `${image()}.elf`], { encoding: 'utf8' });
-  return Number(/^stack: (\d+) bytes at most/.exec(done.stdout)[1]);
-}
-
 export function measure() {
   const counts = [];
   const { rig, events } = drive(DURATION_S, SEED, {
@@ -92,7 +83,9 @@ export function measure() {
     ['static RAM, bytes', statics],
     ['stack reserved, bytes', stack],
     ['stack at most, proved, bytes', provenStack()],
-    ['stack used, deepest seen, bytes', rig.board.stackUsed],
+    ['stack used in this drive, bytes', rig.board.stackUsed],
+    ['stack reached with interrupts at the worst instruction, bytes', worstStack()],
+    ['stack reached likewise, the moving average published, bytes', worstStack('mutant-moving-average-published')],
     ['RAM with stack, bytes', statics + stack],
     ['instructions per sample period, moving, mean', mean(moving)],
     ['instructions per sample period, still, mean', mean(still)],
@@ -106,19 +99,20 @@ export const format = (figures) => `# Footprint of the node on a Pico
 
 Of \`zerorate-pico.uf2\`: three axes, all three predictors, six flicker decades, 104 Hz into ticks of 0.5 s,
 driver, framing. Measured in the emulated chip over a simulated drive of ${DURATION_S} s by
-\`cmake --build --preset host-release --target footprint\`; a test fails when a figure has grown by more than 3 %.
+\`cmake --build --preset host-release --target footprint\` (the images with
+\`-DZERORATE_TEST_IMAGES=ON\`, as the tests build them); a test fails when a figure has grown by more than 3 %.
 
 | figure | value |
 |---|---|
 ${[...figures].map(([name, value]) => `| ${name} | ${value} |`).join('\n')}
 
 A sample period, 9.6 ms, has 1.2 million cycles at 125 MHz; an instruction of the Cortex-M0+ takes one or
-two, and more where it waits for the flash, which the emulator does not model. The proved bound follows every
-call of the linked image (\`toolchains/gates/stack_depth.py\`). It is 444 bytes deeper than what was seen: 344 are
-the frame of the moving average's interval, which this image could publish and does not, and 100 are handlers of
-both priorities nested at the deepest point; without these two it is the depth seen. The largest sample period
-is one in which a stop ends and what was learnt is written to the flash. Counts of single calls are means over
-four seconds of standstill, with all that is called and without interrupts.
+two, and more where it waits for the flash, which the emulator does not model. The proved bound of the stack
+follows every call of the linked image (\`toolchains/gates/stack_depth.py\`), and it is reached: the image that
+publishes the moving average, with an interrupt of each priority at every new depth of the stack, uses exactly as
+much (\`stack.test.mjs\`). What is shipped publishes the Kalman predictor and does without the frame of the other
+interval. The largest sample period is one in which a stop ends and what was learnt is written to the flash.
+Counts of single calls are means over four seconds of standstill, with all that is called and without interrupts.
 `;
 export const parse = (text) => new Map(
   [...text.matchAll(/^\| (.+) \| (\d+) \|$/gm)].map(([, name, value]) => [name, Number(value)]));
