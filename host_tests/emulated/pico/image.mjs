@@ -4,8 +4,17 @@ import fs from 'node:fs';
 
 export const FLASH = 0x10000000;
 
+// A function of a file, computed once: a test starts the same image hundreds of times.
+function once(read) {
+  const known = new Map();
+  return (file) => {
+    if (!known.has(file)) known.set(file, read(file));
+    return known.get(file);
+  };
+}
+
 // [offset in the flash, bytes] of every block of a UF2 file.
-export function uf2Blocks(file) {
+export const uf2Blocks = once((file) => {
   const data = fs.readFileSync(file);
   const blocks = [];
   for (let at = 0; at < data.length; at += 512) {
@@ -19,10 +28,10 @@ export function uf2Blocks(file) {
     blocks.push([address - FLASH, data.subarray(at + 32, at + 32 + size)]);
   }
   return blocks;
-}
+});
 
 // Name -> {address, size} of the symbols of an ELF file.
-export function elfSymbols(file) {
+export const elfSymbols = once((file) => {
   const data = fs.readFileSync(file);
   const table = data.readUInt32LE(32), entry = data.readUInt16LE(46), count = data.readUInt16LE(48);
   const symbols = new Map();
@@ -38,4 +47,4 @@ export function elfSymbols(file) {
     }
   }
   return symbols;
-}
+});

@@ -55,15 +55,13 @@ test('a power cut at any step of a save leaves the state before it or the new on
   const second = learnAndDriveOff(110, first.state);
   assert.equal(second.steps.length, RECORD_PAGES * PAGE);
   let old = 0, renewed = 0;
-  // Every sixth byte, and both sides of the end of every page; every byte: storage_contract_test.cpp.
   second.steps.forEach((state, i) => {
-    if (i % 6 !== 0 && i % PAGE > 1 && i % PAGE < PAGE - 2) return;
     const known = firstMessage(state);
     if (knows(known, first.bias)) old++;
     else if (knows(known, second.bias)) renewed++;
     else assert.fail(`after step ${i} both are lost`);
   });
-  assert.ok(old > 100 && renewed >= 1, `${old} old, ${renewed} new`);
+  assert.ok(old > 0 && renewed > 0, `${old} old, ${renewed} new`);
 });
 
 test('a power cut while a sector is erased costs nothing, and the sectors are used in turn', () => {
