@@ -4,18 +4,21 @@ import { spawnSync } from 'node:child_process';
 import path from 'node:path';
 import { Board } from './board.mjs';
 import { framesIn } from './frames.mjs';
-import { I2cPort, Lsm6dso, SpiPort } from './lsm6dso.mjs';
+import { Lsm6dso } from './lsm6dso.mjs';
+import { I2cPort, SpiPort, framesOnSpi, registersOnSpi } from './ports.mjs';
+import { SimulatedChip } from './simulated_chip.mjs';
 
 export const image = (name = 'zerorate-pico') => path.join(process.env.PICO_IMAGES, name);
 const ODOMETER_PIN = 15;
 const PULSE_US = 50;
 
-// bus: 'spi' or 'i2c'
+// bus: 'spi', 'i2c', or 'frames' on SPI; chip: of hal/sim by its name, or the LSM6DSO of this folder
 export class Rig {
-  constructor({ name = 'zerorate-pico', bus = 'spi', identity, state } = {}) {
+  constructor({ name = 'zerorate-pico', bus = 'spi', identity, state, chip } = {}) {
     this.board = new Board(image(name), state);
-    this.chip = new Lsm6dso(this.board, { identity });
-    this.port = bus === 'spi' ? new SpiPort(this.board, this.chip) : new I2cPort(this.board, this.chip);
+    this.chip = chip ? new SimulatedChip(this.board, chip) : new Lsm6dso(this.board, { identity });
+    if (bus === 'i2c') this.port = new I2cPort(this.board, this.chip, { address: chip ? 0x68 : 0x6a });
+    else this.port = new SpiPort(this.board, { spi: registersOnSpi, frames: framesOnSpi }[bus](this.chip));
   }
   get frames() { return framesIn(this.board.uart.sent); }
 
@@ -25,10 +28,10 @@ export class Rig {
     this.board.at(this.board.now_us + PULSE_US, () => pin.setInputValue(false));
   }
   // Conversions of the same numbers at a constant rate, for ever.
-  measureForEver(rates, { from_us = 200_000, period_us = 9600 } = {}) {
+  measureForEver(rates, { from_us = 200_000, period_us = 9600, temperature = 0 } = {}) {
     let time = from_us;
     const next = () => {
-      this.chip.measure(rates, 0);
+      this.chip.measure(rates, temperature);
       time += period_us;
       this.board.at(time, next);
     };

@@ -1,0 +1,132 @@
+// pico_chip icm42688|bmi088|adxrs453 REQUESTS REPLIES
+//
+// A simulated gyro of hal/sim for an emulated processor: reads requests from one named pipe, a line
+// each, and answers into the other, so that a byte on the emulated bus waits for its reply.
+//
+//   m NS X Y Z C   a conversion of these rates [deg/s] at this temperature [degC]
+//   r NS ADDRESS   reads a register         w NS ADDRESS VALUE   writes one
+//   p NS           the reply frame that is on the wire next      f NS FRAME   exchanges a frame
+//   u NS ADDRESS BITS   flips bits of a register, as an upset does
+//
+// NS is the time. The answer: value, address that follows, level of the interrupt pin, whether it
+// had an edge since the last answer.
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "hal/sim/adxrs453.hpp"
+#include "hal/sim/bmi088.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/icm42688.hpp"
+#include "hal/sim/register_chip.hpp"
+
+namespace zerorate::emulated {
+namespace {
+
+struct Answer {
+  std::uint32_t value = 0;
+  unsigned next = 0;
+};
+
+Answer obey(hal::sim::RegisterChip auto& chip, char kind, std::istream& words) {
+  unsigned address = 0;
+  unsigned value = 0;
+  words >> address;
+  const auto at = static_cast<std::uint8_t>(address);
+  const unsigned next = chip.next_address(at);
+  if (kind == 'r') return {.value = chip.read_register(at), .next = next};
+  if (kind != 'w' || !(words >> value)) throw std::runtime_error("not a request to a register");
+  chip.write_register(at, static_cast<std::uint8_t>(value));
+  return {.next = next};
+}
+
+Answer obey(hal::sim::SimulatedAdxrs453& chip, char kind, std::istream& words) {
+  std::uint32_t frame = 0;
+  if (kind == 'p') {
+    hal::sim::SimulatedAdxrs453 copy = chip;  // the reply stands before the command is heard
+    return {.value = copy.exchange_frame(frame)};
+  }
+  if (kind != 'f' || !(words >> frame)) throw std::runtime_error("not a request for a frame");
+  return {.value = chip.exchange_frame(frame)};
+}
+
+template <class Chip>
+void measure(Chip& chip, std::istream& words) {
+  std::array<double, 3> dps{};
+  double degc = 0.0;
+  words >> dps[0] >> dps[1] >> dps[2] >> degc;
+  const auto rate = [&](std::size_t i) { return core::deg_per_s(static_cast<float>(dps.at(i))); };
+  chip.measure({rate(0), rate(1), rate(2)}, core::Temperature::from_degc(static_cast<float>(degc)));
+}
+
+template <class Chip>
+void upset(Chip& chip, std::istream& words) {
+  unsigned address = 0;
+  unsigned bits = 0;
+  words >> address >> bits;
+  chip.upset(static_cast<std::uint8_t>(address), static_cast<std::uint8_t>(bits));
+}
+
+template <class Chip>
+void serve(std::istream& requests, std::ostream& replies) {
+  hal::sim::SimulatedClock clock;
+  Chip chip(clock);
+  char kind = 0;
+  std::int64_t ns = 0;
+  while (requests >> kind >> ns) {
+    clock.advance_to(core::Instant::from_ns(ns));
+    Answer answer;
+    if (kind == 'm') {
+      measure(chip, requests);
+    } else if (kind == 'u') {
+      upset(chip, requests);
+    } else {
+      answer = obey(chip, kind, requests);
+    }
+    if (!requests) throw std::runtime_error(std::string("request ") + kind + " lacks a number");
+    bool level = false;
+    bool had_edge = false;
+    if constexpr (requires { chip.interrupt(); }) {
+      level = chip.interrupt().level();
+      had_edge = chip.interrupt().take_edge().has_value();
+    }
+    replies << answer.value << ' ' << answer.next << ' ' << level << ' ' << had_edge << std::endl;
+  }
+}
+
+int run(std::span<char*> arguments) {
+  if (arguments.size() != 4) throw std::runtime_error("wants a chip and two named pipes");
+  const std::string chip = arguments[1];
+  std::ifstream requests(arguments[2]);
+  std::ofstream replies(arguments[3]);
+  if (chip == "icm42688") {
+    serve<hal::sim::SimulatedIcm42688>(requests, replies);
+  } else if (chip == "bmi088") {
+    serve<hal::sim::SimulatedBmi088>(requests, replies);
+  } else if (chip == "adxrs453") {
+    serve<hal::sim::SimulatedAdxrs453>(requests, replies);
+  } else {
+    throw std::runtime_error("no chip " + chip);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace zerorate::emulated
+
+int main(int argc, char** argv) {
+  try {
+    return zerorate::emulated::run({argv, static_cast<std::size_t>(argc)});
+  } catch (const std::exception& error) {
+    std::cerr << "pico_chip: " << error.what() << '\n';
+    return 3;
+  }
+}
