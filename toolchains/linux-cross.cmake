@@ -26,6 +26,15 @@ if(NOT EXISTS "${_zerorate_sysroot}/usr/include/gpiod.h")
     ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libgpiod-dev ${_zerorate_gpiod}
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
+# What the tests need of the target's besides.
+if(BUILD_TESTING AND NOT EXISTS "${_zerorate_sysroot}/usr/include/gmock")
+  execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libgmock-dev libgtest-dev zlib1g-dev
+    COMMAND_ERROR_IS_FATAL ANY)
+endif()
+set(ZLIB_USE_STATIC_LIBS ON)
+set(CMAKE_CROSSCOMPILING_EMULATOR ${ZERORATE_EMULATOR} -L "/usr/${ZERORATE_TRIPLET}"
+    -E "LD_LIBRARY_PATH=${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}")
 set(ENV{PKG_CONFIG_LIBDIR} "${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}/pkgconfig")
 set(ENV{PKG_CONFIG_SYSROOT_DIR} "${_zerorate_sysroot}")
 

@@ -71,10 +71,10 @@ class Bmi088 {
     return is_reset_pending ? finish_start(now) : begin_reset(now);
   }
 
-  /// One transaction if there is no sample; else two, and one more for every 16 samples beyond 16.
-  /// Samples of the first 30 ms and more after power-up are dropped (README).
-  /// Errors: not_ready before start() succeeded; fifo_overrun once for each gap, with all that was
-  /// in the FIFO; corrupt_data.
+  /// One transaction if there is no sample; else three, and one more for every 16 samples
+  /// beyond 16. Samples of the first 30 ms and more after power-up are dropped (README). Errors:
+  /// not_ready before start() succeeded; fifo_overrun once for each gap, with all that was in the
+  /// FIFO; corrupt_data.
   core::Result<std::size_t, DriverError> read(core::Instant now, std::span<GyroSample> out) {
     if (stage_ != Stage::running) {
       return refused(DriverErrorCode::not_ready, bmi088::kGyroLpm1.address);
@@ -85,7 +85,13 @@ class Bmi088 {
     if (*frames == 0) return std::size_t{0};
     if (!is_batched()) sample_clock_.lose_count();  // each sample has an edge: nothing to count on
     sample_clock_.begin_batch(now, *frames);
-    const auto count = drain(*frames, out);
+    auto count = drain(*frames, out);
+    // Frames carry no mark. What a line gives that got stuck behind the level is no sample.
+    if (const auto known = check_identity(); count && !known) {
+      count = known.error().code == DriverErrorCode::wrong_identity
+                  ? refused(DriverErrorCode::corrupt_data, bmi088::kFifoData.address)
+                  : core::Unexpected{known.error()};
+    }
     // Where the FIFO stands after a burst that broke off is not known: begin at a frame's start.
     if (!count) static_cast<void>(clear_fifo());
     return count;

@@ -72,7 +72,8 @@ class Icm42688 {
     return is_reset_pending ? finish_start(now) : begin_reset(now);
   }
 
-  /// Data-ready mode: two transactions if there is a sample, one if not. FIFO mode: two, and one
+  /// Data-ready mode: two transactions if there is a sample (three or four where the chip measures
+  /// in between), one if not. FIFO mode: two, and one
   /// for every 16 samples. Samples of the first 60 ms and more after power-up are dropped (README).
   /// Errors: not_ready before start() succeeded; fifo_overrun once for each gap; corrupt_data.
   core::Result<std::size_t, DriverError> read(core::Instant now, std::span<GyroSample> out) {
@@ -170,21 +171,51 @@ class Icm42688 {
   }
 
   core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {
-    const auto status = read_register(bus_, icm42688::kIntStatus);
-    if (!status) return core::Unexpected{status.error()};
-    if ((*status & icm42688::bits::kIntStatusAlwaysZero) != 0) {
-      return refused(DriverErrorCode::corrupt_data, icm42688::kIntStatus.address);
+    const auto outputs = read_settled_outputs();
+    if (!outputs) return core::Unexpected{outputs.error()};
+    if (!is_new(*outputs) || now < settled_at_) return std::size_t{0};
+    const auto temperature =
+        icm42688::decode_temperature(decode_int16((*outputs)[1], (*outputs)[0]));
+    return std::size_t{make_sample(now, gyro_of(*outputs), temperature, out) ? 1U : 0U};
+  }
+
+  /// Temperature, three axes of the accelerometer that are of no use, the gyro, the time of FSYNC,
+  /// and INT_STATUS.
+  using Outputs = std::array<std::uint8_t, 17>;
+
+  static constexpr bool is_new(const Outputs& outputs) {
+    return (outputs.back() & icm42688::bits::kIntStatusDataRdy) != 0;
+  }
+  static constexpr std::span<const std::uint8_t, 6> gyro_of(const Outputs& outputs) {
+    return std::span<const std::uint8_t, 6>{&outputs[8], 6};
+  }
+
+  /// Data-ready falls when it is read. So it is read behind the data, in one burst, where it also
+  /// tells that the line is not stuck; and since a conversion may fall into the burst, a sample
+  /// counts when a second burst repeats it. One that changed without data-ready is dropped.
+  /// @return outputs that are not new: there is no sample
+  core::Result<Outputs, DriverError> read_settled_outputs() {
+    constexpr int kMostBursts = 4;  // a slow bus may meet a conversion in each of them
+    auto outputs = read_outputs();
+    for (int burst = 1; burst < kMostBursts && outputs && is_new(*outputs); ++burst) {
+      const auto again = read_outputs();
+      if (!again) return again;
+      if (!is_new(*again))
+        return std::ranges::equal(gyro_of(*outputs), gyro_of(*again)) ? outputs : again;
+      outputs = again;
     }
-    if ((*status & icm42688::bits::kIntStatusDataRdy) == 0) return std::size_t{0};
-    // Temperature, three axes of the accelerometer that are of no use, and the gyro.
-    std::array<std::uint8_t, 14> bytes{};
+    return outputs;
+  }
+
+  core::Result<Outputs, DriverError> read_outputs() {
+    Outputs bytes{};
     if (const auto done = read_registers(bus_, icm42688::kTempData1, bytes); !done) {
       return core::Unexpected{done.error()};
     }
-    if (now < settled_at_) return std::size_t{0};
-    const auto temperature = icm42688::decode_temperature(decode_int16(bytes[1], bytes[0]));
-    const std::span<const std::uint8_t, 6> gyro{&bytes[8], 6};
-    return std::size_t{make_sample(now, gyro, temperature, out) ? 1U : 0U};
+    if ((bytes.back() & icm42688::bits::kIntStatusAlwaysZero) != 0) {
+      return refused(DriverErrorCode::corrupt_data, icm42688::kIntStatus.address);
+    }
+    return bytes;
   }
 
   core::Result<std::size_t, DriverError> read_fifo(core::Instant now, std::span<GyroSample> out) {

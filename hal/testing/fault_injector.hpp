@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -41,6 +43,11 @@ class FaultInjector {
   explicit FaultInjector(BackEnd& back_end) : back_end_(&back_end) {}
 
   void inject(const Fault& fault) { faults_.push_back(fault); }
+  /// Something that happens in front of a transaction: the chip measures.
+  void before(std::size_t call, std::function<void()> event) {
+    event_at_ = call;
+    event_ = std::move(event);
+  }
   void clear() { faults_.clear(); }
   /// How many transactions there were: the number of the next one.
   [[nodiscard]] std::size_t calls() const { return calls_; }
@@ -59,6 +66,7 @@ class FaultInjector {
   template <class Forward>
   core::Result<void, BusError> run(std::span<const Operation> operations, Forward forward) {
     const std::size_t call = calls_++;
+    if (event_ && call == event_at_) event_();
     for (const Fault& fault : faults_) {
       if (fault.hits(call)) return fail(fault, operations, forward);
     }
@@ -98,6 +106,8 @@ class FaultInjector {
   BackEnd* back_end_;
   std::vector<Fault> faults_;
   std::size_t calls_ = 0;
+  std::function<void()> event_;
+  std::size_t event_at_ = 0;
 };
 
 }  // namespace zerorate::hal::testing

@@ -234,6 +234,50 @@ TYPED_TEST(GyroSamples, AStuckLineIsCorruptDataOrNoDataButNeverASample) {
   }
 }
 
+TYPED_TEST(GyroSamples, ALineThatGetsStuckInTheMiddleOfAReadGivesNoSampleThatWasNotMeasured) {
+  for (const auto& settings : TestFixture::kModes) {
+    for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
+      for (std::size_t call = 0; call < 4; ++call) {
+        typename TestFixture::Rig rig{settings};
+        ASSERT_TRUE(rig.start_and_settle());
+        rig.sample(kTurning);
+        rig.faults.inject(
+            {.kind = kind, .first = rig.faults.calls() + call, .calls = Fault::kForEver});
+        std::array<GyroSample, 4> out{};
+        const std::size_t count = rig.read(out).value_or(0);
+        for (std::size_t i = 0; i < count; ++i) {
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            EXPECT_NEAR(out[i].rate[axis].in(deg_per_s), TestFixture::expected_dps(kTurning, axis),
+                        0.51F * TypeParam::Gyro::kLsbDps)
+                << "stuck from transaction " << call;
+          }
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(GyroSamples, OneThatIsMeasuredInTheMiddleOfAReadComesOnce) {
+  if (TypeParam::Gyro::kIsSampledByReading) GTEST_SKIP() << "the chip measures whenever it is read";
+  constexpr Rates kNewer{deg_per_s(11.0F), deg_per_s(-21.0F), deg_per_s(31.0F)};
+  for (const auto& settings : TestFixture::kModes) {
+    for (std::size_t call = 0; call < 3; ++call) {
+      typename TestFixture::Rig rig{settings};
+      ASSERT_TRUE(rig.start_and_settle());
+      rig.sample(kTurning);
+      rig.faults.before(rig.faults.calls() + call, [&] { rig.sample(kNewer); });
+      int newer = 0;
+      for (int i = 0; i < 3; ++i) {
+        std::array<GyroSample, 4> out{};
+        const std::size_t count = rig.read(out).value_or(9);
+        ASSERT_LE(count, 2U);
+        for (std::size_t j = 0; j < count; ++j) newer += out[j].rate[0].in(deg_per_s) > 10.5F;
+      }
+      EXPECT_EQ(newer, 1) << "in front of transaction " << call;
+    }
+  }
+}
+
 TYPED_TEST(GyroSamples, AFlippedBitNeverGivesASampleOfTheFuture) {
   for (const auto& settings : TestFixture::kModes) {
     for (std::size_t call = 0; call < 3; ++call) {

@@ -10,6 +10,7 @@ mkdir -p "$2"
 work=$(readlink -f "$2")
 arch=$3
 declare -A emulator=([arm64]=qemu-aarch64 [armhf]=qemu-arm [amd64]=)
+declare -A triplet=([arm64]=aarch64-linux-gnu [armhf]=arm-linux-gnueabihf [amd64]=x86_64-linux-gnu)
 source "$repository/toolchains/private-apt.sh"
 
 (cd "$repository" && cmake --preset "linux-$arch" && cmake --build "build/linux-$arch" && cd "build/linux-$arch" &&
@@ -45,4 +46,11 @@ sed 's/rate_hz = 104/rate_hz = 105/' "$root/etc/zerorate/zerorated.toml" >"$work
 if run /usr/sbin/zerorated --check-config --config "$work/wrong-$arch.toml" 2>"$work/wrong-$arch.log"; then exit 1; fi
 grep -q 'wrong-.*:11:11: .*the chip offers' "$work/wrong-$arch.log"
 for page in man1/zerorate.1 man8/zerorated.8 man5/zerorated.toml.5; do [[ -e "$root/usr/share/man/$page" ]]; done
+
+# The example in C against libzerorate-dev.
+dpkg-deb -x "$repository/build/linux-$arch"/libzerorate-dev_*_"$arch".deb "$root"
+# shellcheck disable=SC2046 # a list of words
+"${triplet[$arch]}-gcc" -o "$root/usr/bin/example" "$root/usr/share/doc/libzerorate-dev/examples/c/main.c" \
+  $(PKG_CONFIG_LIBDIR="$root/usr/lib/${triplet[$arch]}/pkgconfig" pkg-config --cflags --libs zerorate-c)
+run /usr/bin/example
 echo "$arch: zerorated and zerorate run in the clean root"

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # run.sh REPOSITORY WORK_FOLDER SECONDS ZERORATE PRESET
 #
-# The arm64 zerorated, out of its Debian package, on Debian's own arm64 kernel under QEMU, in virtual time. Kernel modules of
-# ours (GPL-2.0, for tests only) give it a real SPI controller and a real GPIO chip; a process in the same
-# machine plays the gyro and the odometer, breaks them, and judges what zerorated publishes. What was measured is
-# then replayed here, and everything is done twice, to see that the findings are the same. Kernel, headers and
-# busybox come from Debian, newest version, once; where Debian cannot be reached the test fails.
+# The zerorated of a preset (linux-arm64, linux-arm64-gpiod2, linux-armhf), out of its Debian package, on Debian's
+# own arm64 kernel under QEMU, in virtual time. Kernel modules of ours (GPL-2.0, for tests only) give it a real SPI
+# controller and a real GPIO chip; a process in the same machine plays the gyro and the odometer, breaks them, and
+# judges what zerorated publishes. What was measured is then replayed here, and everything is done twice: both runs
+# must print the same, to the last byte. Kernel, headers and busybox come from Debian, newest version, once; where
+# Debian cannot be reached the test fails.
 set -euo pipefail
 repository=$(readlink -f "$1")
 seconds=$3
@@ -41,7 +42,7 @@ fetch() {
 }
 
 build() {
-  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_world &&
+  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_c zerorate_world &&
     cd "$cross" && cpack) >"$out/build.log"
   rm -rf "$out/modules"
   cp -r "$here/kernel" "$out/modules"
@@ -58,16 +59,18 @@ module_files() {
 }
 
 pack() {
-  local root="$out/root" libraries=/usr/aarch64-linux-gnu/lib file
+  local root="$out/root" sysroot libraries file
+  sysroot=$(sed -n 's/^ZERORATE_SYSROOT:.*=//p' "$cross/CMakeCache.txt")
+  libraries=$(echo "$sysroot"/usr/lib/*-linux-gnu*) # that of the package's architecture
   rm -rf "$root"
   mkdir -p "$root"/{bin,dev,lib,modules,proc,run,sys}
   cp "$work/target/bin/busybox" "$root/bin/"
-  dpkg-deb -x "$cross"/zerorate_*_arm64.deb "$root"
+  dpkg-deb -x "$cross"/zerorate_*.deb "$root"
   cp "$cross/host_tests/emulated/linux/guest/zerorate_world" "$root/bin/"
-  cp -L $libraries/{ld-linux-aarch64.so.1,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} "$root/lib/"
+  cp -L "/usr/$(basename "$libraries")"/lib/{ld-linux-*.so.?,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} "$root/lib/"
   # The one that zerorated was linked to, under the name that it asks for.
   file=$(readelf -d "$root/usr/sbin/zerorated" | sed -n 's/.*\[\(libgpiod[^]]*\)\]/\1/p')
-  cp -L "$(sed -n 's/^ZERORATE_SYSROOT:.*=//p' "$cross/CMakeCache.txt")/usr/lib/aarch64-linux-gnu/$file" "$root/lib/"
+  cp -L "$libraries/$file" "$root/lib/"
   for file in $(module_files i2c-dev vcan can-raw) "$out"/modules/zerorate_{bus,lines}.ko; do
     cp "$file" "$root/modules/"
     basename "$file" >>"$root/modules/order"
@@ -78,10 +81,12 @@ pack() {
   (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
 }
 
-# boot NAME: one run; its console goes to NAME.log, its recording to NAME.csv.gz.
+# boot NAME: one run; all of its console goes to NAME.txt, of which the findings are NAME.log and the recording is
+# NAME.csv.gz. Time counts instructions, and what the kernel draws at random (its own place, those of stacks and
+# libraries) begins with a seed that is always the same: so two runs are.
 boot() {
   timeout 900 qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot \
-    -icount shift=1,sleep=off -rtc base=2026-01-01,clock=vm \
+    -icount shift=1,sleep=off -rtc base=2026-01-01,clock=vm -seed 1 \
     -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz" \
     -append "console=ttyAMA0 quiet panic=-1 nokaslr" </dev/null | stdbuf -oL tr -d '\r' >"$out/$1.txt"
   sed -n '/^RECORDING$/,/^END$/{//!p}' "$out/$1.txt" | base64 -d >"$out/$1.csv.gz"
@@ -98,7 +103,5 @@ grep -q '^/etc/zerorate/zerorated.toml: valid$' "$out/first.log"
 "$zerorate" replay "$out/first.csv.gz" --model lsm6dso --filter-rate 2 --out "$out/replayed.csv" >"$out/replay.log"
 python3 -B "$here/compare_replay.py" "$out/first.csv.gz" "$out/replayed.csv"
 boot second >/dev/null
-# The machine draws addresses and seeds at random: figures differ in their last digits, findings do not.
-findings() { sed -e 's/ ([^()]*)$//' -e '/^Vm/d' -e '/bias z/d' "$1"; }
-diff <(findings "$out/first.log") <(findings "$out/second.log")
-echo "a second run found the same"
+diff "$out/first.txt" "$out/second.txt" >"$out/differences" || { head -n 20 "$out/differences"; exit 1; }
+echo "a second run wrote the same, byte for byte: $(wc -c <"$out/first.txt") bytes, the recording among them"

@@ -15,7 +15,9 @@ inline constexpr std::int64_t kSecond_ns = 1'000'000'000;
 inline constexpr std::int64_t kSample104Hz_ns = 9'615'385;
 
 inline void sleep_until(std::int64_t time_ns) {
-  const std::timespec until{.tv_sec = time_ns / kSecond_ns, .tv_nsec = time_ns % kSecond_ns};
+  // On 32 bits the fields are narrower than the count; its seconds fit.
+  const std::timespec until{.tv_sec = static_cast<std::time_t>(time_ns / kSecond_ns),
+                            .tv_nsec = static_cast<long>(time_ns % kSecond_ns)};
   (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
 

@@ -87,7 +87,7 @@ class Witness {
   using Rates = std::array<core::AngularRate, 3>;
 
   void take(const wire::NumberedMessage& frame) {
-    if (newest_) tally_.number_gaps += frame.sequence - newest_->sequence - 1;
+    if (newest_) tally_.number_gaps += static_cast<long>(frame.sequence - newest_->sequence - 1);
     newest_ = frame;
     published_.push_back(frame);
     const app::Health& health = frame.message.health;
