@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
+
+#include "host_tools/lib/diagnose/repeated_samples.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -189,9 +192,7 @@ void leave_out_start(EvenSeries& series) {
   series.lost.front() = true;
 }
 
-}  // namespace
-
-EvenSeries even_series_of(const Record& record) {
+EvenSeries series_of_arrived(const Record& record) {
   const Arrivals arrivals = place_samples(record);
   EvenSeries series =
       arrivals.losses.is_uneven ? on_ticks(record) : on_sample_grid(record, arrivals);
@@ -201,6 +202,18 @@ EvenSeries even_series_of(const Record& record) {
   leave_out_start(series);
   fill_holes(series);
   return series;
+}
+
+}  // namespace
+
+EvenSeries even_series_of(const Record& record) {
+  const std::vector<std::size_t> repeated = find_repeated_samples(record);
+  if (!repeated.empty()) {
+    EvenSeries series = series_of_arrived(without_samples(record, repeated));
+    series.losses.repeated = repeated.size();
+    return series;
+  }
+  return series_of_arrived(record);
 }
 
 }  // namespace zerorate::diagnose

@@ -353,9 +353,8 @@ bool Explanation::is_coarse() const {
 }
 
 Explanation::FastResidual Explanation::fast_residual() const {
-  const NoiseSpectrum& all = noise_.spectrum;
-  const NoiseSpectrum white{.white_variance = all.white_variance,
-                            .low_pass_share = all.low_pass_share};
+  NoiseSpectrum white = noise_.spectrum;
+  white.flicker_variance = white.walk_variance = white.markov_variance = 0.0;
   std::vector<double> flat(residual().size());
   double kept = 0.0;
   for (std::size_t k = 1; k < flat.size(); ++k) {

@@ -13,6 +13,7 @@ namespace zerorate::diagnose {
 struct Losses {
   std::size_t expected = 0;  ///< samples, had none been lost
   std::size_t lost = 0;
+  std::size_t repeated = 0;  ///< of the lost: in their place the sample before came again
   std::size_t runs = 0;  ///< of lost samples; in bursts: gaps of more than kLongGap mean intervals
   double jitter = 0.0;   ///< rms deviation of the stamps from even ones, in periods
   bool is_uneven = false;  ///< less than .7 of the grid of the median interval is filled

@@ -19,8 +19,8 @@ model::SensorModel model_of(const Explanation& explanation, std::span<const Choi
   const double period_s = explanation.problem().period_s();
   model::SensorModel model;
   model.name = source;
-  model.white = {spectrum::angle_random_walk(noise.white_variance, period_s),
-                 "diagnosed from " + source};
+  const double white_variance = noise.white_variance + noise.rounding_variance;
+  model.white = {spectrum::angle_random_walk(white_variance, period_s), "diagnosed from " + source};
   const double lowest = explanation.problem().sines()[1];
   if (noise.flicker_variance * std::pow(lowest, -2.0 * noise.order) >
       kNoFlicker * noise.white_variance) {

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kSingleBins = 48;  // coefficients that stand alone, with their exact ratio
 constexpr double kBinGrowth = 1.03;
+constexpr double kShareOfEnd = 0.1;  // of the coefficients up to the last one, in a bin
+constexpr std::size_t kFewestInEnd = 8;
 constexpr double kLowestOrder = 0.05;
 constexpr double kHighestOrder = 0.97;
 constexpr double kShortestMarkov = 0.5;  // samples
@@ -81,31 +83,38 @@ class Density {
     if (index > 0) flicker_ *= RatioTable::get()(d, index);
     walk_ = spectrum.walk_variance / (sine * sine);
     if (spectrum.markov_variance > 0.0) add_markov(index, size);
-    const double a = spectrum.low_pass_share;
-    pass_ = a >= 1.0 ? 1.0 : a * a / (a * a + (1.0 - a) * sine * sine);
+    pass_ = spectrum.low_pass_gain(sine);
   }
 
-  [[nodiscard]] double total() const { return pass_ * inner(); }
+  [[nodiscard]] double total() const { return pass_ * inner() + spectrum_.rounding_variance; }
 
   void derivatives(const NoiseTerms& terms, Vector& slope) const {
+    const double share = pass_ / total();
     Eigen::Index i = 0;
-    slope(i++) = white_ / inner();
-    slope(i++) = flicker_ / inner();
-    if (terms.free_order) slope(i++) = -2.0 * std::log(sine_) * flicker_ / inner();
-    if (terms.random_walk) slope(i++) = walk_ / inner();
+    slope(i++) = white_ * share;
+    slope(i++) = flicker_ * share;
+    if (terms.free_order) slope(i++) = -2.0 * std::log(sine_) * flicker_ * share;
+    if (terms.random_walk) slope(i++) = walk_ * share;
     if (terms.gauss_markov) {
-      slope(i++) = markov_ / inner();
-      slope(i++) = markov_ * markov_slope_ / inner();
+      slope(i++) = markov_ * share;
+      slope(i++) = markov_ * markov_slope_ * share;
     }
-    if (terms.low_pass) {
-      const double a = spectrum_.low_pass_share;
-      const double square = sine_ * sine_;
-      slope(i++) = (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
-    }
+    if (terms.low_pass) slope(i++) = low_pass_slope() * inner() * share;
   }
 
  private:
   [[nodiscard]] double inner() const { return white_ + flicker_ + walk_ + markov_; }
+
+  /// d log H / d logit a.
+  [[nodiscard]] double low_pass_slope() const {
+    const double a = spectrum_.low_pass_share;
+    if (spectrum_.low_pass_order > 0) {
+      return (1.0 - pass_) * 2.0 * spectrum_.low_pass_order * std::numbers::pi * a * (1.0 - a) /
+             std::sin(std::numbers::pi * a);
+    }
+    const double square = sine_ * sine_;
+    return (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
+  }
 
   void add_markov(std::size_t index, std::size_t size) {
     const double tau = spectrum_.markov_samples;
@@ -153,7 +162,7 @@ class Scoring {
     Vector theta = pack(start);
     Vector gradient;
     Matrix information;
-    double value = evaluate(theta, gradient, information);
+    double value = evaluate(theta, start, gradient, information);
     double damping = 1e-3;
     for (int i = 0; i < kMostIterations; ++i) {
       Matrix damped = information;
@@ -163,7 +172,7 @@ class Scoring {
       Vector trial = bounded(theta + step);
       Vector trial_gradient;
       Matrix trial_information;
-      const double reached = evaluate(trial, trial_gradient, trial_information);
+      const double reached = evaluate(trial, start, trial_gradient, trial_information);
       if (reached > value) {
         const bool converged = reached - value < kConverged;
         theta = trial;
@@ -177,7 +186,7 @@ class Scoring {
         if (damping > 1e6) break;
       }
     }
-    SpectrumFit fit{.spectrum = unpack(theta), .log_likelihood = value};
+    SpectrumFit fit{.spectrum = unpack(theta, start), .log_likelihood = value};
     information.diagonal().array() += 1e-9;
     fit.errors = name_errors(information.inverse().diagonal().cwiseMax(0.0).cwiseSqrt());
     return fit;
@@ -202,8 +211,9 @@ class Scoring {
     return bounded(theta);
   }
 
-  [[nodiscard]] NoiseSpectrum unpack(const Vector& theta) const {
-    NoiseSpectrum s;
+  /// @param start  for what is not fitted
+  [[nodiscard]] NoiseSpectrum unpack(const Vector& theta, const NoiseSpectrum& start) const {
+    NoiseSpectrum s{.rounding_variance = start.rounding_variance};
     Eigen::Index i = 0;
     s.white_variance = std::exp(theta(i++));
     s.flicker_variance = std::exp(theta(i++));
@@ -213,7 +223,10 @@ class Scoring {
       s.markov_variance = std::exp(theta(i++));
       s.markov_samples = std::exp(theta(i++));
     }
-    if (terms_.low_pass) s.low_pass_share = share_of(theta(i++));
+    if (terms_.low_pass) {
+      s.low_pass_share = share_of(theta(i++));
+      s.low_pass_order = start.low_pass_order;
+    }
     return s;
   }
 
@@ -257,8 +270,9 @@ class Scoring {
   }
 
   /// The log likelihood, its gradient and the expected information.
-  double evaluate(const Vector& theta, Vector& gradient, Matrix& information) const {
-    const NoiseSpectrum spectrum = unpack(theta);
+  double evaluate(const Vector& theta, const NoiseSpectrum& start, Vector& gradient,
+                  Matrix& information) const {
+    const NoiseSpectrum spectrum = unpack(theta, start);
     gradient = Vector::Zero(theta.size());
     information = Matrix::Zero(theta.size(), theta.size());
     Vector slope(theta.size());
@@ -283,6 +297,16 @@ class Scoring {
 
 }  // namespace
 
+double NoiseSpectrum::low_pass_gain(double sine) const {
+  const double a = low_pass_share;
+  const double square = sine * sine;
+  if (a >= 1.0) return 1.0;
+  if (low_pass_order == 0) return a * a / (a * a + (1.0 - a) * square);
+  const double cut_off = std::tan(0.5 * std::numbers::pi * a);
+  const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off * cut_off);
+  return 1.0 / (1.0 + std::pow(ratio, low_pass_order));
+}
+
 double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) const {
   return Density(*this, sine, index <= kSingleBins ? index : 0, size).total();
 }
@@ -293,7 +317,10 @@ std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients) 
   for (std::size_t first = 1; first < n;) {
     const auto grown = static_cast<std::size_t>(static_cast<double>(first) * kBinGrowth);
     const bool single = first <= kSingleBins;
-    const std::size_t end = single ? first + 1 : std::min(std::max(grown, first + 1), n);
+    const auto end_width = std::max(
+        kFewestInEnd, static_cast<std::size_t>(kShareOfEnd * static_cast<double>(n - first)));
+    const std::size_t end =
+        single ? first + 1 : std::min({std::max(grown, first + 1), first + end_width, n});
     double sum = 0.0;
     for (std::size_t k = first; k < end; ++k) sum += coefficients[k] * coefficients[k];
     const auto count = static_cast<double>(end - first);

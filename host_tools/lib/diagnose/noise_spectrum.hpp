@@ -25,17 +25,24 @@ struct NoiseTerms {
 
 /// Two-sided density per sample at angular frequency w, with s = 2 sin(w/2):
 ///
-///     S = H (r + s_f^2 s^(-2d) + k^2 s^(-2) + g (1 - phi^2) / ((1-phi)^2 + phi s^2)),
-///     H = a^2 / (a^2 + (1-a) s^2),     phi = exp(-1 / tau).
+///     S = H (r + s_f^2 s^(-2d) + k^2 s^(-2) + g (1 - phi^2) / ((1-phi)^2 + phi s^2)) + q,
+///     phi = exp(-1 / tau).
+///
+/// The low-pass is either y += a (x - y), H = a^2 / (a^2 + (1-a) s^2), or a Butterworth filter of
+/// order m by the bilinear transform, H = 1 / (1 + (tan(w/2) / tan(pi a / 2))^(2m)).
 struct NoiseSpectrum {
-  double white_variance = 0.0;    ///< r
-  double flicker_variance = 0.0;  ///< s_f^2
-  double order = 0.5;             ///< d
-  double walk_variance = 0.0;     ///< k^2, of one step
-  double markov_variance = 0.0;   ///< g
-  double markov_samples = 1.0;    ///< tau
-  double low_pass_share = 1.0;    ///< a of y += a (x - y); 1: no low-pass
+  double white_variance = 0.0;     ///< r
+  double flicker_variance = 0.0;   ///< s_f^2
+  double order = 0.5;              ///< d
+  double walk_variance = 0.0;      ///< k^2, of one step
+  double markov_variance = 0.0;    ///< g
+  double markov_samples = 1.0;     ///< tau
+  double low_pass_share = 1.0;     ///< a; 1: no low-pass. Of a Butterworth filter: of half the rate
+  int low_pass_order = 0;          ///< m; 0: y += a (x - y)
+  double rounding_variance = 0.0;  ///< q, behind the low-pass: given, not fitted
 
+  /// H.
+  [[nodiscard]] double low_pass_gain(double sine) const;
   /// @param sine s  @param index k of the DCT coefficient, for what is exact at the lowest ones
   /// @param size of the record
   [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
@@ -49,7 +56,8 @@ struct SpectralBin {
   std::size_t index;  ///< of the coefficient where it stands alone, else 0
 };
 
-/// One bin for each of the first coefficients, 3 % wide ones above.
+/// One bin for each of the first coefficients, 3 % wide ones above; towards the last coefficient,
+/// where a low-pass may end in nothing, they are no wider than a tenth of what is left up to it.
 /// @param coefficients c_0 .. c_{n-1}; c_0 is left out
 [[nodiscard]] std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients);
 
@@ -72,7 +80,7 @@ struct SpectrumFit {
 };
 
 /// Maximises the Whittle likelihood by Fisher scoring with analytic derivatives from each start;
-/// the best one counts. Some 20 us an iteration.
+/// the best one counts, with its kind of low-pass. Some 20 us an iteration.
 /// @param size of the record
 [[nodiscard]] SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
                                        const NoiseTerms& terms,

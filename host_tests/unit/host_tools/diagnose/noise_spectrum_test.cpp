@@ -83,6 +83,34 @@ TEST(SpectrumBehindALowPass, IsFittedWithItsShare) {
   EXPECT_NEAR(result.spectrum.low_pass_share, 0.4, 0.001);
 }
 
+// Of the bilinear transform with cos and sin, not with the tangent.
+double butterworth_gain(double w, double cut_off, int order) {
+  const double kept = std::pow(std::sin(0.5 * cut_off) * std::cos(0.5 * w), 2 * order);
+  const double lost = std::pow(std::cos(0.5 * cut_off) * std::sin(0.5 * w), 2 * order);
+  return kept / (kept + lost);
+}
+
+TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOffDownToWhatRoundingLeaves) {
+  constexpr double kRounding = 1e-3;
+  std::vector<double> coefficients(kSize);
+  for (std::size_t k = 1; k < kSize; ++k) {
+    const double w = std::numbers::pi * static_cast<double>(k) / static_cast<double>(kSize);
+    const double pass = butterworth_gain(w, 0.7 * std::numbers::pi, 2);
+    coefficients[k] = std::sqrt(pass * (1.0 + 0.01 / (2.0 * std::sin(0.5 * w))) + kRounding);
+  }
+  NoiseSpectrum start{.white_variance = 0.5,
+                      .flicker_variance = 0.02,
+                      .low_pass_share = 0.5,
+                      .rounding_variance = kRounding};
+  const NoiseSpectrum recursive = start;
+  start.low_pass_order = 2;
+  const SpectrumFit result = fit_spectrum(bin_coefficients(coefficients), kSize, {.low_pass = true},
+                                          std::vector{recursive, start});
+  EXPECT_EQ(result.spectrum.low_pass_order, 2);
+  EXPECT_NEAR(result.spectrum.low_pass_share, 0.7, 0.001);
+  EXPECT_NEAR(result.spectrum.white_variance, 1.0, 0.002);
+}
+
 TEST(SpectralBins, HoldEveryCoefficientButTheMean) {
   const auto bins = expected_bins({.white_variance = 1.0});
   double count = 0.0;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -11,7 +12,7 @@ namespace {
 /// A sound recording misses a sample no more often than this.
 constexpr double kSoundRate = 1e-6;
 
-/// Samples that never arrived, by the time stamps.
+/// Samples that never arrived, by the time stamps and by values that came again.
 class DroppedSamples final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "dropped_samples"; }
@@ -43,11 +44,16 @@ class DroppedSamples final : public Effect {
     const auto runs = static_cast<double>(losses.runs);
     const double share = static_cast<double>(losses.lost) / static_cast<double>(losses.expected);
     const double log_error = 1.0 / std::sqrt(runs);
-    return {.parameters = {positive_parameter("lost_share", share, log_error),
-                           positive_parameter("mean_run_samples",
-                                              static_cast<double>(losses.lost) / runs, log_error)},
-            .sentence = fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gap{}.",
-                                    losses.lost, 100.0 * share, runs, runs > 1.0 ? "s" : "")};
+    const std::string repeated =
+        losses.repeated == 0
+            ? ""
+            : fmt::format(" In the place of {} the sample before came again.", losses.repeated);
+    return {
+        .parameters = {positive_parameter("lost_share", share, log_error),
+                       positive_parameter("mean_run_samples",
+                                          static_cast<double>(losses.lost) / runs, log_error)},
+        .sentence = fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gap{}.{}",
+                                losses.lost, 100.0 * share, runs, runs > 1.0 ? "s" : "", repeated)};
   }
   static Account tell_bursts(const Losses& losses, double span_s) {
     const auto gaps = static_cast<double>(losses.runs);

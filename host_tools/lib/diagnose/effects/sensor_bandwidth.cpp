@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -11,58 +15,106 @@
 namespace zerorate::diagnose {
 namespace {
 
-/// The sensor's own low-pass of first order on everything.
+/// Kinds of low-pass that are tried: y += a (x - y), and Butterworth filters of these orders.
+constexpr std::array<int, 4> kOrders = {0, 1, 2, 4};
+
+/// The variance that is added behind the sensor's filter: by rounding to the levels of the record.
+/// Aliases and arithmetic fill up what the filter leaves below 2e-3 of the power; without them the
+/// end of the spectrum would know the shape of a jump better than the jump.
+double variance_behind_filter(const Explanation& explanation) {
+  constexpr double kDeepest = 2e-3;
+  const auto& lattice = explanation.problem().lattice();
+  const double step = lattice ? lattice->step : 0.0;
+  return std::max(step * step / 12.0, kDeepest * explanation.noise().spectrum.white_variance);
+}
+
+/// The sensor's own low-pass on everything.
 class SensorBandwidth final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "sensor_bandwidth"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     if (without.terms().low_pass) return std::nullopt;
-    Part part{.effect = name(), .terms = {.low_pass = true}};
-    for (const double share : {0.9, 0.6, 0.25, 0.06}) {
-      NoiseSpectrum start = without.noise().spectrum;
-      start.low_pass_share = share;
-      part.starts.push_back(start);
-      start.white_variance += start.flicker_variance;
-      start.flicker_variance *= 0.1;
-      part.starts.push_back(start);
-    }
-    Offer offer = offer_with(without, std::move(part));
-    offer.surprise_nats = surprise_of_strength(offer.gain_nats);
-    return offer;
+    Part part{.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)};
+    std::vector<Part> parts = without.parts();
+    parts.push_back(part);
+    const Explanation with(without.problem(), std::move(parts), &without);
+    // The kind is found; later fits need not try the others again.
+    part.starts = {with.noise().spectrum};
+    const double gain = with.log_likelihood() - without.log_likelihood();
+    const double search = std::log(static_cast<double>(kOrders.size()));
+    return Offer{std::move(part), gain, std::max(0.0, surprise_of_strength(gain) - search)};
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {
-    const double share = found.all.noise().spectrum.low_pass_share;
+    const NoiseSpectrum& noise = found.all.noise().spectrum;
     const double error = found.all.noise().errors.logit_low_pass_share;
-    const double logit = std::log(share / (1.0 - share));
-    const double cut_off = cut_off_hz(found, logit);
-    return {.parameters = {{"cut_off_hz", cut_off, cut_off_hz(found, logit - 1.96 * error),
-                            cut_off_hz(found, logit + 1.96 * error)}},
-            .sentence = fmt::format("The noise above {:.3g} Hz is cut off by a low-pass, so that "
-                                    "neighbouring samples are alike.",
-                                    cut_off)};
+    const double logit = std::log(noise.low_pass_share / (1.0 - noise.low_pass_share));
+    const auto cut_off = [&](double errors) {
+      const double share = 1.0 / (1.0 + std::exp(-logit - errors * error));
+      return cut_off_hz(noise.low_pass_order, share, found.all.problem().period_s());
+    };
+    return {.parameters = {{"cut_off_hz", cut_off(0.0), cut_off(-1.96), cut_off(1.96)}},
+            .sentence = fmt::format("The noise above {:.3g} Hz is cut off by a low-pass of order "
+                                    "{}, so that neighbouring samples are alike.",
+                                    cut_off(0.0), std::max(1, noise.low_pass_order))};
   }
 
-  /// The filter sees means over its ticks, whose white noise is that below half their rate: the
-  /// mean of 1 / (1 + (f / f_c)^2) up to f is atan(f / f_c) f_c / f.
+  /// The filter sees means over its ticks, whose white noise is that below half their rate, and
+  /// what rounding adds; where the model has steps the node adds that itself.
   void extend(const Found& found, model::SensorModel& model) const override {
     const Problem& problem = found.all.problem();
+    const NoiseSpectrum& noise = found.all.noise().spectrum;
     const auto nanoseconds = [](double seconds) {
       return core::Duration::nanoseconds(std::llround(seconds * 1e9));
     };
     const core::Duration tick = identify::identification_tick(nanoseconds(problem.span_s()),
                                                               nanoseconds(problem.period_s()));
-    const double share = found.all.noise().spectrum.low_pass_share;
-    const double ratio = 0.5 / (static_cast<double>(tick.ns()) * 1e-9) /
-                         cut_off_hz(found, std::log(share / (1.0 - share)));
-    model.white.angle_random_walk_rad_per_sqrt_s *= std::sqrt(std::atan(ratio) / ratio);
+    const double highest = 0.5 * problem.period_s() / (static_cast<double>(tick.ns()) * 1e-9);
+    const double rounding = model.quantization ? 0.0 : noise.rounding_variance;
+    const double kept = noise.white_variance * mean_gain(noise, highest) + rounding;
+    model.white.angle_random_walk_rad_per_sqrt_s *=
+        std::sqrt(kept / (noise.white_variance + rounding));
   }
 
  private:
-  static double cut_off_hz(const Found& found, double logit) {
-    const double kept = 1.0 / (1.0 + std::exp(logit));
-    return -std::log(kept) / (2.0 * std::numbers::pi * found.all.problem().period_s());
+  static std::vector<NoiseSpectrum> starts_from(const Explanation& without) {
+    constexpr double kLeastShare = 0.1;
+    std::vector<NoiseSpectrum> starts;
+    for (const int order : kOrders) {
+      for (const double share : {0.9, 0.5, 0.2, 0.06}) {
+        NoiseSpectrum start = without.noise().spectrum;
+        start.low_pass_share = share;
+        start.low_pass_order = order;
+        start.rounding_variance = variance_behind_filter(without);
+        start.white_variance = std::max(start.white_variance - start.rounding_variance,
+                                        kLeastShare * start.white_variance);
+        starts.push_back(start);
+        if (order > 0) continue;
+        start.white_variance += start.flicker_variance;
+        start.flicker_variance *= 0.1;
+        starts.push_back(start);
+      }
+    }
+    return starts;
+  }
+
+  /// Where the power is half of what it was, but for y += a (x - y) on a fast one: there that of
+  /// the resistor and capacitor that it stands for.
+  static double cut_off_hz(int order, double share, double period_s) {
+    if (order > 0) return 0.5 * share / period_s;
+    return -std::log1p(-share) / (2.0 * std::numbers::pi * period_s);
+  }
+
+  /// Of the power between 0 and a frequency in cycles a sample.
+  static double mean_gain(const NoiseSpectrum& noise, double highest) {
+    constexpr int kNodes = 64;
+    double sum = 0.0;
+    for (int i = 0; i < kNodes; ++i) {
+      const double frequency = highest * (i + 0.5) / kNodes;
+      sum += noise.low_pass_gain(2.0 * std::sin(std::numbers::pi * frequency));
+    }
+    return sum / kNodes;
   }
 };
 
