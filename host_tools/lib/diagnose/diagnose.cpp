@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
@@ -43,7 +44,8 @@ std::vector<std::unique_ptr<Effect>> make_effects() {
 }
 
 /// The parts by their gain. Noise that wanders takes in whatever functions of time and temperature
-/// leave, so that beside one of them its gain is no rank: it comes after them.
+/// leave, so that beside one of them its gain is no rank: it comes after them. What was measured
+/// beside the rate and is beyond doubt comes first.
 std::vector<std::size_t> by_rank(const Selection& selection) {
   const std::vector<Part>& parts = selection.explanation.parts();
   const auto wanders = [&](std::size_t i) {
@@ -59,7 +61,9 @@ std::vector<std::size_t> by_rank(const Selection& selection) {
   }
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) {
     const double gain = selection.choices[i].gain_nats;
-    return std::pair{wanders(i) ? std::min(gain, least_function) : gain, !wanders(i)};
+    return std::tuple{
+        is_beyond_doubt(*selection.choices[i].effect, selection.choices[i].surprise_nats),
+        wanders(i) ? std::min(gain, least_function) : gain, !wanders(i)};
   });
   return order;
 }

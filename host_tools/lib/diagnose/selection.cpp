@@ -31,9 +31,8 @@ std::vector<Candidate> candidates_for(const Explanation& without,
   });
   // A cause that was measured beside the rate and is beyond doubt goes before any that was searched
   // for: with enough of them those draw everything.
-  constexpr double kBeyondDoubt = 50.0;  // nats
   const auto measured = std::ranges::find_if(candidates, [](const Candidate& candidate) {
-    return candidate.effect->is_measured() && candidate.offer.surprise_nats > kBeyondDoubt;
+    return is_beyond_doubt(*candidate.effect, candidate.offer.surprise_nats);
   });
   if (!without.parts().empty() && measured != candidates.end()) {
     std::rotate(candidates.begin(), measured, measured + 1);
@@ -122,6 +121,11 @@ class Selector {
 };
 
 }  // namespace
+
+bool is_beyond_doubt(const Effect& effect, double surprise_nats) {
+  constexpr double kBeyondDoubt = 50.0;  // nats
+  return effect.is_measured() && surprise_nats > kBeyondDoubt;
+}
 
 Selection select_effects(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects) {
   return Selector(problem, effects).select();

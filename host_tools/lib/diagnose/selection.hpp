@@ -33,6 +33,9 @@ struct Selection {
 /// seen in one clean recording of some 200.
 inline constexpr double kLeastSurprise = 8.1;
 
+/// What causes the effect was measured beside the rate, and its part is beyond doubt.
+[[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprise_nats);
+
 /// Adds the most surprising effect until none is surprising enough. After each addition every
 /// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
 /// another takes its place if that explains more.

@@ -12,7 +12,9 @@
 namespace zerorate::diagnose {
 namespace {
 
+using ::testing::Contains;
 using ::testing::DoubleNear;
+using ::testing::HasSubstr;
 using zerorate::testing::kRadPerDeg;
 
 constexpr std::size_t kSamples = 20'000;
@@ -66,6 +68,18 @@ TEST(DiagnosisOfALine, NamesItWithItsFrequency) {
   // A line is known to a small part of 1 / (record length).
   EXPECT_NEAR(diagnosis.causes.front().parameters[1].value, 1.2345, 0.1 / (kSamples * kPeriod));
   ASSERT_EQ(diagnosis.extended_model.harmonic.size(), 1U);
+}
+
+TEST(DiagnosisOfASquareWave, NamesNoTelegraphAsProven) {
+  Record record = simulated({}, 5);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const bool is_high = k % 2800 < 800;
+    record.rate_rad_s[k] += is_high ? 0.05 * kRadPerDeg : 0.0;
+  }
+  const Diagnosis diagnosis = diagnose(record);
+
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_THAT(diagnosis.extended_adequacy.failures, Contains(HasSubstr("even intervals")));
 }
 
 TEST(DiagnosisOfARecord, IsTheSameTwice) {

@@ -118,6 +118,14 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
   }
 }
 
+/// A bias that switches like a clock is no telegraph.
+void test_switches(const Explanation& explanation, Tests& tests) {
+  for (const Part& part : explanation.parts()) {
+    if (part.effect != "random_telegraph_noise") continue;
+    tests.push_back({"the bias switches at even intervals, not at random", part.shape.back()});
+  }
+}
+
 }  // namespace
 
 Tests test_spectrum(const Remainder& remainder) {
@@ -130,6 +138,7 @@ Tests test_spectrum(const Remainder& remainder) {
   tests.push_back(strongest_line(*remainder.explanation, sums));
   tests.push_back(strongest_hump(*remainder.explanation, sums));
   test_harmonics(*remainder.explanation, tests);
+  test_switches(*remainder.explanation, tests);
   return tests;
 }
 

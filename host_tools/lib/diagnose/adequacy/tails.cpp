@@ -30,9 +30,13 @@ double log_chi_squared_tail(double x, double freedom) {
   return log_gamma_tail(0.5 * freedom, 0.5 * x);
 }
 
+double log_chi_squared_lower_tail(double x, double freedom) {
+  return std::log(std::max(boost::math::gamma_p(0.5 * freedom, 0.5 * x), kUnderflow));
+}
+
 double log_chi_squared_tails(double x, double freedom) {
   const double upper = log_gamma_tail(0.5 * freedom, 0.5 * x);
-  const double lower = std::log(std::max(boost::math::gamma_p(0.5 * freedom, 0.5 * x), kUnderflow));
+  const double lower = log_chi_squared_lower_tail(x, freedom);
   return std::min(0.0, std::numbers::ln2 + std::min(upper, lower));
 }
 

@@ -10,6 +10,8 @@ namespace zerorate::diagnose {
 [[nodiscard]] double log_normal_tails(double z);
 /// Of chi squared above x.
 [[nodiscard]] double log_chi_squared_tail(double x, double freedom);
+/// Of chi squared below x.
+[[nodiscard]] double log_chi_squared_lower_tail(double x, double freedom);
 /// Of chi squared as far from its middle as x, both sides.
 [[nodiscard]] double log_chi_squared_tails(double x, double freedom);
 /// Of a Poisson number of at least `count`.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -170,8 +171,39 @@ Path alternate(const Coarse& coarse, std::array<double, 2> levels, std::optional
   return *path;
 }
 
-/// A bias that switches between two levels. The part's shape: number of switches, of points, and
-/// the mean lengths of stay in s, low and high.
+/// log P of stays as even as these, were the switches independent of each other: Bartlett's test of
+/// exponential lengths, at its lower end, both levels together. The first and the last stay are not
+/// known whole.
+double log_p_of_even_stays(const Path& path) {
+  std::array<double, 2> sums{};
+  std::array<double, 2> logs{};
+  std::array<double, 2> counts{};
+  std::size_t first = 0;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    if (path[k] == path[k - 1]) continue;
+    if (first > 0) {
+      const auto length = static_cast<double>(k - first);
+      const std::uint8_t level = path[first];
+      sums[level] += length;
+      logs[level] += std::log(length);
+      counts[level] += 1.0;
+    }
+    first = k;
+  }
+  double statistic = 0.0;
+  double freedom = 0.0;
+  for (std::size_t level = 0; level < 2; ++level) {
+    const double m = counts[level];
+    if (m < 2.0) continue;
+    statistic +=
+        2.0 * m * (std::log(sums[level] / m) - logs[level] / m) / (1.0 + (m + 1.0) / (6.0 * m));
+    freedom += m - 1.0;
+  }
+  return freedom > 0.0 ? log_chi_squared_lower_tail(statistic, freedom) : 0.0;
+}
+
+/// A bias that switches between two levels. The part's shape: number of switches, of points, the
+/// mean lengths of stay in s, low and high, and log P of stays so even by chance.
 class RandomTelegraphNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "random_telegraph_noise"; }
@@ -236,7 +268,7 @@ class RandomTelegraphNoise final : public Effect {
                 .columns = {column_of(scan.problem(), values)},
                 .shape = {static_cast<double>(count), static_cast<double>(coarse.size()),
                           (static_cast<double>(values.size()) - high) * period_s / stays,
-                          high * period_s / stays}};
+                          high * period_s / stays, log_p_of_even_stays(*path)}};
   }
 
   /// Each switch has its price, less what is not known of its place: a jump of height h in white
