@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -245,6 +246,14 @@ class GyroNode {
     }
   };
 
+  /// False for what is not finite, and beyond what anything can measure that turns: its square
+  /// would not be finite either. In bits, which are in the order of the magnitudes, for processors
+  /// without floating point.
+  [[nodiscard]] static constexpr bool is_possible(core::AngularRate rate) {
+    constexpr float kLargest_rad_s = 1e6F;
+    return (std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)) & 0x7FFF'FFFFU) <=
+           std::bit_cast<std::uint32_t>(kLargest_rad_s);
+  }
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
   constexpr void take_in(const drivers::GyroSample& sample);
   template <class FilterOf>
@@ -335,9 +344,7 @@ constexpr void GyroNode<R, C, K, Capacity>::describe(
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr bool GyroNode<R, C, K, Capacity>::is_refused(const drivers::GyroSample& sample,
                                                        Health& health) const {
-  health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), [](auto rate) {
-    return core::is_finite(rate.in(core::rad_per_s));
-  });
+  health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
   health.time_refused =
       (has_sample_ && sample.time <= newest_sample_) || !average_.can_take(sample.time);
   return health.sample_refused || health.time_refused;

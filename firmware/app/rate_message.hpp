@@ -15,7 +15,7 @@ namespace zerorate::app {
 /// The state of the node and of this sample. All false is good news but for `calibrated`.
 struct Health {
   bool calibrated = false;          ///< a bias has been measured; without it nothing is corrected
-  bool sample_refused = false;      ///< not finite: no rate in this message
+  bool sample_refused = false;      ///< no rate: not finite, or beyond 1e6 rad/s
   bool time_refused = false;        ///< not after the sample before: no rate in this message
   bool saturated = false;           ///< an axis at full scale: the rate is a lower bound
   bool model_inconsistent = false;  ///< innovations larger or smaller than the model allows

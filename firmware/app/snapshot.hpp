@@ -272,9 +272,9 @@ class Snapshot {
     if (header.layout != kLayout) return Unexpected{SnapshotRefusal::other_layout};
     if (header.model != model_) return Unexpected{SnapshotRefusal::other_model};
     if (header.sensor != sensor_) return Unexpected{SnapshotRefusal::other_sensor};
-    const bool fits = header.content == Content::state ? record.size() == kBytesOfState
-                                                       : record.size() == kBytesOfFilters;
-    if (!fits) return Unexpected{SnapshotRefusal::not_a_snapshot};
+    const bool is_state = header.content == Content::state && record.size() == kBytesOfState;
+    const bool is_filters = header.content == Content::filters && record.size() == kBytesOfFilters;
+    if (!is_state && !is_filters) return Unexpected{SnapshotRefusal::not_a_snapshot};
     return header;
   }
 
@@ -286,8 +286,8 @@ class Snapshot {
     if (header.calibrated == 0) return Unexpected{SnapshotRefusal::nothing_learnt};
     if (!turn_on_is_known_) return Unexpected{SnapshotRefusal::turn_on_unknown};
     if (has_transient_) return Unexpected{SnapshotRefusal::transient_at_start};
-    // A clock that went backwards was set meanwhile: as good as none.
-    const bool has_clock = header.utc_s != kNoClock && now.utc_s && *now.utc_s >= header.utc_s;
+    // A clock before 1970, or one that went backwards and so was set meanwhile, is as good as none.
+    const bool has_clock = header.utc_s >= 0 && now.utc_s && *now.utc_s >= header.utc_s;
     core::Duration pause = kLongestPause;
     if (has_clock) {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;

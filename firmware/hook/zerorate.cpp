@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/base/numeric.hpp"
+#include "core/base/time_range.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
 
@@ -53,8 +54,14 @@ Instance* instance_in(zerorate_node* storage) {
   return instance != nullptr ? std::launder(reinterpret_cast<Instance*>(storage)) : nullptr;
 }
 
+/// What no figure of a model exceeds in SI units, but for its times: no sum of squares of such
+/// figures leaves what single precision holds. NaN fails every comparison.
+constexpr float kLargestFigure = 1e6F;
+bool is_figure(float value) {
+  return value >= -kLargestFigure && value <= kLargestFigure;
+}
 bool is_magnitude(float value) {
-  return core::is_finite(value) && value >= 0.0F;
+  return value >= 0.0F && value <= kLargestFigure;
 }
 
 bool does_something(const auto& mode) {
@@ -64,31 +71,36 @@ bool does_something(const auto& mode) {
 bool is_sound(const zerorate_decaying_mode& mode) {
   const bool forgets = mode.forgetting > 0.0F && mode.forgetting <= 1.0F;
   return (forgets || !does_something(mode)) && is_magnitude(mode.noise_variance) &&
-         is_magnitude(mode.initial_variance) && core::is_finite(mode.initial_mean);
+         is_magnitude(mode.initial_variance) && is_figure(mode.initial_mean);
 }
 bool is_sound(const zerorate_rotating_mode& mode) {
   const float remaining_re = 1.0F - mode.forgetting.re;
   const float remaining_im = mode.forgetting.im;
   return remaining_re * remaining_re + remaining_im * remaining_im <= 1.0F &&
          is_magnitude(mode.noise_variance) && is_magnitude(mode.initial_variance) &&
-         core::is_finite(mode.initial_mean);
+         is_figure(mode.initial_mean);
 }
 bool is_sound(const zerorate_temperature_drift& drift) {
-  return core::is_finite(drift.reference_degc) && core::is_finite(drift.slope_rad_s_per_k) &&
-         is_magnitude(drift.slope_sigma_rad_s_per_k) &&
-         core::is_finite(drift.curvature_rad_s_per_k2) &&
+  return is_figure(drift.reference_degc) && is_figure(drift.slope_rad_s_per_k) &&
+         is_magnitude(drift.slope_sigma_rad_s_per_k) && is_figure(drift.curvature_rad_s_per_k2) &&
          is_magnitude(drift.curvature_sigma_rad_s_per_k2) && is_magnitude(drift.lag_s);
 }
-/// A figure that is not a number fails every comparison.
 bool is_sound(const zerorate_model& model) {
   const auto sound = [](const auto& mode) { return is_sound(mode); };
   return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
-         is_magnitude(model.walk_variance_rad2_s2) &&
+         is_magnitude(model.walk_variance_rad2_s2) && is_magnitude(model.white_variance_rad2_s2) &&
          core::is_measurement(0.0F, model.white_variance_rad2_s2) &&
          is_magnitude(model.unaveraged_variance_rad2_s2) &&
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature);
+}
+
+/// That they are positive and fit each other is the node's to check.
+bool are_sound_times(const zerorate_model& model, const zerorate_config& config) {
+  constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
+  return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns}) <=
+         kLongest_ns;
 }
 
 core::Modes<kDecaying, kRotating> modes_of(const zerorate_model& model) {
@@ -157,6 +169,10 @@ zerorate_motion motion_of(core::Motion motion) {
       break;
   }
   return ZERORATE_MOVING;
+}
+
+bool is_time(std::int64_t ns) {
+  return core::is_in_range(core::Instant::from_ns(ns));
 }
 
 drivers::GyroSample sample_of(const zerorate_measurement& measured) {
@@ -242,6 +258,7 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
   *self = {};
   if (!hook::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
+  if (!hook::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
   const hook::Node::Params params = hook::params_of(*model, chosen);
   if (!hook::Node::check(params)) return ZERORATE_BAD_TIMES;
   new (self) hook::Instance{params, chosen.sensor_id};
@@ -251,6 +268,7 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!hook::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
   instance->node.pulse(core::Instant::from_ns(time_ns));
   return ZERORATE_OK;
 }
@@ -258,13 +276,15 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
 zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!hook::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
   instance->node.report_lost_pulses(core::Instant::from_ns(now_ns));
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
   if (!stands) return zerorate_pulse(self, time_ns);
-  return instance_in(self) != nullptr ? ZERORATE_OK : ZERORATE_NOT_INITIALISED;
+  if (instance_in(self) == nullptr) return ZERORATE_NOT_INITIALISED;
+  return hook::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
@@ -272,6 +292,7 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
   if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!hook::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
   const drivers::GyroSample sample = hook::sample_of(*measured);
   const app::RateMessage message = instance->node.step(sample);
   if (message.has_rate()) {
@@ -289,6 +310,7 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   const auto& params = instance->params;
   const core::Instant from = instance->newest_sample;
+  if (samples > (core::kLatestTime - from) / params.sample_period) return ZERORATE_BAD_ARGUMENT;
   const auto heading = instance->node.predict_heading(
       params.published, axis, from, from + params.sample_period * std::int64_t{samples});
   if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;

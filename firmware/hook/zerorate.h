@@ -3,13 +3,14 @@
  * zerorate for vehicle firmware written in C: the bias of a gyro, learnt whenever the vehicle
  * stands (zero angular rate update), predicted with its error while it moves.
  *
- *     static zerorate_node gyro;                              // no heap: the storage is yours
- *     zerorate_init(&gyro, &my_sensor, NULL);                 // zerorate export --c makes
- * my_sensor zerorate_zero_velocity(&gyro, now_ns, wheels_are_still);  // or zerorate_pulse()
+ *     static zerorate_node gyro;               // no heap: the storage is yours
+ *     zerorate_init(&gyro, &my_sensor, NULL);  // my_sensor: made by zerorate export --c
+ *     zerorate_zero_velocity(&gyro, now_ns, wheels_are_still);  // or zerorate_pulse()
  *     zerorate_sample(&gyro, &measured, &rate);
  *     if (rate.health.calibrated) heading += rate.corrected_rad_s[2] * dt;
  *
- * Times are nanoseconds of one monotonic clock, rates are in rad/s, axes are x, y, z of the sensor.
+ * Times are nanoseconds of one monotonic clock, from -73 to 146 years of its zero (anything else is
+ * ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the sensor.
  *
  * Rules:
  * - An instance is used by one context at a time; different instances are independent. An interrupt
@@ -52,9 +53,10 @@ extern "C" {
 typedef enum zerorate_result {
   ZERORATE_OK = 0,
   ZERORATE_NOT_INITIALISED, /**< zerorate_init() has not succeeded, or the instance was moved */
-  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, or an axis beyond the third */
-  ZERORATE_BAD_MODEL,       /**< a figure of the model is not finite, or out of its range */
-  ZERORATE_BAD_TIMES,       /**< a time of the model or the configuration is impossible */
+  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, an axis beyond the third, an impossible time */
+  ZERORATE_BAD_MODEL, /**< a figure of the model is not a number, above 1e6, or out of its range */
+  ZERORATE_BAD_TIMES, /**< a time of the model or the configuration is not to be used: not
+                         positive, longer than an hour, or not fitting the others */
   ZERORATE_BUFFER_TOO_SMALL,
   ZERORATE_TOO_LATE,           /**< zerorate_restore() after the first sample */
   ZERORATE_NOTHING_LEARNT,     /**< there has been no standstill yet */
@@ -136,7 +138,7 @@ typedef struct zerorate_config {
 /** All false is good news but for `calibrated`. */
 typedef struct zerorate_health {
   bool calibrated;           /**< a bias has been measured; without it nothing is corrected */
-  bool sample_refused;       /**< not finite: no rate */
+  bool sample_refused;       /**< not finite, or beyond 1e6 rad/s: no rate */
   bool time_refused;         /**< not after the sample before: no rate */
   bool saturated;            /**< an axis at full scale: the rate is a lower bound */
   bool model_inconsistent;   /**< innovations larger or smaller than the model allows */
@@ -209,8 +211,8 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
 
 /**
  * The heading error that the bias causes over the coming samples, if the vehicle drives off now.
- * @param samples how many, at the model's sample period
- * @return ZERORATE_NOTHING_LEARNT before the first standstill
+ * @param samples how many, at the model's sample period; not beyond the times of the clock
+ * @return ZERORATE_NOTHING_LEARNT before the first standstill, ZERORATE_BAD_ARGUMENT
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error);

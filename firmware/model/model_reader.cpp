@@ -1,5 +1,3 @@
-#include <toml++/toml.h>
-
 #include <array>
 #include <optional>
 #include <string>
@@ -9,6 +7,7 @@
 #include "firmware/model/model_fields.hpp"
 #include "firmware/model/model_file.hpp"
 #include "firmware/toml/strict_table.hpp"
+#include "firmware/toml/toml.hpp"
 
 namespace zerorate::model {
 namespace {

@@ -1,4 +1,3 @@
-#include <toml++/toml.h>
 #include <cerrno>
 #include <fstream>
 #include <optional>
@@ -9,6 +8,7 @@
 #include "firmware/model/model_fields.hpp"
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
+#include "firmware/toml/toml.hpp"
 
 namespace zerorate::model {
 namespace {

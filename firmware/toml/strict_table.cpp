@@ -50,7 +50,26 @@ toml::table Document::parse() const {
     return toml::parse(text_, origin_);
   } catch (const toml::parse_error& error) {
     fail(error.source().begin, std::string(error.description()));
+  } catch (const BrokenAssumption&) {
+    fail({.line = line_that_is_not_toml(), .column = 1}, "this is not TOML");
   }
+}
+
+toml::source_index Document::line_that_is_not_toml() const {
+  std::string lines;
+  toml::source_index count = 0;
+  for (const std::string& line : lines_) {
+    lines += line + '\n';
+    ++count;
+    try {
+      (void)toml::parse(lines, origin_);
+    } catch (const toml::parse_error&) {
+      continue;  // only not finished yet
+    } catch (const BrokenAssumption&) {
+      break;
+    }
+  }
+  return count;
 }
 
 void Document::fail(const toml::source_position& where, const std::string& message) const {

@@ -3,8 +3,6 @@
 /// missing key or an impossible value is an error with file, line, column and what was expected.
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +13,7 @@
 
 #include "firmware/toml/error.hpp"
 #include "firmware/toml/rule.hpp"
+#include "firmware/toml/toml.hpp"
 
 namespace zerorate::toml_file {
 
@@ -32,6 +31,9 @@ class Document {
   [[nodiscard]] std::string decimal(const toml::node& node, double value) const;
 
  private:
+  /// The first line up to which the text breaks an assumption of the parser.
+  [[nodiscard]] toml::source_index line_that_is_not_toml() const;
+
   std::string text_;
   std::string origin_;
   std::vector<std::string> lines_;

@@ -24,6 +24,7 @@ if(CCACHE_PROGRAM)
 endif()
 
 option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+option(ZERORATE_FUZZ "Let all code tell the fuzzers what of it was reached (clang)" OFF)
 
 # Flags of all our own code. Designated initialisers rely on member defaults, so their warning is
 # off. No contraction: fused multiply-add would make x86, Cortex-M0+ and M4F
@@ -39,6 +40,9 @@ if(ZERORATE_SANITIZE)
   target_compile_options(zerorate_flags INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(zerorate_flags INTERFACE -fsanitize=address,undefined)
+endif()
+if(ZERORATE_FUZZ)
+  target_compile_options(zerorate_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 # Additional promises of code that is flashed: single precision only, no errno (with it a square root

@@ -1,4 +1,5 @@
 #include "host_tools/lib/recording/reader.hpp"
+#include "core/base/time_range.hpp"
 
 #include <fmt/format.h>
 
@@ -92,8 +93,8 @@ void Reader::parse_field(const Column& column, const Fields& fields, Row& row) c
 std::int64_t Reader::parse_time(const Column& column, const Fields& fields) const {
   constexpr int kNanosecondDecimals = 9;
   const auto time = parse_fixed_point(fields.text(), kNanosecondDecimals);
-  if (!time) {
-    throw bad_field(column, fields, "a time in seconds, at most 9223372036 either way of zero",
+  if (!time || !core::is_in_range(core::Instant::from_ns(time->value))) {
+    throw bad_field(column, fields, "a time in seconds, from -2305843009 to 4611686018",
                     "A sample without a time cannot be placed: repair or remove the row.");
   }
   return time->value;

@@ -178,6 +178,7 @@ std::vector<Refused> refused_samples() {
   const Health no_time{.calibrated = true, .time_refused = true};
   return {{"nan", sample_at(at_ms(20'010), kNaN), no_rate},
           {"nan on one axis", one_axis, no_rate},
+          {"faster than anything", sample_at(at_ms(20'010), -1.1e6F), no_rate},
           {"infinite", sample_at(at_ms(20'010), kInfinity), no_rate},
           {"minus infinite", sample_at(at_ms(20'010), -kInfinity), no_rate},
           {"duplicate stamp", sample_at(at_ms(20'000), kBias), no_time},

@@ -134,6 +134,15 @@ TEST(SnapshotWhoseClockWentBackwards, IsAgedByADay) {
       Resumption::aged_by_a_day);
 }
 
+TEST(SnapshotWhoseClockShowsATimeBefore1970, IsAgedByADay) {
+  Learnt learnt;
+  constexpr SnapshotTime kUnset{.utc_s = -9'000'000'000'000'000'000};
+  Node again{learnt.params};
+  EXPECT_EQ(
+      *taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kUnset), kSaved, again),
+      Resumption::aged_by_a_day);
+}
+
 TEST(SnapshotOfABoardThatKnowsNoSession, IsNeverContinued) {
   Learnt learnt;
   const SnapshotTime unknown{.utc_s = 5};
@@ -153,6 +162,18 @@ TEST(SnapshotWithOneWrongBit, IsRefusedWhereverItIs) {
     EXPECT_EQ(refusal, bit < 32 ? SnapshotRefusal::not_a_snapshot : SnapshotRefusal::damaged);
     record[bit / 8] ^= mask;
   }
+}
+
+TEST(SnapshotOfAnUnknownContent, IsRefusedThoughItsChecksumIsRight) {
+  constexpr std::size_t kContentAt = 6;
+  Learnt learnt;
+  auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
+  record[kContentAt] = 2;
+  const std::uint32_t checksum = core::crc32(std::span{record}.first(record.size() - 4));
+  for (std::size_t i = 0; i < 4; ++i) {
+    record[record.size() - 4 + i] = static_cast<std::uint8_t>((checksum >> (8 * i)) & 0xFFU);
+  }
+  EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::not_a_snapshot);
 }
 
 TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {

@@ -180,6 +180,8 @@ TEST(HookWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
       {ZERORATE_BAD_MODEL, [](auto& m) { m.rotating[0].initial_variance = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.slope_sigma_rad_s_per_k = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = 1e7F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 1e7F; }},
       {ZERORATE_BAD_TIMES, [](auto& m) { m.tick_ns = 0; }},
       {ZERORATE_BAD_TIMES, [](auto& m) { m.sample_period_ns = -1; }},
       {ZERORATE_BAD_TIMES, [](auto& m) { m.tick_ns = m.sample_period_ns / 2; }},
@@ -201,6 +203,33 @@ TEST(HookWithTimesThatCannotBe, RefusesThem) {
   config = zerorate_default_config();
   config.hold_back_ns = 3'600'000'000'000;
   EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_TIMES);
+  zerorate_model model = front_gyro;
+  model.sample_period_ns = model.tick_ns = 3'600'000'000'001;
+  EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_TIMES);
+}
+
+TEST(HookAskedForAHeadingBeyondItsClock, RefusesIt) {
+  zerorate_model model = front_gyro;
+  model.sample_period_ns = model.tick_ns = 3'600'000'000'000;
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_OK);
+  zerorate_heading_error error{};
+  EXPECT_EQ(zerorate_predict_heading(&node, 0, 1'000'000, &error), ZERORATE_NOTHING_LEARNT);
+  EXPECT_EQ(zerorate_predict_heading(&node, 0, 2'000'000, &error), ZERORATE_BAD_ARGUMENT);
+}
+
+TEST(HookFedWithATimeThatNoClockShows, RefusesIt) {
+  constexpr std::int64_t kCentury_ns = 3'155'760'000'000'000'000;
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  zerorate_rate rate{};
+  for (const std::int64_t time_ns : {-kCentury_ns, 2 * kCentury_ns}) {
+    const zerorate_measurement measured{.time_ns = time_ns};
+    EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_BAD_ARGUMENT);
+    EXPECT_EQ(zerorate_pulse(&node, time_ns), ZERORATE_BAD_ARGUMENT);
+    EXPECT_EQ(zerorate_pulses_lost(&node, time_ns), ZERORATE_BAD_ARGUMENT);
+    EXPECT_EQ(zerorate_zero_velocity(&node, time_ns, true), ZERORATE_BAD_ARGUMENT);
+  }
 }
 
 TEST(HookWithBadSamples, FlagsThemAndChangesNothing) {

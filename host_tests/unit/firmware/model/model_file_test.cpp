@@ -213,6 +213,14 @@ TEST(ModelFileOfAnotherSchema, IsRefused) {
             "m.toml:1:10: \"schema\": expected \"zerorate.model/1\"");
 }
 
+// What the parser of toml++ takes for granted; found by fuzzing.
+TEST(ModelFileThatTheParserDidNotExpect, IsRefusedWithItsLine) {
+  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\n\n[,"), "m.toml:3:1: this is not TOML");
+  EXPECT_EQ(message_of("x = 1\n[\n[white]\n"), "m.toml:2:1: this is not TOML");
+  EXPECT_THAT(message_of("schema = 'zerorate.model/1'\n\u00e9 = 1\n"),
+              ::testing::StartsWith("m.toml:2:1: "));
+}
+
 TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("= 25.2", "= \"25.2\"")),
             "m.toml:9:24: \"bias_instability_dph\" in [flicker]: expected a positive number");

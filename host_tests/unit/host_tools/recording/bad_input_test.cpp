@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"nan_time", kHeader + "nan,1,2,3\n", 2, 1, "nan", "a time in seconds"},
         BadText{"clock_time", kHeader + "12:30:00,1,2,3\n", 2, 1, "12:30:00", "a time in seconds"},
         BadText{"time_in_ns", kHeader + "1700000000123456789,1,2,3\n", 2, 1, "1700000000123456789",
-                "at most 9223372036"},
+                "from -2305843009 to 4611686018"},
         BadText{"too_few", kHeader + "0,1,2,3\n1,2\n", 3, 0, "2 fields", "4 as in the header"},
         BadText{"too_many", kHeader + "0,1,2,3,4\n", 2, 0, "5 fields", "4 as in the header"},
         BadText{"decimal_comma", "t_s,rate_dps\n0,01,0,35\n", 2, 0, "4 fields", "2 as in"},

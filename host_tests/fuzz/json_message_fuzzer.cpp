@@ -1,0 +1,14 @@
+// A line of zerorated's output: a message, or none.
+
+#include "firmware/wire/rate_frame.hpp"
+#include "host_tests/fuzz/fuzz.hpp"
+#include "host_tools/lib/live/json_message.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace zerorate;
+  if (const auto numbered = live::parse_json_message(fuzz::as_text(data, size))) {
+    fuzz::promise(wire::decode_rate_frame(wire::encode_rate_frame(*numbered)).has_value(),
+                  "a message that was read is one that a frame can carry");
+  }
+  return 0;
+}
