@@ -34,6 +34,7 @@ struct ChipDescription {
   std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;
+  double counts;  ///< at full scale; one is the LSB
   /// @param settings must be possible by this description
   std::unique_ptr<drivers::AnyGyro> (*make)(const GyroSettings& settings);
 };

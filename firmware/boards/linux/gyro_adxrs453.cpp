@@ -33,6 +33,7 @@ ChipDescription describe_adxrs453() {
           .addresses = {},
           .highest_speed_hz = 8'080'000,
           .has_fifo = false,
+          .counts = 300.0 * 80.0,
           .make = make};
 }
 

@@ -38,6 +38,7 @@ ChipDescription describe_bmi088() {
           .addresses = kAddresses,
           .highest_speed_hz = 10'000'000,
           .has_fifo = true,
+          .counts = 32768.0,
           .make = make};
 }
 

@@ -37,6 +37,7 @@ ChipDescription describe_icm42688() {
           .addresses = kAddresses,
           .highest_speed_hz = 24'000'000,
           .has_fifo = true,
+          .counts = 32768.0,
           .make = make};
 }
 

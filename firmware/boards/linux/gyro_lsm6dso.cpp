@@ -37,6 +37,7 @@ ChipDescription describe_lsm6dso() {
           .addresses = kAddresses,
           .highest_speed_hz = 10'000'000,
           .has_fifo = true,
+          .counts = 1000.0 / 0.035,
           .make = make};
 }
 

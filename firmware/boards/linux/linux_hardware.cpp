@@ -3,14 +3,29 @@
 #include <poll.h>
 
 #include <array>
+#include <cmath>
 #include <ctime>
 
 #include "hal/linux/clock.hpp"
 
 namespace zerorate::linux_node {
 
+namespace {
+
+drivers::Repetition repetition_of(const Configuration& configuration) {
+  const GyroSettings& gyro = configuration.gyro;
+  const float variance = configuration.node.white_variance_rad2_s2;
+  const core::AngularRate sigma = core::rad_per_s(std::sqrt(variance));
+  const double lsb_dps = gyro.full_scale_dps / find_chip(gyro.chip)->counts;
+  return drivers::Repetition{
+      longest_repetition(double{sigma.in(core::deg_per_s)}, lsb_dps, gyro.rate_hz)};
+}
+
+}  // namespace
+
 LinuxHardware::LinuxHardware(const Configuration& configuration)
-    : gyro_(find_chip(configuration.gyro.chip)->make(configuration.gyro)),
+    : gyro_(find_chip(configuration.gyro.chip)->make(configuration.gyro),
+            repetition_of(configuration)),
       odometer_(configuration.odometer) {
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
@@ -31,8 +46,8 @@ std::optional<core::Instant> LinuxHardware::take_edge() {
 }
 
 core::Duration LinuxHardware::longest_wait() const {
-  const core::Duration period = gyro_->sample_period();
-  if (gyro_->is_batched()) return period * 4;
+  const core::Duration period = gyro_.sample_period();
+  if (gyro_.is_batched()) return period * 4;
   const bool edges_come = data_ready_ && now() - data_ready_->newest < period * 4;
   return edges_come ? period * 2 : period / 2;
 }

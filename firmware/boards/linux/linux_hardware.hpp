@@ -2,12 +2,12 @@
 /// The hardware that a configuration names.
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/event.hpp"
 #include "firmware/boards/linux/hardware.hpp"
+#include "firmware/boards/linux/watched_gyro.hpp"
 #include "hal/linux/gpio_line.hpp"
 #include "hal/linux/latest_edge.hpp"
 
@@ -18,7 +18,7 @@ class LinuxHardware final : public Hardware {
  public:
   explicit LinuxHardware(const Configuration& configuration);
 
-  [[nodiscard]] drivers::AnyGyro& gyro() override { return *gyro_; }
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return gyro_; }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
@@ -40,7 +40,7 @@ class LinuxHardware final : public Hardware {
 
   [[nodiscard]] core::Duration longest_wait() const;
 
-  std::unique_ptr<drivers::AnyGyro> gyro_;
+  WatchedGyro gyro_;
   hal::linux_os::GpioLine odometer_;
   std::optional<DataReadyLine> data_ready_;
   Event wake_;

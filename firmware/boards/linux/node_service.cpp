@@ -70,6 +70,7 @@ void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... a
 }  // namespace
 
 std::string_view describe(const drivers::DriverError& error, std::span<char, 96> buffer) {
+  if (error.code == drivers::DriverErrorCode::frozen) return drivers::name(error.code);
   const bool is_bus = error.code == drivers::DriverErrorCode::bus_failed;
   const auto written = fmt::format_to_n(
       buffer.data(), buffer.size(), "{}{}{}{} at register {:#04x}", drivers::name(error.code),

@@ -29,6 +29,16 @@ void lose_the_gyro(DeviceWorld& world, Verdict& verdict, BusFault fault, const c
   check_recovery(bench);
 }
 
+void frozen_chip(DeviceWorld& world, Verdict& verdict) {
+  Bench bench{world, verdict, "the gyro freezes at a plausible rate", {}};
+  bench.schedule->run(2.0);
+  bench.schedule->set_frozen(true);
+  check_silence(bench);
+  verdict.check("the log names it", DaemonProcess::has_logged("gyro: frozen"), 0);
+  bench.schedule->set_frozen(false);
+  check_recovery(bench);
+}
+
 void wrong_chip(DeviceWorld& world, Verdict& verdict) {
   Bench bench{world, verdict, "another chip's WHO_AM_I", {.make = icm42688_on_spi}};
   check_silence(bench);
@@ -109,6 +119,7 @@ void break_the_bus(DeviceWorld& world, Verdict& verdict) {
   lose_the_gyro(world, verdict, BusFault::no_answer, "the bus times out");
   lose_the_gyro(world, verdict, BusFault::stuck_high, "data line stuck high");
   lose_the_gyro(world, verdict, BusFault::stuck_low, "data line stuck low");
+  frozen_chip(world, verdict);
   nack_bursts(world, verdict);
   bit_errors(world, verdict);
   full_fifo(world, verdict);

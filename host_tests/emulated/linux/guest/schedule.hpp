@@ -46,14 +46,16 @@ class Schedule {
   static constexpr std::int64_t kDrive_s = 15;
 
   /// @param axes  of the gyro: with one, the same rate is expected on all three
+  /// @param lead_ns  until the first sample
   /// @param after_each_sample  is called then
   Schedule(DeviceWorld& world, Witness& witness, std::size_t axes, std::int64_t sample_ns,
-           std::function<void()> after_each_sample)
+           std::int64_t lead_ns, std::function<void()> after_each_sample)
       : world_(world),
         witness_(witness),
         axes_(axes),
         sample_ns_(sample_ns),
-        after_each_sample_(std::move(after_each_sample)) {}
+        after_each_sample_(std::move(after_each_sample)),
+        start_(hal::linux_os::KernelClock::now().ns() + lead_ns) {}
 
   /// @param with_pulses  whether the odometer gives any
   void run(double seconds, bool with_pulses = true) {
@@ -75,6 +77,9 @@ class Schedule {
     witness_.receive();
   }
 
+  /// The gyro goes on measuring, the same again and again.
+  void set_frozen(bool is_frozen) { is_frozen_ = is_frozen; }
+
   [[nodiscard]] long samples() const { return samples_; }
   [[nodiscard]] long pulses() const { return pulses_; }
 
@@ -84,16 +89,21 @@ class Schedule {
   }
 
   void sample() {
+    if (!is_frozen_) rate_ = next_rate();
+    witness_.expect(rate_);
+    world_.measure(rate_);
+    ++samples_;
+    witness_.receive();
+    after_each_sample_();
+  }
+
+  std::array<core::AngularRate, 3> next_rate() {
     const float turn_dps = is_moving(next_sample_) ? 12.0F : 0.0F;
     std::array rate{core::deg_per_s(0.35F + kNoise_dps * noise_.next()),
                     core::deg_per_s(-0.2F + kNoise_dps * noise_.next()),
                     core::deg_per_s(turn_dps + 0.1F + kNoise_dps * noise_.next())};
     if (axes_ == 1) rate.fill(rate[2]);
-    witness_.expect(rate);
-    world_.measure(rate);
-    ++samples_;
-    witness_.receive();
-    after_each_sample_();
+    return rate;
   }
 
   DeviceWorld& world_;
@@ -102,7 +112,9 @@ class Schedule {
   std::int64_t sample_ns_;
   std::function<void()> after_each_sample_;
   Noise noise_;
-  std::int64_t start_ = hal::linux_os::KernelClock::now().ns() + kSecond_ns;
+  bool is_frozen_ = false;
+  std::array<core::AngularRate, 3> rate_{};
+  std::int64_t start_;
   std::int64_t next_sample_ = start_;
   std::int64_t next_pulse_ = start_;
   long samples_ = 0;
