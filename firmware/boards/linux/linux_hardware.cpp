@@ -18,7 +18,7 @@ drivers::Repetition repetition_of(const Configuration& configuration) {
   const core::AngularRate sigma = core::rad_per_s(std::sqrt(variance));
   const double lsb_dps = gyro.full_scale_dps / find_chip(gyro.chip)->counts;
   return drivers::Repetition{
-      longest_repetition(double{sigma.in(core::deg_per_s)}, lsb_dps, gyro.rate_hz)};
+      longest_repetition(static_cast<double>(sigma.in(core::deg_per_s)), lsb_dps, gyro.rate_hz)};
 }
 
 }  // namespace

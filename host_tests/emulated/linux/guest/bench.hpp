@@ -77,9 +77,7 @@ class Bench {
     std::string file = "/run/zerorated.toml";
     std::ofstream text{file};
     text << content_of("/zerorated.toml") << "\n[gyro]\n" << gyro.toml;
-    if (gyro.has_data_ready) {
-      text << "\n[data_ready]\nchip = \"/dev/gpiochip1\"\nline = \"GYRO_DRDY\"\n";
-    }
+    if (gyro.has_data_ready) text << content_of("/data_ready.toml");
     return file;
   }
 

@@ -2,15 +2,11 @@
 /// The devices of the emulated machine: a gyro, its interrupt line and an odometer, with faults.
 #pragma once
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -21,6 +17,7 @@
 #include "core/base/units.hpp"
 #include "hal/linux/clock.hpp"
 #include "host_tests/emulated/linux/guest/played_chip.hpp"
+#include "host_tests/emulated/linux/guest/wires.hpp"
 
 namespace zerorate::emulated {
 
@@ -35,24 +32,16 @@ enum class BusFault {
   bit_errors,   ///< one bit of every hundredth answer is turned over
 };
 
-[[noreturn]] inline void give_up(const char* what) {
-  std::perror(what);
-  std::exit(2);
-}
-
-inline int open_device(const char* path, int flags) {
-  const int descriptor = open(path, flags);
-  if (descriptor < 0) give_up(path);
-  return descriptor;
-}
-
 /// Answers the kernel's transactions with a chip, and drives its interrupt line and the odometer's.
 class DeviceWorld {
  public:
   static constexpr int kDataReadyLine = 0;
   static constexpr int kOdometerLine = 1;
 
-  DeviceWorld() : server_([this] { serve(); }) { server_.detach(); }
+  explicit DeviceWorld(std::unique_ptr<Wires> wires = std::make_unique<KernelWires>())
+      : wires_(std::move(wires)), server_([this] { serve(); }) {
+    server_.detach();
+  }
 
   /// Another chip in the place of the one before.
   void insert(std::unique_ptr<PlayedChip> chip) {
@@ -69,8 +58,8 @@ class DeviceWorld {
   /// One pulse; when its rising edge was given.
   core::Instant pulse() {
     const core::Instant at = hal::linux_os::KernelClock::now();
-    drive(kOdometerLine, true);
-    drive(kOdometerLine, false);
+    wires_->drive(kOdometerLine, true);
+    wires_->drive(kOdometerLine, false);
     return at;
   }
   void set_fault(BusFault fault) { fault_ = fault; }
@@ -83,18 +72,14 @@ class DeviceWorld {
   using Request = zerorate_bus_transaction;
   using Answer = zerorate_bus_answer;
 
-  void drive(int line, bool high) const {
-    const std::string text = std::to_string(line) + (high ? " 1" : " 0");
-    if (write(lines_, text.data(), text.size()) < 0) give_up("zerorate_lines");
-  }
   void show_data_ready() {
-    if (!is_data_ready_broken_) drive(kDataReadyLine, chip_->is_data_ready());
+    if (!is_data_ready_broken_) wires_->drive(kDataReadyLine, chip_->is_data_ready());
   }
 
   void serve() {
     std::array<std::uint8_t, sizeof(Request) + ZERORATE_BUS_BYTES> in{};
     for (;;) {
-      if (read(bus_, in.data(), in.size()) < 0) continue;  // it was too late for this one
+      if (!wires_->next(in)) continue;
       Request request{};
       std::memcpy(&request, in.data(), sizeof request);
       answer(request, std::span{in}.subspan(sizeof request));
@@ -116,7 +101,7 @@ class DeviceWorld {
     std::vector<std::uint8_t> out(sizeof head + size);
     std::memcpy(out.data(), &head, sizeof head);
     std::ranges::copy(bytes.first(size), out.begin() + sizeof head);
-    (void)!write(bus_, out.data(), out.size());
+    wires_->answer(out);
   }
 
   /// @return 0 or a negative error number
@@ -144,8 +129,7 @@ class DeviceWorld {
     return hal::Operation::exchange(bytes, bytes);
   }
 
-  int bus_ = open_device("/dev/zerorate_bus", O_RDWR);
-  int lines_ = open_device("/dev/zerorate_lines", O_WRONLY);
+  std::unique_ptr<Wires> wires_;
   std::mutex mutex_;
   std::unique_ptr<PlayedChip> chip_ = lsm6dso_on_spi();
   std::atomic<BusFault> fault_ = BusFault::none;

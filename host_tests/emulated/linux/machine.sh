@@ -1,0 +1,83 @@
+# Sourced: the emulated machine, after `repository`, `work` and `preset` are set. Kernel, headers and busybox come from
+# Debian, newest version, once.
+here="$repository/host_tests/emulated/linux"
+mkdir -p "$work"
+work=$(readlink -f "$work")
+cross="$repository/build/$preset"
+out="$work/$preset"
+mkdir -p "$out"
+source "$repository/toolchains/private-apt.sh"
+
+fetch() {
+  private_apt_root arm64 "$work/apt-arm64"
+  private_apt_root amd64 "$work/apt-amd64"
+  local image
+  image=$(APT_CONFIG="$work/apt-arm64/apt.conf" apt-cache show --no-all-versions linux-image-arm64 |
+    sed -n 's/^Depends: \(linux-image-[^ ]*\) .*/\1/p')
+  version=${image#linux-image-}
+  if [[ -e "$work/fetched-$version" ]]; then return; fi
+  rm -rf "$work"/{debs,kernel,headers,target}
+  private_apt_download "$work/apt-arm64" "$work/debs" "$image" "linux-headers-$version" \
+    "linux-headers-${version%-arm64}-common" busybox-static
+  private_apt_download "$work/apt-amd64" "$work/debs" "linux-kbuild-$(cut -d. -f1,2 <<<"$version")"
+  mkdir -p "$work"/{kernel,headers,target}
+  dpkg-deb -x "$work/debs/${image}"_*.deb "$work/kernel"
+  depmod -b "$work/kernel" "$version"
+  for deb in "$work"/debs/linux-{headers,kbuild}-*.deb; do dpkg-deb -x "$deb" "$work/headers"; done
+  for deb in "$work"/debs/busybox*.deb; do dpkg-deb -x "$deb" "$work/target"; done
+  sed -i "s# /usr/src/# $work/headers/usr/src/#" "$work/headers/usr/src/linux-headers-$version/Makefile"
+  touch "$work/fetched-$version"
+}
+
+# build WORLD: the packages, and the program that plays the devices.
+build() {
+  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_c "$1" &&
+    cd "$cross" && cpack) >"$out/build.log"
+}
+
+# The modules that `modprobe NAME...` would load, in order, one path a line.
+module_files() {
+  local name
+  for name in "$@"; do
+    modprobe -d "$work/kernel" -S "$version" --show-depends "$name"
+  done | awk '$1 == "insmod" && !seen[$2]++ {print $2}'
+}
+
+# pack WORLD INIT MODULE...: the initramfs, with modules by their files, in the order of their loading.
+pack() {
+  local root="$out/root" world=$1 init=$2 sysroot libraries file
+  shift 2
+  sysroot=$(sed -n 's/^ZERORATE_SYSROOT:.*=//p' "$cross/CMakeCache.txt")
+  libraries=$(echo "$sysroot"/usr/lib/*-linux-gnu*) # that of the package's architecture
+  rm -rf "$root"
+  mkdir -p "$root"/{bin,dev,lib,modules,proc,run,sys}
+  cp "$work/target/bin/busybox" "$root/bin/"
+  dpkg-deb -x "$cross"/zerorate_*.deb "$root"
+  cp "$cross/host_tests/emulated/linux/guest/$world" "$root/bin/"
+  cp -L "/usr/$(basename "$libraries")"/lib/{ld-linux-*.so.?,libc.so.6,libm.so.6,libgcc_s.so.1,libstdc++.so.6} "$root/lib/"
+  # The one that zerorated was linked to, under the name that it asks for.
+  file=$(readelf -d "$root/usr/sbin/zerorated" | sed -n 's/.*\[\(libgpiod[^]]*\)\]/\1/p')
+  cp -L "$libraries/$file" "$root/lib/"
+  for file in "$@"; do
+    cp "$file" "$root/modules/"
+    basename "$file" >>"$root/modules/order"
+  done
+  cp "$here"/{zerorated,data_ready}.toml "$root/"
+  printf '%s\n' "$init" | cat "$here/init.sh" - >"$root/init"
+  chmod +x "$root/init"
+  (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
+}
+
+# The command that boots it. Time counts instructions, and what the kernel draws at random (its own place, those of
+# stacks and libraries) begins with a seed that is always the same. QEMU's main thread moves time on when the
+# processor sleeps; at the same moment as the processor's thread, it may do so before the last instructions are
+# counted. On one processor, and not preempted for each other, the two take turns.
+machine() {
+  local processor
+  processor=$(taskset --cpu-list --pid $$ | sed 's/.*[^0-9]//')
+  qemu=(timeout 900 chrt --batch 0 taskset --cpu-list "$processor"
+    qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot
+    -icount "shift=1,sleep=off" -rtc "base=2026-01-01,clock=vm" -seed 1
+    -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz"
+    -append "console=ttyAMA0 quiet panic=-1 nokaslr")
+}
