@@ -70,12 +70,13 @@ pack() {
 
 # The command that boots it. Time counts instructions, and what the kernel draws at random (its own place, those of
 # stacks and libraries) begins with a seed that is always the same. QEMU's main thread moves time on when the
-# processor sleeps; at the same moment as the processor's thread, it may do so before the last instructions are
-# counted. On one processor, and not preempted for each other, the two take turns.
+# processor sleeps; if the processor's thread runs meanwhile, it may do so before the last instructions are counted.
+# On one processor, and not preempted by anybody, the two take turns; without the right to that, nearly always.
 machine() {
-  local processor
+  local processor policy=(chrt --fifo 1)
   processor=$(taskset --cpu-list --pid $$ | sed 's/.*[^0-9]//')
-  qemu=(timeout 900 chrt --batch 0 taskset --cpu-list "$processor"
+  "${policy[@]}" true 2>/dev/null || policy=(chrt --batch 0)
+  qemu=(timeout 900 "${policy[@]}" taskset --cpu-list "$processor"
     qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot
     -icount "shift=1,sleep=off" -rtc "base=2026-01-01,clock=vm" -seed 1
     -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz"
