@@ -131,7 +131,8 @@ Spectrum low_pass_gain(std::size_t samples, double share) {
 }
 
 std::vector<double> contrasts(std::span<const double> mean) {
-  std::vector<double> coefficients = spectrum::cosine_transform(mean);
+  std::vector<double> coefficients =
+      spectrum::cosine_transform(mean.first(spectrum::fast_length_below(mean.size())));
   coefficients.erase(coefficients.begin());
   return coefficients;
 }

@@ -24,7 +24,8 @@ using Spectrum = std::vector<double>;
 /// Squared gain of the low-pass y += share (x - y).
 [[nodiscard]] Spectrum low_pass_gain(std::size_t samples, double share);
 
-/// Coefficients 1 .. n-1 of a mean function.
+/// Coefficients 1 .. n-1 of a mean function; its last few values are left out where the transform
+/// wants another length (spectrum::fast_length_below).
 [[nodiscard]] std::vector<double> contrasts(std::span<const double> mean);
 
 /// The least over non-negative weights of sum (ln B_k + P_k / B_k) / 2, B the weighted sum of

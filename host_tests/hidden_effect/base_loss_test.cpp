@@ -218,7 +218,7 @@ TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
 
 TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
   const simulate::RandomStream stream(11);
-  const Setting setting = draw_setting(20'000, stream);
+  const Setting setting = draw_setting(20'000, 0.0, stream);
   Draws draws{stream.substream("effects")};
   for (const auto entries : {catalogue(), outside_catalogue()}) {
     for (const EffectEntry& entry : entries) {

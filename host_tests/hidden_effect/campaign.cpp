@@ -167,6 +167,8 @@ int main_of(int argc, char** argv) {
   app.add_option("--samples", options.scenario.samples)
       ->check(CLI::Range(1000, 1'000'000))
       ->capture_default_str();
+  app.add_option("--rate-hz", options.scenario.rate_hz, "sample rate, in place of a drawn one")
+      ->check(CLI::PositiveNumber);
   app.add_option("--only", options.scenario.only, "hide this effect in every recording");
   app.add_option("--zerorate", options.zerorate, "the program that is tried")
       ->check(CLI::ExistingFile)

@@ -29,7 +29,8 @@ struct Scenario {
 struct ScenarioOptions {
   std::uint64_t seed = 1;
   std::size_t samples = 20'000;
-  double nats = 40.0;  ///< what the best base model loses to each effect
+  double rate_hz = 0.0;  ///< of the samples; 0: drawn for each recording
+  double nats = 40.0;    ///< what the best base model loses to each effect
   /// What lies outside the catalogue is larger by this: the remainder must fail a test that holds
   /// against the whole family of statistics.
   double outside_factor = 2.5;

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::hidden_effect {
 namespace {
@@ -59,20 +60,21 @@ std::vector<double> alone(const Setting& setting, const Part& part) {
   return std::move(signal.rate_rad_s);
 }
 
-Setting draw_setting(std::size_t samples, const simulate::RandomStream& stream) {
+Setting draw_setting(std::size_t samples, double rate_hz, const simulate::RandomStream& stream) {
   Draws draws{stream.substream("setting")};
-  const double rate_hz = std::round(draws.log_uniform(1.0, 200.0));
+  const double drawn_hz = std::round(draws.log_uniform(1.0, 200.0));
   const double white_sigma = draws.log_uniform(0.005, 0.2) * kRadPerDeg;
   // The paper's sensor has 3.2; beyond about 50 a record of 20,000 samples does not show its 1/f.
   const double white_over_flicker = draws.log_uniform(2.5, 50.0);
   const double flicker_sigma = white_sigma / white_over_flicker;
-  Setting setting{.samples = samples,
-                  .period_s = 1.0 / rate_hz,
-                  .noise = BaseNoise(samples, white_sigma, flicker_sigma),
-                  .flicker_sigma_rad_s = flicker_sigma,
-                  .bias_rad_s = 0.5 * kRadPerDeg * draws.normal(),
-                  .temperature_degc = draw_temperature(samples, draws),
-                  .stream = stream};
+  Setting setting{
+      .samples = samples,
+      .period_s = 1.0 / (rate_hz > 0.0 ? rate_hz : drawn_hz),
+      .noise = BaseNoise(spectrum::fast_length_below(samples), white_sigma, flicker_sigma),
+      .flicker_sigma_rad_s = flicker_sigma,
+      .bias_rad_s = 0.5 * kRadPerDeg * draws.normal(),
+      .temperature_degc = draw_temperature(samples, draws),
+      .stream = stream};
   setting.slow_rad_s = alone(setting, flicker_noise_of(setting));
   for (double& rate : setting.slow_rad_s) rate += setting.bias_rad_s;
   return setting;

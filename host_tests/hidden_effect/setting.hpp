@@ -36,7 +36,7 @@ class Draws {
 struct Setting {
   std::size_t samples = 0;
   double period_s = 0.0;
-  BaseNoise noise;
+  BaseNoise noise;  ///< of all but the last few samples (see contrasts)
   double flicker_sigma_rad_s = 0.0;
   double bias_rad_s = 0.0;
   std::vector<double> temperature_degc;  ///< smooth, over a few kelvin
@@ -59,6 +59,8 @@ using Part = std::function<void(simulate::Signal&)>;
 [[nodiscard]] std::vector<double> alone(const Setting& setting, const Part& part);
 
 /// @param samples  of the recording
-[[nodiscard]] Setting draw_setting(std::size_t samples, const simulate::RandomStream& stream);
+/// @param rate_hz  of its samples; 0: drawn
+[[nodiscard]] Setting draw_setting(std::size_t samples, double rate_hz,
+                                   const simulate::RandomStream& stream);
 
 }  // namespace zerorate::hidden_effect

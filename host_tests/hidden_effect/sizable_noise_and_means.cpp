@@ -48,10 +48,11 @@ Sizable added_mean(const Setting& setting, std::string_view name,
 
 Sizable draw_rate_random_walk(const Setting& setting, Draws& /*draws*/) {
   const double root_period = std::sqrt(setting.period_s);
-  Sizable walk = added_noise(setting, "rate_random_walk", fractional_spectrum(setting.samples, 1.0),
-                             [root_period](double step) -> Effect {
-                               return simulate::RateRandomWalk{step / root_period};
-                             });
+  Sizable walk =
+      added_noise(setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
+                  [root_period](double step) -> Effect {
+                    return simulate::RateRandomWalk{step / root_period};
+                  });
   walk.guess = 0.01 * setting.noise.white_sigma();
   walk.figures = [root_period](double step) -> Figures {
     return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
@@ -64,7 +65,7 @@ Sizable draw_correlated_noise(const Setting& setting, Draws& draws) {
   const double time_constant = draws.log_uniform(2.0, most);  // samples
   const double time_constant_s = time_constant * setting.period_s;
   Sizable noise = added_noise(setting, "correlated_noise",
-                              gauss_markov_spectrum(setting.samples, time_constant),
+                              gauss_markov_spectrum(setting.noise.samples(), time_constant),
                               [time_constant_s](double sigma) -> Effect {
                                 return simulate::CorrelatedNoise{sigma, time_constant_s};
                               });
@@ -88,7 +89,7 @@ Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
               },
           .loss_nats =
               [&setting, white_variance,
-               unit = fractional_spectrum(setting.samples, order)](double sigma) {
+               unit = fractional_spectrum(setting.noise.samples(), order)](double sigma) {
                 Spectrum truth(unit.size());
                 for (std::size_t k = 0; k < truth.size(); ++k) {
                   truth[k] = white_variance + sigma * sigma * unit[k];
@@ -114,7 +115,7 @@ Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
               },
           .loss_nats =
               [&setting, share](double time_constant) {
-                Spectrum truth = low_pass_gain(setting.samples, share(time_constant));
+                Spectrum truth = low_pass_gain(setting.noise.samples(), share(time_constant));
                 for (std::size_t k = 0; k < truth.size(); ++k) {
                   truth[k] *= setting.noise.spectrum()[k];
                 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host_tests/hidden_effect/gain_tally.hpp"
+#include "host_tests/hidden_effect/scenario.hpp"
 
 namespace zerorate::hidden_effect {
 namespace {
@@ -89,6 +90,17 @@ TEST(GainTally, HoldsMediansAndMeansAgainstTheBars) {
              .log_score_gain_nats_per_sample = -1.0});
   EXPECT_FALSE(tally.errs_no_more() || tally.covers() || tally.scores_better());
   EXPECT_NE(tally.row().find("| not: log score error coverage |"), std::string::npos);
+}
+
+TEST(ScenarioOfAnAwkwardLength, HasThatLengthAndRate) {
+  for (const std::size_t samples : {5'003U, 7'001U}) {
+    const ScenarioOptions options{.seed = 3, .samples = samples, .rate_hz = 104.0};
+    for (const std::size_t run : {1U, 3U, 8U, 20U}) {
+      const Scenario scenario = draw_scenario(options, run);
+      EXPECT_EQ(scenario.signal.size(), samples);
+      EXPECT_DOUBLE_EQ(scenario.signal.sample_period_s, 1.0 / 104.0);
+    }
+  }
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ void print_causes(const Diagnosis& diagnosis) {
 void print_misfit(const Diagnosis& diagnosis) {
   if (std::ranges::none_of(diagnosis.misfit, &diagnose::Misfit::is_outside)) return;
   fmt::print("\n  {:<28}{:<24}{:>12}  {}\n", "statistic", "where", "recording",
-             "white + 1/f, simulated");
+             diagnosis.is_base_given ? "given model, simulated" : "white + 1/f, simulated");
   for (const diagnose::Misfit& row : diagnosis.misfit) {
     if (!row.is_outside()) continue;
     fmt::print("  {:<28}{:<24}{:>12.4g}  {:.4g} to {:.4g}\n", row.statistic, row.where,
@@ -173,8 +173,9 @@ Command add_diagnose(CLI::App& app) {
       ->capture_default_str();
   command->add_option(
       "--model", options->model,
-      "sensor model to be tested: a TOML file or a name from 'zerorate model list'; "
-      "without it, the white + 1/f model that fits the recording best");
+      "sensor model to be tested as it stands, not fitted: a TOML file or a name from 'zerorate "
+      "model list'; misfit, adequacy, gain and verdict are against it. Without it, against the "
+      "white + 1/f model that fits the recording best");
   command->add_option("--model-out", options->model_out,
                       "write the extended model, for 'zerorate replay --model'; of several axes "
                       "FILE-x.toml, FILE-y.toml and FILE-z.toml");
@@ -188,7 +189,8 @@ Command add_diagnose(CLI::App& app) {
   command->add_option("--report", options->report, "write a report with charts as HTML");
   command->footer(
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
-      "Verdicts: consistent (white + 1/f + constant does), explained (the causes named are "
+      "Verdicts: consistent (white + 1/f + constant does, or the model given), explained (the "
+      "causes named are "
       "needed,\n"
       "and nothing is left), unexplained (something is left; no cause is proven).\n"
       "Exit codes: 0 consistent or explained, 1 unexplained, 2 wrong usage, 3 data that cannot be\n"

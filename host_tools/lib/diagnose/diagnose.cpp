@@ -16,6 +16,7 @@
 #include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/even_series.hpp"
 #include "host_tools/lib/diagnose/gain.hpp"
+#include "host_tools/lib/diagnose/given_model.hpp"
 #include "host_tools/lib/diagnose/models.hpp"
 #include "host_tools/lib/diagnose/selection.hpp"
 
@@ -46,6 +47,7 @@ std::vector<std::unique_ptr<Effect>> make_effects() {
 /// The parts by their gain. Noise that wanders takes in whatever functions of time and temperature
 /// leave, so that beside one of them its gain is no rank: it comes after them. What was measured
 /// beside the rate and is beyond doubt comes first.
+/// A model as it was given has parts, and no choices.
 std::vector<std::size_t> by_rank(const Selection& selection) {
   const std::vector<Part>& parts = selection.explanation.parts();
   const auto wanders = [&](std::size_t i) {
@@ -53,7 +55,7 @@ std::vector<std::size_t> by_rank(const Selection& selection) {
   };
   double least_function = std::numeric_limits<double>::infinity();
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
     order.push_back(i);
     if (!parts[i].columns.empty()) {
       least_function = std::min(least_function, selection.choices[i].gain_nats);
@@ -147,6 +149,41 @@ std::vector<Point> thinned(const EvenSeries& series) {
   return points;
 }
 
+/// Nothing is left, but the model that was given is not what does it: unexplained as well.
+Verdict verdict_of(const Diagnosis& diagnosis) {
+  if (!diagnosis.extended_adequacy.holds) return Verdict::unexplained;
+  if (!diagnosis.causes.empty()) return Verdict::explained;
+  return diagnosis.base_adequacy.holds ? Verdict::consistent : Verdict::unexplained;
+}
+
+std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& record,
+                                    const EvenSeries& series) {
+  std::vector<std::string> remarks;
+  if (diagnosis.is_base_given && diagnosis.causes.empty() && diagnosis.extended_adequacy.holds &&
+      !diagnosis.base_adequacy.holds) {
+    remarks.push_back(fmt::format(
+        "White and 1/f noise of other strengths describe the recording: an angle random walk of "
+        "{:.3g} deg/s/sqrt(Hz), where the given model has {:.3g}.",
+        diagnosis.extended_model.white.angle_random_walk_rad_per_sqrt_s * kDegPerRad,
+        diagnosis.base_model.white.angle_random_walk_rad_per_sqrt_s * kDegPerRad));
+  }
+  if (record.standstills > 1) {
+    remarks.push_back(fmt::format(
+        "Of the {} standstills of the recording the longest, of {:.0f} s, was diagnosed.",
+        record.standstills, record.time_s.back() - record.time_s.front()));
+  }
+  if (series.start_off_rad_s != 0.0) {
+    remarks.push_back(
+        fmt::format("The first sample, {:.3g} deg/s off those that follow, was left out.",
+                    series.start_off_rad_s * kDegPerRad));
+  }
+  if (series.is_ticks) {
+    remarks.emplace_back(
+        "The samples come too unevenly for tests of single values; means over ticks were tested.");
+  }
+  return remarks;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
@@ -157,49 +194,45 @@ Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
   const EvenSeries series = even_series_of(record);
   const Problem problem(series, options.seed);
   const std::vector<std::unique_ptr<Effect>> effects = make_effects();
-  const Selection selection = select_effects(problem, effects);
-  report_progress(0.5);
-
+  Selection selection = select_effects(problem, effects);
+  const Explanation base =
+      options.base_model ? hypothesis_of(problem, *options.base_model) : selection.base;
   const std::string source = options.recording + ", axis " + record.axis;
   Diagnosis diagnosis{
       .axis = record.axis,
       .samples = record.size(),
       .sample_period_s = record.sample_period_s,
-      .causes = causes_of(selection),
-      .base_adequacy = examine_adequacy(selection.base),
-      .extended_adequacy = examine_adequacy(selection.explanation),
+      .is_base_given = options.base_model.has_value(),
+      .base_adequacy = examine_adequacy(base),
       .base_model = options.base_model.value_or(model_of(selection.base, {}, source)),
-      .extended_model = model_of(selection.explanation, selection.choices, source),
-      .evidence = selection.evidence,
-      .drawings = drawings_of(selection),
       .thinned = thinned(series)};
-  diagnosis.verdict = !diagnosis.extended_adequacy.holds ? Verdict::unexplained
-                      : diagnosis.causes.empty()         ? Verdict::consistent
-                                                         : Verdict::explained;
+  report_progress(0.5);
+
+  if (options.base_model && diagnosis.base_adequacy.holds &&
+      is_enough(base, *options.base_model, selection.explanation)) {
+    selection = {base, base, {}, {}};
+    diagnosis.extended_model = diagnosis.base_model;
+  } else {
+    diagnosis.extended_model = model_of(selection.explanation, selection.choices, source);
+  }
+  diagnosis.causes = causes_of(selection);
+  diagnosis.extended_adequacy = examine_adequacy(selection.explanation);
+  diagnosis.evidence = selection.evidence;
+  diagnosis.drawings = drawings_of(selection);
+  diagnosis.verdict = verdict_of(diagnosis);
   report_progress(0.7);
-  Envelopes envelopes = simulate_envelopes(selection.base, selection.explanation);
+  Envelopes envelopes = simulate_envelopes(base, selection.explanation);
   diagnosis.allan = std::move(envelopes.allan);
   diagnosis.density = std::move(envelopes.density);
   diagnosis.misfit = std::move(envelopes.misfit);
   report_progress(0.9);
+  diagnosis.remarks = remarks_on(diagnosis, record, series);
   try {
-    diagnosis.gain = gain_of(record, selection, options);
+    if (!selection.choices.empty() || !options.base_model) {
+      diagnosis.gain = gain_of(record, selection, options);
+    }
   } catch (const std::invalid_argument& reason) {
     diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
-  }
-  if (record.standstills > 1) {
-    diagnosis.remarks.push_back(fmt::format(
-        "Of the {} standstills of the recording the longest, of {:.0f} s, was diagnosed.",
-        record.standstills, record.time_s.back() - record.time_s.front()));
-  }
-  if (series.start_off_rad_s != 0.0) {
-    diagnosis.remarks.push_back(
-        fmt::format("The first sample, {:.3g} deg/s off those that follow, was left out.",
-                    series.start_off_rad_s * kDegPerRad));
-  }
-  if (series.is_ticks) {
-    diagnosis.remarks.emplace_back(
-        "The samples come too unevenly for tests of single values; means over ticks were tested.");
   }
   report_progress(1.0);
   return diagnosis;

@@ -17,7 +17,8 @@ namespace zerorate::diagnose {
 
 struct DiagnoseOptions {
   std::string recording;  ///< its name, for the sources of the models
-  /// The model to be tested; fitted to the recording where it is absent.
+  /// The model to be tested, as it stands: envelopes, misfit, adequacy and gain are against it, and
+  /// the verdict is on it. The best fit of white and 1/f noise where it is absent.
   std::optional<model::SensorModel> base_model;
   double holdout = 0.3;    ///< share at the end that is not used for the fits the gain is told from
   std::uint64_t seed = 1;  ///< of the simulations

@@ -16,7 +16,8 @@ namespace zerorate::diagnose {
 using evaluate::BootstrapFigure;
 
 enum class Verdict {
-  consistent,   ///< white + 1/f + constant does, as far as this recording can tell
+  /// White + 1/f + constant does, or the model that was given, as far as this recording can tell.
+  consistent,
   explained,    ///< the causes are needed, and with them nothing is left
   unexplained,  ///< with the best extension something is still wrong: no cause is proven
 };
@@ -127,6 +128,7 @@ struct Diagnosis {
   std::size_t samples = 0;
   double sample_period_s = 0.0;
   Verdict verdict = Verdict::consistent;
+  bool is_base_given = false;  ///< the base model is not the best fit of white and 1/f noise
   /// At most kMostCauses, strongest first; noise that wanders after functions of time or
   /// temperature.
   std::vector<Cause> causes;
@@ -135,13 +137,15 @@ struct Diagnosis {
   Adequacy extended_adequacy;
   Gain gain;
   model::SensorModel base_model;
-  model::SensorModel extended_model;  ///< the base model where there is no cause
-  std::vector<Evidence> evidence;     ///< strongest first
-  std::vector<CurvePoint> allan;      ///< rad/s
-  std::vector<CurvePoint> density;    ///< one-sided, (rad/s)^2/Hz
-  std::vector<Drawing> drawings;      ///< one a cause that can be drawn
-  std::vector<Point> thinned;         ///< the recording, thinned for drawing
-  std::vector<std::string> remarks;   ///< what a user should know of these figures
+  /// The base model where there is no cause; where one was given that does not describe the
+  /// recording, the best fit of white and 1/f noise.
+  model::SensorModel extended_model;
+  std::vector<Evidence> evidence;    ///< strongest first
+  std::vector<CurvePoint> allan;     ///< rad/s
+  std::vector<CurvePoint> density;   ///< one-sided, (rad/s)^2/Hz
+  std::vector<Drawing> drawings;     ///< one a cause that can be drawn
+  std::vector<Point> thinned;        ///< the recording, thinned for drawing
+  std::vector<std::string> remarks;  ///< what a user should know of these figures
 };
 
 }  // namespace zerorate::diagnose

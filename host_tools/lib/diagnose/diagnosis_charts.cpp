@@ -23,8 +23,10 @@ template <class Scaling>
 std::vector<report::Series> envelope(const Diagnosis& diagnosis,
                                      const std::vector<CurvePoint>& points, Scaling scaled) {
   report::Series measured{.name = "recording", .colour = Colour::ink, .marks = true};
-  report::Series base{
-      .name = "white + 1/f, 95 % of simulations", .colour = Colour::grey, .dashed = true};
+  report::Series base{.name = diagnosis.is_base_given ? "given model, 95 % of simulations"
+                                                      : "white + 1/f, 95 % of simulations",
+                      .colour = Colour::grey,
+                      .dashed = true};
   report::Series extended{.name = "extended model, 95 %", .colour = Colour::blue};
   for (const CurvePoint& point : points) {
     for (report::Series* series : {&measured, &base, &extended}) series->x.push_back(point.x);

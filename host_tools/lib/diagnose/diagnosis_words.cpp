@@ -26,21 +26,20 @@ bool is_positive(const Misfit& row) {
 
 /// "The Allan deviation at tau 200 s is 2.1 times what white noise, 1/f noise and a constant can
 /// do", or the figures where a ratio means nothing.
-std::string misfit_sentence(const Misfit& row) {
+std::string misfit_sentence(const Misfit& row, bool is_base_given) {
+  const std::string_view base =
+      is_base_given ? "simulations of the given model" : "white noise, 1/f noise and a constant";
   std::string what = plain_statistic(row.statistic);
   what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
   const std::string where = row.where.empty() ? "" : fmt::format(" ({})", row.where);
   if (is_positive(row) && departure(row) > 0.05) {
     const bool above = row.measured > row.simulated_hi;
     const double end = above ? row.simulated_hi : row.simulated_lo;
-    return fmt::format(
-        "{}{} is {:.2g} times the {} that white noise, 1/f noise and a constant "
-        "give.",
-        what, where, row.measured / end, above ? "most" : "least");
+    return fmt::format("{}{} is {:.2g} times the {} that {} give.", what, where, row.measured / end,
+                       above ? "most" : "least", base);
   }
-  return fmt::format(
-      "{}{} is {:.3g}, where white noise, 1/f noise and a constant give {:.3g} to {:.3g}.", what,
-      where, row.measured, row.simulated_lo, row.simulated_hi);
+  return fmt::format("{}{} is {:.3g}, where {} give {:.3g} to {:.3g}.", what, where, row.measured,
+                     base, row.simulated_lo, row.simulated_hi);
 }
 
 const Misfit* worst_misfit(const Diagnosis& diagnosis) {
@@ -147,17 +146,23 @@ std::string plain_statistic(std::string_view statistic) {
 }
 
 std::string in_words(const Diagnosis& diagnosis) {
+  const std::string_view base = diagnosis.is_base_given
+                                    ? "The given model describes"
+                                    : "White noise, 1/f noise and a constant describe";
   if (diagnosis.verdict == Verdict::consistent) {
     return fmt::format(
-        "White noise, 1/f noise and a constant describe this recording: over {} samples every "
-        "statistic lies where simulations of that model lie.",
-        diagnosis.samples);
+        "{} this recording: over {} samples every statistic lies where simulations of that model "
+        "lie.",
+        base, diagnosis.samples);
   }
   const Misfit* worst = worst_misfit(diagnosis);
   std::string text =
       worst == nullptr
-          ? std::string("White noise, 1/f noise and a constant do not describe this recording.")
-          : misfit_sentence(*worst);
+          ? std::string(
+                diagnosis.is_base_given
+                    ? "The given model does not describe this recording."
+                    : "White noise, 1/f noise and a constant do not describe this recording.")
+          : misfit_sentence(*worst, diagnosis.is_base_given);
   text += cause_sentences(diagnosis);
   if (diagnosis.verdict == Verdict::unexplained) text += what_is_left(diagnosis);
   if (!diagnosis.causes.empty()) text += gain_sentence(diagnosis.gain);

@@ -154,12 +154,36 @@ Explanation::Explanation(const Problem& problem, std::vector<Part> parts, const 
     clean_ = before->clean_;
     coefficients_ = before->coefficients_;
   } else {
-    clean_ = std::make_shared<const std::vector<double>>(replace_values());
-    std::vector<double> coefficients = problem.transform().forward(*clean_);
-    coefficients[0] = 0.0;
-    coefficients_ = std::make_shared<const std::vector<double>>(std::move(coefficients));
+    transform_clean();
   }
   fit(before);
+}
+
+Explanation::Explanation(const Problem& problem, std::vector<Part> parts,
+                         std::vector<double> density)
+    : problem_(&problem), parts_(std::move(parts)) {
+  density[0] = std::numeric_limits<double>::infinity();
+  density_ = std::make_shared<const std::vector<double>>(std::move(density));
+  mark_replaced();
+  transform_clean();
+  residual_ = coefficients_;
+  if (!columns().empty()) fit_amplitudes();
+  noise_.log_likelihood = log_likelihood_of_coefficients();
+}
+
+void Explanation::transform_clean() {
+  clean_ = std::make_shared<const std::vector<double>>(replace_values());
+  std::vector<double> coefficients = problem_->transform().forward(*clean_);
+  coefficients[0] = 0.0;
+  coefficients_ = std::make_shared<const std::vector<double>>(std::move(coefficients));
+}
+
+double Explanation::log_likelihood_of_coefficients() const {
+  double sum = 0.0;
+  for (std::size_t k = 1; k < residual().size(); ++k) {
+    sum += std::log(density()[k]) + residual()[k] * residual()[k] / density()[k];
+  }
+  return -0.5 * sum;
 }
 
 std::size_t Explanation::first_amplitude(std::size_t part) const {
@@ -287,6 +311,7 @@ void Explanation::fit_amplitudes() {
 /// Above the lowest frequencies the density is so smooth that it is a straight line from one node
 /// to the next, to seven digits.
 std::vector<double> Explanation::density_below(std::size_t end) const {
+  if (density_) return {density_->begin(), density_->begin() + static_cast<std::ptrdiff_t>(end)};
   const std::vector<double>& sines = problem_->sines();
   const std::size_t n = sines.size();
   const auto at = [&](std::size_t k) { return noise_.spectrum.density(sines[k], k, n); };

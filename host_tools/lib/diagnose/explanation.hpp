@@ -104,11 +104,18 @@ class Explanation {
   /// @param before from which the noise is started, if there is one
   Explanation(const Problem& problem, std::vector<Part> parts, const Explanation* before = nullptr);
 
+  /// Noise of a given density, S_k by index; of it nothing is fitted, and noise() tells nothing.
+  /// The amplitudes of the parts are fitted.
+  Explanation(const Problem& problem, std::vector<Part> parts, std::vector<double> density);
+
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const SpectrumFit& noise() const { return noise_; }
   [[nodiscard]] const NoiseTerms& terms() const { return terms_; }
   [[nodiscard]] double log_likelihood() const { return noise_.log_likelihood; }
+
+  /// The same sum over single coefficients, not over bins, whatever the noise comes from.
+  [[nodiscard]] double log_likelihood_of_coefficients() const;
 
   /// Position of a part's amplitudes among all, and the amplitudes with their covariance.
   [[nodiscard]] std::size_t first_amplitude(std::size_t part) const;
@@ -147,6 +154,7 @@ class Explanation {
   using Values = std::shared_ptr<const std::vector<double>>;
 
   void mark_replaced();
+  void transform_clean();
   [[nodiscard]] Range clipped() const;
   [[nodiscard]] std::vector<double> replace_values() const;
   void fit(const Explanation* before);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -80,6 +81,60 @@ TEST(DiagnosisOfASquareWave, NamesNoTelegraphAsProven) {
 
   EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
   EXPECT_THAT(diagnosis.extended_adequacy.failures, Contains(HasSubstr("even intervals")));
+}
+
+/// What `simulated` makes without more effects.
+model::SensorModel true_model() {
+  return {.white = {.angle_random_walk_rad_per_sqrt_s = 0.04 * kRadPerDeg},
+          .flicker = model::Flicker{.bias_instability_rad_s = 25.0 / 3600.0 * kRadPerDeg}};
+}
+
+TEST(DiagnosisAgainstAGivenModel, IsConsistentWithTheModelThatMadeTheRecord) {
+  const Diagnosis diagnosis = diagnose(simulated({}, 1), {.base_model = true_model()});
+
+  EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
+  EXPECT_EQ(diagnosis.base_model, true_model());
+  EXPECT_EQ(diagnosis.extended_model, true_model());
+}
+
+TEST(DiagnosisAgainstAGivenModel, FindsTheRecordOutsideWhatAModelOfOtherStrengthSimulates) {
+  model::SensorModel other = true_model();
+  other.white.angle_random_walk_rad_per_sqrt_s *= 1.2;
+  const Diagnosis diagnosis = diagnose(simulated({}, 1), {.base_model = other});
+
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_TRUE(diagnosis.causes.empty());
+  EXPECT_FALSE(diagnosis.base_adequacy.holds);
+  EXPECT_TRUE(std::ranges::any_of(diagnosis.misfit, &Misfit::is_outside));
+  EXPECT_THAT(diagnosis.remarks, Contains(HasSubstr("other strengths")));
+  // The extended model is the fit, which a user may take instead.
+  EXPECT_NEAR(diagnosis.extended_model.white.angle_random_walk_rad_per_sqrt_s / kRadPerDeg, 0.04,
+              0.04 * 5.0 / std::sqrt(2.0 * kSamples));
+}
+
+TEST(DiagnosisAgainstAGivenModel, NamesOnlyWhatTheModelLacks) {
+  const double walk = 1e-3 * kRadPerDeg;
+  const Record record = simulated({simulate::RateRandomWalk{walk}}, 6);
+  model::SensorModel with_walk = true_model();
+  with_walk.rate_random_walk = model::RateRandomWalk{walk};
+
+  const Diagnosis lacking = diagnose(record, {.base_model = true_model()});
+  EXPECT_EQ(lacking.verdict, Verdict::explained);
+  ASSERT_FALSE(lacking.causes.empty());
+  EXPECT_EQ(lacking.causes.front().effect, "rate_random_walk");
+  const Diagnosis complete = diagnose(record, {.base_model = with_walk});
+  EXPECT_EQ(complete.verdict, Verdict::consistent);
+  EXPECT_TRUE(complete.causes.empty());
+}
+
+TEST(DiagnosisAgainstAGivenModel, FitsTheSizeOfWhatTheNodeLearnsAtEachStart) {
+  const Record record = simulated(
+      {simulate::RateRamp{5e-5 * kRadPerDeg}, simulate::WarmUpTransient{0.1 * kRadPerDeg, 90.0}},
+      7);
+  model::SensorModel given = true_model();
+  given.rate_ramp = model::RateRamp{.slope_sigma_rad_s2 = 1e-4 * kRadPerDeg};
+  given.warm_up = model::WarmUp{.amplitude_sigma_rad_s = 0.1 * kRadPerDeg, .time_constant_s = 90.0};
+  EXPECT_EQ(diagnose(record, {.base_model = given}).verdict, Verdict::consistent);
 }
 
 TEST(DiagnosisOfARecord, IsTheSameTwice) {
