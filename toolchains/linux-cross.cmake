@@ -9,6 +9,7 @@ set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_C_COMPILER ${ZERORATE_TRIPLET}-gcc)
 set(CMAKE_CXX_COMPILER ${ZERORATE_TRIPLET}-g++)
 set(CMAKE_LIBRARY_ARCHITECTURE ${ZERORATE_TRIPLET})
+set(CMAKE_INSTALL_LIBDIR "lib/${ZERORATE_TRIPLET}" CACHE PATH "Debian's folder of the architecture")
 set(CMAKE_SKIP_RPATH ON)  # the sysroot is no place on the target
 
 # Debian 12 has libgpiod 1.6, Debian 13 (trixie) has 2: with its suite named here, it is built against.
