@@ -13,7 +13,7 @@ namespace zerorate::core {
 
 enum class Motion : std::uint8_t {
   moving,    ///< a pulse arrived less than the settle time ago
-  settling,  ///< no pulse for the settle time, but not yet for so long that a sample counts
+  settling,  ///< no pulse for the settle time, but a sample does not count yet
   still,     ///< samples are being released as calibration data
 };
 
@@ -27,17 +27,23 @@ enum class Motion : std::uint8_t {
 /// body still rocks after the last pulse, and already turns before the first one. Hence two times:
 /// `settle` after a pulse nothing counts, and nothing counts until it is `hold_back` old and no
 /// pulse has followed (HoldBackLine).
+///
+/// A vehicle that creeps may need longer than the settle time from pulse to pulse. So the silence
+/// must also be twice as long as the one before the newest pulse, up to `slowest`.
 class Standstill {
  public:
   struct Params {
-    /// Larger: less rocking in the calibration data, shorter stops. Must exceed the time between
-    /// two pulses at the slowest speed that is to be called moving. Default 1 s.
+    /// Larger: less rocking in the calibration data, shorter stops. Default 1 s.
     Duration settle = Duration::seconds(1);
+    /// The slowest creeping is a pulse in half this time. Larger: slower creeping is never taken
+    /// for standstill; but so long a single pulse within a stop interrupts it. Default 8 s.
+    Duration slowest = Duration::seconds(8);
     /// Larger: surer that a sample does not belong to the start of the next drive. Default 0.5 s.
     Duration hold_back = Duration::milliseconds(500);
   };
   struct State {
     Instant last_pulse;  ///< or the start: until the settle time has passed nothing is known
+    Duration silence;    ///< that must follow it, if longer than the settle time
     bool started = false;
   };
 
@@ -49,17 +55,22 @@ class Standstill {
   /// The clock's first reading: the vehicle may have been moving just before.
   constexpr void start(Instant now) {
     if (state_.started) return;
-    state_ = {.last_pulse = now, .started = true};
+    state_ = {.last_pulse = now, .silence = {}, .started = true};
   }
 
   /// Pulses may come late and out of order; the newest counts.
   constexpr void pulse(Instant at) {
-    if (!state_.started || at > state_.last_pulse) state_ = {.last_pulse = at, .started = true};
+    if (!state_.started) return start(at);
+    if (at < state_.last_pulse) return;
+    const Duration since = at - state_.last_pulse;
+    state_.silence = since < params_.slowest / 2 ? since * 2 : params_.slowest;
+    state_.last_pulse = at;
   }
 
   /// Whether a sample of this time lies behind the settle time of every pulse so far.
   [[nodiscard]] constexpr bool is_settled(Instant at) const {
-    return state_.started && at - state_.last_pulse >= params_.settle;
+    const Duration silence = at - state_.last_pulse;
+    return state_.started && silence >= params_.settle && silence >= state_.silence;
   }
 
   [[nodiscard]] constexpr Motion motion(Instant now) const {

@@ -23,6 +23,7 @@
 #include "core/monitor/innovation_monitor.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "core/standstill/hold_back_line.hpp"
+#include "core/standstill/odometer_check.hpp"
 #include "core/standstill/standstill.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/rate_message.hpp"
@@ -55,6 +56,7 @@ struct NodeParams {
   [[no_unique_address]] core::TemperatureBlock<K> temperature{};
   core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
+  core::OdometerCheck::Params odometer;
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
 };
 
@@ -98,6 +100,7 @@ class GyroNode {
     std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
     Span lead;                         ///< from there to the tick being filled
     core::Standstill::State standstill;
+    core::OdometerCheck::State odometer;
     typename core::TickAverage<kAxes>::State average;
     HoldBack held;
     [[no_unique_address]] typename core::TemperatureTrack<K>::State temperature;
@@ -112,6 +115,8 @@ class GyroNode {
       : params_(params),
         one_tick_(params.modes.one_tick()),
         standstill_(params.standstill),
+        odometer_(params.odometer, params.modes.tick, params.sample_period,
+                  params.white_variance_rad2_s2),
         average_(params.modes.tick, params.sample_period),
         temperature_(params.temperature),
         coefficients_(params.modes, params.gate, params.temperature),
@@ -129,6 +134,7 @@ class GyroNode {
     // a stop of its own, and the predictors without memory would start again from it.
     if (learn_until(standstill_.suspect_since(at))) predict_tick();
     held_.discard_after(standstill_.suspect_since(at));
+    odometer_.pulse(at - standstill_.state().last_pulse);
     end_stop(at);
   }
 
@@ -171,7 +177,11 @@ class GyroNode {
     return axes_[axis].visit(which, [&](const auto& p) { return p.predict_heading(lead, drive); });
   }
 
-  [[nodiscard]] constexpr core::Motion motion() const { return standstill_.motion(newest_sample_); }
+  /// Never still while the vehicle turns without pulses: nothing is learnt then.
+  [[nodiscard]] constexpr core::Motion motion() const {
+    const core::Motion motion = standstill_.motion(newest_sample_);
+    return motion == core::Motion::still && odometer_.turns() ? core::Motion::settling : motion;
+  }
   /// The filter's tick of the newest sample, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
   /// Ticks up to and with the newest one that has been learnt from.
@@ -256,9 +266,11 @@ class GyroNode {
   }
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const;
   constexpr void take_in(const drivers::GyroSample& sample);
+  constexpr void close_tick();
   template <class FilterOf>
   [[gnu::noinline]] void take_over(FilterOf filter_of, std::uint32_t ticks);
-  constexpr bool learn_until(core::Instant certain);
+  /// Not inlined: it is called at two places, and a board counts bytes.
+  [[gnu::noinline]] bool learn_until(core::Instant certain);
   constexpr void learn(const HeldTick& mean);
   constexpr void end_stop(core::Instant pulse);
   constexpr void update_lead();
@@ -269,6 +281,7 @@ class GyroNode {
   const Params& params_;
   core::Transition<R, C> one_tick_;
   core::Standstill standstill_;
+  core::OdometerCheck odometer_;
   core::TickAverage<kAxes> average_;
   HoldBack held_;
   [[no_unique_address]] core::TemperatureTrack<K> temperature_;
@@ -296,7 +309,8 @@ constexpr core::Result<void, ParamsError> GyroNode<R, C, K, Capacity>::check(con
   if (!core::is_measurement(0.0F, params.white_variance_rad2_s2)) {
     return Unexpected{ParamsError::white_variance_not_positive};
   }
-  if (params.standstill.settle < kZero || params.standstill.hold_back < kZero) {
+  if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||
+      params.standstill.slowest < kZero) {
     return Unexpected{ParamsError::negative_time};
   }
   // The line holds every tick that has not ended a hold-back ago: those and the one being closed.
@@ -333,6 +347,7 @@ constexpr void GyroNode<R, C, K, Capacity>::describe(
   message.health.calibrated = predicted_[0].is_available();
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
+  message.health.odometer_disagreement = odometer_.disagrees();
   message.health.temperature_missing = temperature_.is_missed(message.time);
   for (std::size_t i = 0; i < kAxes; ++i) {
     message.health.model_inconsistent |= !axes_[i].monitor.is_consistent();
@@ -356,24 +371,46 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
   standstill_.start(sample.time);
   const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
   has_sample_ = true;
-  if (new_tick && !average_.is_empty()) held_.push({average_.close(), temperature_.tick()});
+  if (new_tick && !average_.is_empty()) close_tick();
   if (new_tick) average_.enter(sample.time);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   temperature_.take(sample.time, new_tick,
                     sample.has_temperature ? sample.temperature.degc() : kNone);
-  if (standstill_.is_settled(sample.time) && sample.saturated_axes == 0) {
-    average_.add(sample.time,
-                 {sample.rate[0].in(core::rad_per_s), sample.rate[1].in(core::rad_per_s),
-                  sample.rate[2].in(core::rad_per_s)});
+  const auto rate_rad_s = [&sample] {
+    return std::array<float, kAxes>{sample.rate[0].in(core::rad_per_s),
+                                    sample.rate[1].in(core::rad_per_s),
+                                    sample.rate[2].in(core::rad_per_s)};
+  };
+  if (!standstill_.is_settled(sample.time)) {
+    if (new_tick) odometer_.drive(rate_rad_s());
+  } else if (sample.saturated_axes == 0) {
+    average_.add(sample.time, rate_rad_s());
   }
-  const bool learnt = learn_until(standstill_.certain_until(sample.time));
+  // Not before the next tick is judged, which with a hold-back of one tick is by a sample later.
+  const bool learnt = held_.size() > 0 && learn_until(standstill_.certain_until(sample.time) -
+                                                      params_.sample_period / 2);
   if (new_tick || learnt) predict_tick();
+}
+
+/// Holds the tick back, unless a rotation without pulses speaks against it and all that is held.
+template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
+constexpr void GyroNode<R, C, K, Capacity>::close_tick() {
+  const HeldTick closed{average_.close(), temperature_.tick()};
+  const std::array<float, kAxes> predicted_rad_s{predicted_[0].bias_rad_s, predicted_[1].bias_rad_s,
+                                                 predicted_[2].bias_rad_s};
+  odometer_.stand(closed.rate_rad_s, closed.samples,
+                  predicted_[0].is_available() ? &predicted_rad_s : nullptr);
+  if (odometer_.turns()) {
+    held_.clear();
+  } else {
+    held_.push(closed);
+  }
 }
 
 /// Learns from the ticks that are held back and end no later than this; says whether there were
 /// any.
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
-constexpr bool GyroNode<R, C, K, Capacity>::learn_until(core::Instant certain) {
+bool GyroNode<R, C, K, Capacity>::learn_until(core::Instant certain) {
   const std::size_t held = held_.size();
   held_.release_until(certain, [this](const HeldTick& mean) { learn(mean); });
   return held_.size() < held;
@@ -439,6 +476,7 @@ constexpr typename GyroNode<R, C, K, Capacity>::State GyroNode<R, C, K, Capacity
               .measured_ticks = measured_ticks_,
               .lead = lead_,
               .standstill = standstill_.state(),
+              .odometer = odometer_.state(),
               .average = average_.state(),
               .held = held_,
               .temperature = temperature_.state(),
@@ -461,6 +499,7 @@ constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
   measured_ticks_ = state.measured_ticks;
   lead_ = state.lead;
   standstill_.restore(state.standstill);
+  odometer_.restore(state.odometer);
   average_.restore(state.average);
   held_ = state.held;
   temperature_.restore(state.temperature);

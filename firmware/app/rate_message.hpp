@@ -26,6 +26,9 @@ struct Health {
   bool measurement_rejected = false;
   /// The model follows the temperature, and there is none: the interval is wider.
   bool temperature_missing = false;
+  /// Gyro and odometer cannot both be right (see core::OdometerCheck): a turn without pulses, from
+  /// which nothing is learnt; pulses without any motion; pulses that follow too closely.
+  bool odometer_disagreement = false;
 
   constexpr bool operator==(const Health&) const = default;
 };

@@ -196,7 +196,8 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .model_inconsistent = message.health.model_inconsistent,
                                 .pulses_lost = message.health.pulses_lost,
                                 .measurement_rejected = message.health.measurement_rejected,
-                                .temperature_missing = message.health.temperature_missing},
+                                .temperature_missing = message.health.temperature_missing,
+                                .odometer_disagreement = message.health.odometer_disagreement},
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
                      .sigma_rad_s = {}};
@@ -282,7 +283,11 @@ zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns) {
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
-  if (!stands) return zerorate_pulse(self, time_ns);
+  // Twice: a word that it moves is no wheel that turns slowly, after which a longer silence is due.
+  if (!stands) {
+    (void)zerorate_pulse(self, time_ns);
+    return zerorate_pulse(self, time_ns);
+  }
   if (instance_in(self) == nullptr) return ZERORATE_NOT_INITIALISED;
   return hook::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
 }

@@ -137,14 +137,15 @@ typedef struct zerorate_config {
 
 /** All false is good news but for `calibrated`. */
 typedef struct zerorate_health {
-  bool calibrated;           /**< a bias has been measured; without it nothing is corrected */
-  bool sample_refused;       /**< not finite, or beyond 1e6 rad/s: no rate */
-  bool time_refused;         /**< not after the sample before: no rate */
-  bool saturated;            /**< an axis at full scale: the rate is a lower bound */
-  bool model_inconsistent;   /**< innovations larger or smaller than the model allows */
-  bool pulses_lost;          /**< zerorate_pulses_lost() since the last sample */
-  bool measurement_rejected; /**< the gate took what was measured for a knock */
-  bool temperature_missing;  /**< the model follows the temperature, and there is none */
+  bool calibrated;            /**< a bias has been measured; without it nothing is corrected */
+  bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
+  bool time_refused;          /**< not after the sample before: no rate */
+  bool saturated;             /**< an axis at full scale: the rate is a lower bound */
+  bool model_inconsistent;    /**< innovations larger or smaller than the model allows */
+  bool pulses_lost;           /**< zerorate_pulses_lost() since the last sample */
+  bool measurement_rejected;  /**< the gate took what was measured for a knock */
+  bool temperature_missing;   /**< the model follows the temperature, and there is none */
+  bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
 } zerorate_health;
 
 /** What the sensor gave. */

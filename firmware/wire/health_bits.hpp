@@ -18,7 +18,7 @@ struct HealthBit {
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 9> kHealthBits{{
+inline constexpr std::array<HealthBit, 10> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -28,6 +28,7 @@ inline constexpr std::array<HealthBit, 9> kHealthBits{{
     {"sensor_fault", &app::Health::sensor_fault},
     {"measurement_rejected", &app::Health::measurement_rejected},
     {"temperature_missing", &app::Health::temperature_missing},
+    {"odometer_disagreement", &app::Health::odometer_disagreement},
 }};
 
 [[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {

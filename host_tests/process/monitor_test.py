@@ -140,7 +140,7 @@ class Monitor(unittest.TestCase):
                 "measured_dps": [0, 0, 0], "bias_dps": [1, 2, 3], "sigma_dps": [0.001, None, 1], "calibrated": True}
         line |= {flag: False for flag in ("sample_refused", "time_refused", "saturated", "model_inconsistent",
                                           "odometer_fault", "sensor_fault", "measurement_rejected",
-                                          "temperature_missing")}
+                                          "temperature_missing", "odometer_disagreement")}
         pipe_end, pipe = os.pipe()
         self.process = subprocess.Popen([ZERORATE, "monitor", "--json", "-", "--interval", "0.05"], stdin=pipe_end,
                                         stdout=screen, stderr=subprocess.PIPE)

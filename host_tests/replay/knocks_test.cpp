@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "host_tests/replay/made_recording.hpp"
@@ -28,6 +29,11 @@ model::SensorModel gated_model() {
   model::SensorModel model = sensor_model();
   model.gate = model::Gate{.threshold_sigma = 5.0, .longest_knock_s = 5.0};
   return model;
+}
+
+/// The gate alone: to the check of the odometer a knock, and a jump too, is a turn without pulses.
+ReplayOptions of(const model::SensorModel& model) {
+  return {.model = model, .odometer = {.turn_rad_s = std::numeric_limits<float>::infinity()}};
 }
 
 /// Stops of 60 s and drives of 300 s on the average.
@@ -68,6 +74,7 @@ double drift(const Replayed& replayed, app::Predictor predictor) {
 
 TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGate) {
   const ScratchFolder folder;
+  double checked = 0.0;
   double gated = 0.0;
   double open = 0.0;
   double mean = 0.0;
@@ -77,14 +84,16 @@ TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGate) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     auto rows = stops_and_drives(seed);
     const auto calm = write_rows(folder.path() / "calm.csv", kStill, rows);
-    const Replayed before = replay_file(calm, {.model = gated_model()});
+    const Replayed before = replay_file(calm, of(gated_model()));
     add_knocks(rows, seed);
     const auto knocked = write_rows(folder.path() / "knocked.csv", kStill, rows);
-    const Replayed with_gate = replay_file(knocked, {.model = gated_model()});
-    const Replayed without = replay_file(knocked, {.model = sensor_model()});
+    const Replayed with_gate = replay_file(knocked, of(gated_model()));
+    const Replayed without = replay_file(knocked, of(sensor_model()));
+    const Replayed with_check = replay_file(knocked, {.model = gated_model()});
     EXPECT_GT(with_gate.result.samples_doubted, 0U);
     // Everything as a ratio to the plain mean of the last stop without knocks.
     const double yardstick = drift(before, app::Predictor::calibration_mean);
+    checked += std::log(drift(with_check, app::Predictor::kalman) / yardstick) / kSeeds;
     gated += std::log(drift(with_gate, app::Predictor::kalman) / yardstick) / kSeeds;
     open += std::log(drift(without, app::Predictor::kalman) / yardstick) / kSeeds;
     mean += std::log(drift(without, app::Predictor::calibration_mean) / yardstick) / kSeeds;
@@ -96,6 +105,7 @@ TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGate) {
   RecordProperty("mean_x1000", static_cast<int>(1000.0 * std::exp(mean)));
   RecordProperty("without_knocks_x1000", static_cast<int>(1000.0 * std::exp(untouched)));
   RecordProperty("coverage_x1000", static_cast<int>(1000.0 * covered));
+  EXPECT_LE(std::exp(checked), 0.80);
   EXPECT_LE(std::exp(gated), 0.80);
   EXPECT_GE(std::exp(open), 1.2);
   EXPECT_GE(std::exp(mean), 2.5);
@@ -112,7 +122,7 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
     if (k >= kJump) rows[k].rate_rad_s[2] += static_cast<float>(kSize);
   }
   const auto path = write_rows(folder.path() / "jump.csv", kStill, rows);
-  const Replayed replayed = replay_file(path, {.model = gated_model()});
+  const Replayed replayed = replay_file(path, of(gated_model()));
   const double truth = 0.1 * kRadPerDeg + kSize;
   const auto error = [&](std::size_t row) {
     return double{replayed.messages[row].axes[2].bias.in(core::rad_per_s)} - truth;
@@ -129,6 +139,23 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   RecordProperty("reacquired_after_ms", static_cast<int>(100 * (reacquired - kJump)));
   EXPECT_LE(reacquired, kJump + 70);
   EXPECT_FALSE(replayed.messages[kJump + 80].health.measurement_rejected);
+}
+
+// So large a jump could be a turn of which the odometer knows nothing: it must last two minutes.
+TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestTurn) {
+  const ScratchFolder folder;
+  constexpr std::size_t kJump = 2'000;  // at 200 s
+  auto rows = rows_at_rest(4'000, kPeriod_s, 9);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].still = true;
+    if (k >= kJump) rows[k].rate_rad_s[2] += static_cast<float>(0.5 * kRadPerDeg);
+  }
+  const auto path = write_rows(folder.path() / "jump.csv", kStill, rows);
+  const Replayed replayed = replay_file(path, {.model = gated_model()});
+  EXPECT_TRUE(replayed.messages[kJump + 15].health.odometer_disagreement);
+  EXPECT_FALSE(replayed.messages[kJump + 1'230].health.odometer_disagreement);
+  const auto& after = replayed.messages[kJump + 1'300];
+  EXPECT_NEAR(double{after.axes[2].bias.in(core::rad_per_s)}, 0.6 * kRadPerDeg, 0.05 * kRadPerDeg);
 }
 
 }  // namespace

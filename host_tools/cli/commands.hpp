@@ -22,6 +22,7 @@ struct Command {
 [[nodiscard]] Command add_model(CLI::App& app);
 [[nodiscard]] Command add_reproduce(CLI::App& app);
 [[nodiscard]] Command add_export(CLI::App& app);
+[[nodiscard]] Command add_simulate(CLI::App& app);
 [[nodiscard]] Command add_characterize(CLI::App& app);
 [[nodiscard]] Command add_evaluate(CLI::App& app);
 [[nodiscard]] Command add_diagnose(CLI::App& app);

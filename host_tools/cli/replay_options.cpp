@@ -84,6 +84,10 @@ void print_notes(const evaluate::ReplayResult& result) {
     fmt::print("  note: {} samples came without the temperature that the model follows\n",
                result.samples_without_temperature);
   }
+  if (result.samples_disagreeing > 0) {
+    fmt::print("  note: during {} samples the gyro and the odometer could not both be right\n",
+               result.samples_disagreeing);
+  }
   if (result.samples_inconsistent > 0) {
     fmt::print(
         "  note: the sensor did not behave as the model says while {} samples came, first {:.6g} s "

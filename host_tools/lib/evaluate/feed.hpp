@@ -36,10 +36,12 @@ template <class Node>
 class ChipFeed {
  public:
   /// Powers the chip on so long before the first sample that its start-up is over by then.
-  ChipFeed(Node& node, Chip chip, core::Instant first_sample)
+  /// @param has_data_ready false: the wire of its pin is broken
+  ChipFeed(Node& node, Chip chip, core::Instant first_sample, bool has_data_ready)
       : clock_(first_sample - kStartUp),
         gyro_(make_simulated_gyro(chip, clock_)),
-        loop_(node, *gyro_, odometer_, gyro_->interrupt(), clock_, sink_) {
+        loop_(node, *gyro_, odometer_, has_data_ready ? gyro_->interrupt() : loose_wire_, clock_,
+              sink_) {
     // No further than that: a chip that measures whenever it is read would give samples of nothing.
     while (!loop_.is_running() && clock_.now() + kPoll < first_sample) {
       clock_.advance(kPoll);
@@ -71,6 +73,7 @@ class ChipFeed {
   hal::sim::SimulatedClock clock_;
   std::unique_ptr<SimulatedGyro> gyro_;
   hal::sim::SimulatedOdometer odometer_;
+  hal::sim::DataReadyPin loose_wire_;
   LatestMessage sink_;
   app::NodeLoop<Node, SimulatedGyro, hal::sim::SimulatedOdometer, hal::sim::DataReadyPin,
                 hal::sim::SimulatedClock, LatestMessage>

@@ -16,6 +16,7 @@ class RegularPulses {
   void until(core::Instant at, bool moving, std::vector<core::Instant>& pulses) {
     if (moving) {
       const core::Instant first = was_moving_ ? newest_ + interval_ : at;
+      if (!was_moving_) pulses.push_back(at);  // a single pulse would be taken for creeping
       for (core::Instant pulse = first; pulse <= at; pulse = pulse + interval_) {
         // A hole in the recording needs no pulses of its own: the newest one is what counts.
         if (at - pulse > core::Duration::seconds(1)) pulse = at - core::Duration::seconds(1);
@@ -72,11 +73,12 @@ class PulseColumn final : public Odometer {
     const std::int64_t counted = row.odometer_pulses - count_;
     const bool moved = started_ && counted != 0;
     if (moved) {
-      // The node needs to know that there were pulses and when the newest one was, not each of a
-      // thousand.
-      const std::int64_t given = counted < 0 ? 1 : std::min<std::int64_t>(counted, kMostPerRow);
-      for (std::int64_t i = 1; i <= given; ++i) {
-        pulses.push_back(previous_ + (at - previous_) * i / given);
+      // The node needs to know that there were pulses, how close together they came and when the
+      // newest one was, not each of a thousand.
+      const std::int64_t spread = counted < 0 ? 1 : counted;
+      const core::Duration apart = (at - previous_) / spread;
+      for (std::int64_t i = std::min(spread, kMostPerRow) - 1; i >= 0; --i) {
+        pulses.push_back(at - apart * i);
       }
     }
     started_ = true;

@@ -139,8 +139,10 @@ class Run {
                                  .gate = model.gate,
                                  .sample_period = result.sample_period,
                                  .standstill = options.standstill,
+                                 .odometer = options.odometer,
                                  .published = options.published};
     if constexpr (K > 0) params.temperature = model.temperature;
+    if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
       throw std::invalid_argument(std::string(explain(checked.error())));
     }
@@ -169,6 +171,7 @@ class Run {
     }
     if (message.health.measurement_rejected) ++result_.samples_doubted;
     if (message.health.temperature_missing) ++result_.samples_without_temperature;
+    if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
     if (!message.has_rate()) {
       ++result_.samples_refused;
     } else {
@@ -253,7 +256,8 @@ void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOption
   const auto run = std::make_unique<Run<R, C, K>>(rows, reader, options, observer, result);
   using Node = typename Run<R, C, K>::Node;
   if (options.through == Through::chip) {
-    run->to_the_end(ChipFeed<Node>{run->node(), options.chip, run->start()});
+    run->to_the_end(
+        ChipFeed<Node>{run->node(), options.chip, run->start(), options.has_data_ready});
   } else {
     run->to_the_end(DirectFeed<Node>{run->node()});
   }

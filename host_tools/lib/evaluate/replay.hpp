@@ -39,9 +39,12 @@ struct ReplayOptions {
   std::optional<double> filter_rate_hz;
   std::optional<ScheduleParams> schedule;
   Through through = Through::source;
-  Chip chip = Chip::lsm6dso;  ///< if through chip; its axes must be as many as the recording's
+  Chip chip = Chip::lsm6dso;   ///< if through chip; its axes must be as many as the recording's
+  bool has_data_ready = true;  ///< if through chip; false: the wire of its pin is broken
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;
+  /// With a schedule nobody doubts pulses without motion: the sensor was at rest.
+  core::OdometerCheck::Params odometer;
 };
 
 /// What one row of the recording became.
@@ -85,6 +88,7 @@ struct ReplayResult {
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
   std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
   std::uint64_t samples_without_temperature = 0;  ///< that the model needs
+  std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer could not both be right
   recording::Findings findings;
   app::LoopCounters loop;  ///< of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.

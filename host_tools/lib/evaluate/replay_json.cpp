@@ -40,6 +40,7 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
              result.samples_inconsistent > 0 ? Json(result.first_inconsistent_s) : Json(nullptr)},
             {"samples_doubted", result.samples_doubted},
             {"samples_without_temperature", result.samples_without_temperature},
+            {"samples_disagreeing", result.samples_disagreeing},
             {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
             {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
             {"truth_known", result.truth_known},

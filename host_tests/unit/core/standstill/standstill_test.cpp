@@ -26,6 +26,7 @@ TEST(StandstillAtPowerUp, WaitsForTheSettleTimeBeforeItBelievesInRest) {
 TEST(StandstillAfterAPulse, CountsFromThatPulse) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
+  standstill.pulse(at_ms(4900));
   standstill.pulse(at_ms(5000));
   EXPECT_EQ(standstill.motion(at_ms(5999)), Motion::moving);
   EXPECT_TRUE(standstill.is_settled(at_ms(6000)));
@@ -37,6 +38,36 @@ TEST(StandstillGivenALatePulse, KeepsTheNewest) {
   standstill.pulse(at_ms(5000));
   standstill.pulse(at_ms(4000));
   EXPECT_FALSE(standstill.is_settled(at_ms(5500)));
+}
+
+// The silence between two pulses of a creeping vehicle is longer than the settle time.
+TEST(StandstillWhileCreeping, WaitsForTwiceTheSilenceBeforeTheNewestPulse) {
+  Standstill standstill{kParams};
+  standstill.start(at_ms(0));
+  for (int pulse = 1; pulse <= 10; ++pulse) {
+    for (int ms = 0; ms < 3000; ms += 100) {
+      EXPECT_EQ(standstill.is_settled(at_ms(3000 * (pulse - 1) + ms)), pulse == 1 && ms >= 1000);
+    }
+    standstill.pulse(at_ms(3000 * pulse));
+  }
+  EXPECT_FALSE(standstill.is_settled(at_ms(30'000 + 5'999)));
+  EXPECT_TRUE(standstill.is_settled(at_ms(30'000 + 6'000)));
+}
+
+TEST(StandstillAfterASinglePulseOfALongStop, WaitsForTheSlowestCreepingOnly) {
+  Standstill standstill{kParams};
+  standstill.start(at_ms(0));
+  standstill.pulse(at_ms(3'600'000));
+  EXPECT_FALSE(standstill.is_settled(at_ms(3'607'999)));
+  EXPECT_TRUE(standstill.is_settled(at_ms(3'608'000)));
+}
+
+TEST(StandstillAfterADrive, NeedsNoMoreThanTheSettleTime) {
+  Standstill standstill{kParams};
+  standstill.start(at_ms(0));
+  for (int ms = 0; ms <= 60'000; ms += 400) standstill.pulse(at_ms(ms));
+  EXPECT_FALSE(standstill.is_settled(at_ms(60'999)));
+  EXPECT_TRUE(standstill.is_settled(at_ms(61'000)));
 }
 
 struct Item {

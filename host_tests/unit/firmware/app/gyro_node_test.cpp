@@ -437,7 +437,8 @@ TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
   params.gate = {.threshold_sigma = 6.0F, .longest_knock_ticks = 50};
   Node node{params};
   EXPECT_FALSE(stand(node, 0, 10'000).back().health.measurement_rejected);
-  stand(node, 10'000, 10'300, kBias + 0.5F);  // a knock of three ticks, held back for half a second
+  // A knock of three ticks, held back for half a second and too small for a turn.
+  stand(node, 10'000, 10'300, kBias + 0.0015F);
   EXPECT_TRUE(stand(node, 10'300, 10'800).back().health.measurement_rejected);
   EXPECT_FALSE(stand(node, 10'800, 12'000).back().health.measurement_rejected);
 }

@@ -116,6 +116,18 @@ inline void expect_same_held(Node::HoldBack a, Node::HoldBack b) {
 }
 
 /// Every field, bit for bit; not memcmp, because padding has no value.
+inline void expect_same(const core::OdometerCheck::State& a, const core::OdometerCheck::State& b) {
+  EXPECT_EQ(a.level_rad_s, b.level_rad_s);
+  EXPECT_EQ(a.trusted_rad_s, b.trusted_rad_s);
+  EXPECT_EQ(a.sum_rad_s, b.sum_rad_s);
+  EXPECT_EQ(a.steady_ticks, b.steady_ticks);
+  EXPECT_EQ(a.needed_ticks, b.needed_ticks);
+  EXPECT_EQ(a.window_ticks, b.window_ticks);
+  EXPECT_EQ(a.bounced_ticks, b.bounced_ticks);
+  EXPECT_EQ(a.stands, b.stands);
+  EXPECT_EQ(a.turns, b.turns);
+}
+
 inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_EQ(a.newest_sample, b.newest_sample);
   EXPECT_EQ(a.has_sample, b.has_sample);
@@ -124,6 +136,8 @@ inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_EQ(a.measured_ticks, b.measured_ticks);
   EXPECT_EQ(a.lead, b.lead);
   EXPECT_EQ(a.standstill.last_pulse, b.standstill.last_pulse);
+  EXPECT_EQ(a.standstill.silence, b.standstill.silence);
+  expect_same(a.odometer, b.odometer);
   EXPECT_EQ(a.standstill.started, b.standstill.started);
   EXPECT_EQ(a.average.started, b.average.started);
   EXPECT_EQ(a.average.origin, b.average.origin);

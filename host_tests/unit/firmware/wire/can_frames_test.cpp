@@ -152,6 +152,7 @@ TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
     EXPECT_EQ(reading.raw("SensorFault") == 1, health.sensor_fault);
     EXPECT_EQ(reading.raw("MeasurementRejected") == 1, health.measurement_rejected);
     EXPECT_EQ(reading.raw("TemperatureMissing") == 1, health.temperature_missing);
+    EXPECT_EQ(reading.raw("OdometerDisagreement") == 1, health.odometer_disagreement);
   }
 }
 

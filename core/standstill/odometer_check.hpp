@@ -1,0 +1,231 @@
+/// @file
+/// Does the odometer tell the truth? What the gyro can say against it, in fixed memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// A dead odometer looks like a parked vehicle for ever, and one that counts by itself like a drive
+/// for ever. The gyro knows better, but only by the *change* of its rate: the level is the bias,
+/// which may be anything. So while no pulse comes, a change of the rate between one window and what
+/// it was before is a turn, until the rate is back or has stayed where it is for too long for a
+/// turn; and pulses without any change of the rate do not come from a vehicle that drives.
+///
+/// The level matters only where a stop begins: far from the predicted bias it is either a bias that
+/// has changed, or the wire broke in a bend. Nothing is refused for that; it must last a while.
+///
+/// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
+/// some thirty floating-point operations each.
+class OdometerCheck {
+ public:
+  static constexpr std::size_t kAxes = 3;
+  using Rates = std::array<float, kAxes>;
+
+  struct Params {
+    /// A change by more is a turn. Larger: rougher engines and louder gyros are borne; smaller:
+    /// slower turns are noticed. Never below six standard deviations of a window. Default
+    /// 0.3 deg/s; infinite: no turn is ever noticed.
+    float turn_rad_s = 0.3F * kRadPerDeg;
+    /// A rate that has stayed changed for so long, or for four times as long as the one before it,
+    /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
+    /// Default 2 min.
+    Duration longest_turn = Duration::seconds(120);
+    /// Never sooner than this; but so soon where a stop begins with another bias than predicted.
+    /// Default 5 s.
+    Duration longest_bend = Duration::seconds(5);
+    /// No vehicle drives for so long without any rotation that exceeds the noise. Default 2 min; 0:
+    /// pulses are never doubted for that.
+    Duration longest_straight = Duration::seconds(120);
+    /// Between two pulses of a wheel that turns there is more. Default 0.2 ms: a pulse each 2 cm at
+    /// 100 m/s.
+    Duration shortest_pulse = Duration::microseconds(200);
+  };
+
+  struct State {
+    Rates level_rad_s{};             ///< of late; while moving, one sample
+    Rates trusted_rad_s{};           ///< before it changed
+    Rates sum_rad_s{};               ///< of the window being filled
+    std::uint16_t steady_ticks = 0;  ///< since the level changed
+    std::uint16_t needed_ticks = 0;  ///< of them, until a changed level is believed
+    std::uint8_t window_ticks = 0;   ///< summed so far
+    std::uint8_t bounced_ticks = 0;  ///< since the newest bounce, counted down
+    bool stands = false;             ///< the level is that of a stop
+    bool turns = false;
+  };
+
+  /// @param white_variance_rad2_s2 of one sample
+  constexpr OdometerCheck(const Params& params, Duration tick, Duration sample_period,
+                          float white_variance_rad2_s2)
+      : shortest_pulse_(params.shortest_pulse),
+        longest_turn_(ticks_in(params.longest_turn, tick)),
+        longest_bend_(ticks_in(params.longest_bend, tick)),
+        longest_straight_(ticks_in(params.longest_straight, tick)),
+        back_(a_few(kBackFor, tick)),
+        bounced_(a_few(kBouncedFor, tick)),
+        window_(a_few(kWindow, tick)),
+        full_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
+    // Of a difference: six standard deviations are no noise, four may be, once in a while.
+    constexpr float kSurely = 2.0F * 6.0F * 6.0F;
+    constexpr float kProbably = 2.0F * 4.0F * 4.0F;
+    const auto samples = static_cast<float>(static_cast<std::uint32_t>(window_) * full_ + 1U);
+    const float noise = kSurely * white_variance_rad2_s2 / samples;
+    const float turn = params.turn_rad_s * params.turn_rad_s;
+    turn_rad2_s2_ = turn > noise ? turn : noise;
+    noise_rad2_s2_ = kProbably * white_variance_rad2_s2;
+    const float window_s = tick.in_seconds() * static_cast<float>(window_);
+    follow_ = window_s / (window_s + kFollow_s);
+  }
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+
+  /// A rotation without pulses: what is measured is no bias.
+  [[nodiscard]] constexpr bool turns() const { return state_.turns; }
+  /// Anything at all speaks against the odometer.
+  [[nodiscard]] constexpr bool disagrees() const {
+    return state_.turns || state_.bounced_ticks > 0 ||
+           (!state_.stands && state_.steady_ticks >= longest_straight_);
+  }
+
+  /// @param since the pulse before; any other sign or none: out of order, says nothing
+  constexpr void pulse(Duration since) {
+    state_.turns = false;
+    if (since > Duration{} && since < shortest_pulse_) state_.bounced_ticks = bounced_;
+  }
+
+  /// A tick begins while the vehicle moves.
+  constexpr void drive(const Rates& sample_rad_s) {
+    count_down();
+    if (state_.stands || !is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
+      begin_at(sample_rad_s);
+    } else {
+      grow(1);
+    }
+    clear_window();
+    state_.stands = false;
+  }
+
+  /// A tick of standstill is over.
+  /// @param samples in it: one that lacks many is not judged
+  /// @param predicted_rad_s the bias, or nullptr if none is known
+  constexpr void stand(const Rates& mean_rad_s, std::uint32_t samples,
+                       const Rates* predicted_rad_s) {
+    count_down();
+    if (samples < full_) return;
+    for (std::size_t i = 0; i < kAxes; ++i) state_.sum_rad_s[i] += mean_rad_s[i];
+    if (++state_.window_ticks < window_) return;
+    Rates mean{};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      mean[i] = state_.sum_rad_s[i] / static_cast<float>(window_);
+    }
+    clear_window();
+    judge(mean, predicted_rad_s);
+  }
+
+ private:
+  static constexpr Duration kWindow = Duration::milliseconds(500);  ///< an engine's idling cancels
+  static constexpr Duration kBackFor = Duration::seconds(1);        ///< then it is over
+  static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
+  static constexpr float kFollow_s = 15.0F;  ///< time constant at which the level follows a bias
+  static constexpr std::uint16_t kNever = 0xFFFF;
+
+  /// None, or more than can be counted: never.
+  static constexpr std::uint16_t ticks_in(Duration duration, Duration tick) {
+    const std::int64_t ticks = duration / tick;
+    return ticks > 0 && ticks < kNever ? static_cast<std::uint16_t>(ticks) : kNever;
+  }
+  /// At least one, and as many as eight bits hold.
+  static constexpr std::uint8_t a_few(Duration duration, Duration tick) {
+    const std::int64_t ticks = duration / tick;
+    if (ticks < 1) return 1;
+    return ticks < 0xFF ? static_cast<std::uint8_t>(ticks) : std::uint8_t{0xFF};
+  }
+
+  static constexpr std::uint16_t between(std::uint16_t least, std::uint32_t ticks,
+                                         std::uint16_t most) {
+    if (ticks >= most) return most;
+    return ticks < least ? least : static_cast<std::uint16_t>(ticks);
+  }
+
+  static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const float change = a[i] - b[i];
+      if (change * change > limit_rad2_s2) return false;
+    }
+    return true;
+  }
+
+  constexpr void judge(const Rates& mean, const Rates* predicted) {
+    if (!state_.stands) {
+      begin_at(mean);
+      state_.stands = true;
+      state_.turns = predicted != nullptr && !is_near(mean, *predicted, turn_rad2_s2_);
+      if (predicted != nullptr) state_.trusted_rad_s = *predicted;
+      state_.needed_ticks = longest_bend_;
+      return;
+    }
+    if (is_near(mean, state_.level_rad_s, turn_rad2_s2_)) {
+      stay(mean);
+    } else {
+      change_to(mean);
+    }
+  }
+
+  constexpr void stay(const Rates& mean) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      state_.level_rad_s[i] += follow_ * (mean[i] - state_.level_rad_s[i]);
+    }
+    grow(window_);
+    const bool is_back = state_.steady_ticks >= back_ &&
+                         is_near(state_.level_rad_s, state_.trusted_rad_s, turn_rad2_s2_);
+    if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
+  }
+
+  constexpr void change_to(const Rates& mean) {
+    if (!state_.turns) {
+      state_.turns = true;
+      state_.trusted_rad_s = state_.level_rad_s;
+      state_.needed_ticks = between(longest_bend_, 4U * state_.steady_ticks, longest_turn_);
+    }
+    begin_at(mean);
+  }
+
+  constexpr void begin_at(const Rates& rate) {
+    state_.level_rad_s = rate;
+    state_.steady_ticks = 0;
+    clear_window();
+  }
+  constexpr void grow(std::uint16_t ticks) {
+    const auto room = static_cast<std::uint16_t>(kNever - 1U - state_.steady_ticks);
+    state_.steady_ticks =
+        static_cast<std::uint16_t>(state_.steady_ticks + (ticks < room ? ticks : room));
+  }
+  constexpr void clear_window() {
+    state_.sum_rad_s = {};
+    state_.window_ticks = 0;
+  }
+  constexpr void count_down() {
+    if (state_.bounced_ticks > 0) --state_.bounced_ticks;
+  }
+
+  Duration shortest_pulse_;
+  std::uint16_t longest_turn_;
+  std::uint16_t longest_bend_;
+  std::uint16_t longest_straight_;
+  std::uint8_t back_;
+  std::uint8_t bounced_;
+  std::uint8_t window_;
+  std::uint32_t full_;  ///< samples that make a tick worth judging
+  float turn_rad2_s2_ = 0.0F;
+  float noise_rad2_s2_ = 0.0F;
+  float follow_ = 0.0F;
+  State state_;
+};
+
+}  // namespace zerorate::core

@@ -1,0 +1,197 @@
+#include "core/standstill/odometer_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace zerorate::core {
+namespace {
+
+using Rates = OdometerCheck::Rates;
+
+constexpr Duration kTick = Duration::milliseconds(500);
+constexpr Duration kSamplePeriod = Duration::milliseconds(10);
+constexpr std::uint32_t kSamples = 50;  ///< of a full tick
+constexpr float kSigmaRadS = 1e-3F;     ///< of a sample: of a tick .008 deg/s
+constexpr Rates kBias{12.0F * kRadPerDeg, -0.3F * kRadPerDeg, 0.1F * kRadPerDeg};
+
+/// About z, on top of the bias.
+Rates turning(float dps) {
+  return {kBias[0], kBias[1], kBias[2] + dps * kRadPerDeg};
+}
+
+OdometerCheck make_check(const OdometerCheck::Params& params = {}, Duration tick = kTick) {
+  return OdometerCheck{params, tick, kSamplePeriod, kSigmaRadS * kSigmaRadS};
+}
+
+void stand(OdometerCheck& check, const Rates& mean, int ticks, const Rates* predicted = nullptr) {
+  for (int i = 0; i < ticks; ++i) check.stand(mean, kSamples, predicted);
+}
+
+/// Ticks until turns() is as wanted, 1000 if it never is.
+int ticks_until(OdometerCheck& check, const Rates& mean, bool turns) {
+  for (int ticks = 1; ticks < 1000; ++ticks) {
+    check.stand(mean, kSamples, &kBias);
+    if (check.turns() == turns) return ticks;
+  }
+  return 1000;
+}
+
+TEST(OdometerCheckAtALargeBias, AcceptsItsLevel) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 100);
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATickOfItsFullRate) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 120);
+  EXPECT_EQ(ticks_until(check, turning(1.0F), true), 1);
+  stand(check, turning(1.0F), 119);  // a minute of it
+  EXPECT_TRUE(check.disagrees());
+  EXPECT_EQ(ticks_until(check, kBias, false), 3);  // back for a second
+}
+
+TEST(OdometerCheckWithoutPulses, FollowsWhatChangesSlowly) {
+  OdometerCheck check = make_check();
+  for (int tick = 0; tick < 7200; ++tick) {  // 2 deg/s within an hour
+    stand(check, turning(2.0F * static_cast<float>(tick) / 7200.0F), 1);
+    ASSERT_FALSE(check.disagrees()) << tick;
+  }
+}
+
+TEST(OdometerCheckWithoutPulses, BelievesAJumpWhenItHasStayedForTwoMinutes) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 100);
+  EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1);
+  EXPECT_EQ(ticks_until(check, turning(0.5F), false), 240);
+  EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1000);
+}
+
+TEST(OdometerCheckWhoseLevelWasNew, BelievesTheNextOneSooner) {
+  OdometerCheck check = make_check();
+  stand(check, turning(11.0F), 1);  // the first sample meant nothing
+  EXPECT_EQ(ticks_until(check, kBias, true), 1);
+  EXPECT_EQ(ticks_until(check, kBias, false), 10);
+  stand(check, kBias, 10);
+  EXPECT_EQ(ticks_until(check, turning(1.0F), true), 1);
+  EXPECT_EQ(ticks_until(check, turning(1.0F), false), 80);
+}
+
+TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 20);
+  for (int tick = 0; tick < 5000; ++tick) {
+    stand(check, turning(20.0F + static_cast<float>(tick % 40)), 1);
+    ASSERT_TRUE(check.turns()) << tick;
+  }
+}
+
+TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
+  OdometerCheck check = make_check();
+  check.drive(kBias);
+  stand(check, turning(1.3F), 1, &kBias);
+  EXPECT_TRUE(check.disagrees());
+  EXPECT_EQ(ticks_until(check, turning(1.3F), false), 10);  // 5 s: nothing is refused for its level
+  check.drive(kBias);
+  stand(check, turning(0.2F), 1, &kBias);
+  EXPECT_FALSE(check.disagrees());
+  check.drive(kBias);
+  stand(check, turning(50.0F), 1);  // of a node that has learnt nothing yet
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 20);
+  stand(check, turning(5.0F), 4);
+  check.pulse(Duration::seconds(2));
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
+  OdometerCheck check = make_check();
+  for (int tick = 0; tick <= 240; ++tick) {
+    EXPECT_FALSE(check.disagrees()) << tick;
+    const float noise = 2.0F * kSigmaRadS * (tick % 2 == 0 ? 1.0F : -1.0F);
+    check.drive({kBias[0] + noise, kBias[1], kBias[2] - noise});
+  }
+  EXPECT_TRUE(check.disagrees());
+  EXPECT_FALSE(check.turns());  // nothing keeps a stop from being learnt from
+  check.drive(turning(2.0F));
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckGivenPulsesAtRest, IsSilentWhereNobodyWantsToKnow) {
+  OdometerCheck check = make_check({.longest_straight = {}});
+  for (int tick = 0; tick < 70'000; ++tick) check.drive(kBias);
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 3);
+  check.pulse(Duration::microseconds(714));  // 14 pulses in 10 ms: 70 m/s at 5 cm a pulse
+  EXPECT_FALSE(check.disagrees());
+  check.pulse(Duration::microseconds(-100));  // out of order
+  EXPECT_FALSE(check.disagrees());
+  check.pulse(Duration::microseconds(100));
+  for (int tick = 0; tick < 4; ++tick) {
+    EXPECT_TRUE(check.disagrees());
+    check.drive(turning(static_cast<float>(tick)));
+  }
+  EXPECT_FALSE(check.disagrees());
+}
+
+// 2 deg/s rms at an idling engine's 22.5 Hz: what is left of it in a window is a sixth of that.
+TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
+  for (const int tick_ms : {100, 500}) {
+    OdometerCheck check = make_check({}, Duration::milliseconds(tick_ms));
+    const int samples = tick_ms / 10;
+    for (int tick = 0; tick < 10'000 / samples; ++tick) {
+      float sum = 0.0F;
+      for (int k = tick * samples; k < (tick + 1) * samples; ++k) {
+        sum +=
+            std::sqrt(2.0F) * 2.0F * std::sin(2.0F * 3.14159265F * 0.225F * static_cast<float>(k));
+      }
+      check.stand(turning(sum / static_cast<float>(samples)), static_cast<std::uint32_t>(samples),
+                  &kBias);
+      ASSERT_FALSE(check.disagrees()) << tick_ms << " ms, tick " << tick;
+    }
+  }
+}
+
+TEST(OdometerCheckGivenATickThatLacksSamples, DoesNotJudgeIt) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 20);
+  check.stand(turning(5.0F), kSamples / 2, &kBias);
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
+  constexpr float kLoud = 0.5F * kRadPerDeg;  // of a sample; 6 sigma of a difference are .6 deg/s
+  OdometerCheck check{{}, kTick, kSamplePeriod, kLoud * kLoud};
+  stand(check, kBias, 20);
+  EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1000);
+  EXPECT_EQ(ticks_until(check, turning(1.5F), true), 1);
+}
+
+TEST(OdometerCheckWithAnInfiniteTurn, NoticesNone) {
+  OdometerCheck check = make_check({.turn_rad_s = std::numeric_limits<float>::infinity()});
+  stand(check, kBias, 20);
+  stand(check, turning(200.0F), 20);
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckRestored, GoesOnAsTheOtherWould) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 20);
+  stand(check, turning(1.0F), 5);
+  OdometerCheck other = make_check();
+  other.restore(check.state());
+  EXPECT_EQ(ticks_until(other, kBias, false), ticks_until(check, kBias, false));
+}
+
+}  // namespace
+}  // namespace zerorate::core

@@ -1,0 +1,123 @@
+// The node whose odometer fails: what it says, and that it learns nothing from it.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "host_tests/unit/firmware/app/node_rig.hpp"
+
+namespace zerorate::app {
+namespace {
+
+using testing::at_ms;
+using testing::expect_same;
+using testing::Node;
+using testing::node_params;
+using testing::noisy_sample;
+
+constexpr float kBias = 0.01F;
+constexpr float kDps = 0.01745329F;
+
+/// Samples of a node's gyro, one after another every 10 ms.
+class Trip {
+ public:
+  explicit Trip(Node& node) : node_(&node) {}
+
+  /// Turns about x at this rate; the newest message.
+  RateMessage go(std::int64_t ms, float turn_rad_s, bool pulses) {
+    RateMessage message;
+    for (const std::int64_t end_ms = now_ms_ + ms; now_ms_ < end_ms; now_ms_ += 10) {
+      if (pulses) node_->pulse(at_ms(now_ms_));
+      auto sample = noisy_sample(at_ms(now_ms_), kBias);
+      sample.rate[0] = sample.rate[0] + core::rad_per_s(turn_rad_s);
+      message = node_->step(sample);
+      if (!message.health.odometer_disagreement) agreed_ms_ = now_ms_;
+    }
+    return message;
+  }
+  RateMessage stand(std::int64_t ms) { return go(ms, 0.0F, false); }
+  [[nodiscard]] std::int64_t agreed_ms() const { return agreed_ms_; }
+
+ private:
+  Node* node_;
+  std::int64_t now_ms_ = 0;
+  std::int64_t agreed_ms_ = 0;
+};
+
+float error_dps(const Node& node) {
+  return (node.bias(Predictor::kalman, 0).in(core::rad_per_s)-kBias) / kDps;
+}
+
+TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  EXPECT_FALSE(trip.stand(60'000).health.odometer_disagreement);
+  const std::uint32_t learnt = node.measured_ticks();
+  const RateMessage turning = trip.go(60'000, kDps, false);
+  EXPECT_LE(trip.agreed_ms(), 61'000);
+  EXPECT_TRUE(turning.health.odometer_disagreement);
+  EXPECT_EQ(turning.motion, core::Motion::settling);
+  EXPECT_LE(node.measured_ticks(), learnt + 5);  // what was held back when it began
+  EXPECT_LT(std::abs(error_dps(node)), 0.005F);
+  const RateMessage after = trip.stand(10'000);
+  EXPECT_FALSE(after.health.odometer_disagreement);
+  EXPECT_EQ(after.motion, core::Motion::still);
+  EXPECT_GT(node.measured_ticks(), learnt + 60);
+}
+
+TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(60'000);
+  trip.go(20'000, 10.0F * kDps, true);
+  for (int bend = 0; bend < 20; ++bend) {
+    const float turn = 10.0F + static_cast<float>(bend % 4);
+    EXPECT_EQ(trip.go(1'000, turn * kDps, false).health.odometer_disagreement, bend > 0) << bend;
+  }
+  EXPECT_LT(std::abs(error_dps(node)), 0.005F);
+}
+
+TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, BelievesItAfterFiveSeconds) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(60'000);
+  trip.go(60'000, 10.0F * kDps, true);
+  EXPECT_TRUE(trip.go(4'000, 1.3F * kDps, false).health.odometer_disagreement);
+  EXPECT_FALSE(trip.go(26'000, 1.3F * kDps, false).health.odometer_disagreement);
+  EXPECT_LE(trip.agreed_ms(), 150'000);
+  EXPECT_GT(node.measured_ticks(), 1'490U);
+}
+
+TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(20'000);
+  EXPECT_FALSE(trip.go(110'000, 0.0F, true).health.odometer_disagreement);
+  EXPECT_TRUE(trip.go(60'000, 0.0F, true).health.odometer_disagreement);
+  const std::uint32_t learnt = node.measured_ticks();
+  EXPECT_FALSE(trip.stand(20'000).health.odometer_disagreement);
+  EXPECT_GT(node.measured_ticks(), learnt + 180);
+}
+
+TEST(GyroNodeRestoredInATurnWithoutPulses, GoesOnAsTheOtherWould) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(30'000);
+  trip.go(5'000, kDps, false);
+  Node other{params};
+  other.restore(node.state());
+  for (std::int64_t ms = 35'000; ms < 45'000; ms += 10) {
+    const auto sample = noisy_sample(at_ms(ms), kBias);
+    ASSERT_EQ(node.step(sample), other.step(sample)) << ms;
+  }
+  expect_same(node.state(), other.state());
+}
+
+}  // namespace
+}  // namespace zerorate::app

@@ -1,0 +1,48 @@
+/// @file
+/// Drives that go wrong, by name: what the vehicle does, what its gyro gives, and what is true.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/lib/recording/row.hpp"
+
+namespace zerorate::simulate {
+
+/// A row of a recording, and what nobody but the simulator knows about it.
+struct ScenarioRow {
+  recording::Row row;
+  std::array<float, 3> true_rate_rad_s{};  ///< of the vehicle
+  std::array<float, 3> bias_rad_s{};       ///< of the gyro: all that is slow and not motion
+};
+
+struct ScenarioDrive {
+  recording::Columns columns;
+  std::vector<ScenarioRow> rows;
+  bool has_data_ready = true;  ///< false: the pin's wire is broken
+};
+
+/// One axis' noise of every scenario but `temperature`: the figures of the catalogue's `lsm6dso`.
+inline constexpr double kScenarioArwDpsRtS = 0.00269;
+inline constexpr double kScenarioBiasInstabilityDph = 5.0;
+
+/// Of `temperature`, a better sensor.
+inline constexpr double kTemperatureArwDpsRtS = 0.005;
+inline constexpr double kTemperatureBiasInstabilityDph = 2.0;
+
+struct Scenario {
+  std::string_view name;
+  std::string_view summary;
+  ScenarioDrive (*make)(std::uint64_t seed);
+};
+
+/// All of them, in the order in which they are listed.
+[[nodiscard]] std::span<const Scenario> scenarios();
+
+/// Throws std::invalid_argument that lists the names.
+[[nodiscard]] const Scenario& find_scenario(std::string_view name);
+
+}  // namespace zerorate::simulate
