@@ -27,6 +27,7 @@
 #include "core/standstill/standstill.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/app/sample_screening.hpp"
 
 namespace zerorate::app {
 
@@ -39,7 +40,8 @@ enum class ParamsError : std::uint8_t {
   tick_shorter_than_sample,
   white_variance_not_positive,
   negative_time,
-  hold_back_too_long,  ///< more than GyroNode::kHeldTicks ticks: slow the filter or shorten it
+  no_room_for_samples,  ///< a model of single samples, and NodeCapacity::screens_samples is false
+  hold_back_too_long,   ///< more than GyroNode::kHeldTicks ticks: slow the filter or shorten it
 };
 
 /// What a node is built from. R decaying and C rotating modes as in core::Modes; K weights of the
@@ -54,6 +56,7 @@ struct NodeParams {
   core::Gate gate;  ///< of the Kalman predictor; off by default
   /// What the Kalman predictor knows of it.
   [[no_unique_address]] core::TemperatureBlock<K> temperature{};
+  core::SampleModel samples{};   ///< of single samples; off by default
   core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   core::OdometerCheck::Params odometer;
@@ -65,6 +68,8 @@ struct NodeParams {
 struct NodeCapacity {
   std::size_t held_ticks = 64;      ///< of the hold-back line, 32 bytes each
   std::size_t average_levels = 22;  ///< of core::SuffixSums, 50 bytes each on every axis
+  /// Room for NodeParams::samples: 60 bytes an axis, and 12 for each held tick.
+  bool screens_samples = false;
 };
 
 /// One sensor with three axes. Chip-free and board-free; no heap; one thread (the caller's).
@@ -74,12 +79,15 @@ class GyroNode {
  public:
   static constexpr std::size_t kAxes = 3;
   static constexpr std::size_t kHeldTicks = Capacity.held_ticks;
+  static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<R, C, K>;
   using Span = core::FilterSpan<R, C, K>;
   using TickTemperature = core::TickTemperature<K>;
+  using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
   /// A measurement that waits until it is certain that the vehicle stood.
   struct HeldTick : core::TickMean<kAxes> {
     [[no_unique_address]] TickTemperature temperature;
+    [[no_unique_address]] typename Screening::Squares squares;
   };
   using HoldBack = core::HoldBackLine<HeldTick, kHeldTicks>;
 
@@ -104,6 +112,7 @@ class GyroNode {
     typename core::TickAverage<kAxes>::State average;
     HoldBack held;
     [[no_unique_address]] typename core::TemperatureTrack<K>::State temperature;
+    [[no_unique_address]] typename Screening::State screening;
     std::array<AxisState, kAxes> axes;
   };
   static_assert(std::is_trivially_copyable_v<State>);
@@ -119,6 +128,7 @@ class GyroNode {
                   params.white_variance_rad2_s2),
         average_(params.modes.tick, params.sample_period),
         temperature_(params.temperature),
+        screening_(params.samples),
         coefficients_(params.modes, params.gate, params.temperature),
         axes_{Axis{params.modes, coefficients_}, Axis{params.modes, coefficients_},
               Axis{params.modes, coefficients_}} {
@@ -285,6 +295,7 @@ class GyroNode {
   core::TickAverage<kAxes> average_;
   HoldBack held_;
   [[no_unique_address]] core::TemperatureTrack<K> temperature_;
+  [[no_unique_address]] Screening screening_;
   core::KalmanCoefficients<R, C, K> coefficients_;
   std::array<Axis, kAxes> axes_;
   std::array<core::Prediction, kAxes> predicted_{};  ///< by the published predictor, for this tick
@@ -309,6 +320,9 @@ constexpr core::Result<void, ParamsError> GyroNode<R, C, K, Capacity>::check(con
   if (!core::is_measurement(0.0F, params.white_variance_rad2_s2)) {
     return Unexpected{ParamsError::white_variance_not_positive};
   }
+  if (!Capacity.screens_samples && params.samples.is_on()) {
+    return Unexpected{ParamsError::no_room_for_samples};
+  }
   if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||
       params.standstill.slowest < kZero) {
     return Unexpected{ParamsError::negative_time};
@@ -327,7 +341,7 @@ constexpr RateMessage GyroNode<R, C, K, Capacity>::step(const drivers::GyroSampl
   if (!refused) take_in(sample);
 
   message.motion = motion();
-  message.health.saturated = sample.saturated_axes != 0;
+  message.health.saturated = sample.saturated_axes != 0 || screening_.is_saturated(sample.rate);
   describe(message, refused ? std::array<core::AngularRate, kAxes>{} : sample.rate);
   return message;
 }
@@ -348,6 +362,7 @@ constexpr void GyroNode<R, C, K, Capacity>::describe(
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
   message.health.odometer_disagreement = odometer_.disagrees();
+  message.health.measurement_rejected = screening_.is_disturbed();
   message.health.temperature_missing = temperature_.is_missed(message.time);
   for (std::size_t i = 0; i < kAxes; ++i) {
     message.health.model_inconsistent |= !axes_[i].monitor.is_consistent();
@@ -372,7 +387,11 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
   const bool new_tick = !has_sample_ || average_.is_over_at(sample.time);
   has_sample_ = true;
   if (new_tick && !average_.is_empty()) close_tick();
-  if (new_tick) average_.enter(sample.time);
+  if (new_tick) {
+    average_.enter(sample.time);
+    screening_.begin_tick(predicted_, params_.white_variance_rad2_s2,
+                          params_.unaveraged_variance_rad2_s2);
+  }
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   temperature_.take(sample.time, new_tick,
                     sample.has_temperature ? sample.temperature.degc() : kNone);
@@ -383,7 +402,7 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
   };
   if (!standstill_.is_settled(sample.time)) {
     if (new_tick) odometer_.drive(rate_rad_s());
-  } else if (sample.saturated_axes == 0) {
+  } else if (sample.saturated_axes == 0 && screening_.take(rate_rad_s())) {
     average_.add(sample.time, rate_rad_s());
   }
   // Not before the next tick is judged, which with a hold-back of one tick is by a sample later.
@@ -395,7 +414,7 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
 /// Holds the tick back, unless a rotation without pulses speaks against it and all that is held.
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::close_tick() {
-  const HeldTick closed{average_.close(), temperature_.tick()};
+  const HeldTick closed{average_.close(), temperature_.tick(), screening_.squares()};
   const std::array<float, kAxes> predicted_rad_s{predicted_[0].bias_rad_s, predicted_[1].bias_rad_s,
                                                  predicted_[2].bias_rad_s};
   odometer_.stand(closed.rate_rad_s, closed.samples,
@@ -420,6 +439,7 @@ template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::end_stop(core::Instant pulse) {
   standstill_.pulse(pulse);
   average_.clear();
+  screening_.end_stop();
   stop_open_ = false;
 }
 
@@ -428,11 +448,14 @@ constexpr void GyroNode<R, C, K, Capacity>::learn(const HeldTick& mean) {
   const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
   Span since_last{ticks == 1 ? one_tick_ : params_.modes.over(ticks)};
   temperature_.measure(mean.temperature, since_last);
-  const float white_variance = params_.white_variance_rad2_s2 / static_cast<float>(mean.samples) +
-                               params_.unaveraged_variance_rad2_s2;
+  screening_.advance(ticks);
+  const auto samples = static_cast<float>(mean.samples);
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (!stop_open_) axes_[i].begin_stop();
+    const float white_variance = screening_.level(i) * params_.white_variance_rad2_s2 / samples +
+                                 params_.unaveraged_variance_rad2_s2;
     axes_[i].observe(since_last, mean.rate_rad_s[i], white_variance);
+    screening_.observe(i, mean.squares, params_.white_variance_rad2_s2, samples);
   }
   stop_open_ = true;
   measured_ticks_ = mean.tick + 1;
@@ -480,6 +503,7 @@ constexpr typename GyroNode<R, C, K, Capacity>::State GyroNode<R, C, K, Capacity
               .average = average_.state(),
               .held = held_,
               .temperature = temperature_.state(),
+              .screening = screening_.state(),
               .axes = {}};
   for (std::size_t i = 0; i < kAxes; ++i) {
     state.axes[i] = {.kalman = axes_[i].kalman.state(),
@@ -503,6 +527,7 @@ constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
   average_.restore(state.average);
   held_ = state.held;
   temperature_.restore(state.temperature);
+  screening_.restore(state.screening);
   for (std::size_t i = 0; i < kAxes; ++i) {
     axes_[i].kalman.restore(state.axes[i].kalman);
     axes_[i].moving_average.restore(state.axes[i].moving_average);

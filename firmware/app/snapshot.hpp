@@ -220,6 +220,16 @@ class Snapshot {
       print.add(params.temperature.curvature_sigma_rad_s_per_k2);
       print.add(params.temperature.lag_s);
     }
+    if constexpr (Node::kScreensSamples) {
+      const core::SampleModel& samples = params.samples;
+      for (const float figure : {samples.outliers.probability, samples.outliers.variance_rad2_s2,
+                                 samples.motion.begin_probability, samples.motion.end_probability,
+                                 samples.motion.variance_rad2_s2, samples.level.variance,
+                                 samples.level.time_constants_per_tick, samples.range.lower_rad_s,
+                                 samples.range.upper_rad_s}) {
+        print.add(figure);
+      }
+    }
     print.add(params.gate.threshold_sigma);
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);

@@ -71,6 +71,12 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
   }
   const auto node = make_node_model<kHookDecaying, kHookRotating, kHookWeights>(
       model, sample_period, filter_tick);
+  if (node.samples.is_on()) {
+    throw std::invalid_argument(
+        "the model \"" + model.name +
+        "\" tells of single samples (outliers, motion_contamination, variable_noise or "
+        "saturation); the C interface takes none of these tables");
+  }
   const std::string constant{name};
   std::string guard = constant + "_H";
   std::transform(guard.begin(), guard.end(), guard.begin(), [](char c) {

@@ -43,6 +43,26 @@ std::string temperature(const core::TemperatureDrift& drift) {
          ", .lag_s = " + literal(drift.lag_s) + "},\n";
 }
 
+/// An end that there is not is the default.
+std::string range(const core::MeasuringRange& range) {
+  if (!core::is_finite(range.lower_rad_s) || !core::is_finite(range.upper_rad_s)) return {};
+  return ",\n                .range = {.lower_rad_s = " + literal(range.lower_rad_s) +
+         ", .upper_rad_s = " + literal(range.upper_rad_s) + "}";
+}
+
+std::string samples(const core::SampleModel& samples) {
+  if (!samples.is_on()) return {};
+  return "    .samples = {.outliers = {.probability = " + literal(samples.outliers.probability) +
+         ", .variance_rad2_s2 = " + literal(samples.outliers.variance_rad2_s2) +
+         "},\n                .motion = {.begin_probability = " +
+         literal(samples.motion.begin_probability) +
+         ", .end_probability = " + literal(samples.motion.end_probability) +
+         ", .variance_rad2_s2 = " + literal(samples.motion.variance_rad2_s2) +
+         "},\n                .level = {.variance = " + literal(samples.level.variance) +
+         ", .time_constants_per_tick = " + literal(samples.level.time_constants_per_tick) + "}" +
+         range(samples.range) + "},\n";
+}
+
 }  // namespace
 
 std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
@@ -94,7 +114,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          turn_on(node.turn_on_variance_rad2_s2) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
-         temperature(node.temperature) + "    .sample_period = " + nanoseconds(sample_period) +
+         temperature(node.temperature) + samples(node.samples) +
+         "    .sample_period = " + nanoseconds(sample_period) +
          ",\n"
          "};\n"
          "// clang-format on\n\n"

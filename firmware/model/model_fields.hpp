@@ -24,6 +24,8 @@ inline constexpr Rule kNotNegative{[](double x) { return x >= 0.0 && std::isfini
 inline constexpr Rule kAnyNumber{[](double x) { return std::isfinite(x); }, "a number"};
 inline constexpr Rule kOrder{[](double x) { return x > 0.0 && x < 1.0; },
                              "a number between 0 and 1, both excluded"};
+inline constexpr Rule kProbability{[](double x) { return x > 0.0 && x < 0.5; },
+                                   "a number between 0 and 0.5, both excluded"};
 inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
                                "a whole number from 1 to 8"};
 
@@ -111,6 +113,35 @@ void visit_fields(auto& visitor, MaybeConst<Quantization> auto& quantization) {
   visitor.text("source", quantization.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<Outliers> auto& outliers) {
+  visitor.number("probability", outliers.probability, FileUnit::si, kProbability,
+                 Presence::required);
+  visitor.number("sigma_dps", outliers.sigma_rad_s, FileUnit::degree, kPositive,
+                 Presence::required);
+  visitor.text("source", outliers.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<MotionContamination> auto& motion) {
+  visitor.number("interval_s", motion.interval_s, FileUnit::si, kPositive, Presence::required);
+  visitor.number("duration_s", motion.duration_s, FileUnit::si, kPositive, Presence::required);
+  visitor.number("sigma_dps", motion.sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.text("source", motion.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<VariableNoise> auto& noise) {
+  visitor.number("variance_sigma", noise.variance_sigma, FileUnit::si, kPositive,
+                 Presence::required);
+  visitor.number("time_constant_s", noise.time_constant_s, FileUnit::si, kPositive,
+                 Presence::required);
+  visitor.text("source", noise.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Saturation> auto& range) {
+  visitor.number("lower_dps", range.lower_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
+  visitor.number("upper_dps", range.upper_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
+  visitor.text("source", range.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Gate> auto& gate) {
   visitor.number("threshold_sigma", gate.threshold_sigma, FileUnit::si, kPositive,
                  Presence::required);
@@ -142,6 +173,10 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.table("warm_up", model.warm_up);
   visitor.table("rate_ramp", model.rate_ramp);
   visitor.table("quantization", model.quantization);
+  visitor.table("outliers", model.outliers);
+  visitor.table("motion_contamination", model.motion_contamination);
+  visitor.table("variable_noise", model.variable_noise);
+  visitor.table("saturation", model.saturation);
   visitor.table("gate", model.gate);
   visitor.table("turn_on", model.turn_on);
   visitor.table("node", model.node, Presence::optional);

@@ -124,6 +124,38 @@ core::Gate gate_of(const Gate& gate, double tick_s) {
               std::min(ticks, double{std::numeric_limits<std::uint16_t>::max()}))};
 }
 
+float squared(double value) {
+  return single(value * value);
+}
+
+core::MotionEvents motion_of(const MotionContamination& motion, double sample_s) {
+  return {.begin_probability = single(std::min(0.5, sample_s / motion.interval_s)),
+          .end_probability = single(std::min(1.0, sample_s / motion.duration_s)),
+          .variance_rad2_s2 = squared(motion.sigma_rad_s)};
+}
+
+core::SampleModel samples_of(const SensorModel& model, double sample_s, double tick_s) {
+  core::SampleModel samples;
+  if (model.outliers) {
+    samples.outliers = {.probability = single(model.outliers->probability),
+                        .variance_rad2_s2 = squared(model.outliers->sigma_rad_s)};
+  }
+  if (model.motion_contamination) samples.motion = motion_of(*model.motion_contamination, sample_s);
+  if (model.variable_noise) {
+    samples.level = {
+        .variance = squared(model.variable_noise->variance_sigma),
+        .time_constants_per_tick = single(tick_s / model.variable_noise->time_constant_s)};
+  }
+  if (model.saturation) {
+    samples.range = {.lower_rad_s = single(model.saturation->lower_rad_s),
+                     .upper_rad_s = single(model.saturation->upper_rad_s)};
+    if (!(samples.range.lower_rad_s < samples.range.upper_rad_s)) {
+      throw std::invalid_argument("saturation.lower_dps must be less than saturation.upper_dps");
+    }
+  }
+  return samples;
+}
+
 /// Variance of a quantizer's error that noise of standard deviation sigma does not average away:
 /// the mean error of a rate x is sum over k of step / (pi k) exp(-2 (pi k sigma / step)^2)
 /// sin(2 pi k x / step), here squared and averaged over x.
@@ -178,6 +210,7 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
   if (model.quantization) {
     const double step = model.quantization->step_rad_s;
     const double unaveraged = unaveraged_variance(step, arw / std::sqrt(seconds(sample_period)));
+    node.quantization_step_rad_s = single(step);
     node.unaveraged_variance_rad2_s2 = single_or_zero(unaveraged);
     white_variance += std::max(step * step / 12.0 - unaveraged, 0.0);
   }
@@ -192,6 +225,7 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
   if (model.temperature) {
     node.temperature = temperature_of(*model.temperature);
   }
+  node.samples = samples_of(model, seconds(sample_period), tick_s);
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");
   }

@@ -11,6 +11,7 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
+#include "core/estimator/sample_model.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "firmware/model/sensor_model.hpp"
@@ -34,10 +35,14 @@ struct NodeModel {
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
   core::TemperatureDrift temperature;  ///< off where the model has none
+  core::SampleModel samples;           ///< off where the model has nothing of it
+  /// Of what the samples are rounded to, for who wants the probability of a reading: the filter
+  /// takes its error for noise, which the two variances above hold already.
+  float quantization_step_rad_s = 0.0F;
 
   /// Of the mean of a tick's samples.
-  [[nodiscard]] constexpr float measurement_variance(float samples) const {
-    return white_variance_rad2_s2 / samples + unaveraged_variance_rad2_s2;
+  [[nodiscard]] constexpr float measurement_variance(float count) const {
+    return white_variance_rad2_s2 / count + unaveraged_variance_rad2_s2;
   }
 };
 
@@ -105,6 +110,8 @@ template <std::size_t R, std::size_t C, std::size_t K = 0>
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.gate = full.gate;
   fitting.temperature = full.temperature;
+  fitting.samples = full.samples;
+  fitting.quantization_step_rad_s = full.quantization_step_rad_s;
   return fitting;
 }
 

@@ -116,6 +116,43 @@ struct Quantization {
   bool operator==(const Quantization&) const = default;
 };
 
+/// Single wild samples: noise of their own on top, one sample at a time.
+struct Outliers {
+  double probability = 0.0;  ///< of a sample
+  double sigma_rad_s = 0.0;
+  std::string source{};
+
+  bool operator==(const Outliers&) const = default;
+};
+
+/// Rotations inside what is held for a standstill.
+struct MotionContamination {
+  double interval_s = 0.0;  ///< mean time from the end of one to the beginning of the next
+  double duration_s = 0.0;  ///< mean
+  double sigma_rad_s = 0.0;
+  std::string source{};
+
+  bool operator==(const MotionContamination&) const = default;
+};
+
+/// White noise whose strength wanders.
+struct VariableNoise {
+  double variance_sigma = 0.0;   ///< standard deviation of its variance, over the mean variance
+  double time_constant_s = 0.0;  ///< after which that is forgotten
+  std::string source{};
+
+  bool operator==(const VariableNoise&) const = default;
+};
+
+/// The ends of the measuring range: a rate beyond is told as the end.
+struct Saturation {
+  double lower_rad_s = 0.0;
+  double upper_rad_s = 0.0;
+  std::string source{};
+
+  bool operator==(const Saturation&) const = default;
+};
+
 /// What to think of a measurement that is too far from its prediction.
 struct Gate {
   double threshold_sigma = 0.0;  ///< larger: fewer rejections, more harm by what passes
@@ -154,6 +191,10 @@ struct SensorModel {
   std::optional<WarmUp> warm_up;
   std::optional<RateRamp> rate_ramp;
   std::optional<Quantization> quantization;
+  std::optional<Outliers> outliers;
+  std::optional<MotionContamination> motion_contamination;
+  std::optional<VariableNoise> variable_noise;
+  std::optional<Saturation> saturation;
   std::optional<Gate> gate;
   std::optional<TurnOn> turn_on;
   Node node;

@@ -73,6 +73,7 @@ GainTally gains_of(const std::string& effect, const CampaignOptions& options) {
   const auto recording = folder.path() / "recording.csv";
   ScenarioOptions scenario_options = options.scenario;
   scenario_options.only = effect;
+  scenario_options.finest_step_share = 1.0;
   GainTally tally{effect, scenario_options.seed};
   cli::ProgressBar progress{effect};
   for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {

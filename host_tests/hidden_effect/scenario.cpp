@@ -111,7 +111,8 @@ simulate::Signal compose(const Setting& setting, std::vector<SizedEffect> effect
 
 std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
                                      const simulate::RandomStream& stream) {
-  const Setting setting = draw_setting(options.samples, options.rate_hz, stream);
+  Setting setting = draw_setting(options.samples, options.rate_hz, stream);
+  setting.finest_step_share = options.finest_step_share;
   Draws draws{stream.substream("effects")};
   const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
   const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);

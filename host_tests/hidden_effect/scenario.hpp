@@ -36,6 +36,7 @@ struct ScenarioOptions {
   double outside_factor = 2.5;
   /// Of effects of single recordings, only those of this name; all if empty.
   std::string only;
+  double finest_step_share = 0.1;  ///< see Setting; 1: a quantizer costs the nats as all others do
 };
 
 /// Every 32 runs hide each of the sixteen effects once, nothing eight times, two effects four times

@@ -42,6 +42,7 @@ struct Setting {
   std::vector<double> temperature_degc;  ///< smooth, over a few kelvin
   std::vector<double> slow_rad_s;  ///< the bias and the 1/f noise that this recording will have
   simulate::RandomStream stream;
+  double finest_step_share = 0.1;  ///< of a quantizer, of the step that costs what is asked for
 
   [[nodiscard]] double record_s() const { return static_cast<double>(samples) * period_s; }
   [[nodiscard]] double rate_hz() const { return 1.0 / period_s; }

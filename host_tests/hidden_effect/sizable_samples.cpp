@@ -63,7 +63,7 @@ Sizable draw_quantization(const Setting& setting, Draws& draws) {
   // The base is not asked to know the lattice: its density is read at the steps. What it loses then
   // is little up to about two sigma, and a finer lattice is as plain to see; so the step of the
   // recording is drawn between a tenth of the sized one and that.
-  const double finer = draws.log_uniform(0.1, 1.0);
+  const double finer = draws.log_uniform(setting.finest_step_share, 1.0);
   const double white = setting.noise.white_sigma();
   return {.name = "quantization",
           .at = [&setting, finer](

@@ -17,6 +17,7 @@ struct Options {
   std::vector<std::string> recordings;
   std::vector<std::string> schedules{"15/60", "30/120", "60/300", "20/300", "120/600"};
   std::string fit_on = "other";
+  std::string fit_by = "characterization";
   experiments::DriveContestOptions contest;
   std::string json;
   std::string report;
@@ -39,6 +40,8 @@ ExitCode run(Options options) {
   }
   options.contest.fit_on =
       options.fit_on == "other" ? experiments::FitOn::other : experiments::FitOn::itself;
+  options.contest.fit_by = options.fit_by == "diagnosis" ? experiments::FitBy::diagnosis
+                                                         : experiments::FitBy::characterization;
   const auto contest = [&] {
     ProgressBar bar{"drives"};
     return experiments::run_drive_contest({options.recordings.begin(), options.recordings.end()},
@@ -80,6 +83,12 @@ Command add_evaluate(CLI::App& app) {
                    "where a recording's parameters come from: other (the other recordings) or "
                    "itself (hindsight)")
       ->check(CLI::IsMember({"other", "itself"}))
+      ->capture_default_str();
+  drives
+      ->add_option("--fit-by", options->fit_by,
+                   "what makes the models: characterization (order fitted against d = 1/2) or "
+                   "diagnosis (what `zerorate diagnose` finds against its base)")
+      ->check(CLI::IsMember({"characterization", "diagnosis"}))
       ->capture_default_str();
   drives
       ->add_option("--filter-rate", options->contest.filter_rate_hz,

@@ -172,6 +172,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
     params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
     params.gate = noise.gate;
     params.temperature = noise.temperature;
+    params.samples = noise.samples;
   } catch (const std::invalid_argument& error) {
     root.fail_at("model", error.what());
   }

@@ -9,7 +9,10 @@ namespace zerorate::pico {
 
 /// At ticks of 0.5 s the hold-back of 0.5 s needs 3 of 8 places, and thirteen hours of one stop are
 /// remembered (core::SuffixSums). More does not fit into the memory that pico.ld grants.
-inline constexpr app::NodeCapacity kNodeCapacity{.held_ticks = 8, .average_levels = 12};
+inline constexpr app::NodeCapacity kNodeCapacity{
+    .held_ticks = 8,
+    .average_levels = 12,
+    .screens_samples = exported::kNodeParams.samples.is_on()};
 using Node = app::GyroNode<exported::kDecayingModes, exported::kRotatingModes,
                            exported::kTemperatureWeights, kNodeCapacity>;
 static_assert(Node::check(exported::kNodeParams).has_value());

@@ -117,16 +117,14 @@ void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<Scor
   gain.coverage95_extended = of(extended, coverage95, 1.0);
 }
 
-/// Mean gain of a sample, the ticks gathered in blocks that are nearly independent. A tick that the
-/// gate of either model rejects counts for neither.
+/// Mean gain of a sample, the ticks gathered in blocks that are nearly independent.
 BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extended,
                                double samples_per_tick, std::uint64_t seed) {
   constexpr std::size_t kBlocks = 30;
   std::vector<double> gains;
   gains.reserve(base.log_scores.size());
   for (std::size_t k = 0; k < base.log_scores.size(); ++k) {
-    const double gain = extended.log_scores[k] - base.log_scores[k];
-    if (!std::isnan(gain)) gains.push_back(gain / samples_per_tick);
+    gains.push_back((extended.log_scores[k] - base.log_scores[k]) / samples_per_tick);
   }
   const std::size_t length = std::max<std::size_t>(1, gains.size() / kBlocks);
   std::vector<double> blocks;
@@ -160,14 +158,16 @@ Gain measure_gain(const Record& record, const model::SensorModel& base,
   const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
   const std::vector<float> temperatures = temperatures_of(record, means);
   const ScoredTicks scored{.ticks = means,
+                           .rate_rad_s = record.rate_rad_s,
                            .temperature_degc = temperatures,
                            .sample_period = duration(record.mean_period_s),
                            .tick = tick,
                            .judged_from = judged_from,
                            .stop_ticks = std::max(1U, cycle / 4),
                            .drive_ticks = cycle - std::max(1U, cycle / 4)};
-  const NodeScores with_base = score(base, scored);
-  const NodeScores with_extended = score(extended, scored);
+  const ScoreOf what = level_of(extended);
+  const NodeScores with_base = score(base, scored, what);
+  const NodeScores with_extended = score(extended, scored, what);
 
   Gain gain{.drive_s = tick_s * static_cast<double>(scored.drive_ticks)};
   double judged_samples = 0.0;

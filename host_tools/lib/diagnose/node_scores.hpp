@@ -15,6 +15,7 @@ namespace zerorate::diagnose {
 /// Ticks of one axis, and from which on the model is judged.
 struct ScoredTicks {
   std::span<const identify::TickMean> ticks;  ///< the axis is the first one
+  std::span<const double> rate_rad_s;         ///< the samples of the ticks, one after the other
   std::span<const float> temperature_degc;    ///< mean of each tick; none: there is no thermometer
   core::Duration sample_period;
   core::Duration tick;
@@ -31,15 +32,25 @@ struct ScoredDrive {
   std::size_t ticks = 0;
 };
 
+/// What a log score is of. Either way it is the same for all models that are compared.
+enum class ScoreOf {
+  tick_means,  ///< for models that take what is within a tick for white noise
+  samples,     ///< each after those before it
+};
+
 struct NodeScores {
   std::vector<ScoredDrive> drives;
-  /// Log density of each innovation among the judged ticks when all of them are stops. NaN where
-  /// the model's gate rejects: it claims no density there.
+  /// Of each judged tick when all of them are stops: log density of its mean, or the sum of the log
+  /// scores of its samples (see log_score()), as predicted from the ticks and samples before.
   std::vector<double> log_scores;
 };
 
+/// What a model's score should be of: of samples where it says more of them than white noise.
+[[nodiscard]] ScoreOf level_of(const model::SensorModel& model);
+
 /// Two passes of the node's filter, in its single precision. Throws std::invalid_argument for a
 /// model that the node cannot run.
-[[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks);
+[[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks,
+                               ScoreOf what);
 
 }  // namespace zerorate::diagnose

@@ -72,6 +72,8 @@ std::string_view explain(app::ParamsError error) {
       return "the filter tick must be positive and not shorter than the sample period";
     case app::ParamsError::white_variance_not_positive:
       return "the model's white noise must be positive";
+    case app::ParamsError::no_room_for_samples:
+      return "the model tells of single samples, and the node has no room for that";
     case app::ParamsError::negative_time:
       return "settle time and hold-back must not be negative";
     case app::ParamsError::hold_back_too_long:
@@ -84,7 +86,7 @@ std::string_view explain(app::ParamsError error) {
 template <std::size_t R, std::size_t C, std::size_t K>
 class Run {
  public:
-  using Node = app::GyroNode<R, C, K>;
+  using Node = app::GyroNode<R, C, K, app::NodeCapacity{.screens_samples = true}>;
 
   Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
       const ReplayObserver& observer, ReplayResult& result)
@@ -137,6 +139,7 @@ class Run {
                                  .white_variance_rad2_s2 = model.white_variance_rad2_s2,
                                  .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
                                  .gate = model.gate,
+                                 .samples = model.samples,
                                  .sample_period = result.sample_period,
                                  .standstill = options.standstill,
                                  .odometer = options.odometer,

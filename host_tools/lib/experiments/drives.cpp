@@ -6,7 +6,9 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
+#include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/experiments/exponential_means.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
@@ -61,16 +63,16 @@ Sums sums_of(const AxisScores& scores, Predictor predictor) {
 
 /// All contestants on one axis, with every memory of the tuned ones.
 struct AxisSums {
-  Sums kalman_free_order;
-  Sums kalman_half_order;
+  Sums kalman_extended;
+  Sums kalman_base;
   Sums moving_average;
   Sums calibration_mean;
   std::array<Sums, kMemories> exponential_mean;
   std::array<Sums, kMemories> random_walk_filter;
 
   AxisSums& operator+=(const AxisSums& other) {
-    kalman_free_order += other.kalman_free_order;
-    kalman_half_order += other.kalman_half_order;
+    kalman_extended += other.kalman_extended;
+    kalman_base += other.kalman_base;
     moving_average += other.moving_average;
     calibration_mean += other.calibration_mean;
     for (std::size_t i = 0; i < kMemories; ++i) {
@@ -83,9 +85,21 @@ struct AxisSums {
 
 using Fits = std::vector<DriveContest::AxisModels>;  ///< of one recording, by axis
 
-Fits fit(const fs::path& path) {
+Fits diagnosed(const identify::RestSamples& samples, const std::string& recording) {
+  Fits fits;
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+    diagnose::Diagnosis diagnosis = diagnose::diagnose(diagnose::record_of(samples, axis),
+                                                       {.recording = recording, .holdout = 0.0});
+    fits.push_back(
+        {recording, axis, std::move(diagnosis.extended_model), std::move(diagnosis.base_model)});
+  }
+  return fits;
+}
+
+Fits fit(const fs::path& path, FitBy fit_by) {
   recording::Reader reader{path};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
+  if (fit_by == FitBy::diagnosis) return diagnosed(samples, path.filename().string());
   identify::CharacterizeOptions options{.recording = path.filename().string()};
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) options.axes.push_back(axis);
   const auto free_order = identify::characterize(samples, options);
@@ -148,7 +162,7 @@ class Contest {
 
   void fit_all() {
     for_each_in_parallel(paths_.size(), options_.threads,
-                         [&](std::size_t i) { fits_[i] = fit(paths_[i]); }, {});
+                         [&](std::size_t i) { fits_[i] = fit(paths_[i], options_.fit_by); }, {});
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) clusters_.push_back({i, axis});
     }
@@ -160,7 +174,7 @@ class Contest {
     return lender != cluster.recording && cluster.axis < fits_[lender].size();
   }
 
-  [[nodiscard]] model::SensorModel model_for(
+  [[nodiscard]] std::vector<model::SensorModel> models_for(
       const Cluster& cluster, model::SensorModel DriveContest::AxisModels::*which) const {
     std::vector<model::SensorModel> lent;
     for (std::size_t i = 0; i < fits_.size(); ++i) {
@@ -171,7 +185,8 @@ class Contest {
           "parameters from other recordings need at least two recordings with the same axes; "
           "--fit-on itself takes those of hindsight");
     }
-    return mean_model(lent);
+    if (options_.fit_by == FitBy::characterization) return {mean_model(lent)};
+    return lent;
   }
 
   void replay_all(const Progress& progress) {
@@ -206,15 +221,16 @@ class Contest {
                      std::vector<AxisSums>& axes) const {
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       const Cluster cluster{recording, axis};
-      const auto scores = [&](model::SensorModel DriveContest::AxisModels::*which) {
-        return replay(recording, schedule, model_for(cluster, which))[axis];
-      };
-      const auto free = scores(&DriveContest::AxisModels::free_order);
-      const auto half = scores(&DriveContest::AxisModels::half_order);
-      axes[axis].kalman_free_order = sums_of(free, Predictor::kalman);
-      axes[axis].kalman_half_order = sums_of(half, Predictor::kalman);
-      axes[axis].moving_average = sums_of(free, Predictor::moving_average);
-      axes[axis].calibration_mean = sums_of(free, Predictor::calibration_mean);
+      for (const auto& model : models_for(cluster, &DriveContest::AxisModels::extended)) {
+        const auto scores = replay(recording, schedule, model)[axis];
+        axes[axis].kalman_extended += sums_of(scores, Predictor::kalman);
+        axes[axis].moving_average += sums_of(scores, Predictor::moving_average);
+        axes[axis].calibration_mean += sums_of(scores, Predictor::calibration_mean);
+      }
+      for (const auto& model : models_for(cluster, &DriveContest::AxisModels::base)) {
+        axes[axis].kalman_base +=
+            sums_of(replay(recording, schedule, model)[axis], Predictor::kalman);
+      }
     }
   }
 
@@ -272,10 +288,10 @@ class Contest {
   [[nodiscard]] Sums result(Contestant who, const Cluster& cluster, std::size_t schedule) const {
     const AxisSums& sums = sums_[cluster.recording][schedule][cluster.axis];
     switch (who) {
-      case Contestant::kalman_free_order:
-        return sums.kalman_free_order;
-      case Contestant::kalman_half_order:
-        return sums.kalman_half_order;
+      case Contestant::kalman_extended:
+        return sums.kalman_extended;
+      case Contestant::kalman_base:
+        return sums.kalman_base;
       case Contestant::random_walk_filter:
         return tuned(cluster, schedule, &AxisSums::random_walk_filter);
       case Contestant::exponential_mean:
@@ -370,6 +386,11 @@ class Contest {
       }
       contest.overall[who] = standing(own, yardstick, {0, schedules()});
     }
+    const Results extended = results(Contestant::kalman_extended);
+    const Results base = results(Contestant::kalman_base);
+    contest.extended_over_base = over_clusters([&](const auto& drawn) {
+      return ratio(extended, base, drawn, {0, schedules()});
+    });
     return contest;
   }
 
@@ -382,12 +403,13 @@ class Contest {
 
 }  // namespace
 
-std::string_view name(Contestant contestant) {
+std::string_view name(Contestant contestant, FitBy fit_by) {
+  const bool is_diagnosed = fit_by == FitBy::diagnosis;
   switch (contestant) {
-    case Contestant::kalman_free_order:
-      return "decade Kalman, order fitted";
-    case Contestant::kalman_half_order:
-      return "decade Kalman, d = 1/2";
+    case Contestant::kalman_extended:
+      return is_diagnosed ? "extended by the diagnosis" : "decade Kalman, order fitted";
+    case Contestant::kalman_base:
+      return is_diagnosed ? "base of the diagnosis" : "decade Kalman, d = 1/2";
     case Contestant::random_walk_filter:
       return "random-walk Kalman, tuned";
     case Contestant::exponential_mean:

@@ -21,19 +21,29 @@ namespace zerorate::experiments {
 /// Who takes part. The first two and the last two are predictors of the node; the random-walk
 /// filter is the node's with another model; the exponential mean is what trackers commonly do.
 enum class Contestant : std::uint8_t {
-  kalman_free_order,   ///< decade filter, d fitted
-  kalman_half_order,   ///< decade filter, d = 1/2
+  kalman_extended,     ///< decade filter, d fitted; or the model that the diagnosis extended
+  kalman_base,         ///< decade filter, d = 1/2; or the base of the diagnosis, which is that too
   random_walk_filter,  ///< white noise and a random walk, its memory tuned
   exponential_mean,    ///< of all samples at rest so far, its memory tuned
   moving_average,
   calibration_mean,  ///< the yardstick
 };
 inline constexpr std::size_t kContestants = 6;
-[[nodiscard]] std::string_view name(Contestant contestant);
+
+/// What makes models of recordings.
+enum class FitBy : std::uint8_t {
+  characterization,  ///< white and 1/f noise by likelihood, its order free and 1/2
+  diagnosis,         ///< what `zerorate diagnose` finds, and its base
+};
+
+/// @param fit_by  says what the first two are
+[[nodiscard]] std::string_view name(Contestant contestant, FitBy fit_by = FitBy::characterization);
 
 /// Where the parameters of a recording's contestants come from.
 enum class FitOn : std::uint8_t {
-  other,   ///< all the other recordings, the same axis: logarithmic means of the fitted noise
+  /// All the other recordings, the same axis: logarithmic means of the fitted noise; of models of
+  /// the diagnosis, which have no mean, each in its turn.
+  other,
   itself,  ///< hindsight: a ceiling, not a result
 };
 
@@ -42,6 +52,7 @@ struct DriveContestOptions {
   std::size_t seeds = 8;
   std::uint64_t first_seed = 1;
   FitOn fit_on = FitOn::other;
+  FitBy fit_by = FitBy::characterization;
   std::optional<double> filter_rate_hz{};  ///< see evaluate::ReplayOptions
   unsigned threads = 0;                    ///< 0: as many as the machine has
 };
@@ -63,8 +74,8 @@ struct DriveContest {
   struct AxisModels {
     std::string recording;
     std::size_t axis;
-    model::SensorModel free_order;  ///< as fitted to this recording, for use on others
-    model::SensorModel half_order;
+    model::SensorModel extended;  ///< as fitted to this recording, for use on others
+    model::SensorModel base;
   };
 
   DriveContestOptions options;
@@ -73,6 +84,7 @@ struct DriveContest {
   std::size_t drives = 0;  ///< of each contestant
   std::vector<std::array<DriveStanding, kContestants>> by_schedule;
   std::array<DriveStanding, kContestants> overall;
+  BootstrapFigure extended_over_base;  ///< ratio of their drifts, as DriveStanding::ratio
 };
 
 /// Fits every recording, replays each through the node under every schedule and seed, and compares.

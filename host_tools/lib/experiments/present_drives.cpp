@@ -36,7 +36,7 @@ report::Table table(const DriveContest& contest, std::string caption,
   for (std::size_t who = 0; who < kContestants; ++who) {
     const BootstrapFigure overall = contest.overall[who].*figure;
     if (std::isnan(overall.value)) continue;
-    Row row{std::string(name(static_cast<Contestant>(who)))};
+    Row row{std::string(name(static_cast<Contestant>(who), contest.options.fit_by))};
     for (const auto& standings : contest.by_schedule)
       row.emplace_back((standings[who].*figure).value);
     for (const double value : {overall.value, overall.lo, overall.hi}) row.emplace_back(value);
@@ -56,7 +56,8 @@ report::BarChart chart(const DriveContest& contest) {
   for (const auto& schedule : contest.options.schedules)
     chart.categories.push_back(label(schedule));
   for (std::size_t who = 0; who + 1 < kContestants; ++who) {
-    report::BarGroup group{.name = std::string(name(static_cast<Contestant>(who)))};
+    report::BarGroup group{
+        .name = std::string(name(static_cast<Contestant>(who), contest.options.fit_by))};
     for (const auto& standings : contest.by_schedule) {
       group.values.push_back(standings[who].ratio.value);
       group.lo.push_back(standings[who].ratio.lo);
@@ -76,9 +77,9 @@ report::Table fits(const DriveContest& contest) {
                                   {"d", "", 3},
                                   {"B at d = 1/2", "deg/h", 1}}};
   for (const auto& fit : contest.fits) {
-    const auto& free = fit.free_order;
+    const auto& free = fit.extended;
     const double b = free.flicker ? free.flicker->bias_instability_rad_s * kDphPerRadS : 0.0;
-    const auto& half = fit.half_order.flicker;
+    const auto& half = fit.base.flicker;
     table.rows.push_back({fit.recording, axis_label(fit.axis),
                           free.white.angle_random_walk_rad_per_sqrt_s * kDegPerRad, b,
                           free.flicker ? free.flicker->order : std::nan(""),
@@ -87,11 +88,12 @@ report::Table fits(const DriveContest& contest) {
   return table;
 }
 
+void figure(Json& into, const char* key, const BootstrapFigure& value) {
+  into[key] = number(value.value);
+  into[std::string(key) + "_ci95"] = {number(value.lo), number(value.hi)};
+}
+
 Json json(const DriveStanding& standing) {
-  const auto figure = [](Json& into, const char* key, const BootstrapFigure& value) {
-    into[key] = number(value.value);
-    into[std::string(key) + "_ci95"] = {number(value.lo), number(value.hi)};
-  };
   Json json{{"heading_drift_rms_deg", number(standing.drift_rms_deg)}};
   figure(json, "ratio_to_calibration_mean", standing.ratio);
   figure(json, "coverage95", standing.coverage);
@@ -99,10 +101,11 @@ Json json(const DriveStanding& standing) {
   return json;
 }
 
-Json json(const std::array<DriveStanding, kContestants>& standings) {
+Json json(const std::array<DriveStanding, kContestants>& standings, FitBy fit_by) {
   Json json = Json::object();
   for (std::size_t who = 0; who < kContestants; ++who) {
-    json[std::string(name(static_cast<Contestant>(who)))] = experiments::json(standings[who]);
+    json[std::string(name(static_cast<Contestant>(who), fit_by))] =
+        experiments::json(standings[who]);
   }
   return json;
 }
@@ -112,17 +115,19 @@ std::string to_json(const DriveContest& contest) {
   for (std::size_t s = 0; s < contest.by_schedule.size(); ++s) {
     schedules.push_back({{"still_s", contest.options.schedules[s].still_s},
                          {"drive_s", contest.options.schedules[s].drive_s},
-                         {"predictors", json(contest.by_schedule[s])}});
+                         {"predictors", json(contest.by_schedule[s], contest.options.fit_by)}});
   }
-  return Json{{"schema", "zerorate.drives/1"},
-              {"recordings", contest.recordings},
-              {"fit_on", contest.options.fit_on == FitOn::other ? "other" : "itself"},
-              {"seeds", contest.options.seeds},
-              {"drives", contest.drives},
-              {"overall", json(contest.overall)},
-              {"schedules", schedules}}
-             .dump(2) +
-         "\n";
+  const DriveContestOptions& options = contest.options;
+  Json document{{"schema", "zerorate.drives/1"},
+                {"recordings", contest.recordings},
+                {"fit_on", options.fit_on == FitOn::other ? "other" : "itself"},
+                {"fit_by", options.fit_by == FitBy::diagnosis ? "diagnosis" : "characterization"},
+                {"seeds", options.seeds},
+                {"drives", contest.drives}};
+  figure(document, "extended_over_base", contest.extended_over_base);
+  document["overall"] = json(contest.overall, options.fit_by);
+  document["schedules"] = schedules;
+  return document.dump(2) + "\n";
 }
 
 }  // namespace
@@ -140,7 +145,12 @@ Presentation present(const DriveContest& contest) {
        .paragraphs =
            {"The true rate is zero, so the integral of the corrected rate over a drive is "
             "its heading drift. Mean lengths of stop/drive in seconds, exponentially "
-            "distributed."},
+            "distributed.",
+            fmt::format("Over that of the {}, the drift of the {} is {:.3f} ({:.3f} to {:.3f}).",
+                        name(Contestant::kalman_base, contest.options.fit_by),
+                        name(Contestant::kalman_extended, contest.options.fit_by),
+                        contest.extended_over_base.value, contest.extended_over_base.lo,
+                        contest.extended_over_base.hi)},
        .tables = {table(contest,
                         "Heading drift rms over that of the calibration mean (stop/drive s)",
                         &DriveStanding::ratio)},

@@ -425,6 +425,98 @@ TEST(GyroNodeWhoseThermometerFallsSilent, SaysSoAndWidensItsInterval) {
   }
 }
 
+/// A node that looks at single samples: one in a thousand is wild.
+using ScreeningNode = GyroNode<4, 0, 0, NodeCapacity{.screens_samples = true}>;
+ScreeningNode::Params screening_params() {
+  auto params = node_params();
+  params.samples.outliers = {.probability = 1e-3F,
+                             .variance_rad2_s2 = 1e4F * kWhiteSigmaRadS * kWhiteSigmaRadS};
+  return params;
+}
+
+/// Every 50th sample is off by 200 standard deviations on y.
+drivers::GyroSample sometimes_wild_sample(std::int64_t ms) {
+  auto sample = noisy_sample(at_ms(ms), kBias);
+  if (ms % 500 == 250) sample.rate[1] = sample.rate[1] + core::rad_per_s(200.0F * kWhiteSigmaRadS);
+  return sample;
+}
+
+TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnesAndSaysSo) {
+  const auto params = screening_params();
+  ScreeningNode node{params};
+  RateMessage message;
+  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
+    message = node.step(sometimes_wild_sample(ms));
+    if (message.health.calibrated && ms > 1000) {
+      EXPECT_EQ(message.health.measurement_rejected, ms % 500 == 250) << ms;
+    }
+  }
+  // 4 sigma off on average, had they been learnt from.
+  EXPECT_NEAR(message.axes[1].bias.in(core::rad_per_s), 2.0F * kBias,
+              4.0F * message.axes[1].sigma.in(core::rad_per_s));
+}
+
+TEST(GyroNodeThatScreensSamples, RestoredGoesOnBitForBit) {
+  auto params = screening_params();
+  params.samples.level = {.variance = 0.1F, .time_constants_per_tick = 1e-2F};
+  params.samples.motion = {
+      .begin_probability = 1e-3F, .end_probability = 0.1F, .variance_rad2_s2 = 1e-4F};
+  for (const std::int64_t cut : {30'050, 30'260, 45'000}) {
+    ScreeningNode whole{params};
+    std::int64_t ms = 0;
+    for (; ms < cut; ms += 10) (void)whole.step(sometimes_wild_sample(ms));
+    ScreeningNode second{params};
+    second.restore(whole.state());
+    for (; ms < 60'000; ms += 10) {
+      ASSERT_EQ(whole.step(sometimes_wild_sample(ms)), second.step(sometimes_wild_sample(ms)));
+    }
+  }
+}
+
+TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
+  auto params = screening_params();
+  params.samples = {};
+  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
+  ScreeningNode quiet{params};
+  ScreeningNode loud{params};
+  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
+    const auto sample = noisy_sample(at_ms(ms), 0.0F);
+    (void)quiet.step(sample);
+    auto twice = sample;
+    for (auto& rate : twice.rate) rate = rate + rate;
+    (void)loud.step(twice);
+  }
+  // The bias has been the same throughout: its sigma is that of the mean, in proportion to the
+  // noise.
+  const float ratio = loud.predict(Predictor::kalman, 0).sigma_rad_s() /
+                      quiet.predict(Predictor::kalman, 0).sigma_rad_s();
+  EXPECT_NEAR(ratio, 2.0F, 0.1F);
+}
+
+TEST(GyroNodeThatKnowsItsRange, SaysWhenASampleIsAtItsEnd) {
+  auto params = node_params();
+  params.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};
+  ScreeningNode node{params};
+  EXPECT_FALSE(node.step(sample_at(at_ms(0), 0.3F)).health.saturated);  // z: 0.9
+  EXPECT_TRUE(node.step(sample_at(at_ms(10), 0.4F)).health.saturated);
+}
+
+TEST(GyroNodeWithoutRoomForSamples, RefusesAModelOfThem) {
+  const auto params = screening_params();
+  EXPECT_EQ(Node::check(params).error(), ParamsError::no_room_for_samples);
+  EXPECT_TRUE(ScreeningNode::check(params).has_value());
+}
+
+TEST(GyroNodeThatScreensNothing, GivesTheBitsOfOneWithoutRoomForIt) {
+  const auto params = node_params();
+  Node plain{params};
+  ScreeningNode roomy{params};
+  for (std::int64_t ms = 0; ms < 20'000; ms += 10) {
+    const auto sample = sometimes_wild_sample(ms);
+    ASSERT_EQ(plain.step(sample), roomy.step(sample));
+  }
+}
+
 TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
   static_assert(sizeof(GyroNode<4, 0>::HeldTick) == sizeof(core::TickMean<3>));
   static_assert(std::is_empty_v<core::TemperatureTrack<0>>);

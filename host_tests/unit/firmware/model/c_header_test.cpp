@@ -48,6 +48,12 @@ TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
   EXPECT_EQ(used, 6U);
 }
 
+TEST(CHeaderOfAModelOfSingleSamples, IsRefused) {
+  SensorModel model = find_model("lsm6dso");
+  model.outliers = Outliers{.probability = 1e-3, .sigma_rad_s = 0.1};
+  EXPECT_THROW((void)format_c_header(model, kSamplePeriod, kTick, "wild"), std::invalid_argument);
+}
+
 TEST(CHeaderOfAModelWithALine, HasItsRotatingMode) {
   SensorModel model = find_model("lsm6dso");
   model.turn_on.reset();

@@ -38,6 +38,17 @@ TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
   }
 }
 
+TEST(HeaderOfAModelOfSingleSamples, HoldsWhatTheNodeScreens) {
+  SensorModel model = find_model("lsm6dso");
+  model.outliers = Outliers{.probability = 0.0009765625, .sigma_rad_s = 0.5};
+  model.saturation = Saturation{.lower_rad_s = -4.0, .upper_rad_s = 4.0};
+  const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
+  EXPECT_NE(text.find(".outliers = {.probability = 0.0009765625F, .variance_rad2_s2 = 0.25F}"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find(".range = {.lower_rad_s = -4.0F, .upper_rad_s = 4.0F}"), std::string::npos);
+}
+
 // What the compiler made of the header, beside what the tools compute with.
 TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   const auto node = make_node_model<exported::kDecayingModes, exported::kRotatingModes>(

@@ -68,6 +68,23 @@ slope_sigma_dps_per_s = 1e-06
 [quantization]
 step_dps = 0.0125
 
+[outliers]
+probability = 0.001
+sigma_dps = 0.5
+
+[motion_contamination]
+interval_s = 900
+duration_s = 0.8
+sigma_dps = 0.3
+
+[variable_noise]
+variance_sigma = 0.2
+time_constant_s = 120
+
+[saturation]
+lower_dps = -240.5
+upper_dps = 250
+
 [gate]
 threshold_sigma = 5
 longest_knock_s = 3
@@ -124,6 +141,10 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_EQ(model.rate_ramp->slope_rad_s2, 0.0);
   EXPECT_DOUBLE_EQ(model.rate_ramp->slope_sigma_rad_s2, 1e-6 * kDeg);
   EXPECT_DOUBLE_EQ(model.quantization->step_rad_s, 0.0125 * kDeg);
+  EXPECT_DOUBLE_EQ(model.outliers->probability, 1e-3);
+  EXPECT_DOUBLE_EQ(model.motion_contamination->duration_s, 0.8);
+  EXPECT_DOUBLE_EQ(model.variable_noise->variance_sigma, 0.2);
+  EXPECT_DOUBLE_EQ(model.saturation->lower_rad_s, -240.5 * kDeg);
   EXPECT_EQ(model.gate->threshold_sigma, 5.0);
   EXPECT_EQ(model.gate->longest_knock_s, 3.0);
   EXPECT_EQ(model.node.start, core::Start::zero);
@@ -145,6 +166,8 @@ TEST(ModelFileWithTheLeast, HasTheDefaults) {
   EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg / 0.66428247026796);
   EXPECT_FALSE(model.rate_random_walk || model.temperature || model.warm_up || model.rate_ramp);
   EXPECT_FALSE(model.quantization || model.gate);
+  EXPECT_FALSE(model.outliers || model.motion_contamination || model.variable_noise ||
+               model.saturation);
   EXPECT_TRUE(model.gauss_markov.empty() && model.harmonic.empty());
   EXPECT_EQ(model.node.start, core::Start::stationary);
 }
@@ -229,7 +252,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:57:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:74:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\ngauss_markov = 3\nname = 'g'\n"

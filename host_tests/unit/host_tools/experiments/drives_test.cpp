@@ -37,9 +37,9 @@ TEST(DriveContestOfSensorsWithFlickerNoise, SetsTheDecadeFilterAboveTheMean) {
   const DriveContest contest = run_drive_contest(two_recordings(folder), kOptions, {});
   EXPECT_EQ(contest.fits.size(), 6U);
   EXPECT_GT(contest.drives, 400U);
-  EXPECT_LT(ratio(contest, Contestant::kalman_half_order).hi, 1.0);
-  EXPECT_LT(ratio(contest, Contestant::kalman_half_order).lo,
-            ratio(contest, Contestant::kalman_half_order).value);
+  EXPECT_LT(ratio(contest, Contestant::kalman_base).hi, 1.0);
+  EXPECT_LT(ratio(contest, Contestant::kalman_base).lo,
+            ratio(contest, Contestant::kalman_base).value);
   EXPECT_LT(ratio(contest, Contestant::random_walk_filter).value, 1.0);
   EXPECT_LT(ratio(contest, Contestant::exponential_mean).value, 1.0);
   EXPECT_NEAR(ratio(contest, Contestant::moving_average).value, 1.0, 0.01);
@@ -53,7 +53,7 @@ TEST(DriveContestOfSensorsThatAreAsTheirModel, StatesHonestIntervals) {
   const DriveContest contest = run_drive_contest(two_recordings(folder), kOptions, {});
   const double error = std::sqrt(0.95 * 0.05 / (0.5 * static_cast<double>(contest.drives)));
   for (const Contestant who :
-       {Contestant::kalman_half_order, Contestant::moving_average, Contestant::calibration_mean}) {
+       {Contestant::kalman_base, Contestant::moving_average, Contestant::calibration_mean}) {
     EXPECT_NEAR(contest.overall[static_cast<std::size_t>(who)].coverage.value, 0.95, 5.0 * error)
         << name(who);
   }

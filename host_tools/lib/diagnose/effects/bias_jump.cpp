@@ -40,10 +40,13 @@ class BiasJump final : public Effect {
         .drawing = drawing_of(found)};
   }
 
-  /// Where the bias jumped once it may do so again: a filter that is to follow takes one such jump
-  /// a recording for a random walk of the same variance.
+  /// Where the bias jumped once it may do so again: a filter that is to follow takes jumps for a
+  /// random walk of the same variance. One jump a recording is seen of rates around 1.5 a recording
+  /// (the mean for Jeffreys' prior), and of a height that is known to its error.
   void extend(const Found& found, model::SensorModel& model) const override {
-    const double walk = found.amplitude(0) / std::sqrt(found.all.problem().span_s());
+    constexpr double kJumps = 1.5;
+    const double height = std::hypot(found.amplitude(0), found.amplitude_error(0));
+    const double walk = height * std::sqrt(kJumps / found.all.problem().span_s());
     const double before =
         model.rate_random_walk ? model.rate_random_walk->coefficient_rad_s_per_sqrt_s : 0.0;
     model.rate_random_walk =

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <boost/math/distributions/beta.hpp>
+#include <boost/math/distributions/gamma.hpp>
 #include <cmath>
 #include <string>
 
@@ -40,18 +42,46 @@ class DroppedSamples final : public Effect {
   void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
 
  private:
+  static constexpr double kTail = 0.025;
+
+  /// Runs that are geometrically distributed: that `runs` of them hold `lost` samples is a negative
+  /// binomial, whose interval is exact by quantiles of the beta distribution.
+  static Parameter mean_run(double runs, double lost) {
+    using boost::math::beta_distribution;
+    const double most_ends =
+        lost > runs ? quantile(beta_distribution<>(runs, lost - runs), 1.0 - kTail) : 1.0;
+    const double fewest_ends = quantile(beta_distribution<>(runs, lost - runs + 1.0), kTail);
+    return {"mean_run_samples", lost / runs, 1.0 / most_ends, 1.0 / fewest_ends};
+  }
+
+  /// The odds are runs begun a sample that arrives (Poisson: Garwood 1936), times the mean run; the
+  /// two exact intervals together as Zou and Donner (2008) do.
+  static Parameter lost_share(double runs, double lost, double expected) {
+    using boost::math::gamma_distribution;
+    const double arrived = expected - lost;
+    const double fewest = quantile(gamma_distribution<>(runs), kTail);
+    const double most = quantile(gamma_distribution<>(runs + 1.0), 1.0 - kTail);
+    const Parameter run = mean_run(runs, lost);
+    const auto share = [&](double log_factor) {
+      const double odds = lost / arrived * std::exp(log_factor);
+      return odds / (1.0 + odds);
+    };
+    return {"lost_share", share(0.0),
+            share(-std::hypot(std::log(runs / fewest), std::log(run.value / run.lo))),
+            share(std::hypot(std::log(most / runs), std::log(run.hi / run.value)))};
+  }
+
   static Account tell_losses(const Losses& losses) {
     const auto runs = static_cast<double>(losses.runs);
-    const double share = static_cast<double>(losses.lost) / static_cast<double>(losses.expected);
-    const double log_error = 1.0 / std::sqrt(runs);
+    const auto lost = static_cast<double>(losses.lost);
+    const double share = lost / static_cast<double>(losses.expected);
     const std::string repeated =
         losses.repeated == 0
             ? ""
             : fmt::format(" In the place of {} the sample before came again.", losses.repeated);
     return {
-        .parameters = {positive_parameter("lost_share", share, log_error),
-                       positive_parameter("mean_run_samples",
-                                          static_cast<double>(losses.lost) / runs, log_error)},
+        .parameters = {lost_share(runs, lost, static_cast<double>(losses.expected)),
+                       mean_run(runs, lost)},
         .sentence = fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gap{}.{}",
                                 losses.lost, 100.0 * share, runs, runs > 1.0 ? "s" : "", repeated)};
   }

@@ -114,22 +114,17 @@ class MotionContamination final : public Effect {
   [[nodiscard]] Account tell(const Found& found) const override {
     const std::vector<double>& shape = found.part().shape;
     const Problem& problem = found.all.problem();
-    const std::size_t triples = shape.size() / 3;
-    const auto events = static_cast<double>(triples);
-    double squares = 0.0;
-    double duration_s = 0.0;
+    const auto [events, duration_s, peak_sigma_rad_s] = shape_of(found);
     Account account;
     account.drawing.effect = name();
     for (std::size_t i = 0; i < shape.size(); i += 3) {
-      duration_s += (shape[i + 1] - shape[i]) * problem.period_s() / events;
-      squares += shape[i + 2] * shape[i + 2] / events;
       for (auto k = static_cast<std::size_t>(shape[i]); k < static_cast<std::size_t>(shape[i + 1]);
            k += 1 + static_cast<std::size_t>(shape[i + 1] - shape[i]) / 50) {
         account.drawing.marks.push_back(
             {problem.series().time_s(k), problem.rate_rad_s()[k] + problem.median_rad_s()});
       }
     }
-    const double peak = std::sqrt(squares) * kDegPerRad;
+    const double peak = peak_sigma_rad_s * kDegPerRad;
     const double error = 1.0 / std::sqrt(2.0 * events);
     account.parameters = {{"events", events, events, events},
                           positive_parameter("peak_sigma_dps", peak, error),
@@ -143,12 +138,35 @@ class MotionContamination final : public Effect {
     return account;
   }
 
-  void extend(const Found& /*found*/, model::SensorModel& model) const override {
-    constexpr double kGateSigma = 5.0;
-    model.gate = model::Gate{.threshold_sigma = kGateSigma};
+  /// A half-sine has half the square of its peak on average.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const Shape shape = shape_of(found);
+    const double interval_s = found.all.problem().span_s() / shape.events - shape.duration_s;
+    model.motion_contamination =
+        model::MotionContamination{.interval_s = std::max(interval_s, shape.duration_s),
+                                   .duration_s = shape.duration_s,
+                                   .sigma_rad_s = shape.peak_sigma_rad_s / std::numbers::sqrt2};
   }
 
  private:
+  /// What the events have in common.
+  struct Shape {
+    double events = 0.0;
+    double duration_s = 0.0;        ///< mean
+    double peak_sigma_rad_s = 0.0;  ///< root mean square
+  };
+  static Shape shape_of(const Found& found) {
+    const std::vector<double>& shape = found.part().shape;
+    Shape mean{.events = static_cast<double>(shape.size() / 3)};
+    double squares = 0.0;
+    for (std::size_t i = 0; i < shape.size(); i += 3) {
+      mean.duration_s += (shape[i + 1] - shape[i]) * found.all.problem().period_s() / mean.events;
+      squares += shape[i + 2] * shape[i + 2] / mean.events;
+    }
+    mean.peak_sigma_rad_s = std::sqrt(squares);
+    return mean;
+  }
+
   /// An event has a place and a length.
   static double price_nats(std::size_t size) { return std::log(static_cast<double>(size)) + 2.0; }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -11,8 +13,9 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kMostProbable = 0.03;  // what is more frequent is not an outlier
-constexpr double kLeastSize = 2.0;      // in standard deviations of the rest
+constexpr double kMostProbable = 0.03;    // what is more frequent is not an outlier
+constexpr double kWorthAnInterval = 5.0;  // nats
+constexpr double kLeastSize = 2.0;        // in standard deviations of the rest
 constexpr double kBinsPerSigma = 20.0;
 constexpr std::size_t kBins = 2000;  // the last one holds all that is farther out
 
@@ -66,7 +69,8 @@ class Histogram {
   }
 
   /// Expectation maximisation; the bounds make it say nothing where there are no outliers.
-  [[nodiscard]] Mixture fit(Mixture mixture) const {
+  /// @param held  is not fitted
+  [[nodiscard]] Mixture fit(Mixture mixture, double Mixture::*held = nullptr) const {
     for (int i = 0; i < 60; ++i) {
       double bad = 0.0;
       double bad_squares = 0.0;
@@ -81,10 +85,44 @@ class Histogram {
         total += bin.count;
       }
       mixture.variance = std::max(least_variance_, good_squares / (total - bad));
-      mixture.probability = std::clamp(bad / total, 1e-9, kMostProbable);
-      const double size = std::sqrt(std::max(0.0, bad_squares / bad / mixture.variance - 1.0));
-      mixture.size = std::max(size, kLeastSize);
+      if (held != &Mixture::probability) {
+        mixture.probability = std::clamp(bad / total, 1e-9, kMostProbable);
+      }
+      if (held != &Mixture::size) {
+        const double size = std::sqrt(std::max(0.0, bad_squares / bad / mixture.variance - 1.0));
+        mixture.size = std::max(size, kLeastSize);
+      }
     }
+    return mixture;
+  }
+
+  /// The ends of the 95 % interval of a figure of the mixture by its profile likelihood.
+  struct Ends {
+    double lo = 0.0;
+    double hi = 0.0;
+  };
+  [[nodiscard]] Ends interval(const Mixture& best, double Mixture::*figure) const {
+    constexpr double kChiSquared = 1.92;  // half the 95 % quantile, one degree of freedom
+    const double least = gain(best) - kChiSquared;
+    const auto end = [&](double factor) {
+      constexpr int kBits = 6;
+      double inside = 0.0;
+      double outside = std::log(factor);
+      const auto is_inside = [&](double log_ratio) {
+        return gain(fit(beside(best, figure, log_ratio), figure)) >= least;
+      };
+      for (int i = 0; i < kBits && is_inside(outside); ++i) outside *= 2.0;
+      for (int i = 0; i < kBits; ++i) {
+        const double middle = 0.5 * (inside + outside);
+        (is_inside(middle) ? inside : outside) = middle;
+      }
+      return best.*figure * std::exp(0.5 * (inside + outside));
+    };
+    return {end(0.7), end(1.4)};
+  }
+
+  static Mixture beside(Mixture mixture, double Mixture::*figure, double log_ratio) {
+    mixture.*figure *= std::exp(log_ratio);
     return mixture;
   }
 
@@ -113,7 +151,8 @@ class Histogram {
   std::vector<Bin> bins_;
 };
 
-/// Single wild samples. The part's shape: probability, size in sigma, sigma in rad/s.
+/// Single wild samples. The part's shape: probability, size in sigma, sigma in rad/s; the ends of
+/// the intervals of the first two, where they are worth naming.
 class Outliers final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "outliers"; }
@@ -135,8 +174,15 @@ class Outliers final : public Effect {
     }
     if (best_gain <= 0.0) return std::nullopt;
     const double sigma = std::sqrt(best.variance / without.information());
+    std::vector<double> shape{best.probability, best.size, sigma};
+    if (best_gain > kWorthAnInterval) {
+      for (const auto figure : {&Mixture::probability, &Mixture::size}) {
+        const auto [lo, hi] = histogram.interval(best, figure);
+        shape.insert(shape.end(), {lo, hi});
+      }
+    }
     Offer offer{.part = {.effect = name(),
-                         .shape = {best.probability, best.size, sigma},
+                         .shape = std::move(shape),
                          .replaced = replaced_by(best, residuals, without.problem().seed())},
                 .gain_nats = best_gain};
     // Two parameters, searched over sizes; probability 0 lies at the edge.
@@ -145,14 +191,16 @@ class Outliers final : public Effect {
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {
-    const auto count = static_cast<double>(found.part().replaced.size());
     const auto size = static_cast<double>(found.all.problem().size());
-    const double probability = found.part().shape[0];
-    const double sigma = found.part().shape[1] * found.part().shape[2] * kDegPerRad;
-    const double relative_error = 1.0 / std::sqrt(std::max(count, 1.0));
+    std::vector<double> shape = found.part().shape;
+    const double probability = shape[0];
+    const double unit = shape[2] * kDegPerRad;
+    const double sigma = shape[1] * unit;
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    shape.resize(7, kUnknown);
     Account account{
-        .parameters = {positive_parameter("probability", probability, relative_error),
-                       positive_parameter("sigma_dps", sigma, relative_error / std::sqrt(2.0))},
+        .parameters = {{"probability", probability, shape[3], shape[4]},
+                       {"sigma_dps", sigma, shape[5] * unit, shape[6] * unit}},
         .sentence = fmt::format("About {:.0f} single samples are off by {:.2g} deg/s (rms), "
                                 "{:.3g} times the noise of the others.",
                                 probability * size, sigma, found.part().shape[1])};
@@ -165,10 +213,9 @@ class Outliers final : public Effect {
     return account;
   }
 
-  /// A filter that does not believe them needs a gate.
-  void extend(const Found& /*found*/, model::SensorModel& model) const override {
-    constexpr double kGateSigma = 4.0;
-    model.gate = model::Gate{.threshold_sigma = kGateSigma};
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const std::vector<double>& shape = found.part().shape;
+    model.outliers = model::Outliers{.probability = shape[0], .sigma_rad_s = shape[1] * shape[2]};
   }
 
  private:

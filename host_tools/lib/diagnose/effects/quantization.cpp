@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/reading_score.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -45,9 +49,43 @@ class Quantization final : public Effect {
     // The node adds step^2 / 12 itself; the noise was fitted with it.
     const double period_s = found.all.problem().period_s();
     double& white = model.white.angle_random_walk_rad_per_sqrt_s;
-    const double variance = white * white - step * step / 12.0 * period_s;
+    const double fitted = white * white;
+    const double of_rounding = rounding_variance(found.all, step) * period_s;
     constexpr double kLeastShare = 0.05;
-    white = std::sqrt(std::max(variance, kLeastShare * white * white));
+    white = std::sqrt(std::max(fitted - of_rounding, kLeastShare * fitted));
+  }
+
+ private:
+  /// What rounding adds to the variance of the values: step^2 / 12 where they reach over several
+  /// levels; where they reach over few it depends on where between two levels the bias lies. So the
+  /// spread before rounding is that which makes the levels most probable.
+  static double rounding_variance(const Explanation& all, double step) {
+    const double rounded = 1.0 / all.information();
+    if (!all.is_coarse()) return step * step / 12.0;
+    const auto cost = [&](double log_spread) {
+      return -log_probability(all, step, std::exp(log_spread));
+    };
+    const double middle = 0.5 * std::log(rounded);
+    constexpr int kBits = 20;
+    const double spread = std::exp(
+        boost::math::tools::brent_find_minima(cost, middle - 2.0, middle + 0.3, kBits).first);
+    return rounded - spread * spread;
+  }
+
+  /// Of the levels, each value predicted from all others; of long records a part.
+  static double log_probability(const Explanation& all, double step, double spread) {
+    constexpr std::size_t kMostValues = 20'000;
+    const std::vector<double>& rate = all.problem().rate_rad_s();
+    const double unit = std::numbers::sqrt2 * spread / step;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < std::min(rate.size(), kMostValues); ++k) {
+      if (all.is_replaced()[k]) continue;
+      const double expected = -all.weighted()[k] / all.information() / step;
+      const double off = std::abs(mean_before_rounding(expected, spread / step));
+      const double mass = 0.5 * (std::erfc((off - 0.5) / unit) - std::erfc((off + 0.5) / unit));
+      sum += std::log(std::max(mass, 1e-300));
+    }
+    return sum;
   }
 };
 

@@ -71,8 +71,18 @@ class Saturation final : public Effect {
     return account;
   }
 
-  /// What lies beyond the range cannot be told to a filter; the noise is that without the pile.
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// The end that was not reached is taken to lie opposite, or where the values end.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const double lower = found.part().shape[0];
+    const double upper = found.part().shape[1];
+    const Problem& problem = found.all.problem();
+    const auto [least, most] = std::ranges::minmax(problem.rate_rad_s());
+    const double reach = most - least;  // beyond what was measured by as much again
+    const double median = problem.median_rad_s();
+    model.saturation = model::Saturation{
+        .lower_rad_s = std::isnan(lower) ? std::min(-upper, median + least - reach) : lower,
+        .upper_rad_s = std::isnan(upper) ? std::max(-lower, median + most + reach) : upper};
+  }
 
  private:
   struct Gains {

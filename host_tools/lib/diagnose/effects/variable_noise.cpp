@@ -6,6 +6,7 @@
 #include <complex>
 #include <numbers>
 
+#include "core/estimator/noise_level_track.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
@@ -180,6 +181,36 @@ Profile best_periodic(const Squares& squares) {
   return best;
 }
 
+constexpr std::size_t kValuesOfTick = 8;
+
+/// Mean squares of neighbouring values of the whitened record.
+std::vector<double> squares_of_ticks(const Explanation& all) {
+  const std::vector<double>& values = all.whitened();
+  std::vector<double> squares(values.size() / kValuesOfTick);
+  for (std::size_t tick = 0; tick < squares.size(); ++tick) {
+    for (std::size_t k = tick * kValuesOfTick; k < (tick + 1) * kValuesOfTick; ++k) {
+      squares[tick] += values[k] * values[k] / static_cast<double>(kValuesOfTick);
+    }
+  }
+  return squares;
+}
+
+/// How much better than a constant the node foretells the squares.
+double foretold_nats(const std::vector<double>& squares, std::size_t values, double sigma,
+                     double time_constants) {
+  const core::NoiseLevel model{.variance = static_cast<float>(sigma * sigma),
+                               .time_constants_per_tick = static_cast<float>(time_constants)};
+  core::NoiseLevelTrack track(model);
+  double sum = 0.0;
+  for (const double square : squares) {
+    track.advance(1);
+    const double level = double{track.level()};
+    sum -= std::log(level) + square / level - square;
+    track.observe(static_cast<float>(square), static_cast<float>(values));
+  }
+  return 0.5 * static_cast<double>(values) * sum;
+}
+
 /// White noise whose strength changes: at a moment, over a stretch, or periodically. The part's
 /// shape: 0 for steps with first, end and ratio of the variances; 1 for periodic with cycles over
 /// the record and depth.
@@ -220,8 +251,23 @@ class VariableNoise final : public Effect {
     return shape[0] == 0.0 ? tell_steps(found, shape) : tell_periodic(found, shape);
   }
 
-  /// The filter keeps the mean strength, with which its interval is right on average.
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
+  /// A node that starts again knows no moment of the record: it follows the strength by what it
+  /// sees, with the memory and the reach that would have foretold this record best.
+  void extend(const Found& found, model::SensorModel& model) const override {
+    const std::vector<double> squares = squares_of_ticks(found.all);
+    const double tick_s = found.all.problem().span_s() / static_cast<double>(squares.size());
+    double best = 0.0;
+    for (const double sigma : {0.02, 0.05, 0.1, 0.2, 0.4, 0.8}) {
+      for (double time_s = found.all.problem().span_s() / 3.0; time_s > 10.0 * tick_s;
+           time_s *= 0.5) {
+        const double gain = foretold_nats(squares, kValuesOfTick, sigma, tick_s / time_s);
+        if (gain <= best) continue;
+        best = gain;
+        model.variable_noise =
+            model::VariableNoise{.variance_sigma = sigma, .time_constant_s = time_s};
+      }
+    }
+  }
 
  private:
   static Account tell_steps(const Found& found, const std::vector<double>& shape) {

@@ -1,0 +1,144 @@
+/// @file
+/// The samples of all axes one by one, where the model says more of them than white noise.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/units.hpp"
+#include "core/estimator/noise_level_track.hpp"
+#include "core/estimator/prediction.hpp"
+#include "core/estimator/sample_model.hpp"
+#include "core/estimator/sample_screen.hpp"
+
+namespace zerorate::app {
+
+/// In a node without room for it: nothing is looked at, every sample may be learnt from.
+template <std::size_t Axes, bool HasRoom>
+class SampleScreening {
+ public:
+  struct Squares {};
+  struct State {};
+
+  constexpr explicit SampleScreening(const core::SampleModel& /*model*/) {}
+  [[nodiscard]] constexpr State state() const { return {}; }
+  constexpr void restore(const State& /*state*/) {}
+  constexpr void end_stop() {}
+  constexpr void begin_tick(const std::array<core::Prediction, Axes>& /*predicted*/,
+                            float /*white_variance*/, float /*unaveraged_variance*/) {}
+  [[nodiscard]] constexpr bool take(const std::array<float, Axes>& /*rate_rad_s*/) { return true; }
+  [[nodiscard]] constexpr bool is_saturated(
+      const std::array<core::AngularRate, Axes>& /*rate*/) const {
+    return false;
+  }
+  [[nodiscard]] constexpr bool is_disturbed() const { return false; }
+  [[nodiscard]] constexpr Squares squares() const { return {}; }
+  constexpr void advance(std::uint32_t /*ticks*/) {}
+  [[nodiscard]] constexpr float level(std::size_t /*axis*/) const { return 1.0F; }
+  constexpr void observe(std::size_t /*axis*/, const Squares& /*squares*/, float /*white_variance*/,
+                         float /*samples*/) {}
+};
+
+/// In a node with room for it, as long as the model asks for it.
+template <std::size_t Axes>
+class SampleScreening<Axes, true> {
+ public:
+  /// Of the samples of a tick that were learnt from; see core::SampleScreen::squares_rad2_s2().
+  struct Squares {
+    std::array<float, Axes> rad2_s2{};
+  };
+  struct State {
+    bool disturbed = false;
+    std::array<core::SampleScreen::State, Axes> screens;
+    std::array<core::NoiseLevelTrack::State, Axes> levels;
+  };
+
+  constexpr explicit SampleScreening(const core::SampleModel& model)
+      : model_(&model),
+        screens_{core::SampleScreen{model}, core::SampleScreen{model}, core::SampleScreen{model}},
+        levels_{core::NoiseLevelTrack{model.level}, core::NoiseLevelTrack{model.level},
+                core::NoiseLevelTrack{model.level}} {
+    static_assert(Axes == 3);
+  }
+  [[nodiscard]] constexpr State state() const {
+    State state{.disturbed = disturbed_, .screens = {}, .levels = {}};
+    for (std::size_t i = 0; i < Axes; ++i) {
+      state.screens[i] = screens_[i].state();
+      state.levels[i] = levels_[i].state();
+    }
+    return state;
+  }
+  constexpr void restore(const State& state) {
+    disturbed_ = state.disturbed;
+    for (std::size_t i = 0; i < Axes; ++i) {
+      screens_[i].restore(state.screens[i]);
+      levels_[i].restore(state.levels[i]);
+    }
+  }
+
+  /// The vehicle moves.
+  constexpr void end_stop() {
+    for (core::SampleScreen& screen : screens_) screen.end_stop();
+    disturbed_ = false;
+  }
+
+  /// A tick begins, for which this is predicted.
+  constexpr void begin_tick(const std::array<core::Prediction, Axes>& predicted,
+                            float white_variance, float unaveraged_variance) {
+    if (!model_->needs_screen()) return;
+    for (std::size_t i = 0; i < Axes; ++i) {
+      screens_[i].begin_tick(predicted[i].bias_rad_s,
+                             predicted[i].variance_rad2_s2 + unaveraged_variance,
+                             levels_[i].level() * white_variance);
+    }
+  }
+
+  /// The next sample. Whether it may be learnt from, on all axes: what shakes one shakes the
+  /// others.
+  [[nodiscard]] constexpr bool take(const std::array<float, Axes>& rate_rad_s) {
+    disturbed_ = false;
+    if (!model_->needs_screen()) return true;
+    for (std::size_t i = 0; i < Axes; ++i) disturbed_ |= !screens_[i].take(rate_rad_s[i]);
+    return !disturbed_;
+  }
+
+  /// Whether an axis is at an end of its range: what it tells is learnt from, for the noise of the
+  /// model is that of what it tells.
+  [[nodiscard]] constexpr bool is_saturated(const std::array<core::AngularRate, Axes>& rate) const {
+    bool is_saturated = false;
+    for (const core::AngularRate one : rate) {
+      is_saturated |= model_->range.is_saturated(one.in(core::rad_per_s));
+    }
+    return is_saturated;
+  }
+  /// Whether the newest sample was not learnt from.
+  [[nodiscard]] constexpr bool is_disturbed() const { return disturbed_; }
+
+  [[nodiscard]] constexpr Squares squares() const {
+    Squares squares;
+    for (std::size_t i = 0; i < Axes; ++i) squares.rad2_s2[i] = screens_[i].squares_rad2_s2();
+    return squares;
+  }
+
+  /// Time passes until the next measurement.
+  constexpr void advance(std::uint32_t ticks) {
+    for (core::NoiseLevelTrack& level : levels_) level.advance(ticks);
+  }
+  /// Of the white variance, over the nominal one.
+  [[nodiscard]] constexpr float level(std::size_t axis) const { return levels_[axis].level(); }
+  /// @param white_variance  of a sample, nominal
+  constexpr void observe(std::size_t axis, const Squares& squares, float white_variance,
+                         float samples) {
+    const float mean_square = squares.rad2_s2[axis] / (samples * white_variance);
+    if (mean_square > 0.0F) levels_[axis].observe(mean_square, samples);
+  }
+
+ private:
+  const core::SampleModel* model_;
+  std::array<core::SampleScreen, Axes> screens_;
+  std::array<core::NoiseLevelTrack, Axes> levels_;
+  bool disturbed_ = false;
+};
+
+}  // namespace zerorate::app

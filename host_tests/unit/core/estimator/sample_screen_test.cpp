@@ -1,0 +1,165 @@
+#include "core/estimator/sample_screen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/estimator/noise_level_track.hpp"
+
+namespace zerorate::core {
+namespace {
+
+constexpr float kWhite = 4.0F;
+
+double normal_density(double x, double variance) {
+  return std::exp(-0.5 * x * x / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
+}
+
+TEST(SampleScreenOfPlainNoise, ExpectsTheBiasOfTheTickAsAKalmanFilterDoes) {
+  const SampleModel model;
+  SampleScreen screen{model};
+  screen.begin_tick(10.0F, 2.0F, kWhite);
+  const double prior = 1.0 / 2.0;
+  double sum = 0.0;
+  for (int n = 1; n <= 5; ++n) {
+    const float rate = 10.0F + static_cast<float>(n % 3);
+    EXPECT_TRUE(screen.take(rate));
+    sum += double{rate};
+    // Precisions add: prior at 10, n samples of variance 4.
+    const double precision = prior + n / 4.0;
+    EXPECT_NEAR(double{screen.forecast().expected_rad_s}, (prior * 10.0 + sum / 4.0) / precision,
+                1e-5);
+    EXPECT_NEAR(double{screen.forecast().variance}, 1.0 / precision + 4.0, 1e-5);
+  }
+}
+
+TEST(SampleScreenOfPlainNoise, SumsSquaresThatEstimateTheWhiteVariance) {
+  constexpr int kTicks = 2000;
+  constexpr int kSamples = 10;
+  const SampleModel model;
+  SampleScreen screen{model};
+  std::mt19937 random{7};
+  std::normal_distribution<float> normal;
+  double sum = 0.0;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const float bias = normal(random);  // of variance 1, as predicted
+    screen.begin_tick(0.0F, 1.0F, kWhite);
+    for (int k = 0; k < kSamples; ++k) (void)screen.take(bias + 2.0F * normal(random));
+    sum += double{screen.squares_rad2_s2()};
+  }
+  // A mean of 20,000 squares of variance 2 each: four standard errors.
+  EXPECT_NEAR(sum / (kTicks * kSamples) / 4.0, 1.0, 4.0 * std::sqrt(2.0 / (kTicks * kSamples)));
+}
+
+TEST(SampleScreenBeforeACalibration, LearnsFromEverySample) {
+  const SampleModel model{.outliers = {.probability = 1e-3F, .variance_rad2_s2 = 400.0F}};
+  SampleScreen screen{model};
+  EXPECT_TRUE(screen.take(1e6F));
+  screen.begin_tick(0.0F, std::numeric_limits<float>::infinity(), kWhite);
+  EXPECT_TRUE(screen.take(1e6F));
+}
+
+TEST(SampleScreenWithOutliers, LearnsFromASampleAsBayesRuleSays) {
+  constexpr double kProbability = 1e-3;
+  constexpr double kWild = 400.0;
+  const SampleModel model{.outliers = {.probability = 1e-3F, .variance_rad2_s2 = 400.0F}};
+  for (float rate = 0.0F; rate < 40.0F; rate += 0.25F) {
+    SampleScreen screen{model};
+    screen.begin_tick(0.0F, 1.0F, kWhite);
+    const double good = (1.0 - kProbability) * normal_density(double{rate}, 5.0);
+    const double bad = kProbability * normal_density(double{rate}, 5.0 + kWild);
+    EXPECT_EQ(screen.take(rate), good >= bad) << rate;
+  }
+}
+
+TEST(SampleScreenWithOutliers, KeepsNearlyAllOfPlainNoise) {
+  constexpr int kSamples = 100'000;
+  const SampleModel model{.outliers = {.probability = 1e-3F, .variance_rad2_s2 = 400.0F}};
+  SampleScreen screen{model};
+  std::mt19937 random{3};
+  std::normal_distribution<float> normal;
+  int refused = 0;
+  for (int k = 0; k < kSamples; ++k) {
+    screen.begin_tick(0.0F, 1e-3F, kWhite);
+    if (!screen.take(2.0F * normal(random))) ++refused;
+  }
+  // Refused is what is likelier an outlier, so rarer than one by the model: at most p of them.
+  EXPECT_LT(refused, 100 + 4 * 10);
+}
+
+/// A rotation of 20 samples on average, once in a thousand.
+constexpr SampleModel kMotion{
+    .motion = {.begin_probability = 1e-3F, .end_probability = 0.05F, .variance_rad2_s2 = 100.0F}};
+
+TEST(SampleScreenDuringARotation, LearnsFromNoneOfItsSamplesAndFromThoseAfterIt) {
+  SampleScreen screen{kMotion};
+  std::mt19937 random{5};
+  std::normal_distribution<float> normal;
+  int learnt_inside = 0;
+  int learnt_outside = 0;
+  for (int k = 0; k < 300; ++k) {
+    if (k % 10 == 0) screen.begin_tick(0.0F, 0.01F, kWhite);
+    const bool inside = k >= 100 && k < 120;
+    const bool learnt = screen.take((inside ? 15.0F : 0.0F) + 2.0F * normal(random));
+    (inside ? learnt_inside : learnt_outside) += learnt ? 1 : 0;
+  }
+  EXPECT_LE(learnt_inside, 1);
+  EXPECT_GE(learnt_outside, 275);  // until it is certain that it is over, a few are not
+}
+
+TEST(SampleScreenAfterAJumpOfTheBias, LearnsFromItOnceNoRotationLastsSoLong) {
+  SampleScreen screen{kMotion};
+  int refused = 0;
+  for (int k = 0; k < 1000; ++k) {
+    if (k % 10 == 0) screen.begin_tick(0.0F, 0.01F, kWhite);
+    if (!screen.take(30.0F)) ++refused;
+  }
+  // As many steps of a twentieth as make up sixteen; single precision may round to one fewer.
+  EXPECT_NEAR(refused, 16 * 20, 1);
+}
+
+TEST(SampleScreenAtTheEndOfAStop, ForgetsTheRotation) {
+  SampleScreen screen{kMotion};
+  screen.begin_tick(0.0F, 0.01F, kWhite);
+  for (int k = 0; k < 10; ++k) (void)screen.take(30.0F);
+  EXPECT_GT(screen.forecast().moved, 0.5F);
+  screen.end_stop();
+  EXPECT_LT(screen.forecast().moved, 0.01F);
+}
+
+TEST(NoiseLevelTrack, FollowsAStrengthThatHasDoubledAndForgetsItOverAGap) {
+  const NoiseLevel model{.variance = 1.0F, .time_constants_per_tick = 1e-3F};
+  NoiseLevelTrack track{model};
+  for (int k = 0; k < 2000; ++k) {
+    track.advance(1);
+    track.observe(2.0F, 10.0F);
+  }
+  // In the steady state it moves towards the mean of the model by far less than to the measured.
+  EXPECT_NEAR(track.level(), 2.0F, 0.05F);
+  track.advance(10'000);  // ten time constants
+  EXPECT_NEAR(track.level(), 1.0F, 1e-3F);
+}
+
+TEST(NoiseLevelTrackOfAConstantStrength, StaysWhereItIs) {
+  const NoiseLevel model;
+  NoiseLevelTrack track{model};
+  track.advance(1);
+  track.observe(100.0F, 10.0F);
+  EXPECT_EQ(track.level(), 1.0F);
+}
+
+TEST(NoiseLevelTrackOfNearlySilence, StaysPositive) {
+  const NoiseLevel model{.variance = 10.0F, .time_constants_per_tick = 1e-3F};
+  NoiseLevelTrack track{model};
+  for (int k = 0; k < 100; ++k) {
+    track.advance(1);
+    track.observe(1e-6F, 10.0F);
+    EXPECT_GT(track.level(), 0.0F);
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::core
