@@ -156,14 +156,17 @@ std::string Tally::markdown() const {
 }
 
 std::string Tally::coverage_table() const {
-  std::string text = "| parameter | truth in its 95 % interval | of |\n|---|---|---|\n";
+  std::string text =
+      "| parameter | truth in its 95 % interval | of | share, 95 % interval |\n|---|---|---|---|\n";
   Rate all;
   for (const auto& [name, rate] : coverage_) {
-    text += fmt::format("| {} | {} | {} |\n", name, rate.hits, rate.runs);
+    text += fmt::format("| {} | {} | {} | {} to {} |\n", name, rate.hits, rate.runs,
+                        percent(rate.lo95()), percent(rate.hi95()));
     all.hits += rate.hits;
     all.runs += rate.runs;
   }
-  return text + fmt::format("| all | {} ({}) | {} |\n", all.hits, percent(all.share()), all.runs);
+  return text + fmt::format("| all | {} ({}) | {} | {} to {} |\n", all.hits, percent(all.share()),
+                            all.runs, percent(all.lo95()), percent(all.hi95()));
 }
 
 std::string Tally::matrix() const {

@@ -157,9 +157,11 @@ Gain measure_gain(const Record& record, const model::SensorModel& base,
   const auto longest = static_cast<std::uint32_t>(std::max(4.0, kLongestCycle_s / tick_s));
   const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
   const std::vector<float> temperatures = temperatures_of(record, means);
+  const double step = extended.quantization ? extended.quantization->step_rad_s : 0.0;
   const ScoredTicks scored{.ticks = means,
                            .rate_rad_s = record.rate_rad_s,
                            .temperature_degc = temperatures,
+                           .level_step_rad_s = step,
                            .sample_period = duration(record.mean_period_s),
                            .tick = tick,
                            .judged_from = judged_from,

@@ -141,10 +141,11 @@ double log_density(const core::Innovation& innovation) {
 }
 
 /// At an end of the range a tenth of the noise: as a histogram tells it.
-Scale scale_of(const NodeModel& model) {
+Scale scale_of(const NodeModel& model, double level_step_rad_s) {
   const double step = double{model.quantization_step_rad_s};
   const double of_means = double{model.unaveraged_variance_rad2_s2};
   return {.step_rad_s = step,
+          .unknown_step_rad_s = level_step_rad_s,
           .rounding_variance = std::max(step * step / 12.0 - of_means, 0.0),
           .end_cell_rad_s = 0.1 * std::sqrt(double{model.white_variance_rad2_s2}),
           .range = model.samples.range};
@@ -152,7 +153,7 @@ Scale scale_of(const NodeModel& model) {
 
 std::vector<double> log_scores(const NodeModel& model, const ScoredTicks& scored, ScoreOf what) {
   Node node(model, scored.tick);
-  const Scale scale = scale_of(model);
+  const Scale scale = scale_of(model, scored.level_step_rad_s);
   std::vector<double> scores;
   scores.reserve(scored.ticks.size());
   for_each_tick(scored, [&](const identify::TickMean& mean, float temperature_degc,

@@ -17,6 +17,7 @@ struct ScoredTicks {
   std::span<const identify::TickMean> ticks;  ///< the axis is the first one
   std::span<const double> rate_rad_s;         ///< the samples of the ticks, one after the other
   std::span<const float> temperature_degc;    ///< mean of each tick; none: there is no thermometer
+  double level_step_rad_s = 0.0;              ///< of the levels that the samples lie on; 0: none
   core::Duration sample_period;
   core::Duration tick;
   std::uint32_t judged_from = 0;  ///< tick; everything before it is a stop

@@ -41,6 +41,20 @@ struct Component {
   }
 };
 
+/// Of the density, times the step: 1 unless the levels are far apart.
+double sum_over_levels(const std::array<Component, 3>& parts, double level, double step) {
+  const double sigma = std::sqrt(parts.front().variance);
+  if (step < sigma) return 1.0;  // to 1e-8
+  constexpr double kReach = 8.0;
+  const double middle = std::round((parts.front().mean - level) / step);
+  const double reach = std::ceil(kReach * sigma / step);
+  double sum = 0.0;
+  for (double n = middle - reach; n <= middle + reach; n += 1.0) {
+    for (const Component& part : parts) sum += step * part.density(level + n * step);
+  }
+  return std::max(sum, kLeastProbability);
+}
+
 /// @param rounding  variance that is not noise but of rounding, less than there is
 std::array<Component, 3> components(const core::SampleScreen::Forecast& forecast, double rounding) {
   const double mean = double{forecast.expected_rad_s};
@@ -94,7 +108,8 @@ double log_score(const core::SampleScreen::Forecast& forecast, double reading_ra
   double sum = 0.0;
   if (!scale.range.is_saturated(static_cast<float>(reading_rad_s)) && half == 0.0) {
     for (const Component& part : parts) sum += part.density(reading_rad_s);
-    return std::log(std::max(sum, kLeastProbability));
+    const double levels = sum_over_levels(parts, reading_rad_s, scale.unknown_step_rad_s);
+    return std::log(std::max(sum, kLeastProbability) / levels);
   }
   Interval cell{reading_rad_s - half, reading_rad_s + half};
   if (reading_rad_s >= double{scale.range.upper_rad_s}) cell.to = kInfinity;

@@ -8,7 +8,10 @@ namespace zerorate::diagnose {
 
 /// What readings are read off: nothing by default, then a reading is the rate itself.
 struct Scale {
-  double step_rad_s = 0.0;         ///< of what readings are rounded to; 0: they are not
+  double step_rad_s = 0.0;  ///< of what readings are rounded to; 0: they are not
+  /// Spacing of the levels that readings lie on, where the model does not know of them: its density
+  /// at the levels is made to sum to 1. 0: there are none.
+  double unknown_step_rad_s = 0.0;
   double rounding_variance = 0.0;  ///< what the variance of a forecast holds of that
   /// Width of the cell that a reading at the end of the range stands for, where nothing is rounded.
   double end_cell_rad_s = 0.0;

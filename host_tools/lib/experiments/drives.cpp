@@ -42,6 +42,9 @@ struct Sums {
     sigma_rad += other.sigma_rad;
     return *this;
   }
+  Sums operator/(double count) const {
+    return {drives / count, squares_rad2 / count, covered / count, sigma_rad / count};
+  }
 };
 
 Sums sums_of(const evaluate::DriveScores& scores) {
@@ -221,16 +224,20 @@ class Contest {
                      std::vector<AxisSums>& axes) const {
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       const Cluster cluster{recording, axis};
-      for (const auto& model : models_for(cluster, &DriveContest::AxisModels::extended)) {
-        const auto scores = replay(recording, schedule, model)[axis];
-        axes[axis].kalman_extended += sums_of(scores, Predictor::kalman);
-        axes[axis].moving_average += sums_of(scores, Predictor::moving_average);
-        axes[axis].calibration_mean += sums_of(scores, Predictor::calibration_mean);
-      }
-      for (const auto& model : models_for(cluster, &DriveContest::AxisModels::base)) {
-        axes[axis].kalman_base +=
-            sums_of(replay(recording, schedule, model)[axis], Predictor::kalman);
-      }
+      const auto scores = [&](const model::SensorModel& model) {
+        return replay(recording, schedule, model)[axis];
+      };
+      const auto mean_over = [&](const std::vector<model::SensorModel>& models) {
+        Sums sums;
+        for (const auto& model : models) sums += sums_of(scores(model), Predictor::kalman);
+        return sums / static_cast<double>(models.size());
+      };
+      const auto extended = models_for(cluster, &DriveContest::AxisModels::extended);
+      axes[axis].kalman_extended = mean_over(extended);
+      axes[axis].kalman_base = mean_over(models_for(cluster, &DriveContest::AxisModels::base));
+      const auto of_windows = scores(extended.front());
+      axes[axis].moving_average = sums_of(of_windows, Predictor::moving_average);
+      axes[axis].calibration_mean = sums_of(of_windows, Predictor::calibration_mean);
     }
   }
 

@@ -36,6 +36,15 @@ TEST(ReadingScore, OfRoundedReadingsSumsToOneOverTheirLevels) {
   }
 }
 
+TEST(ReadingScore, OfLevelsThatTheModelDoesNotKnowSumsToOneOverThem) {
+  for (const double step : {0.3, 1.5, 6.0, 30.0}) {
+    const Scale scale{.unknown_step_rad_s = step};
+    const double from = -std::ceil(90.0 / step) * step;
+    constexpr Forecast kNormal{.expected_rad_s = 0.3F, .variance = 1.0F};
+    EXPECT_NEAR(total(kNormal, scale, step, from, 90.0), 1.0, 1e-6) << step;
+  }
+}
+
 TEST(ReadingScore, OfFineRoundingIsThatOfTheRate) {
   for (const double reading : {-3.0, 0.0, 0.7, 4.0}) {
     EXPECT_NEAR(
