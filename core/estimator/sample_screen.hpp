@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <type_traits>
 
@@ -113,25 +115,33 @@ class SampleScreen {
     float undisturbed;
     float moved;
   };
+  /// exp(-x) as 1 - decay_share(x) is exact to 1e-7 of the largest weight, which has x = 0.
+  static constexpr float weight(float prior, float narrowing, float excess) {
+    return prior * square_root(narrowing) * (1.0F - decay_share(0.5F * excess));
+  }
   static constexpr Shares shares_of(const Forecast& next, float residual, float off,
                                     float moved_variance) {
-    const float wild_variance = next.variance + next.outlier_variance;
-    const float narrow = residual * residual / next.variance;
-    const float wild = residual * residual / wild_variance;
-    const float moved = off * off / moved_variance;
-    const float least = std::min(narrow, std::min(wild, moved));
-    // exp(-x) as 1 - decay_share(x) is exact to 1e-7 of the largest, which has x = 0.
-    const auto likelihood = [least](float square) {
-      return 1.0F - decay_share(0.5F * (square - least));
+    struct Part {
+      float prior;
+      float variance;
+      float square;
     };
     const float still = 1.0F - next.moved;
-    const float of_undisturbed = still * (1.0F - next.outlier) * likelihood(narrow);
-    const float of_outlier =
-        still * next.outlier * square_root(next.variance / wild_variance) * likelihood(wild);
-    const float of_moved =
-        next.moved * square_root(next.variance / moved_variance) * likelihood(moved);
-    const float sum = of_undisturbed + of_outlier + of_moved;
-    return {of_undisturbed / sum, of_moved / sum};
+    const float wild_variance = next.variance + next.outlier_variance;
+    const std::array parts{Part{still * (1.0F - next.outlier), next.variance, residual * residual},
+                           Part{still * next.outlier, wild_variance, residual * residual},
+                           Part{next.moved, moved_variance, off * off}};
+    std::array<float, 3> weights{};
+    float least = std::numeric_limits<float>::infinity();
+    for (const Part& part : parts) least = std::min(least, part.square / part.variance);
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Part& part = parts[i];
+      weights[i] =
+          weight(part.prior, next.variance / part.variance, part.square / part.variance - least);
+      sum += weights[i];
+    }
+    return {weights[0] / sum, weights[2] / sum};
   }
 
   constexpr void follow_motion(const Forecast& next, float moved, float off, float variance) {

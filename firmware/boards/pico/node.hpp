@@ -8,11 +8,11 @@
 namespace zerorate::pico {
 
 /// At ticks of 0.5 s the hold-back of 0.5 s needs 3 of 8 places, and thirteen hours of one stop are
-/// remembered (core::SuffixSums). More does not fit into the memory that pico.ld grants.
+/// remembered (core::SuffixSums). More does not fit into the memory that pico.ld grants; where
+/// samples are screened each place is larger and there are fewer.
+inline constexpr bool kScreens = exported::kNodeParams.samples.is_on();
 inline constexpr app::NodeCapacity kNodeCapacity{
-    .held_ticks = 8,
-    .average_levels = 12,
-    .screens_samples = exported::kNodeParams.samples.is_on()};
+    .held_ticks = kScreens ? 4 : 8, .average_levels = 12, .screens_samples = kScreens};
 using Node = app::GyroNode<exported::kDecayingModes, exported::kRotatingModes,
                            exported::kTemperatureWeights, kNodeCapacity>;
 static_assert(Node::check(exported::kNodeParams).has_value());
