@@ -15,7 +15,7 @@ inline constexpr Instant kEarliestTime = Instant::from_ns(-(std::int64_t{1} << 6
 inline constexpr Instant kLatestTime = Instant::from_ns(std::int64_t{1} << 62);
 
 [[nodiscard]] constexpr bool is_in_range(Instant time) {
-  return kEarliestTime <= time && time <= kLatestTime;
+  return kEarliestTime.ns() <= time.ns() && time.ns() <= kLatestTime.ns();
 }
 
 }  // namespace zerorate::core

@@ -124,7 +124,9 @@ class Snapshot {
                                                     std::span<const std::uint8_t> record,
                                                     const SnapshotTime& now) const {
     const auto header = read_header(record);
-    if (!header || header->content == Content::filters) return restore_filters(node, record, now);
+    if (!header || header->content != Content::state || record.size() != kBytesOfState) {
+      return restore_filters(node, record, now);
+    }
     const auto state = get<State>(record.subspan(sizeof(Header)));
     if (header->session == now.session && now.session != Session{}) {
       node.restore(state);
@@ -140,7 +142,7 @@ class Snapshot {
                                                             const SnapshotTime& now) const {
     const auto header = read_header(record);
     if (!header) return core::Unexpected{header.error()};
-    if (header->content != Content::filters) {
+    if (header->content != Content::filters || record.size() != kBytesOfFilters) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
     }
     const auto payload = record.subspan(sizeof(Header));
@@ -282,9 +284,6 @@ class Snapshot {
     if (header.layout != kLayout) return Unexpected{SnapshotRefusal::other_layout};
     if (header.model != model_) return Unexpected{SnapshotRefusal::other_model};
     if (header.sensor != sensor_) return Unexpected{SnapshotRefusal::other_sensor};
-    const bool is_state = header.content == Content::state && record.size() == kBytesOfState;
-    const bool is_filters = header.content == Content::filters && record.size() == kBytesOfFilters;
-    if (!is_state && !is_filters) return Unexpected{SnapshotRefusal::not_a_snapshot};
     return header;
   }
 

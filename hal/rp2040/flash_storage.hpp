@@ -35,17 +35,22 @@ class FlashStorage {
   static constexpr std::size_t kPlaceBytes = Flash::kSectorBytes / 4;
   static constexpr std::size_t kLargestRecord = kPlaceBytes - 16;
 
+  /// The newest record where it lies: until the next prepare() or save(), and with no room of its
+  /// own.
+  core::Result<std::span<const std::uint8_t>, StorageError> newest() const {
+    const auto place = find_newest();
+    if (place) return record(*place, header(*place).size);
+    bool is_empty = true;
+    for (std::size_t i = 0; i < kPlaces; ++i) is_empty &= header(i).mark != kMark;
+    return core::Unexpected{is_empty ? StorageError::empty : StorageError::corrupt};
+  }
+
   core::Result<std::size_t, StorageError> load(std::span<std::uint8_t> buffer) {
-    const auto newest = find_newest();
-    if (!newest) {
-      bool is_empty = true;
-      for (std::size_t i = 0; i < kPlaces; ++i) is_empty &= header(i).mark != kMark;
-      return core::Unexpected{is_empty ? StorageError::empty : StorageError::corrupt};
-    }
-    const std::size_t size = header(*newest).size;
-    if (size > buffer.size()) return core::Unexpected{StorageError::too_large};
-    std::ranges::copy(record(*newest, size), buffer.begin());
-    return size;
+    const auto bytes = newest();
+    if (!bytes) return core::Unexpected{bytes.error()};
+    if (bytes->size() > buffer.size()) return core::Unexpected{StorageError::too_large};
+    std::ranges::copy(*bytes, buffer.begin());
+    return bytes->size();
   }
 
   /// Erases what the next save() would have to erase.

@@ -25,10 +25,10 @@ class StateKeeper {
 
   /// At the start: gives the node what was kept, if it fits, and makes room for the next save.
   [[gnu::noinline]] void restore(Node& node) {
-    Record record{};
-    const auto size = medium_.load(record);
     // There is no clock on this board, and nobody to tell a refusal to: health says `calibrated`.
-    if (size) (void)snapshot_.restore_filters(node, std::span{record}.first(*size), {});
+    if (const auto record = medium_.newest()) {
+      (void)snapshot_.restore_filters(node, *record, {});
+    }
     (void)medium_.prepare();
   }
 
@@ -50,8 +50,6 @@ class StateKeeper {
   }
 
  private:
-  using Record = std::array<std::uint8_t, app::Snapshot<Node>::kBytesOfFilters>;
-
   [[gnu::noinline]] void save(const Node& node, core::Instant now) {
     next_at_ = now + kShortestPause;
     saved_ticks_ = node.measured_ticks();

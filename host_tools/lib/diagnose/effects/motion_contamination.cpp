@@ -157,7 +157,8 @@ class MotionContamination final : public Effect {
   };
   static Shape shape_of(const Found& found) {
     const std::vector<double>& shape = found.part().shape;
-    Shape mean{.events = static_cast<double>(shape.size() / 3)};
+    const std::size_t events = shape.size() / 3;
+    Shape mean{.events = static_cast<double>(events)};
     double squares = 0.0;
     for (std::size_t i = 0; i < shape.size(); i += 3) {
       mean.duration_s += (shape[i + 1] - shape[i]) * found.all.problem().period_s() / mean.events;
