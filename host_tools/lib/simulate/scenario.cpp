@@ -1,7 +1,5 @@
 #include "host_tools/lib/simulate/scenario.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -345,8 +343,8 @@ const Scenario& find_scenario(std::string_view name) {
     if (scenario.name == name) return scenario;
   }
   std::string names;
-  for (const Scenario& scenario : kScenarios) names += fmt::format(" {}", scenario.name);
-  throw std::invalid_argument(fmt::format("no scenario \"{}\"; there are:{}", name, names));
+  for (const Scenario& scenario : kScenarios) names += " " + std::string(scenario.name);
+  throw std::invalid_argument("no scenario \"" + std::string(name) + "\"; there are:" + names);
 }
 
 }  // namespace zerorate::simulate

@@ -63,11 +63,22 @@ TEST(RestSamplesWithStillColumn, BeginASettleTimeAfterTheDriveAndEndAHoldBackBef
   EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
 }
 
+RestSamples read_with_pulses_in_row_50(int pulses) {
+  return read(rows("t_s,rate_dps,odometer_pulses", 200,
+                   [pulses](int k) { return std::to_string(k < 50 ? 7 : 7 + pulses); }));
+}
+
 TEST(RestSamplesWithOdometer, MoveWithEveryChangeOfTheCount) {
-  const RestSamples samples = read(rows("t_s,rate_dps,odometer_pulses", 100,
-                                        [](int k) { return std::to_string(k < 50 ? 7 : 8); }));
-  // One pulse in row 50: nothing from 4.6 to 5.9 s.
-  EXPECT_EQ(samples.time.size(), 36U + 40U);
+  const RestSamples samples = read_with_pulses_in_row_50(2);
+  // Nothing from 4.6 to 5.9 s.
+  EXPECT_EQ(samples.time.size(), 36U + 140U);
+  EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
+}
+
+TEST(RestSamplesWithOdometer, MayCreepAfterASinglePulse) {
+  const RestSamples samples = read_with_pulses_in_row_50(1);
+  // Nothing from 4.6 to 12.9 s.
+  EXPECT_EQ(samples.time.size(), 36U + 70U);
   EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
 }
 
