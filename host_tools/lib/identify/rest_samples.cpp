@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 namespace zerorate::identify {
@@ -19,7 +20,7 @@ class RestFilter {
     const core::Instant at = core::Instant::from_ns(row.time_ns);
     if (has_motion_column()) {
       standstill_.start(at);
-      if (is_moving(row)) pulse(at);
+      take_pulses(pulses_in(row), at);
     }
     if (!is_usable(row, at)) {
       ++samples_.lost;
@@ -38,15 +39,18 @@ class RestFilter {
  private:
   [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
 
-  bool is_moving(const recording::Row& row) {
-    if (!columns_.odometer) return !row.still;
-    const bool moving = samples_.rows > 1 && row.odometer_pulses != pulses_;
+  /// None at rest; a single one may be a creeping vehicle's, which the word of a column is not.
+  std::int64_t pulses_in(const recording::Row& row) {
+    if (!columns_.odometer) return row.still ? 0 : 2;
+    const std::int64_t pulses = samples_.rows > 1 ? std::abs(row.odometer_pulses - pulses_) : 0;
     pulses_ = row.odometer_pulses;
-    return moving;
+    return pulses;
   }
 
-  void pulse(core::Instant at) {
+  void take_pulses(std::int64_t pulses, core::Instant at) {
+    if (pulses == 0) return;
     standstill_.pulse(at);
+    if (pulses > 1) standstill_.pulse(at);
     while (!samples_.time.empty() && samples_.time.back() > standstill_.suspect_since(at)) {
       samples_.time.pop_back();
       samples_.rate_rad_s.pop_back();
