@@ -28,9 +28,9 @@ if(NOT EXISTS "${_zerorate_sysroot}/usr/include/gpiod.h")
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
 # What the tests need of the target's besides.
-if(BUILD_TESTING AND NOT EXISTS "${_zerorate_sysroot}/usr/include/gmock")
+if(BUILD_TESTING AND NOT EXISTS "${_zerorate_sysroot}/usr/include/fmt")
   execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
-    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libgmock-dev libgtest-dev zlib1g-dev
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libfmt-dev libfmt9 libgmock-dev libgtest-dev zlib1g-dev
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
 set(ZLIB_USE_STATIC_LIBS ON)
