@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/crc32.hpp"
 #include "firmware/wire/cobs.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "firmware/wire/rate_text.hpp"
 #include "firmware/wire/status_frame.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
+#include "host_tests/support/checksum.hpp"
 
 namespace {
 
@@ -33,11 +33,7 @@ void decode(std::span<const std::uint8_t> bytes) {
 
 Bytes with_checksum(Bytes bytes) {
   if (bytes.size() < 4) return bytes;
-  const auto checked = std::span{bytes}.first(bytes.size() - 4);
-  const std::uint32_t checksum = core::crc32(checked);
-  for (unsigned i = 0; i < 4; ++i) {
-    bytes[checked.size() + i] = static_cast<std::uint8_t>((checksum >> (8 * i)) & 0xFFU);
-  }
+  zerorate::testing::put_checksum(bytes);
   return bytes;
 }
 

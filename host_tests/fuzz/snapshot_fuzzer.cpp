@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/crc32.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
+#include "host_tests/support/checksum.hpp"
 #include "host_tests/support/sample_modes.hpp"
 
 namespace {
@@ -32,17 +32,15 @@ const Node::Params& params() {
   return params;
 }
 
-const Node& learnt() {
-  static Node node{params()};
-  static const bool has_learnt = [] {
+/// A node after ten seconds of standstill.
+struct Learnt {
+  Learnt() {
     for (std::int64_t ms = 0; ms < 10'000; ms += 10) {
       (void)node.step({.time = core::Instant::from_ns(ms * 1'000'000)});
     }
-    return true;
-  }();
-  (void)has_learnt;
-  return node;
-}
+  }
+  Node node{params()};
+};
 
 template <class Record>
 void restore(const Record& record, const app::SnapshotTime& now) {
@@ -67,11 +65,7 @@ Record forged(Record record, FuzzedDataProvider& input) {
   for (std::size_t i = at; i < kHeaderBytes && input.remaining_bytes() > 0; ++i) {
     record[i] = input.ConsumeIntegral<std::uint8_t>();
   }
-  const std::size_t end = record.size() - 4;
-  const std::uint32_t checksum = core::crc32(std::span{record}.first(end));
-  for (unsigned i = 0; i < 4; ++i) {
-    record[end + i] = static_cast<std::uint8_t>((checksum >> (8 * i)) & 0xFFU);
-  }
+  zerorate::testing::put_checksum(record);
   return record;
 }
 
@@ -82,13 +76,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const app::SnapshotTime saved{.session = {'a'}, .utc_s = input.ConsumeIntegral<std::int64_t>()};
   app::SnapshotTime now{.session = {input.ConsumeBool() ? 'a' : 'b'}, .utc_s = std::nullopt};
   if (input.ConsumeBool()) now.utc_s = input.ConsumeIntegral<std::int64_t>();
+  static const Learnt learnt;
   const Snapshot snapshot{params(), kSensor};
   switch (input.ConsumeIntegralInRange<int>(0, 2)) {
     case 0:
-      restore(forged(snapshot.of_state(learnt().state(), saved), input), now);
+      restore(forged(snapshot.of_state(learnt.node.state(), saved), input), now);
       break;
     case 1:
-      restore(forged(snapshot.of_filters(learnt(), saved), input), now);
+      restore(forged(snapshot.of_filters(learnt.node, saved), input), now);
       break;
     default:
       restore(input.ConsumeRemainingBytes<std::uint8_t>(), now);

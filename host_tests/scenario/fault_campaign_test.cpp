@@ -156,7 +156,8 @@ class Drive {
   }
   void measure() {
     std::array<core::AngularRate, 3> rate{};
-    std::normal_distribution<double> white{0.0, kWhiteSigmaRadS};
+    const double sigma = simulate::kScenarioArwDpsRtS * kDps / std::sqrt(kLsm6dsoPeriod_s);
+    std::normal_distribution<double> white{0.0, sigma};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       rate[axis] =
           core::rad_per_s(rows_[row_].true_rate_rad_s[axis] + rows_[row_].bias_rad_s[axis] +
@@ -184,8 +185,6 @@ class Drive {
 
   static constexpr drivers::lsm6dso::Settings kSettings{
       .rate = drivers::lsm6dso::OutputDataRate::hz_104, .mode = drivers::lsm6dso::Mode::data_ready};
-  static constexpr double kWhiteSigmaRadS =
-      simulate::kScenarioArwDpsRtS * kDps * 10.2065;  // 104.17 Hz
 
   Random random_;
   std::vector<simulate::ScenarioRow> rows_;

@@ -2,9 +2,7 @@
 /// Keeps what the node has learnt while the power is off.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 
 #include "core/base/time.hpp"
 #include "core/standstill/standstill.hpp"

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "host_tests/support/checksum.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 
 namespace zerorate::app {
@@ -169,10 +170,7 @@ TEST(SnapshotOfAnUnknownContent, IsRefusedThoughItsChecksumIsRight) {
   Learnt learnt;
   auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
   record[kContentAt] = 2;
-  const std::uint32_t checksum = core::crc32(std::span{record}.first(record.size() - 4));
-  for (std::size_t i = 0; i < 4; ++i) {
-    record[record.size() - 4 + i] = static_cast<std::uint8_t>((checksum >> (8 * i)) & 0xFFU);
-  }
+  zerorate::testing::put_checksum(record);
   EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::not_a_snapshot);
 }
 
