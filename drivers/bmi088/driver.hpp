@@ -85,13 +85,7 @@ class Bmi088 {
     if (*frames == 0) return std::size_t{0};
     if (!is_batched()) sample_clock_.lose_count();  // each sample has an edge: nothing to count on
     sample_clock_.begin_batch(now, *frames);
-    auto count = drain(*frames, out);
-    // Frames carry no mark. What a line gives that got stuck behind the level is no sample.
-    if (const auto known = check_identity(); count && !known) {
-      count = known.error().code == DriverErrorCode::wrong_identity
-                  ? refused(DriverErrorCode::corrupt_data, bmi088::kFifoData.address)
-                  : core::Unexpected{known.error()};
-    }
+    const auto count = unless_stuck(drain(*frames, out));
     // Where the FIFO stands after a burst that broke off is not known: begin at a frame's start.
     if (!count) static_cast<void>(clear_fifo());
     return count;
@@ -194,6 +188,18 @@ class Bmi088 {
       return Frame::sample;
     };
     return drain_fifo<kFrameBytes>(bus_, bmi088::kFifoData, frames, out, decode);
+  }
+
+  /// Frames carry no mark. What a line gives that got stuck behind the level is no sample.
+  core::Result<std::size_t, DriverError> unless_stuck(
+      core::Result<std::size_t, DriverError> count) {
+    if (!count) return count;
+    const auto known = check_identity();
+    if (known) return count;
+    if (known.error().code == DriverErrorCode::wrong_identity) {
+      return refused(DriverErrorCode::corrupt_data, bmi088::kFifoData.address);
+    }
+    return core::Unexpected{known.error()};
   }
 
   Bus bus_;

@@ -39,4 +39,13 @@ SocketAddress unix_address(const std::string& path) {
   return result;
 }
 
+ifreq interface_request(const std::string& name) {
+  if (name.empty() || name.size() >= IFNAMSIZ) {
+    throw std::invalid_argument("can: \"" + name + "\" is not an interface's name");
+  }
+  ifreq request{};
+  std::ranges::copy(name, std::begin(request.ifr_name));
+  return request;
+}
+
 }  // namespace zerorate::hal::linux_os

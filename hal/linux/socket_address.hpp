@@ -2,6 +2,7 @@
 /// Addresses of sockets, as the calls on sockets take them.
 #pragma once
 
+#include <net/if.h>
 #include <sys/socket.h>
 
 #include <cstdint>
@@ -22,5 +23,9 @@ struct SocketAddress {
 
 /// Throws std::invalid_argument where the path is empty or longer than the kernel takes.
 [[nodiscard]] SocketAddress unix_address(const std::string& path);
+
+/// A question to the kernel about a network interface, which need not be there. Throws
+/// std::invalid_argument where the name is empty or longer than the kernel takes.
+[[nodiscard]] ifreq interface_request(const std::string& name);
 
 }  // namespace zerorate::hal::linux_os

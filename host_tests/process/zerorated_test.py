@@ -6,6 +6,7 @@ usage: zerorated_test.py ZERORATED [unittest arguments]
 
 import os
 import pathlib
+import pwd
 import signal
 import socket
 import struct
@@ -51,6 +52,10 @@ def decoded(frame):
             "x": struct.unpack_from("<4f", frame, 20)}
 
 
+def may_be_urgent():
+    return subprocess.run(["chrt", "--fifo", "1", "true"], capture_output=True, check=False).returncode == 0
+
+
 class Zerorated(unittest.TestCase):
     def setUp(self):
         self._folder = tempfile.TemporaryDirectory(prefix="zerorate-")
@@ -73,9 +78,11 @@ class Zerorated(unittest.TestCase):
         self.notified.close()
         self._folder.cleanup()
 
-    def configure(self, change=("", "")):
+    def configure(self, *changes):
         text = CONFIGURATION.format(folder=self.folder, port=self.receiver.getsockname()[1])
-        self.file.write_text(text.replace(*change) if change[0] else text)
+        for change in changes:
+            text = text.replace(*change)
+        self.file.write_text(text)
 
     def start(self):
         environment = dict(os.environ, NOTIFY_SOCKET=str(self.folder / "notify"), WATCHDOG_USEC="2000000")
@@ -136,6 +143,34 @@ class Zerorated(unittest.TestCase):
         self.start()
         self.assertIn("state: restored", self.stop())
 
+    def status(self):
+        lines = pathlib.Path(f"/proc/{self.process.pid}/status").read_text(encoding="ascii").splitlines()
+        return {name: value.split() for name, value in (line.split(":", 1) for line in lines)}
+
+    @unittest.skipUnless(os.geteuid() == 0, "not started as root")
+    def test_becomes_its_user_and_keeps_nothing_of_root(self):
+        user = pwd.getpwnam("nobody")
+        for path in (self.folder, self.folder / "notify"):
+            os.chown(path, user.pw_uid, user.pw_gid)
+        self.configure(("[gyro]", 'user = "nobody"\n[gyro]'))
+        self.start()
+        status = self.status()
+        self.assertEqual(status["Uid"], 4 * [str(user.pw_uid)])
+        self.assertEqual(status["Gid"], 4 * [str(user.pw_gid)])
+        self.assertEqual(status["Groups"], [str(user.pw_gid)])
+        self.assertEqual((status["CapPrm"], status["CapEff"]), (["0" * 16], ["0" * 16]))
+        self.stop()
+
+    @unittest.skipUnless(may_be_urgent(), "real time is not permitted here")
+    def test_locks_its_memory_and_measures_in_real_time(self):
+        self.configure(("lock_memory = false", "lock_memory = true\npriority = 7"))
+        self.start()
+        self.assertGreater(int(self.status()["VmLck"][0]), 0)
+        threads = [int(task.name) for task in pathlib.Path(f"/proc/{self.process.pid}/task").iterdir()]
+        classes = {os.sched_getscheduler(thread): os.sched_getparam(thread).sched_priority for thread in threads}
+        self.assertEqual((len(threads), classes), (2, {os.SCHED_OTHER: 0, os.SCHED_FIFO: 7}))
+        self.stop()
+
     def test_reloads_on_sighup(self):
         self.start()
         other = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -159,6 +194,16 @@ class Zerorated(unittest.TestCase):
         while self.message()["sequence"] != 0:
             pass  # numbered anew after the reload
         self.assertIn("zerorated.toml:6:11", self.stop())
+
+    def test_goes_on_as_before_if_the_new_configuration_cannot_be_followed(self):
+        self.start()
+        self.configure(("metrics.sock", "no-folder/metrics.sock"))
+        self.process.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        while self.message()["sequence"] != 0:
+            pass  # numbered anew after the reload
+        self.assertTrue((self.folder / "metrics.sock").exists())
+        self.assertIn("not reloaded: " + str(self.folder / "no-folder/metrics.sock"), self.stop())
 
     def test_refuses_a_wrong_configuration_with_its_place(self):
         self.configure(("chip = \"lsm6dso\"", "chip = \"lsm6\""))

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <system_error>
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
@@ -13,6 +15,7 @@
 #include "firmware/toml/nearest_name.hpp"
 #include "firmware/toml/strict_table.hpp"
 #include "firmware/wire/can_frames.hpp"
+#include "hal/linux/socket_address.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -53,6 +56,23 @@ void with_table(StrictTable& parent, std::string_view key, Presence presence, Re
   }
 }
 
+/// A path or a name: text that is not empty.
+std::optional<std::string> name_at(StrictTable& table, std::string_view key, Presence presence) {
+  auto name = table.text(key, presence);
+  if (name && name->empty()) table.fail_at(key, "expected text that is not empty");
+  return name;
+}
+
+/// Reports what `act` finds impossible at a key of the file.
+template <class Act>
+auto at_key(const StrictTable& table, std::string_view key, Act act) {
+  try {
+    return act();
+  } catch (const std::invalid_argument& error) {
+    table.fail_at(key, error.what());
+  }
+}
+
 const ChipDescription& read_chip(StrictTable& table) {
   const std::string name = *table.text("chip", Presence::required);
   if (const ChipDescription* const chip = find_chip(name)) return *chip;
@@ -73,7 +93,7 @@ double one_of(StrictTable& table, std::string_view key, std::span<const double> 
 void read_wiring(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
   static constexpr std::array<std::string_view, 2> kBuses{"spi", "i2c"};
   gyro.bus = static_cast<BusKind>(*table.choice("bus", kBuses, Presence::required));
-  gyro.device = *table.text("device", Presence::required);
+  gyro.device = *name_at(table, "device", Presence::required);
   if (gyro.bus == BusKind::spi) {
     if (const auto speed = table.integer("speed_hz", kSpeed, Presence::optional)) {
       gyro.speed_hz = static_cast<std::uint32_t>(*speed);
@@ -104,10 +124,10 @@ void read_gyro(StrictTable& table, GyroSettings& gyro) {
 
 hal::linux_os::LineSettings read_line(StrictTable& table) {
   hal::linux_os::LineSettings line;
-  line.chip = *table.text("chip", Presence::required);
+  line.chip = *name_at(table, "chip", Presence::required);
   const toml::node* const node = table.find("line", kLineNumber.words, Presence::required);
   line.line = node->is_string()
-                  ? node->as_string()->get()
+                  ? *name_at(table, "line", Presence::required)
                   : fmt::format("{}", *table.integer("line", kLineNumber, Presence::required));
   static constexpr std::array<std::string_view, 3> kEdges{"rising", "falling", "both"};
   line.edge = static_cast<hal::linux_os::Edge>(
@@ -116,14 +136,14 @@ hal::linux_os::LineSettings read_line(StrictTable& table) {
 }
 
 model::SensorModel read_sensor_model(StrictTable& table, const std::string& chip) {
-  const auto file = table.text("file", Presence::optional);
-  const auto name = table.text("name", Presence::optional);
+  const auto file = name_at(table, "file", Presence::optional);
+  const auto name = name_at(table, "name", Presence::optional);
   if (file && name) table.fail_at("file", "not beside \"name\": one of the two");
-  if (file) return model::read_model(*file);
+  if (!file) return at_key(table, "name", [&] { return model::find_model(name.value_or(chip)); });
   try {
-    return model::find_model(name.value_or(chip));
-  } catch (const std::invalid_argument& error) {
-    table.fail_at("name", error.what());
+    return model::read_model(*file);
+  } catch (const std::system_error& error) {
+    table.fail_at("file", error.what());
   }
 }
 
@@ -162,20 +182,17 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
                       .sample_period = period,
                       .standstill = filter.standstill,
                       .published = filter.published};
-  try {
-    const auto noise =
-        model::make_node_model<model::kMostDecaying, model::kMostRotating, model::kMostTemperature>(
-            sensor, period, tick);
-    params.modes = noise.modes;
-    params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
-    params.unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2;
-    params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
-    params.gate = noise.gate;
-    params.temperature = noise.temperature;
-    params.samples = noise.samples;
-  } catch (const std::invalid_argument& error) {
-    root.fail_at("model", error.what());
-  }
+  const auto noise = at_key(root, "model", [&] {
+    return model::make_node_model<model::kMostDecaying, model::kMostRotating,
+                                  model::kMostTemperature>(sensor, period, tick);
+  });
+  params.modes = noise.modes;
+  params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
+  params.unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2;
+  params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
+  params.gate = noise.gate;
+  params.temperature = noise.temperature;
+  params.samples = noise.samples;
   if (const auto possible = Node::check(params); !possible) {
     root.fail_at("filter", "hold_back_s is longer than the node can hold at this rate_hz");
   }
@@ -183,7 +200,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
 }
 
 void read_state(StrictTable& table, StateSettings& state) {
-  state.file = *table.text("file", Presence::required);
+  state.file = *name_at(table, "file", Presence::required);
   state.save_interval =
       duration_of(table.number("save_interval_s", kInterval, Presence::optional).value_or(60.0));
 }
@@ -194,23 +211,46 @@ void read_real_time(StrictTable& table, RealTimeSettings& real_time) {
   real_time.lock_memory = table.boolean("lock_memory", Presence::optional).value_or(true);
 }
 
+UdpSettings read_udp(StrictTable& table) {
+  UdpSettings udp{
+      .address = *table.text("address", Presence::required),
+      .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
+  at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
+  return udp;
+}
+
+std::string read_socket_path(StrictTable& table, std::string_view key) {
+  std::string path = *table.text(key, Presence::required);
+  at_key(table, key, [&] { (void)hal::linux_os::unix_address(path); });
+  return path;
+}
+
+CanSettings read_can(StrictTable& table) {
+  CanSettings can{
+      .interface = *table.text("interface", Presence::required),
+      .id = static_cast<std::uint16_t>(
+          table.integer("id", kCanId, Presence::optional).value_or(wire::kDefaultCanId))};
+  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(can.interface); });
+  return can;
+}
+
 SinkSettings read_sink(StrictTable& table) {
   static constexpr std::array<std::string_view, 4> kTypes{"json", "udp", "unix", "can"};
   switch (*table.choice("type", kTypes, Presence::required)) {
     case 0:
-      return JsonSettings{table.text("file", Presence::optional).value_or("-")};
+      return JsonSettings{name_at(table, "file", Presence::optional).value_or("-")};
     case 1:
-      return UdpSettings{
-          *table.text("address", Presence::required),
-          static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
+      return read_udp(table);
     case 2:
-      return UnixSettings{*table.text("path", Presence::required)};
+      return UnixSettings{read_socket_path(table, "path")};
     default:
-      return CanSettings{
-          *table.text("interface", Presence::required),
-          static_cast<std::uint16_t>(
-              table.integer("id", kCanId, Presence::optional).value_or(wire::kDefaultCanId))};
+      return read_can(table);
   }
+}
+
+void read_metrics(StrictTable& table, MetricsSettings& metrics) {
+  metrics.file = name_at(table, "file", Presence::optional).value_or("");
+  if (table.text("socket", Presence::optional)) metrics.socket = read_socket_path(table, "socket");
 }
 
 void read_hardware(StrictTable& root, Configuration& configuration) {
@@ -237,10 +277,8 @@ void read_node(StrictTable& root, Configuration& configuration) {
 void read_outputs(StrictTable& root, Configuration& configuration) {
   with_table(root, "state", Presence::optional,
              [&](StrictTable& table) { read_state(table, configuration.state.emplace()); });
-  with_table(root, "metrics", Presence::optional, [&](StrictTable& table) {
-    configuration.metrics.file = table.text("file", Presence::optional).value_or("");
-    configuration.metrics.socket = table.text("socket", Presence::optional).value_or("");
-  });
+  with_table(root, "metrics", Presence::optional,
+             [&](StrictTable& table) { read_metrics(table, configuration.metrics); });
   with_table(root, "real_time", Presence::optional,
              [&](StrictTable& table) { read_real_time(table, configuration.real_time); });
   auto sinks = root.tables("sink");
@@ -260,7 +298,7 @@ Configuration parse_configuration(std::string_view toml, std::string_view origin
     root.fail_at("schema", fmt::format("expected \"{}\"", kConfigurationSchema));
   }
   Configuration configuration;
-  configuration.user = root.text("user", Presence::optional).value_or("");
+  configuration.user = name_at(root, "user", Presence::optional).value_or("");
   read_hardware(root, configuration);
   read_node(root, configuration);
   read_outputs(root, configuration);

@@ -11,6 +11,7 @@
 #include <ctime>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/linux_hardware.hpp"
@@ -47,22 +48,13 @@ Descriptor open_seconds() {
   return timer;
 }
 
-/// The configuration that a reload leads to; none where the file is wrong.
-std::optional<Configuration> reload(const std::string& file) {
-  try {
-    return read_configuration(file);
-  } catch (const std::exception& error) {
-    log_to_journal(fmt::format("not reloaded: {}", error.what()));
-    return std::nullopt;
-  }
-}
-
 /// One node, for as long as its configuration lasts.
 class Run {
  public:
-  Run(const Configuration& configuration, const Descriptor& signals)
-      : configuration_(configuration), signals_(signals) {
-    if (configuration.state) storage_.emplace(configuration.state->file, file_calls_);
+  /// Throws what the configuration leads to that cannot be, such as a file in no folder.
+  Run(Configuration configuration, const Descriptor& signals)
+      : configuration_(std::move(configuration)), signals_(signals) {
+    if (configuration_.state) storage_.emplace(configuration_.state->file, file_calls_);
     service_.emplace(configuration_, hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
                      log_to_journal);
     (void)service_->restore();
@@ -112,7 +104,7 @@ class Run {
     return is_read ? static_cast<int>(info.ssi_signo) : 0;
   }
 
-  const Configuration& configuration_;
+  Configuration configuration_;
   const Descriptor& signals_;
   LinuxHardware hardware_{configuration_};
   hal::linux_os::FileCalls file_calls_;
@@ -122,19 +114,32 @@ class Run {
   Descriptor seconds_ = open_seconds();
 };
 
+/// The next run: as the file says now, or as before where that cannot be.
+void reload(const std::string& file, const Descriptor& signals, Configuration& configuration,
+            std::optional<Run>& run) {
+  run.reset();  // what it holds may be asked for again
+  try {
+    Configuration changed = read_configuration(file);
+    run.emplace(changed, signals);
+    configuration = std::move(changed);
+  } catch (const std::exception& error) {
+    log_to_journal(fmt::format("not reloaded: {}", error.what()));
+    run.emplace(configuration, signals);
+  }
+}
+
 }  // namespace
 
 void run_daemon(const std::string& configuration_file) {
-  std::optional<Configuration> configuration = read_configuration(configuration_file);
+  Configuration configuration = read_configuration(configuration_file);
   const Descriptor signals = open_signals();
   (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
-  prepare_process(*configuration, log_to_journal);
-  for (;;) {
-    const int signal = Run{*configuration, signals}.until_signalled();
-    if (signal != SIGHUP) break;
+  prepare_process(configuration, log_to_journal);
+  std::optional<Run> run{std::in_place, configuration, signals};
+  while (run->until_signalled() == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                                        hal::linux_os::KernelClock::now().ns() / 1000));
-    if (auto changed = reload(configuration_file)) configuration = std::move(changed);
+    reload(configuration_file, signals, configuration, run);
   }
   notify_service_manager("STOPPING=1");
 }

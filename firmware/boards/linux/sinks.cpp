@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
-#include <net/if.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <stdexcept>
 #include <system_error>
 
 #include "firmware/boards/linux/event.hpp"
@@ -72,10 +70,9 @@ class DatagramSink final : public Sink {
 class CanSink final : public Sink {
  public:
   explicit CanSink(const CanSettings& settings)
-      : Sink("can:" + settings.interface), settings_(settings) {
-    if (settings.interface.empty() || settings.interface.size() >= IFNAMSIZ) {
-      throw std::invalid_argument("can: \"" + settings.interface + "\" is not an interface's name");
-    }
+      : Sink("can:" + settings.interface),
+        id_(settings.id),
+        interface_(hal::linux_os::interface_request(settings.interface)) {
     (void)open();
   }
 
@@ -85,14 +82,12 @@ class CanSink final : public Sink {
 
   bool open() {
     Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
-    ifreq interface {};
-    std::ranges::copy(settings_.interface, std::begin(interface.ifr_name));
-    if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface) != 0) return false;
+    if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface_) != 0) return false;
     // Nothing is read: without this, frames of others would fill the socket's buffer.
     (void)setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
     sockaddr_can address{};
     address.can_family = AF_CAN;
-    address.can_ifindex = interface.ifr_ifindex;
+    address.can_ifindex = interface_.ifr_ifindex;
     if (bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
       return false;
     }
@@ -106,7 +101,7 @@ class CanSink final : public Sink {
       waited_ = 0;
       if (!open()) return false;
     }
-    for (const wire::CanFrame& frame : wire::encode_can_frames(message, settings_.id)) {
+    for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
       if (!write_frame(frame)) return false;
     }
     return true;
@@ -123,7 +118,8 @@ class CanSink final : public Sink {
     return false;
   }
 
-  CanSettings settings_;
+  std::uint16_t id_;
+  ifreq interface_;  // the kernel answers in it
   Descriptor socket_;
   int waited_ = 0;
 };

@@ -81,9 +81,11 @@ TEST(Bmi088Fifo, IsClearedAfterABurstThatBrokeOff) {
   Rig rig{{.mode = Mode::fifo}};
   ASSERT_TRUE(rig.start_and_settle());
   for (int i = 0; i < 5; ++i) rig.sample({deg_per_s(1.0F), deg_per_s(2.0F), deg_per_s(3.0F)});
-  rig.faults.inject({.kind = Fault::Kind::refused, .first = rig.faults.calls() + 1});
+  const std::size_t before = rig.faults.calls();
+  rig.faults.inject({.kind = Fault::Kind::refused, .first = before + 1});
   std::array<GyroSample, 16> out{};
   ASSERT_FALSE(rig.read(out));
+  EXPECT_EQ(rig.faults.calls() - before, 3U);  // the level, the burst, and the clearing
   EXPECT_EQ(rig.chip.read_register(0x0E), 0x00);
   EXPECT_EQ(rig.chip.read_register(0x3E), 0x40);
 }
