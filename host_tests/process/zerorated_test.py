@@ -7,6 +7,7 @@ usage: zerorated_test.py ZERORATED [unittest arguments]
 import os
 import pathlib
 import pwd
+import shutil
 import signal
 import socket
 import struct
@@ -18,6 +19,7 @@ import unittest
 import zlib
 
 ZERORATED = sys.argv.pop(1)
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 LIMIT_S = 20.0
 
 CONFIGURATION = """schema = "zerorate.daemon/1"
@@ -170,6 +172,15 @@ class Zerorated(unittest.TestCase):
         classes = {os.sched_getscheduler(thread): os.sched_getparam(thread).sched_priority for thread in threads}
         self.assertEqual((len(threads), classes), (2, {os.SCHED_OTHER: 0, os.SCHED_FIFO: 7}))
         self.stop()
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "no systemd")
+    def test_unit_has_nothing_that_systemd_does_not_understand(self):
+        unit = self.folder / "zerorated.service"
+        text = (REPOSITORY / "firmware/boards/linux/zerorated.service").read_text(encoding="ascii")
+        unit.write_text(text.replace("/usr/sbin/zerorated", str(pathlib.Path(ZERORATED).resolve())))
+        run = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True,
+                             timeout=LIMIT_S)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
 
     def test_reloads_on_sighup(self):
         self.start()

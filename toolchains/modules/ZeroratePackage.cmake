@@ -8,6 +8,8 @@ install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/zerorated.toml"
   DESTINATION "${CMAKE_INSTALL_FULL_SYSCONFDIR}/zerorate" COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/zerorated.service"
   DESTINATION lib/systemd/system COMPONENT node)
+install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/60-zerorate.rules"
+  DESTINATION lib/udev/rules.d COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/firmware/wire/zerorate.dbc"
   DESTINATION "${CMAKE_INSTALL_DATADIR}/zerorate" COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/docs/reference/zerorated.md"
