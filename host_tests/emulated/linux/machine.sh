@@ -68,15 +68,11 @@ pack() {
   (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
 }
 
-# The command that boots it. Time counts instructions, and what the kernel draws at random (its own place, those of
-# stacks and libraries) begins with a seed that is always the same. QEMU's main thread moves time on when the
-# processor sleeps; if the processor's thread runs meanwhile, it may do so before the last instructions are counted.
-# On one processor, and not preempted by anybody, the two take turns; without the right to that, nearly always.
+# machine [COMMAND...]: the command that boots it, begun by another that says how QEMU is run. Time counts instructions,
+# and what the kernel draws at random (its own place, those of stacks and libraries) begins with a seed that is always
+# the same.
 machine() {
-  local processor policy=(chrt --fifo 1)
-  processor=$(taskset --cpu-list --pid $$ | sed 's/.*[^0-9]//')
-  "${policy[@]}" true 2>/dev/null || policy=(chrt --batch 0)
-  qemu=(timeout 900 "${policy[@]}" taskset --cpu-list "$processor"
+  qemu=(timeout --kill-after=10 900 "$@"
     qemu-system-aarch64 -M virt -cpu cortex-a53 -m 256 -nographic -nic none -no-reboot
     -icount "shift=1,sleep=off" -rtc "base=2026-01-01,clock=vm" -seed 1
     -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz"

@@ -19,6 +19,6 @@ build zerorate_stock_world
 pack zerorate_stock_world "sed -i -e s/gpiochip1/gpiochip0/ -e 's/\"GYRO_DRDY\"/0/' -e 's/\"ODOMETER\"/1/' /*.toml
 zerorate_stock_world
 poweroff -f" $(module_files cuse vcan can-raw)
-machine
+machine # whose threads do not take turns: its processor computes while it waits for the lines
 python3 -B "$here/stock_machine.py" "$out" "${qemu[@]}" | tee "$out/console.log"
 grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/console.log"

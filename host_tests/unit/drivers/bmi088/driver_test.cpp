@@ -12,7 +12,6 @@ namespace zerorate::drivers {
 namespace {
 
 using bmi088::Mode;
-using bmi088::Settings;
 using core::deg_per_s;
 using hal::testing::Fault;
 using Rig = support::GyroRig<support::OverSpi<support::Bmi088>>;
