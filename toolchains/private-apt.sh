@@ -22,9 +22,15 @@ Dir::Etc::sourcelist "/dev/null"; Dir::Etc::sourceparts "$root/etc/sources.list.
 Dir::State "$root/state"; Dir::State::status "$root/status"; Dir::Cache "$root/cache";
 Acquire::Languages "none"; APT::Sandbox::User "root";
 CONF
-  # A mirror in the middle of its own update gives part of its index: once more, and then with that part.
-  APT_CONFIG="$root/apt.conf" apt-get -qq update || APT_CONFIG="$root/apt.conf" apt-get -qq update || true
+  # A mirror in the middle of its own update gives part of its index: once more, and then with that part, until the
+  # next time. Where Debian is not reached there is none, and whatever is asked for next fails.
+  private_apt_update "$root" || private_apt_update "$root" || return 0
   touch "$root/ready"
+}
+
+# private_apt_update ROOT: fails where a part is missing, though what is there can be used.
+private_apt_update() {
+  APT_CONFIG="$1/apt.conf" apt-get -qq -o APT::Update::Error-Mode=any update
 }
 
 # private_apt_download ROOT FOLDER PACKAGE...: the .deb files, into the folder.
