@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::size_t kSamples = 8192;
 
@@ -87,6 +88,19 @@ TEST(AdequacyOfALattice, FailsOnlyWithAFavouriteLevel) {
   EXPECT_TRUE(adequacy_of(values).holds);
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (k % 3 == 0 && values[k] == 0.5) values[k] = 0.25;
+  }
+  EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("than its neighbours let expect")));
+}
+
+TEST(AdequacyOfACoarserLattice, FailsWithoutEveryFourthLevelAndNotByTwoPlacesOfTheBias) {
+  std::vector<double> values = white(9);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] = 0.6 * std::round((values[k] + (k < kSamples / 2 ? 0.0 : 3.0)) / 0.6);
+  }
+  EXPECT_THAT(adequacy_of(values).failures,
+              Not(Contains(HasSubstr("than its neighbours let expect"))));
+  for (double& value : values) {
+    if (std::lround(value / 0.6) % 4 == 1) value -= 0.6;
   }
   EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("than its neighbours let expect")));
 }

@@ -97,6 +97,20 @@ TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
   }
 }
 
+// A tenth of the values is bridged; as residuals of nothing they would make the rest look wild.
+TEST(OutliersInPlainWhiteNoise, AreNotFoundWhereManyValuesAreLost) {
+  constexpr std::size_t kLength = 20'000;
+  EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
+  series.lost.resize(kLength);
+  simulate::RandomStream(19).fill_normal(0, series.rate_rad_s);
+  for (std::size_t k = 50; k < kLength; k += 70) {
+    for (std::size_t i = 0; i < 7; ++i) series.lost[k + i] = true;
+  }
+  const Problem problem(series, 1);
+  const auto offer = make_outliers()->examine(Explanation(problem, {}));
+  EXPECT_TRUE(!offer || offer->surprise_nats < 3.0);
+}
+
 TEST(Catalogue, HasSixteenEffectsOfDifferentNames) {
   std::vector<std::string> names;
   for (const auto make : kEffects) names.emplace_back(make()->name());

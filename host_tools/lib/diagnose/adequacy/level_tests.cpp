@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
@@ -57,27 +58,59 @@ Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
            log_of_smallest(least, places)}};
 }
 
-/// Levels of a lattice, each against the parabola through two neighbours on each side, which has an
-/// error of (step / sigma)^4 / 2 of a normal distribution.
-Tests test_lattice(const Problem& problem, const LevelLattice& lattice, double sigma_rad_s) {
+/// How many values the noise lets each level of a lattice expect: every value predicted from all
+/// others, with a normal error before rounding.
+std::vector<double> expected_counts(const Explanation& explanation, const LevelLattice& lattice,
+                                    std::vector<double>& counts) {
+  constexpr double kReach = 6.0;  // standard deviations
+  const double information = explanation.information();
+  const double rounding = lattice.step * lattice.step / 12.0;
+  const double sigma = std::sqrt(std::max(1.0 / information - rounding, rounding));
+  const std::vector<double>& rate = explanation.problem().rate_rad_s();
+  const std::vector<double>& weighted = explanation.weighted();
+  const auto levels = static_cast<std::ptrdiff_t>(lattice.counts.size());
+  const auto reach = static_cast<std::ptrdiff_t>(kReach * sigma / lattice.step) + 2;
+  counts.assign(lattice.counts.size(), 0.0);
+  std::vector<double> expected(lattice.counts.size());
+  for (std::size_t k = 0; k < explanation.problem().size(); ++k) {
+    if (explanation.is_replaced()[k]) continue;
+    const std::ptrdiff_t level = std::lround((rate[k] - lattice.offset) / lattice.step);
+    if (level >= 0 && level < levels) counts[static_cast<std::size_t>(level)] += 1.0;
+    const double predicted = (rate[k] - weighted[k] / information - lattice.offset) / lattice.step;
+    const std::ptrdiff_t centre = std::lround(predicted);
+    double below = 0.0;
+    for (std::ptrdiff_t at = centre - reach; at <= centre + reach; ++at) {
+      const double end = (static_cast<double>(at) + 0.5 - predicted) * lattice.step / sigma;
+      const double up_to = 0.5 * std::erfc(-end / std::numbers::sqrt2);
+      if (at >= 0 && at < levels) expected[static_cast<std::size_t>(at)] += up_to - below;
+      below = up_to;
+    }
+  }
+  return expected;
+}
+
+/// Levels of a lattice, each against what it and two neighbours on each side let expect.
+Tests test_lattice(const Explanation& explanation, const LevelLattice& lattice, bool is_clipped) {
   constexpr double kFewest = 20.0;  // values, for a count to be as good as normal
-  const double step = lattice.step / sigma_rad_s;
-  const double error = 0.5 * std::pow(step, 4.0);
-  const double most = 0.4 * step * static_cast<double>(problem.size());  // on one level
-  if (error * std::sqrt(0.5 * most) > 0.7) return {};
+  const Problem& problem = explanation.problem();
+  std::vector<double> counts;
+  const std::vector<double> expected = expected_counts(explanation, lattice, counts);
+  // A pile at an end of the range is told by another effect.
+  const std::size_t margin = is_clipped ? 3 : 2;
   double farthest = 0.0;
   std::size_t at = 0;
   double places = 0.0;
-  for (std::size_t i = 2; i + 2 < lattice.counts.size(); ++i) {
-    const auto count = [&](std::size_t level) {
-      return static_cast<double>(lattice.counts[level]);
-    };
-    const double near = count(i - 1) + count(i + 1);
-    const double far = count(i - 2) + count(i + 2);
-    const double expected = (4.0 * near - far) / 6.0;
-    if (expected < kFewest) continue;
+  for (std::size_t i = margin; i + margin < counts.size(); ++i) {
+    double near = 0.0;
+    double due = 0.0;
+    for (const std::size_t j : {i - 2, i - 1, i + 1, i + 2}) {
+      near += counts[j];
+      due += expected[j];
+    }
+    if (expected[i] < kFewest || near < kFewest) continue;
+    const double share = expected[i] / due;
     places += 1.0;
-    const double z = (count(i) - expected) / std::sqrt(expected + (16.0 * near + far) / 36.0);
+    const double z = (counts[i] - share * near) / std::sqrt(share * near * (1.0 + share));
     if (std::abs(z) <= std::abs(farthest)) continue;
     farthest = z;
     at = i;
@@ -98,9 +131,7 @@ Tests test_levels(const Remainder& remainder) {
   const bool is_clipped = std::ranges::any_of(
       explanation.parts(), [](const Part& part) { return !(part.clipped == Range{}); });
   if (!problem.lattice()) return test_repeated(problem, count_levels(explanation));
-  // A pile at an end of the range is told by another effect.
-  if (is_clipped) return {};
-  return test_lattice(problem, *problem.lattice(), 1.0 / std::sqrt(explanation.information()));
+  return test_lattice(explanation, *problem.lattice(), is_clipped);
 }
 
 }  // namespace zerorate::diagnose

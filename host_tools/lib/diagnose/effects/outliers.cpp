@@ -58,9 +58,13 @@ std::vector<double> deletion_residuals(const Explanation& explanation) {
 class Histogram {
  public:
   /// @param least_variance  of the noise
-  Histogram(const std::vector<double>& residuals, double least_variance)
+  /// @param is_replaced  values that were not measured say nothing
+  Histogram(const std::vector<double>& residuals, const std::vector<bool>& is_replaced,
+            double least_variance)
       : least_variance_(least_variance), bins_(kBins) {
-    for (const double z : residuals) {
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      if (is_replaced[k]) continue;
+      const double z = residuals[k];
       const double place = std::min(std::abs(z) * kBinsPerSigma, double{kBins - 1});
       Bin& bin = bins_[static_cast<std::size_t>(place)];
       bin.count += 1.0;
@@ -162,7 +166,7 @@ class Outliers final : public Effect {
     if (without.problem().series().is_ticks) return std::nullopt;
     const std::vector<double> residuals = deletion_residuals(without);
     // What rounding may have done was taken away, so that nothing may be left of the noise.
-    const Histogram histogram(residuals, without.is_coarse() ? 1.0 : 0.0);
+    const Histogram histogram(residuals, without.is_replaced(), without.is_coarse() ? 1.0 : 0.0);
     Mixture best;
     double best_gain = 0.0;
     for (const double size : {3.0, 10.0, 50.0}) {

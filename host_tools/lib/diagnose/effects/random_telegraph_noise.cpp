@@ -10,6 +10,7 @@
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/switch_search.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 32'768;
 constexpr std::size_t kFewestSwitches = 3;
+constexpr unsigned kNoWindows = 0;  // the path is grown instead
 constexpr int kRounds = 14;
 constexpr int kAnnealed = 8;  // rounds in which the flicker noise is held back
 
@@ -29,10 +31,22 @@ std::size_t switches(const Path& path) {
   return count;
 }
 
-/// What `count` switches in `size` places cost, log P of the path under the best Markov chain.
-double path_price(std::size_t count, std::size_t size) {
-  const auto k = static_cast<double>(count);
-  return count == 0 ? 0.0 : k * (std::log(static_cast<double>(size) / k) + 1.0);
+Switches switches_of(const Path& path) {
+  Switches places;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    if (path[k] != path[k - 1]) places.push_back(k);
+  }
+  return places;
+}
+
+Path path_of(const Switches& switches, std::size_t size) {
+  Path path(size);
+  for (std::size_t i = 0; i < switches.size(); i += 2) {
+    const std::size_t end = i + 1 < switches.size() ? switches[i + 1] : size;
+    std::fill(path.begin() + static_cast<std::ptrdiff_t>(switches[i]),
+              path.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
+  }
+  return path;
 }
 
 /// The record at the resolution at which paths are searched: the lowest coefficients of the DCT,
@@ -59,6 +73,13 @@ class Coarse {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] double white_variance() const { return white_; }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
+
+  /// Searches with this share of the slow noise.
+  [[nodiscard]] SwitchSearch search(double slow_factor) const {
+    std::vector<double> density(size_);
+    for (std::size_t k = 1; k < size_; ++k) density[k] = white_ + slow_factor * slow_share_[k];
+    return {transform_, coefficients_, density, white_};
+  }
 
   /// Values without the slow noise that is expected once the path is taken away.
   [[nodiscard]] std::vector<double> without_slow_noise(const std::vector<double>& path_mean,
@@ -171,6 +192,16 @@ Path alternate(const Coarse& coarse, std::array<double, 2> levels, std::optional
   return *path;
 }
 
+/// The path that gains most in noise of the fitted density, from nothing: with little slow noise
+/// first, in whose place the switches then stand, and from the path so found with more and more.
+Path grow(const Coarse& coarse) {
+  Switches path;
+  for (const double slow_factor : {0.03, 0.1, 0.3, 1.0}) {
+    path = coarse.search(slow_factor).improve(std::move(path));
+  }
+  return path_of(path, coarse.size());
+}
+
 /// log P of stays as even as these, were the switches independent of each other: Bartlett's test of
 /// exponential lengths, at its lower end, both levels together. The first and the last stay are not
 /// known whole.
@@ -210,7 +241,7 @@ class RandomTelegraphNoise final : public Effect {
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     std::optional<Offer> best;
-    for (const std::size_t windows : {60U, 400U}) {
+    for (const unsigned windows : {60U, 400U, kNoWindows}) {
       std::optional<Path> path;
       std::optional<Offer> offer =
           offer_of_mean(without, [&](const MeanScan& scan) { return search(scan, windows, path); });
@@ -252,11 +283,16 @@ class RandomTelegraphNoise final : public Effect {
   }
 
  private:
-  [[nodiscard]] std::optional<Part> search(const MeanScan& scan, std::size_t windows,
+  [[nodiscard]] std::optional<Part> search(const MeanScan& scan, unsigned windows,
                                            std::optional<Path>& path) const {
     const Coarse coarse(scan);
-    const std::size_t window = std::max<std::size_t>(1, coarse.size() / windows);
-    path = alternate(coarse, outer_levels(coarse.values(), window), path);
+    const std::size_t window = std::max<std::size_t>(1, coarse.size() / std::max(1U, windows));
+    if (windows != kNoWindows) {
+      path = alternate(coarse, outer_levels(coarse.values(), window), path);
+    } else {
+      path = path ? path_of(coarse.search(1.0).improve(switches_of(*path)), coarse.size())
+                  : grow(coarse);
+    }
     const std::size_t count = switches(*path);
     if (count < kFewestSwitches || 8 * count > coarse.size()) return std::nullopt;
     const std::vector<double> values = coarse.expand(*path);
@@ -271,8 +307,6 @@ class RandomTelegraphNoise final : public Effect {
                           high * period_s / stays, log_p_of_even_stays(*path)}};
   }
 
-  /// Each switch has its price, less what is not known of its place: a jump of height h in white
-  /// noise r is known to about 4 r / h^2 values.
   static double price_of(const Offer& offer, const Explanation& without) {
     std::vector<Part> parts = without.parts();
     parts.push_back(offer.part);
@@ -281,10 +315,8 @@ class RandomTelegraphNoise final : public Effect {
     const double height = with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(last)));
     const auto count = static_cast<std::size_t>(offer.part.shape[0]);
     const double block = static_cast<double>(without.problem().size()) / offer.part.shape[1];
-    const double unknown_places =
-        4.0 * with.noise().spectrum.white_variance / (block * height * height);
-    return path_price(count, static_cast<std::size_t>(offer.part.shape[1])) -
-           static_cast<double>(count) * std::log1p(unknown_places);
+    return price_of_switches(count, static_cast<std::size_t>(offer.part.shape[1]),
+                             with.noise().spectrum.white_variance / (block * height * height));
   }
 };
 

@@ -1,0 +1,69 @@
+/// @file
+/// The best path between two levels in noise of a given density, by generalised least squares.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/spectrum/cosine_transform.hpp"
+
+namespace zerorate::diagnose {
+
+/// Places before which the level changes, in rising order. Which level is the upper one they leave
+/// open.
+using Switches = std::vector<std::size_t>;
+
+/// log P of so many switches among `size` places under the best Markov chain, with the opposite
+/// sign, less what is not known of their places: a jump of height h in white noise r is known to
+/// about 4 r / h^2 values, and no worse than to a quarter of a stay if the stays are to be told
+/// apart.
+[[nodiscard]] double price_of_switches(std::size_t count, std::size_t size,
+                                       double white_over_square);
+
+/// Searches by adding, taking away and moving switches as long as gain less price grows. A path of
+/// K switches costs O(K^2), since the product of two steps in stationary noise is a function of
+/// their distance and of their sum (docs/design/diagnosis.md, section 3).
+class SwitchSearch {
+ public:
+  /// @param coefficients  of the DCT of what is to be explained
+  /// @param density  of the noise at each coefficient; the first is not used
+  /// @param white_variance  of the noise
+  SwitchSearch(const spectrum::CosineTransform& transform, std::span<const double> coefficients,
+               std::span<const double> density, double white_variance);
+
+  /// The best path that is reached from this one.
+  [[nodiscard]] Switches improve(Switches path) const;
+
+ private:
+  /// Products of a path with the record and with itself.
+  struct Products {
+    double record = 0.0;
+    double itself = 0.0;
+  };
+  struct Move {
+    double score = 0.0;
+    Switches path;
+  };
+
+  [[nodiscard]] std::size_t size() const { return record_.size() - 1; }
+  /// Of two steps.
+  [[nodiscard]] double product(std::size_t a, std::size_t b) const;
+  /// Of a path with a step.
+  [[nodiscard]] double product(const Switches& path, std::size_t step) const;
+  [[nodiscard]] Products products(const Switches& path) const;
+  [[nodiscard]] double score(const Products& products, std::size_t count) const;
+  [[nodiscard]] double score(const Switches& path) const {
+    return score(products(path), path.size());
+  }
+  [[nodiscard]] Move best_addition(const Switches& path) const;
+  [[nodiscard]] Move best_removal(const Switches& path) const;
+  /// Moves every switch to its best place between its neighbours.
+  void settle(Switches& path) const;
+
+  std::vector<double> record_;    ///< products of the record with a step before each value
+  std::vector<double> distance_;  ///< of two steps, by the sum and the difference of their places
+  double white_variance_ = 0.0;
+};
+
+}  // namespace zerorate::diagnose
