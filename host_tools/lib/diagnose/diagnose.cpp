@@ -95,19 +95,26 @@ std::vector<Drawing> drawings_of(const Selection& selection) {
   return drawings;
 }
 
-/// The first part of the record, which the models of the gain are fitted to.
-Record beginning_of(const Record& record, double share) {
-  const auto size = static_cast<std::size_t>(share * static_cast<double>(record.size()));
-  Record part = record;
-  part.time_s.resize(size);
-  part.rate_rad_s.resize(size);
-  if (!part.temperature_degc.empty()) part.temperature_degc.resize(size);
-  return part;
+/// The first samples of the record.
+Record beginning_of(const Record& record, std::size_t size) {
+  const auto first = [&](const std::vector<double>& values) {
+    const auto count = static_cast<std::ptrdiff_t>(std::min(size, values.size()));
+    return std::vector<double>(values.begin(), values.begin() + count);
+  };
+  return {.axis = record.axis,
+          .sample_period_s = record.sample_period_s,
+          .mean_period_s = record.mean_period_s,
+          .time_s = first(record.time_s),
+          .rate_rad_s = first(record.rate_rad_s),
+          .temperature_degc = first(record.temperature_degc),
+          .standstills = record.standstills};
 }
 
 /// The same effects as the whole record needed, fitted to its first part and judged on the rest.
 Gain gain_of(const Record& record, const Selection& selection, const DiagnoseOptions& options) {
-  const Record first = beginning_of(record, 1.0 - options.holdout);
+  const double share = 1.0 - options.holdout;
+  const Record first =
+      beginning_of(record, static_cast<std::size_t>(share * static_cast<double>(record.size())));
   if (options.holdout <= 0.0 || first.size() < kFewestSamples) return {};
   const EvenSeries series = even_series_of(first);
   const Problem problem(series, options.seed);
@@ -184,9 +191,7 @@ std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& re
   return remarks;
 }
 
-}  // namespace
-
-Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
+Diagnosis diagnose_all(const Record& record, const DiagnoseOptions& options) {
   require_usable(record);
   const auto report_progress = [&](double share) {
     if (options.on_progress) options.on_progress(share);
@@ -235,6 +240,20 @@ Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
     diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
   }
   report_progress(1.0);
+  return diagnosis;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
+  if (record.size() <= options.most_samples) return diagnose_all(record, options);
+  const Record first = beginning_of(record, options.most_samples);
+  Diagnosis diagnosis = diagnose_all(first, options);
+  diagnosis.remarks.insert(
+      diagnosis.remarks.begin(),
+      fmt::format("Of the {} samples the first {}, {:.0f} s, were diagnosed, so that memory stays "
+                  "bounded.",
+                  record.size(), first.size(), first.time_s.back() - first.time_s.front()));
   return diagnosis;
 }
 

@@ -22,11 +22,15 @@ struct DiagnoseOptions {
   std::optional<model::SensorModel> base_model;
   double holdout = 0.3;    ///< share at the end that is not used for the fits the gain is told from
   std::uint64_t seed = 1;  ///< of the simulations
+  /// Of a longer record only so many from its beginning are diagnosed, and a remark says so: memory
+  /// stays below about 1 GiB an axis, time below 3 minutes.
+  std::size_t most_samples = 4'000'000;
   std::function<void(double)> on_progress;  ///< share of the work that is done
 };
 
 /// The whole chain, docs/design/diagnosis.md. Deterministic. Time below 2 s for 20,000 samples and
-/// about 20 s an axis for 10^6. Throws std::invalid_argument for fewer than 256 samples and a
+/// about 20 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
+/// by some 270 bytes each. Throws std::invalid_argument for fewer than 256 samples and a
 /// record that is constant or not finite.
 [[nodiscard]] Diagnosis diagnose(const Record& record, const DiagnoseOptions& options = {});
 

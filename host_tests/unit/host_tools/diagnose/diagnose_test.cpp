@@ -42,6 +42,13 @@ TEST(DiagnosisOfWhiteAndFlickerNoise, IsConsistentAndFindsTheBaseModel) {
   ASSERT_TRUE(diagnosis.base_model.flicker);
 }
 
+TEST(DiagnosisOfARecordBeyondTheBound, IsOfItsBeginningAndSaysSo) {
+  const Diagnosis diagnosis = diagnose(simulated({}, 1), {.most_samples = 5000});
+
+  EXPECT_EQ(diagnosis.samples, 5000U);
+  EXPECT_THAT(diagnosis.remarks, Contains(HasSubstr("Of the 20000 samples the first 5000, 500 s")));
+}
+
 TEST(DiagnosisOfAJump, NamesItWithHeightAndTimeInTheirIntervals) {
   const double height = 0.05;
   const Diagnosis diagnosis =

@@ -118,6 +118,29 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
   }
 }
 
+/// A tone whose strength or phase drifts over the record: it times the first two Legendre
+/// polynomials of time.
+void test_steadiness(const Explanation& explanation, Tests& tests) {
+  const Problem& problem = explanation.problem();
+  const MeanScan scan(explanation);
+  for (const Part& part : explanation.parts()) {
+    if (part.effect != "periodic_disturbance") continue;
+    const double rad_per_s = 2.0 * std::numbers::pi * part.shape.front();
+    std::vector<Column> columns;
+    for (const double phase : {0.0, 0.5 * std::numbers::pi}) {
+      for (const bool is_second : {false, true}) {
+        columns.push_back(fast_column_of(problem, [&](double t) {
+          const double x = 2.0 * t / problem.span_s() - 1.0;
+          return (is_second ? 1.5 * x * x - 0.5 : x) * std::cos(rad_per_s * t - phase);
+        }));
+      }
+    }
+    tests.push_back(
+        {fmt::format("the tone at {:.4g} Hz changes over the record", part.shape.front()),
+         log_chi_squared_tail(2.0 * scan.gain(columns), static_cast<double>(columns.size()))});
+  }
+}
+
 /// A bias that switches like a clock is no telegraph.
 void test_switches(const Explanation& explanation, Tests& tests) {
   for (const Part& part : explanation.parts()) {
@@ -138,6 +161,7 @@ Tests test_spectrum(const Remainder& remainder) {
   tests.push_back(strongest_line(*remainder.explanation, sums));
   tests.push_back(strongest_hump(*remainder.explanation, sums));
   test_harmonics(*remainder.explanation, tests);
+  test_steadiness(*remainder.explanation, tests);
   test_switches(*remainder.explanation, tests);
   return tests;
 }

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
@@ -85,6 +86,77 @@ class Matched {
 
   const Explanation* explanation_;
 };
+
+/// Of neighbouring events of one length that overlap, the best.
+void keep_better(std::vector<Event>& peaks, const Event& event) {
+  if (!peaks.empty() && peaks.back().end - peaks.back().first == event.end - event.first &&
+      event.first < peaks.back().end) {
+    if (event.gain_nats > peaks.back().gain_nats) peaks.back() = event;
+  } else {
+    peaks.push_back(event);
+  }
+}
+
+/// The record made flat, in units of its noise.
+std::vector<double> standard_residual(const Explanation& explanation) {
+  std::vector<double> values = explanation.whitened();
+  for (const Part& part : explanation.parts()) {
+    for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
+      values[k] /= double{part.relative_sigma[k]};
+    }
+  }
+  return values;
+}
+
+/// Sums of squares of sums over blocks, [first, end) in blocks.
+class Power {
+ public:
+  Power(const std::vector<double>& values, std::size_t block) : sums_(values.size() / block + 1) {
+    for (std::size_t b = 0; b + 1 < sums_.size(); ++b) {
+      double sum = 0.0;
+      for (std::size_t k = b * block; k < (b + 1) * block; ++k) sum += values[k];
+      sums_[b + 1] = sums_[b] + sum * sum / static_cast<double>(block);
+    }
+  }
+  [[nodiscard]] std::size_t blocks() const { return sums_.size() - 1; }
+  /// -log P of so much power by chance.
+  [[nodiscard]] double surprise(std::size_t first, std::size_t end) const {
+    constexpr double kPlain = 4.0;  // standard deviations, not worth an incomplete gamma function
+    const auto freedom = static_cast<double>(end - first);
+    const double squares = sums_[end] - sums_[first];
+    if (squares < freedom + kPlain * std::sqrt(2.0 * freedom)) return 0.0;
+    return -log_chi_squared_tail(squares, freedom);
+  }
+
+ private:
+  std::vector<double> sums_;
+};
+
+/// Motion to and fro has no shape to be matched, but more power than the noise over a short time.
+/// It is slow: where all frequencies together are as surprising, the noise itself was stronger.
+std::vector<Event> find_swings(const Explanation& explanation, double price) {
+  constexpr std::size_t kFewestBlocks = 5;
+  constexpr std::size_t kMostBlocks = 128;
+  const std::vector<double> values = standard_residual(explanation);
+  const Power all(values, 1);
+  std::vector<Event> peaks;
+  for (const std::size_t block : {4U, 16U}) {
+    const Power slow(values, block);
+    for (std::size_t length = kFewestBlocks; length <= kMostBlocks; length += 1 + length / 2) {
+      for (std::size_t b = 0; b + length <= slow.blocks(); b += 1 + length / 8) {
+        const double gain = slow.surprise(b, b + length);
+        const std::size_t first = b * block;
+        const std::size_t end = (b + length) * block;
+        if (gain < price + 1.0 || all.surprise(first, end) >= gain) continue;
+        const auto [least, most] =
+            std::minmax_element(explanation.clean().begin() + static_cast<std::ptrdiff_t>(first),
+                                explanation.clean().begin() + static_cast<std::ptrdiff_t>(end));
+        keep_better(peaks, {first, end, gain, 0.5 * (*most - *least)});
+      }
+    }
+  }
+  return peaks;
+}
 
 /// Rotation inside what is held for a standstill. The part's shape: first, end and peak (rad/s) of
 /// every event, one after the other.
@@ -174,19 +246,13 @@ class MotionContamination final : public Effect {
   static std::vector<Event> find_events(const Explanation& without, double price) {
     const std::size_t n = without.problem().size();
     const Matched matched(without);
-    std::vector<Event> peaks;
+    std::vector<Event> peaks = find_swings(without, price);
     for (double length = kShortest; length < kLongest * static_cast<double>(n);
          length *= kLengthGrid) {
       const auto whole = static_cast<std::size_t>(length);
       matched.scan(whole, [&](std::size_t at, double gain, double amplitude) {
         if (gain < price + 1.0) return;
-        // Peaks of one length that overlap: the best of them.
-        if (!peaks.empty() && peaks.back().end - peaks.back().first == whole &&
-            at < peaks.back().end) {
-          if (gain > peaks.back().gain_nats) peaks.back() = {at, at + whole, gain, amplitude};
-        } else {
-          peaks.push_back({at, at + whole, gain, amplitude});
-        }
+        keep_better(peaks, {at, at + whole, gain, amplitude});
       });
     }
     std::ranges::stable_sort(peaks, std::greater{}, &Event::gain_nats);
