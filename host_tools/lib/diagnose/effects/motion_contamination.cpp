@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
@@ -97,17 +98,6 @@ void keep_better(std::vector<Event>& peaks, const Event& event) {
   }
 }
 
-/// The record made flat, in units of its noise.
-std::vector<double> standard_residual(const Explanation& explanation) {
-  std::vector<double> values = explanation.whitened();
-  for (const Part& part : explanation.parts()) {
-    for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
-      values[k] /= double{part.relative_sigma[k]};
-    }
-  }
-  return values;
-}
-
 /// Sums of squares of sums over blocks, [first, end) in blocks.
 class Power {
  public:
@@ -137,7 +127,7 @@ class Power {
 std::vector<Event> find_swings(const Explanation& explanation, double price) {
   constexpr std::size_t kFewestBlocks = 5;
   constexpr std::size_t kMostBlocks = 128;
-  const std::vector<double> values = standard_residual(explanation);
+  const std::vector<double> values = Remainder(explanation).values;
   const Power all(values, 1);
   std::vector<Event> peaks;
   for (const std::size_t block : {4U, 16U}) {
