@@ -4,6 +4,8 @@
 /// number of samples; those beyond DiagnoseOptions::most_samples are left out by the diagnosis.
 
 #include <benchmark/benchmark.h>
+#include <malloc.h>
+
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -27,9 +29,10 @@ diagnose::Record record_of_length(std::size_t samples, bool with_effects) {
   return diagnose::record_of(testing::rest_samples_of(signal), 0);
 }
 
-/// The kernel forgets the greatest size of this process so far, so that no length tells of the one
-/// before; the record and what the allocator keeps count (proc(5), clear_refs).
+/// Gives back what the allocator kept and lets the kernel forget the greatest size of this process
+/// so far, so that no length tells of the one before (proc(5), clear_refs). The record counts.
 void forget_peak() {
+  malloc_trim(0);
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
@@ -64,6 +67,7 @@ int main(int argc, char** argv) {
     for (const std::int64_t samples : {1'000, 5'000, 20'000, 65'536, 250'000, 1'000'000}) {
       if (!is_short || samples <= 20'000) family->Arg(samples);
     }
+    if (!is_short && !with_effects) family->Arg(10'000'000);  // beyond the bound
   }
   benchmark::RunSpecifiedBenchmarks();
 }

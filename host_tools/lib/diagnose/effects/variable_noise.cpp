@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <span>
 
 #include "core/estimator/noise_level_track.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
@@ -33,6 +34,8 @@ struct Profile {
   double cycles = 0.0;  ///< or the variance swings so often over the record,
   double cosine = 0.0;  ///< as 1 + cosine cos + sine sin
   double sine = 0.0;
+  double fewest_cycles = 0.0;  ///< the 95 % interval of what is swung
+  double most_cycles = 0.0;
 
   [[nodiscard]] double variance(std::size_t k, std::size_t size) const {
     if (kind == Kind::steps) return k >= first && k < end ? ratio : 1.0;
@@ -122,35 +125,15 @@ Profile best_steps(const Squares& squares) {
   return best;
 }
 
-/// The variance swings as a sine. The frequency from the spectrum of the squares, the depth by
-/// scoring; both from sums over blocks, which are short beside any period.
-Profile best_periodic(const Squares& squares) {
-  const std::size_t block = std::max<std::size_t>(1, squares.size() / kPeriodicBlocks);
-  const std::size_t n = spectrum::fast_length_below(squares.size() / block);
+/// The depth by scoring, of a variance that swings so often over the record.
+/// @param relative  mean squares of blocks, short beside the period, over their mean
+/// @param start  cycles, and where the scoring begins
+Profile fit_depth(std::span<const double> relative, const Squares& squares, Profile start) {
+  const std::size_t n = relative.size();
+  const std::size_t block = squares.size() / n;
   const auto width = static_cast<double>(block);
-  // Of what the blocks cover: a mean of other values would be a gain of its own.
-  const double mean = squares.sum(0, n * block) / static_cast<double>(n * block);
-  std::vector<double> relative(n);
-  for (std::size_t b = 0; b < n; ++b) {
-    relative[b] = squares.sum(b * block, (b + 1) * block) / (width * mean);
-  }
-  constexpr std::size_t kPadding = 4;
-  const spectrum::RealFft fft(kPadding * n);
-  std::vector<double> excess(fft.length());
-  for (std::size_t b = 0; b < n; ++b) excess[b] = relative[b] - 1.0;
-  std::vector<std::complex<double>> bins(fft.bins());
-  fft.forward(excess, bins);
-  const auto last = std::min(bins.size(), static_cast<std::size_t>(kMostCycles * kPadding));
-  std::size_t at = kPadding / 2;
-  for (std::size_t j = at; j < last; ++j) {
-    if (std::norm(bins[j]) > std::norm(bins[at])) at = j;
-  }
-  const double covered = static_cast<double>(n * block) / static_cast<double>(squares.size());
-  Profile best{.kind = Profile::Kind::periodic,
-               .cycles = static_cast<double>(at) / kPadding / covered};
-  const double scale = 2.0 / static_cast<double>(n);
-  best.cosine = std::clamp(scale * bins[at].real(), -0.7, 0.7);
-  best.sine = std::clamp(-scale * bins[at].imag(), -0.7, 0.7);
+  Profile best = start;
+  best.gain_nats = 0.0;
   for (int i = 0; i < 12; ++i) {
     double log_sum = 0.0;
     double scaled = 0.0;
@@ -176,6 +159,77 @@ Profile best_periodic(const Squares& squares) {
       best.cosine *= kDeepest / depth;
       best.sine *= kDeepest / depth;
     }
+  }
+  return best;
+}
+
+/// Where the profile likelihood has fallen by half the 95 % quantile of chi squared, one degree of
+/// freedom, on one side of the best number of cycles.
+double end_of_cycles(std::span<const double> relative, const Squares& squares, const Profile& best,
+                     double sign) {
+  constexpr double kChiSquared = 1.92;
+  constexpr double kFarthest = 0.5;  // cycles
+  constexpr double kFewest = 0.1;
+  constexpr int kBits = 6;
+  double inside = 0.0;
+  double outside = kFarthest;
+  for (int i = 0; i < kBits; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    Profile start = best;
+    start.cycles = std::max(best.cycles + sign * middle, kFewest);
+    const bool is_inside =
+        fit_depth(relative, squares, start).gain_nats > best.gain_nats - kChiSquared;
+    (is_inside ? inside : outside) = middle;
+  }
+  return std::max(best.cycles + sign * 0.5 * (inside + outside), kFewest);
+}
+
+/// The variance swings as a sine. The frequency from the spectrum of the squares, then by halving
+/// steps; all from sums over blocks.
+Profile best_periodic(const Squares& squares) {
+  const std::size_t block = std::max<std::size_t>(1, squares.size() / kPeriodicBlocks);
+  const std::size_t n = spectrum::fast_length_below(squares.size() / block);
+  const auto width = static_cast<double>(block);
+  // Of what the blocks cover: a mean of other values would be a gain of its own.
+  const double mean = squares.sum(0, n * block) / static_cast<double>(n * block);
+  std::vector<double> relative(n);
+  for (std::size_t b = 0; b < n; ++b) {
+    relative[b] = squares.sum(b * block, (b + 1) * block) / (width * mean);
+  }
+  constexpr std::size_t kPadding = 4;
+  const spectrum::RealFft fft(kPadding * n);
+  std::vector<double> excess(fft.length());
+  for (std::size_t b = 0; b < n; ++b) excess[b] = relative[b] - 1.0;
+  std::vector<std::complex<double>> bins(fft.bins());
+  fft.forward(excess, bins);
+  const auto last = std::min(bins.size(), static_cast<std::size_t>(kMostCycles * kPadding));
+  std::size_t at = kPadding / 2;
+  for (std::size_t j = at; j < last; ++j) {
+    if (std::norm(bins[j]) > std::norm(bins[at])) at = j;
+  }
+  const double covered = static_cast<double>(n * block) / static_cast<double>(squares.size());
+  const double scale = 2.0 / static_cast<double>(n);
+  Profile best = fit_depth(relative, squares,
+                           {.kind = Profile::Kind::periodic,
+                            .cycles = static_cast<double>(at) / kPadding / covered,
+                            .cosine = std::clamp(scale * bins[at].real(), -0.7, 0.7),
+                            .sine = std::clamp(-scale * bins[at].imag(), -0.7, 0.7)});
+  constexpr double kWorthPlacing = 5.0;  // nats
+  constexpr double kFinest = 0.01;       // cycles
+  for (double step = 0.5 / kPadding; best.gain_nats > kWorthPlacing && step > kFinest;
+       step *= 0.5) {
+    for (const double sign : {-1.0, 1.0}) {
+      Profile start = best;
+      start.cycles += sign * step;
+      const Profile beside = fit_depth(relative, squares, start);
+      if (beside.gain_nats <= best.gain_nats) continue;
+      best = beside;
+      break;
+    }
+  }
+  if (best.gain_nats > kWorthPlacing) {
+    best.fewest_cycles = end_of_cycles(relative, squares, best, -1.0);
+    best.most_cycles = end_of_cycles(relative, squares, best, 1.0);
   }
   best.surprise_nats = surprise_of_search(best.gain_nats, 2.0, 1.5 * kMostCycles);
   return best;
@@ -213,7 +267,7 @@ double foretold_nats(const std::vector<double>& squares, std::size_t values, dou
 
 /// White noise whose strength changes: at a moment, over a stretch, or periodically. The part's
 /// shape: 0 for steps with first, end and ratio of the variances; 1 for periodic with cycles over
-/// the record and depth.
+/// the record, depth, and the ends of the interval of the cycles.
 class VariableNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "variable_noise"; }
@@ -241,7 +295,8 @@ class VariableNoise final : public Effect {
       offer.part.shape = {0.0, static_cast<double>(best.first), static_cast<double>(best.end),
                           best.ratio};
     } else {
-      offer.part.shape = {1.0, best.cycles, std::hypot(best.cosine, best.sine)};
+      offer.part.shape = {1.0, best.cycles, std::hypot(best.cosine, best.sine), best.fewest_cycles,
+                          best.most_cycles};
     }
     return offer;
   }
@@ -286,10 +341,10 @@ class VariableNoise final : public Effect {
                                     from_s, to_s, factor)};
   }
   static Account tell_periodic(const Found& found, const std::vector<double>& shape) {
-    const double period_s = found.all.problem().span_s() / shape[1];
     const double depth_error = std::sqrt(4.0 / static_cast<double>(found.all.problem().size()));
-    const double resolution = 0.1 / shape[1];
-    return {.parameters = {positive_parameter("swing_period_s", period_s, resolution),
+    const double span_s = found.all.problem().span_s();
+    const double period_s = span_s / shape[1];
+    return {.parameters = {{"swing_period_s", period_s, span_s / shape[4], span_s / shape[3]},
                            parameter("variance_swing", shape[2], depth_error)},
             .sentence = fmt::format("The variance of the white noise swings by {:.0f} % around its "
                                     "mean, with a period of {:.3g} s.",
