@@ -102,6 +102,13 @@ class Zerorated(unittest.TestCase):
     def message(self):
         return decoded(self.receiver.recv(256))
 
+    def reload(self):
+        """Until its messages are numbered anew."""
+        self.process.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        while self.message()["sequence"] != 0:
+            pass
+
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
         while self.notification() != "STOPPING=1":
@@ -212,19 +219,13 @@ class Zerorated(unittest.TestCase):
     def test_goes_on_as_before_if_the_new_configuration_is_wrong(self):
         self.start()
         self.configure(("rate_hz = 104", "rate_hz = 105"))
-        self.process.send_signal(signal.SIGHUP)
-        time.sleep(0.3)
-        while self.message()["sequence"] != 0:
-            pass  # numbered anew after the reload
+        self.reload()
         self.assertIn("zerorated.toml:6:11", self.stop())
 
     def test_goes_on_as_before_if_the_new_configuration_cannot_be_followed(self):
         self.start()
         self.configure(("metrics.sock", "no-folder/metrics.sock"))
-        self.process.send_signal(signal.SIGHUP)
-        time.sleep(0.3)
-        while self.message()["sequence"] != 0:
-            pass  # numbered anew after the reload
+        self.reload()
         self.assertTrue((self.folder / "metrics.sock").exists())
         self.assertIn("not reloaded: " + str(self.folder / "no-folder/metrics.sock"), self.stop())
 
