@@ -57,7 +57,7 @@ std::string_view description(Finding finding) {
 void IntervalMedian::add(std::int64_t interval_ns) {
   const auto ns = static_cast<std::uint64_t>(interval_ns);
   const auto octave = static_cast<unsigned>(std::bit_width(ns)) - 1U;
-  const std::uint64_t step = octave >= 4 ? ns >> (octave - 4) : ns << (4 - octave);
+  const auto step = static_cast<std::size_t>(octave >= 4 ? ns >> (octave - 4) : ns << (4 - octave));
   const std::size_t bin = octave * kBinsPerOctave + (step - kBinsPerOctave);
   ++bins_[bin].count;
   bins_[bin].sum_ns += ns;
