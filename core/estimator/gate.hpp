@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/numeric.hpp"
+#include "core/estimator/prediction.hpp"
 
 namespace zerorate::core {
 
@@ -17,13 +18,17 @@ namespace zerorate::core {
 /// is over, the level is taken to have jumped by about what was measured last, and is learnt anew
 /// from that measurement; the noise, whose state a jump of the level does not change, is kept. So a
 /// jump is re-acquired at the (longest_knock_ticks + 1)th measurement after it.
+///
+/// Before the first measurement is confirmed (KalmanPredictor::State::is_confirmed) there is
+/// nothing to hold on to: one that is too far from it takes its place.
 struct Gate {
   float threshold_sigma = 0.0F;  ///< 0: no gate
   std::uint16_t longest_knock_ticks = 0;
 
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(threshold_sigma); }
-  [[nodiscard]] constexpr bool is_outlier(float residual, float variance) const {
-    return residual * residual > threshold_sigma * threshold_sigma * variance;
+  [[nodiscard]] constexpr bool is_outlier(const Innovation& expected) const {
+    return expected.residual_rad_s * expected.residual_rad_s >
+           threshold_sigma * threshold_sigma * expected.variance_rad2_s2;
   }
 };
 

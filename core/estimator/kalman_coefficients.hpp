@@ -2,8 +2,10 @@
 /// What the Kalman predictors of all axes share: the noise in the coordinates of the filter.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/estimator/gate.hpp"
 #include "core/estimator/pair_covariance.hpp"
@@ -57,9 +59,10 @@ struct KalmanCoefficients {
 
   float tick_s = 0.0F;
   Gate gate;
-  float bias_noise = 0.0F;  ///< what the bias gains in a tick [rad2/s2]
-  Drifts cross_noise{};     ///< covariance of that with what the drifts gain
-  Drifts drift_noise{};     ///< variance that the drifts gain
+  std::uint16_t confirmations = 1;  ///< measurements that must bear the first one out: of a second
+  float bias_noise = 0.0F;          ///< what the bias gains in a tick [rad2/s2]
+  Drifts cross_noise{};             ///< covariance of that with what the drifts gain
+  Drifts drift_noise{};             ///< variance that the drifts gain
   Drifts initial_variance{};
   Drifts initial_mean{};
   Drifts forgotten{};                             ///< alpha of the decaying modes
@@ -72,6 +75,7 @@ struct KalmanCoefficients {
                                         const TemperatureBlock<K>& temperature = {})
       : tick_s(modes.tick.in_seconds()),
         gate(innovation_gate),
+        confirmations(confirmations_at(modes.tick)),
         bias_noise(modes.one_tick().noise()) {
     for (std::size_t i = 0; i < R; ++i) {
       const DecayingMode& mode = modes.decaying[i];
@@ -101,6 +105,16 @@ struct KalmanCoefficients {
     const Transition<R, C> tick = modes.one_tick();
     cross_noise = cross_noise_of(tick);
     drift_noise = drift_noise_of(tick);
+  }
+
+  /// Whether drift i belongs to a warm-up or a ramp: it starts with a mean or with more variance
+  /// than its noise keeps up.
+  [[nodiscard]] constexpr bool is_transient(std::size_t i) const {
+    return initial_mean[i] != 0.0F || drift_noise[i] < 0.5F * forgotten[i] * initial_variance[i];
+  }
+  /// What a drift of 1 has put on the bias, if that ends with the drift: a ramp's stays.
+  [[nodiscard]] constexpr float contribution(std::size_t i) const {
+    return forgotten[i] > kSteady ? -1.0F / forgotten[i] : 0.0F;
   }
 
   [[nodiscard]] constexpr Drifts cross_noise_of(const Transition<R, C>& span) const {
@@ -186,6 +200,12 @@ struct KalmanCoefficients {
   }
 
  private:
+  static constexpr std::uint16_t confirmations_at(Duration tick) {
+    constexpr std::int64_t kMost = 0xFFFE;
+    return static_cast<std::uint16_t>(
+        std::clamp(Duration::seconds(1) / tick, std::int64_t{1}, kMost));
+  }
+
   [[gnu::always_inline]] static PairForgetting of_decaying(float first, float second) {
     return {Block{first, first, second, second}, all(0.0F)};
   }

@@ -37,8 +37,9 @@ class KalmanPredictor {
 
   /// Everything the filter remembers: plain data, may be stored and restored bit for bit.
   struct State {
-    bool calibrated = false;       ///< a first measurement has been seen
-    std::uint16_t rejected = 0;    ///< measurements since one was accepted (see Gate)
+    static constexpr std::uint16_t kNotMeasured = 0xFFFF;
+    std::uint16_t to_confirm = kNotMeasured;  ///< measurements that must still bear the first out
+    std::uint16_t rejected = 0;               ///< measurements since one was accepted (see Gate)
     float reference_rad_s = 0.0F;  ///< the first measurement; all else is relative to it, so that a
                                    ///< large bias does not use up the mantissa
     float bias_rad_s = 0.0F;       ///< s
@@ -47,6 +48,11 @@ class KalmanPredictor {
     Drifts drift{};            ///< w [rad/s a tick]; in the last pair slope and curvature, if any
     Drifts bias_covariance{};  ///< p = Cov(s, w)
     PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
+
+    [[nodiscard]] constexpr bool is_measured() const { return to_confirm != kNotMeasured; }
+    /// Nothing can contradict a first measurement but those that follow it: until they have for a
+    /// second, it may have been anything.
+    [[nodiscard]] constexpr bool is_confirmed() const { return to_confirm == 0; }
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
@@ -73,14 +79,30 @@ class KalmanPredictor {
   /// The bias may have changed by this much, unseen.
   constexpr void widen(float variance_rad2_s2) { state_.bias_variance += variance_rad2_s2; }
 
+  /// The sensor was switched on again: its warm-up and its ramp begin anew, each with another
+  /// amplitude or slope. What the warm-up before has put on the bias is gone, what a ramp has put
+  /// on it stays. docs/design/kalman-predictor.md, eq. 9b.
+  constexpr void restart_transients() {
+    const Coefficients& a = *coefficients_;
+    for (std::size_t i = 0; i < R; ++i) {
+      if (a.is_transient(i)) restart(i, a.initial_mean[i], a.initial_variance[i]);
+    }
+  }
+
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
-    if (!state_.calibrated) return observe_first(rate_rad_s, white_variance);
+    if (!state_.is_measured()) return observe_first(rate_rad_s, white_variance);
     const float measured = rate_rad_s - state_.reference_rad_s;
     const Innovation expected{.rejected = true,
                               .residual_rad_s = measured - state_.bias_rad_s,
                               .variance_rad2_s2 = state_.bias_variance + white_variance};
-    if (coefficients_->gate.is_on() && is_knock(expected)) return expected;
+    if (coefficients_->gate.is_on()) {
+      const bool is_outlier = coefficients_->gate.is_outlier(expected);
+      // One of the two is wrong, and nobody knows which: the newer one has to be borne out now.
+      if (is_outlier && !state_.is_confirmed()) return observe_first(rate_rad_s, white_variance);
+      if (is_knock(is_outlier, expected)) return expected;
+    }
+    if (!state_.is_confirmed()) --state_.to_confirm;
     Registers x{state_};
     const Innovation innovation = x.observe(measured, white_variance);
     x.store(state_);
@@ -89,7 +111,7 @@ class KalmanPredictor {
 
   /// advance() and observe() in one, which for a single tick without a gate is much quicker.
   constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
-    if (span.ticks == 1 && is_temperature_known(span) && state_.calibrated &&
+    if (span.ticks == 1 && is_temperature_known(span) && state_.is_confirmed() &&
         is_measurement(rate_rad_s, white_variance) && !coefficients_->gate.is_on()) {
       Registers x{state_};
       x.advance(*coefficients_, span);
@@ -102,13 +124,13 @@ class KalmanPredictor {
   }
 
   [[nodiscard]] constexpr float bias_rad_s(const Span& lead) const {
-    if (!state_.calibrated) return 0.0F;
+    if (!state_.is_measured()) return 0.0F;
     return state_.reference_rad_s +
            (state_.bias_rad_s + dot(Coefficients::movement(lead), state_.drift));
   }
 
   [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
-    if (!state_.calibrated) return {};
+    if (!state_.is_measured()) return {};
     const State& x = state_;
     const Drifts g = Coefficients::movement(lead);
     const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
@@ -118,7 +140,7 @@ class KalmanPredictor {
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
                                                             const Span& drive) const {
-    if (!state_.calibrated) return {};
+    if (!state_.is_measured()) return {};
     KalmanPredictor at_start = *this;
     at_start.advance(lead);
     return at_start.integrate(drive);
@@ -152,7 +174,7 @@ class KalmanPredictor {
 
   constexpr Innovation observe_first(float rate_rad_s, float white_variance) {
     // A diffuse level: s is what was measured, and its error is independent of the modes.
-    state_.calibrated = true;
+    state_.to_confirm = coefficients_->confirmations;
     state_.reference_rad_s = rate_rad_s;
     state_.bias_rad_s = 0.0F;
     state_.bias_variance = white_variance;
@@ -160,11 +182,26 @@ class KalmanPredictor {
     return {.accepted = true, .first = true, .variance_rad2_s2 = white_variance};
   }
 
+  /// Puts another drift in the place of drift i, independent of all that is known.
+  constexpr void restart(std::size_t i, float mean, float variance) {
+    State& x = state_;
+    const float share = coefficients_->contribution(i);
+    x.bias_rad_s += share * (mean - x.drift[i]);
+    x.bias_variance +=
+        share * (share * (x.covariance(i, i) + variance) - 2.0F * x.bias_covariance[i]);
+    for (std::size_t j = 0; j < x.drift.size(); ++j) {
+      x.bias_covariance[j] -= share * x.covariance(i, j);
+      x.covariance.set(i, j, 0.0F);
+    }
+    x.drift[i] = mean;
+    x.bias_covariance[i] = share * variance;
+    x.covariance.set(i, i, variance);
+  }
+
   /// Keeps account of what the gate makes of a measurement; false where it is to be learnt from.
-  constexpr bool is_knock(const Innovation& expected) {
+  constexpr bool is_knock(bool is_outlier, const Innovation& expected) {
     const Gate& gate = coefficients_->gate;
     const float square = expected.residual_rad_s * expected.residual_rad_s;
-    const bool is_outlier = gate.is_outlier(expected.residual_rad_s, expected.variance_rad2_s2);
     if (is_outlier && state_.rejected < gate.longest_knock_ticks) {
       ++state_.rejected;
       state_.doubt_variance = square * static_cast<float>(state_.rejected) /

@@ -15,6 +15,9 @@
 
 namespace zerorate::core {
 
+/// What a mode forgets in a tick that is not to decay but to move steadily (RateRamp).
+inline constexpr float kSteady = 0x1p-40F;
+
 /// One mode at the filter's tick.
 /// @tparam Scalar float for a decaying mode, Complex for a rotating one
 template <class Scalar>

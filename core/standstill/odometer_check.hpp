@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -17,8 +18,9 @@ namespace zerorate::core {
 /// it was before is a turn, until the rate is back or has stayed where it is for too long for a
 /// turn; and pulses without any change of the rate do not come from a vehicle that drives.
 ///
-/// The level matters only where a stop begins: far from the predicted bias it is either a bias that
-/// has changed, or the wire broke in a bend. Nothing is refused for that; it must last a while.
+/// The level matters only where a stop begins: far from the predicted bias, or before there is one
+/// from the stop before, it is either a bias that has changed, or the wire broke in a bend. Nothing
+/// is refused for that; it must last a while.
 ///
 /// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
 /// some thirty floating-point operations each.
@@ -47,9 +49,12 @@ class OdometerCheck {
     Duration shortest_pulse = Duration::microseconds(200);
   };
 
+  static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
   struct State {
-    Rates level_rad_s{};             ///< of late; while moving, one sample
-    Rates trusted_rad_s{};           ///< before it changed
+    Rates level_rad_s{};  ///< of late; while moving, one sample
+    /// Before it changed; as long as nothing is known no number, and so far from none.
+    Rates trusted_rad_s{kUnknown, kUnknown, kUnknown};
     Rates sum_rad_s{};               ///< of the window being filled
     std::uint16_t steady_ticks = 0;  ///< since the level changed
     std::uint16_t needed_ticks = 0;  ///< of them, until a changed level is believed
@@ -102,6 +107,7 @@ class OdometerCheck {
   /// A tick begins while the vehicle moves.
   constexpr void drive(const Rates& sample_rad_s) {
     count_down();
+    if (state_.stands && !state_.turns) state_.trusted_rad_s = state_.level_rad_s;
     if (state_.stands || !is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
       begin_at(sample_rad_s);
     } else {
@@ -165,8 +171,8 @@ class OdometerCheck {
     if (!state_.stands) {
       begin_at(mean);
       state_.stands = true;
-      state_.turns = predicted != nullptr && !is_near(mean, *predicted, turn_rad2_s2_);
       if (predicted != nullptr) state_.trusted_rad_s = *predicted;
+      state_.turns = !is_near(mean, state_.trusted_rad_s, turn_rad2_s2_);
       state_.needed_ticks = longest_bend_;
       return;
     }

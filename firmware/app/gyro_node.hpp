@@ -205,6 +205,15 @@ class GyroNode {
   [[nodiscard]] constexpr const Filter& filter(std::size_t axis) const {
     return axes_[axis].kalman.state();
   }
+  /// Whether that is worth keeping: each axis has a measurement, and others have borne it out.
+  [[nodiscard]] constexpr bool has_learnt() const {
+    return std::all_of(axes_.begin(), axes_.end(),
+                       [](const Axis& axis) { return axis.kalman.state().is_confirmed(); });
+  }
+  [[nodiscard]] static constexpr bool has_learnt(const State& state) {
+    return std::all_of(state.axes.begin(), state.axes.end(),
+                       [](const AxisState& axis) { return axis.kalman.is_confirmed(); });
+  }
   /// The temperature that the filters stand at, if they follow it: that of the newest measurement.
   [[nodiscard]] constexpr TickTemperature measured_temperature() const {
     return temperature_.measured();
@@ -219,8 +228,9 @@ class GyroNode {
   [[nodiscard]] static constexpr std::uint32_t ticks_since_measured(const State& state) {
     return state.average.tick + 1 - state.measured_ticks;
   }
-  /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, and
-  /// adds what the bias changes by while the power is off. Before the first sample.
+  /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
+  /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
+  /// the first sample.
   /// @param filter_of gives the filter of an axis: one at a time, to spare the stack
   template <class FilterOf>
   void resume(FilterOf filter_of, TickTemperature temperature, std::uint32_t ticks) {
@@ -358,7 +368,7 @@ constexpr RateMessage GyroNode<R, C, K, Capacity>::step_without_sample(core::Ins
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::describe(
     RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
-  message.health.calibrated = predicted_[0].is_available();
+  message.health.calibrated = predicted_[0].is_available() && has_learnt();
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
   message.health.odometer_disagreement = odometer_.disagrees();
@@ -545,6 +555,7 @@ void GyroNode<R, C, K, Capacity>::take_over(FilterOf filter_of, std::uint32_t ti
   for (std::size_t i = 0; i < kAxes; ++i) {
     axes_[i].kalman.restore(filter_of(i));
     axes_[i].kalman.advance(off);
+    axes_[i].kalman.restart_transients();
     axes_[i].kalman.widen(params_.turn_on_variance_rad2_s2);
   }
 }

@@ -14,7 +14,7 @@ namespace zerorate::app {
 
 /// The state of the node and of this sample. All false is good news but for `calibrated`.
 struct Health {
-  bool calibrated = false;          ///< a bias has been measured; without it nothing is corrected
+  bool calibrated = false;          ///< a bias was measured, and borne out for a second after it
   bool sample_refused = false;      ///< no rate: not finite, or beyond 1e6 rad/s
   bool time_refused = false;        ///< not after the sample before: no rate in this message
   bool saturated = false;           ///< an axis at full scale: the rate is a lower bound
@@ -37,7 +37,7 @@ struct AxisRate {
   core::AngularRate measured;
   core::AngularRate corrected;  ///< measured - bias
   core::AngularRate bias;
-  core::AngularRate sigma;  ///< standard deviation of the bias; infinite until calibrated
+  core::AngularRate sigma;  ///< standard deviation of the bias; infinite until measured
 
   constexpr bool operator==(const AxisRate&) const = default;
 };

@@ -27,10 +27,8 @@ enum class SnapshotRefusal : std::uint8_t {
   other_layout,    ///< of a version whose records mean something else
   other_model,     ///< of a node with other parameters
   other_sensor,
-  nothing_learnt,      ///< it was saved before the first standstill
-  turn_on_unknown,     ///< the power was off, and the model does not say what that changes
-  transient_at_start,  ///< the power was off, and the model has a warm-up or a ramp: each start is
-                       ///< unlike the one before
+  nothing_learnt,   ///< it was saved before the node was calibrated
+  turn_on_unknown,  ///< the power was off, and the model does not say what that changes
 };
 
 /// What became of a record that was taken up.
@@ -77,7 +75,7 @@ class Snapshot {
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
-  static constexpr std::uint16_t kLayout = 1;
+  static constexpr std::uint16_t kLayout = 2;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + kBytesOfTemperature + 4;
@@ -88,9 +86,7 @@ class Snapshot {
       : model_(fingerprint(params)),
         sensor_(sensor),
         tick_(params.modes.tick),
-        turn_on_is_known_(core::is_finite(params.turn_on_variance_rad2_s2)),
-        has_transient_(params.modes.start == core::Start::stationary &&
-                       !params.modes.is_stationary) {}
+        turn_on_is_known_(core::is_finite(params.turn_on_variance_rad2_s2)) {}
 
   /// A record for boards that lose their power.
   [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
@@ -102,8 +98,8 @@ class Snapshot {
   /// The same into the caller's memory.
   void write_filters(const Node& node, const SnapshotTime& time,
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
-    std::span<std::uint8_t> rest = begin(record, Content::filters, node.filter(0).calibrated,
-                                         node.ticks_since_measured(), time);
+    std::span<std::uint8_t> rest =
+        begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
     for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
@@ -112,7 +108,7 @@ class Snapshot {
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
                                                                  const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfState> record{};
-    auto rest = begin(record, Content::state, state.axes[0].kalman.calibrated,
+    auto rest = begin(record, Content::state, Node::has_learnt(state),
                       Node::ticks_since_measured(state), time);
     put(rest, state);
     finish(record);
@@ -202,6 +198,9 @@ class Snapshot {
     std::uint32_t crc_ = 0;
   };
 
+  /// Of what the numbers of a record were computed with. What decides only which samples are learnt
+  /// from (standstill, odometer) is not in it: a record means the same under other figures there,
+  /// and what is counted in it (silence, steady ticks) is compared with the new ones from then on.
   static constexpr std::uint32_t fingerprint(const Params& params) {
     Fingerprint print;
     print.add(std::uint32_t{sizeof(Filters)});
@@ -235,8 +234,6 @@ class Snapshot {
     print.add(params.gate.threshold_sigma);
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
-    print.add(params.standstill.settle);
-    print.add(params.standstill.hold_back);
     return print.value();
   }
 
@@ -294,7 +291,6 @@ class Snapshot {
     using core::Unexpected;
     if (header.calibrated == 0) return Unexpected{SnapshotRefusal::nothing_learnt};
     if (!turn_on_is_known_) return Unexpected{SnapshotRefusal::turn_on_unknown};
-    if (has_transient_) return Unexpected{SnapshotRefusal::transient_at_start};
     // A clock before 1970, or one that went backwards and so was set meanwhile, is as good as none.
     const bool has_clock = header.utc_s >= 0 && now.utc_s && *now.utc_s >= header.utc_s;
     core::Duration pause = kLongestPause;
@@ -311,7 +307,6 @@ class Snapshot {
   std::uint32_t sensor_;
   core::Duration tick_;
   bool turn_on_is_known_;
-  bool has_transient_;
 };
 
 }  // namespace zerorate::app

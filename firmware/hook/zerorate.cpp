@@ -225,7 +225,6 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
     case SnapshotRefusal::nothing_learnt:
       return ZERORATE_NOTHING_LEARNT;
     case SnapshotRefusal::turn_on_unknown:
-    case SnapshotRefusal::transient_at_start:
       break;
   }
   return ZERORATE_SNAPSHOT_NOT_USABLE;
@@ -329,7 +328,7 @@ zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t*
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
-  if (!instance->node.filter(0).calibrated) return ZERORATE_NOTHING_LEARNT;
+  if (!instance->node.has_learnt()) return ZERORATE_NOTHING_LEARNT;
   instance->snapshot.write_filters(
       instance->node, hook::snapshot_time(utc_s),
       std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});

@@ -137,7 +137,7 @@ typedef struct zerorate_config {
 
 /** All false is good news but for `calibrated`. */
 typedef struct zerorate_health {
-  bool calibrated;            /**< a bias has been measured; without it nothing is corrected */
+  bool calibrated;            /**< a bias was measured, and borne out for a second after it */
   bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
   bool time_refused;          /**< not after the sample before: no rate */
   bool saturated;             /**< an axis at full scale: the rate is a lower bound */
@@ -163,7 +163,7 @@ typedef struct zerorate_rate {
   zerorate_health health;
   float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias */
   float bias_rad_s[ZERORATE_AXES];
-  float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until calibrated */
+  float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
 } zerorate_rate;
 
 /** What the bias will add to a heading, as far as it can be told in advance. */
@@ -221,7 +221,7 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
 /**
  * Writes what has been learnt as a record for the time without power, ZERORATE_SNAPSHOT_BYTES long.
  * @param utc_s seconds since 1970, or ZERORATE_NO_CLOCK
- * @return ZERORATE_NOTHING_LEARNT before the first standstill, ZERORATE_BUFFER_TOO_SMALL
+ * @return ZERORATE_NOTHING_LEARNT before it is calibrated, ZERORATE_BUFFER_TOO_SMALL
  */
 zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t* record,
                               size_t capacity);

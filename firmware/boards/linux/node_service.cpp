@@ -40,8 +40,6 @@ std::string_view name_of(app::SnapshotRefusal refusal) {
       return "saved before anything was learnt";
     case app::SnapshotRefusal::turn_on_unknown:
       return "saved in another boot, and the model has no [turn_on]";
-    case app::SnapshotRefusal::transient_at_start:
-      return "saved in another boot, and the model has a warm-up or a ramp";
   }
   return "unknown";
 }

@@ -75,6 +75,46 @@ TEST_F(SettledFilter, IsNotLockedOutByAJumpOfAnySize) {
   }
 }
 
+/// A filter with a gate that has measured once.
+class FreshFilter : public SettledFilter {
+ protected:
+  FreshFilter() {
+    filter = KalmanPredictor<6, 0>{coefficients};
+    feed(-700.0F);
+  }
+};
+
+TEST_F(FreshFilter, IsConfirmedByASecondOfMeasurementsThatAgree) {
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_FALSE(filter.state().is_confirmed()) << k;
+    feed(normal(-700.0F));
+  }
+  EXPECT_TRUE(filter.state().is_confirmed());
+}
+
+TEST_F(FreshFilter, BeginsAnewFromAMeasurementThatContradictsTheFirst) {
+  feed(normal(-700.0F));
+  EXPECT_TRUE(feed(normal(100.0F)).first);
+  EXPECT_FALSE(filter.state().is_confirmed());
+  EXPECT_NEAR(predicted().bias_rad_s, 100.0F, 5.0F * predicted().sigma_rad_s());
+  for (int k = 0; k < 2; ++k) EXPECT_TRUE(feed(normal(100.0F)).accepted);
+  EXPECT_TRUE(filter.state().is_confirmed());
+  EXPECT_TRUE(feed(-700.0F).rejected);
+}
+
+TEST(FilterOfSlowTicks, IsConfirmedByASecondMeasurement) {
+  constexpr Duration kMinute = Duration::seconds(60);
+  const auto modes = compose(kMinute, Start::stationary, testing::flicker_like<6>(kMinute, 60.0));
+  const KalmanCoefficients<6, 0> coefficients{modes};
+  KalmanPredictor filter{coefficients};
+  EXPECT_FALSE(filter.state().is_measured());
+  filter.step(modes.one_tick(), 1.0F, kWhiteVariance);
+  EXPECT_TRUE(filter.state().is_measured());
+  EXPECT_FALSE(filter.state().is_confirmed());
+  filter.step(modes.one_tick(), 1.0F, kWhiteVariance);
+  EXPECT_TRUE(filter.state().is_confirmed());
+}
+
 TEST(GateThatIsNeverPassed, ChangesNothing) {
   const auto modes = compose(kTick, Start::stationary, testing::flicker_like<6>(kTick, 0.5));
   const KalmanCoefficients<6, 0> open{modes};

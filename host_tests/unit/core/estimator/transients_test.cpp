@@ -52,6 +52,20 @@ class TimeVaryingFilter {
     const Matrix keep = Matrix::Identity() - gain * h.transpose();
     p_ = (keep * p_ * keep.transpose() + kWhiteVariance * gain * gain.transpose()).eval();
   }
+  /// The power goes off and on: another amplitude and another slope, and time begins anew. What the
+  /// slope has put on the bias is the level's from now on.
+  void restart() {
+    Matrix to_new = Matrix::Identity();
+    to_new(0, 5) = ticks_ * kTickS;
+    to_new(4, 4) = to_new(5, 5) = 0.0;
+    x_ = to_new * x_;
+    p_ = (to_new * p_ * to_new.transpose()).eval();
+    x_(4) = double{kWarmUp.amplitude_rad_s};
+    p_(4, 4) = std::pow(double{kWarmUp.sigma_rad_s}, 2);
+    x_(5) = double{kRamp.slope_rad_s2};
+    p_(5, 5) = std::pow(double{kRamp.sigma_rad_s2}, 2);
+    ticks_ = 0.0;
+  }
   [[nodiscard]] double bias() const { return seen().dot(x_); }
   [[nodiscard]] double sigma() const { return std::sqrt(seen().dot(p_ * seen())); }
 
@@ -93,6 +107,37 @@ TEST(KalmanPredictorWithWarmUpAndRamp, EqualsAFilterOfConstantsSeenThroughChangi
     const Prediction prediction = filter.predict(modes.over(missed));
     ASSERT_NEAR(double{prediction.sigma_rad_s()} / oracle.sigma(), 1.0, 2e-4) << k;
     ASSERT_NEAR(double{prediction.bias_rad_s}, oracle.bias(), 2e-3 * oracle.sigma()) << k;
+  }
+}
+
+TEST(KalmanPredictorWithWarmUpAndRamp, LetsThemBeginAnew) {
+  const auto modes = compose(kTick, Start::stationary, kFlicker, kWarmUp, kRamp);
+  const KalmanCoefficients coefficients{modes};
+  KalmanPredictor filter{coefficients};
+  TimeVaryingFilter oracle;
+  std::mt19937_64 random{6};
+  std::normal_distribution<double> noise{0.0, std::sqrt(kWhiteVariance + 3.0)};
+  const auto measure = [&](int ticks, double level, double amplitude, double slope) {
+    for (int k = 1; k <= ticks; ++k) {
+      const double t = k * kTickS;
+      const auto y =
+          static_cast<float>(level + amplitude * std::exp(-t / 40.0) + slope * t + noise(random));
+      oracle.advance();
+      oracle.observe(double{y});
+      filter.step(modes.one_tick(), y, static_cast<float>(kWhiteVariance));
+    }
+  };
+  for (const int ticks : {300, 2000}) {
+    measure(ticks, 100.0, 24.0, -0.03);
+    filter.restart_transients();
+    oracle.restart();
+    const Prediction prediction = filter.predict(modes.over(0));
+    EXPECT_NEAR(double{prediction.sigma_rad_s()} / oracle.sigma(), 1.0, 1e-3) << ticks;
+    EXPECT_NEAR(double{prediction.bias_rad_s}, oracle.bias(), 2e-3 * oracle.sigma()) << ticks;
+    measure(200, 97.0, 35.0, 0.1);
+    const Prediction later = filter.predict(modes.over(0));
+    EXPECT_NEAR(double{later.sigma_rad_s()} / oracle.sigma(), 1.0, 1e-3) << ticks;
+    EXPECT_NEAR(double{later.bias_rad_s}, oracle.bias(), 1e-2 * oracle.sigma()) << ticks;
   }
 }
 

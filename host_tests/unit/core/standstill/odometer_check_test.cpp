@@ -97,9 +97,22 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
   check.drive(kBias);
   stand(check, turning(0.2F), 1, &kBias);
   EXPECT_FALSE(check.disagrees());
-  check.drive(kBias);
-  stand(check, turning(50.0F), 1);  // of a node that has learnt nothing yet
-  EXPECT_FALSE(check.disagrees());
+  OdometerCheck fresh = make_check();  // of a node that has learnt nothing yet
+  fresh.drive(kBias);
+  stand(fresh, turning(50.0F), 1);
+  EXPECT_FALSE(fresh.disagrees());
+}
+
+// The wire breaks in a bend before anything has been learnt.
+TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBeforeWhereNothingIsPredicted) {
+  OdometerCheck check = make_check();
+  stand(check, kBias, 4);
+  check.pulse(Duration::seconds(1));
+  for (int k = 0; k < 20; ++k) check.drive(turning(13.0F));
+  stand(check, turning(13.0F), 9);
+  EXPECT_TRUE(check.turns());
+  stand(check, turning(13.0F), 2);  // 5 s: no bend
+  EXPECT_FALSE(check.turns());
 }
 
 TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {

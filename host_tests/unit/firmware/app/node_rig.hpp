@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -69,7 +71,7 @@ inline void expect_same(const core::CalibrationMean<4, 0>::State& a,
 
 inline void expect_same(const core::KalmanPredictor<4, 0>::State& a,
                         const core::KalmanPredictor<4, 0>::State& b) {
-  EXPECT_EQ(a.calibrated, b.calibrated);
+  EXPECT_EQ(a.to_confirm, b.to_confirm);
   EXPECT_EQ(a.reference_rad_s, b.reference_rad_s);
   EXPECT_EQ(a.bias_rad_s, b.bias_rad_s);
   EXPECT_EQ(a.bias_variance, b.bias_variance);
@@ -118,7 +120,8 @@ inline void expect_same_held(Node::HoldBack a, Node::HoldBack b) {
 /// Every field, bit for bit; not memcmp, because padding has no value.
 inline void expect_same(const core::OdometerCheck::State& a, const core::OdometerCheck::State& b) {
   EXPECT_EQ(a.level_rad_s, b.level_rad_s);
-  EXPECT_EQ(a.trusted_rad_s, b.trusted_rad_s);
+  using Bits = std::array<std::uint32_t, 3>;  // may be no number, which equals nothing
+  EXPECT_EQ(std::bit_cast<Bits>(a.trusted_rad_s), std::bit_cast<Bits>(b.trusted_rad_s));
   EXPECT_EQ(a.sum_rad_s, b.sum_rad_s);
   EXPECT_EQ(a.steady_ticks, b.steady_ticks);
   EXPECT_EQ(a.needed_ticks, b.needed_ticks);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/noise/flicker.hpp"
+#include "core/noise/warm_up.hpp"
 #include "host_tests/support/checksum.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 
@@ -39,6 +41,10 @@ struct Learnt {
   Snapshot<Node> snapshot{params, kSensor};
   RateMessage last;
 };
+
+float bias_of(const Node& node) {
+  return node.bias(Predictor::kalman, 0).in(core::rad_per_s);
+}
 
 constexpr SnapshotTime kSaved{.session = {'a'}, .utc_s = 1'000'000};
 constexpr SnapshotTime after(std::int64_t seconds) {
@@ -201,12 +207,52 @@ TEST(SnapshotOfAModelThatDoesNotTellTheTurnOn, IsRefusedInAnotherSessionOnly) {
   EXPECT_EQ(*taken_up(params, record, kSaved, again), Resumption::continued);
 }
 
-TEST(SnapshotOfAModelWithAWarmUp, IsRefusedInAnotherSession) {
+// The oracle: the new amplitude's variance is all there at the start, and it is gone when the
+// warm-up is over.
+TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
+  constexpr float kAmplitude_rad_s = 4e-3F;
   Node::Params params = params_with_turn_on();
-  params.modes.is_stationary = false;
+  params.modes =
+      core::compose(params.modes.tick, core::Start::stationary,
+                    core::FlickerDecades<3>{.time_constant_s = {1.0F, 10.0F, 100.0F},
+                                            .variance_rad2_s2 = {1e-10F, 1e-10F, 1e-10F}},
+                    core::WarmUp{.sigma_rad_s = kAmplitude_rad_s, .time_constant_s = 20.0F});
   Learnt learnt{params};
-  EXPECT_EQ(refusal_of(learnt.snapshot.of_filters(learnt.node, kSaved), after(10), params),
-            SnapshotRefusal::transient_at_start);
+  Node again{params};
+  EXPECT_EQ(*taken_up(params, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again),
+            Resumption::aged);
+  const float variance = kAmplitude_rad_s * kAmplitude_rad_s + params.turn_on_variance_rad2_s2;
+  EXPECT_NEAR(again.predict(Predictor::kalman, 0).variance_rad2_s2 / variance, 1.0F, 0.1F);
+  EXPECT_NEAR(bias_of(again), kBias_rad_s, 5e-4F);
+  RateMessage last;
+  for (std::int64_t ms = 0; ms < 120'000; ms += 10) {
+    const float warm_up_rad_s = 2e-3F * std::exp(-static_cast<float>(ms) / 20'000.0F);
+    last = again.step(noisy_sample(at_ms(ms), kBias_rad_s + warm_up_rad_s));
+  }
+  EXPECT_EQ(last.health, Health{.calibrated = true});
+  EXPECT_NEAR(bias_of(again), kBias_rad_s, 5.0F * last.axes[0].sigma.in(core::rad_per_s));
+}
+
+TEST(SnapshotOfASingleMeasurement, IsRefusedSinceNothingHasBorneItOut) {
+  const Node::Params params = params_with_turn_on();
+  Node node{params};
+  for (std::int64_t ms = 0; ms < 1'900; ms += 10) {
+    (void)node.step(noisy_sample(at_ms(ms), kBias_rad_s));
+  }
+  ASSERT_TRUE(node.predict(Predictor::kalman, 0).is_available());
+  const auto record = Snapshot<Node>{params, kSensor}.of_filters(node, kSaved);
+  EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::nothing_learnt);
+}
+
+TEST(SnapshotOfANodeThatWaitedLonger, IsTakenUpForItsNumbersMeanTheSame) {
+  Learnt learnt;
+  Node::Params patient = params_with_turn_on();
+  patient.standstill.settle = core::Duration::seconds(3);
+  patient.standstill.slowest = core::Duration::seconds(20);
+  patient.odometer.turn_rad_s *= 2.0F;
+  Node again{patient};
+  EXPECT_EQ(*taken_up(patient, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again),
+            Resumption::aged);
 }
 
 }  // namespace
