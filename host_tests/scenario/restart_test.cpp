@@ -24,9 +24,12 @@ constexpr std::size_t kFirstRun = 3600;  ///< samples: half an hour
 constexpr std::size_t kDrive = 240;      ///< samples: two minutes
 constexpr std::uint64_t kRuns = 60;
 
-/// The paper's sensor, which is another by 10 deg/h after each switching-on.
+/// The paper's sensor, which is another by 10 deg/h after each switching-on. Its noise does not
+/// begin with the first sample, as in the paper's simulations, but has a past.
 model::SensorModel sensor() {
   model::SensorModel model = model::find_model("paper");
+  model.node.start = core::Start::stationary;
+  model.flicker->decades = 6;  // the slowest lag, 28 h, is longer than a night
   model.turn_on = model::TurnOn{.sigma_rad_s = kTurnOnSigmaRadS};
   return model;
 }

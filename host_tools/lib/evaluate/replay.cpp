@@ -178,7 +178,9 @@ class Run {
     if (!message.has_rate()) {
       ++result_.samples_refused;
     } else {
-      if (moving && message.health.calibrated) add_to_drive(message, truth);
+      // From the first measurement on, whether or not others have borne it out yet.
+      const bool has_bias = core::is_finite(message.axes[0].sigma.in(core::rad_per_s));
+      if (moving && has_bias) add_to_drive(message, truth);
       newest_ = message.time;
     }
     if (observer_.on_sample) {

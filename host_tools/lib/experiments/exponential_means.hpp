@@ -51,7 +51,7 @@ class ExponentialMeans {
     if (!sample.moving) {
       close_drive();
       learn(sample, elapsed_s);
-    } else if (sample.message.health.calibrated) {
+    } else if (core::is_finite(sample.message.axes[0].sigma.in(core::rad_per_s))) {
       driving_ = true;
       for_each_cell(sample, [&](Cell& cell, double rate_rad_s, double) {
         cell.drive.add(rate_rad_s - cell.mean_rad_s, elapsed_s);
