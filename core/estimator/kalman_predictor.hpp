@@ -102,7 +102,7 @@ class KalmanPredictor {
       if (is_outlier && !state_.is_confirmed()) return observe_first(rate_rad_s, white_variance);
       if (is_knock(is_outlier, expected)) return expected;
     }
-    if (!state_.is_confirmed()) --state_.to_confirm;
+    bear_out();
     Registers x{state_};
     const Innovation innovation = x.observe(measured, white_variance);
     x.store(state_);
@@ -111,8 +111,9 @@ class KalmanPredictor {
 
   /// advance() and observe() in one, which for a single tick without a gate is much quicker.
   constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
-    if (span.ticks == 1 && is_temperature_known(span) && state_.is_confirmed() &&
+    if (span.ticks == 1 && is_temperature_known(span) && state_.is_measured() &&
         is_measurement(rate_rad_s, white_variance) && !coefficients_->gate.is_on()) {
+      bear_out();
       Registers x{state_};
       x.advance(*coefficients_, span);
       const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
@@ -180,6 +181,10 @@ class KalmanPredictor {
     state_.bias_variance = white_variance;
     state_.bias_covariance = {};
     return {.accepted = true, .first = true, .variance_rad2_s2 = white_variance};
+  }
+
+  constexpr void bear_out() {
+    if (!state_.is_confirmed()) --state_.to_confirm;
   }
 
   /// Puts another drift in the place of drift i, independent of all that is known.

@@ -315,6 +315,7 @@ class GyroNode {
   bool has_sample_ = false;
   bool stop_open_ = false;
   bool pulses_lost_ = false;
+  bool calibrated_ = false;
 };
 
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
@@ -368,7 +369,7 @@ constexpr RateMessage GyroNode<R, C, K, Capacity>::step_without_sample(core::Ins
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::describe(
     RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
-  message.health.calibrated = predicted_[0].is_available() && has_learnt();
+  message.health.calibrated = calibrated_;
   message.health.pulses_lost = pulses_lost_;
   pulses_lost_ = false;
   message.health.odometer_disagreement = odometer_.disagrees();
@@ -475,6 +476,7 @@ template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::predict_tick() {
   update_lead();
   for (std::size_t i = 0; i < kAxes; ++i) predicted_[i] = predict(params_.published, i);
+  calibrated_ = predicted_[0].is_available() && has_learnt();
 }
 
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
