@@ -71,10 +71,10 @@ test('every message leaves within a sample period of its sample', () => {
 test('typing t gives lines for people, typing b frames again', () => {
   const rig = new Rig();
   rig.measureForEver([100, -200, 300]);
-  rig.board.run(3e6);
+  rig.board.run(4e6);  // calibrated
   rig.board.uart.sent.length = 0;
   rig.board.uart.receive('t'.charCodeAt(0));
-  rig.board.run(4e6);
+  rig.board.run(5e6);
   const lines = Buffer.from(rig.board.uart.sent).toString('latin1').split('\r\n').slice(2, -1);
   assert.ok(lines.length > 80, `${lines.length} lines`);
   for (const line of lines) {
@@ -82,7 +82,7 @@ test('typing t gives lines for people, typing b frames again', () => {
   }
   rig.board.uart.sent.length = 0;
   rig.board.uart.receive('b'.charCodeAt(0));
-  rig.board.run(4.5e6);
+  rig.board.run(5.5e6);
   assert.ok(rates(rig.frames).length > 40);
 });
 
