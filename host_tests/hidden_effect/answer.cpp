@@ -53,6 +53,19 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+void add_cause(const nlohmann::json& cause, Answer& answer) {
+  constexpr std::string_view kEnd = "_ci95";
+  answer.causes.push_back(cause.at("name"));
+  for (const auto& [key, interval] : cause.at("parameters").items()) {
+    if (!key.ends_with(kEnd) || interval[0].is_null() || interval[1].is_null()) continue;
+    answer.intervals[answer.causes.back()][key.substr(0, key.size() - kEnd.size())] = {
+        interval[0].get<double>(), interval[1].get<double>()};
+  }
+  for (const auto& rival : cause.at("alternatives")) {
+    answer.alternatives.push_back(rival.at("name"));
+  }
+}
+
 }  // namespace
 
 Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::path& recording) {
@@ -62,17 +75,8 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
   if (code > 1) throw std::runtime_error(fmt::format("zerorate diagnose ended with {}", code));
   const auto document = nlohmann::json::parse(std::ifstream{json});
   Answer answer{.verdict = document.at("verdict"), .gain = gain_in(document.at("gain"))};
-  for (const auto& cause : document.at("causes")) {
-    answer.causes.push_back(cause.at("name"));
-    constexpr std::string_view kEnd = "_ci95";
-    for (const auto& [key, interval] : cause.at("parameters").items()) {
-      if (!key.ends_with(kEnd) || interval[0].is_null() || interval[1].is_null()) continue;
-      answer.intervals[answer.causes.back()][key.substr(0, key.size() - kEnd.size())] = {
-          interval[0].get<double>(), interval[1].get<double>()};
-    }
-    for (const auto& rival : cause.at("alternatives")) {
-      answer.alternatives.push_back(rival.at("name"));
-    }
+  for (const char* list : {"causes", "further_causes"}) {
+    for (const auto& cause : document.at(list)) add_cause(cause, answer);
   }
   if ((code == 1) != (answer.verdict == "unexplained")) {
     throw std::runtime_error(fmt::format("exit code {} with {}", code, answer.verdict));

@@ -49,7 +49,8 @@ struct Cause {
 };
 
 inline constexpr double kAlternativeNats = 3.0;
-inline constexpr std::size_t kMostCauses = 3;
+inline constexpr std::size_t kMostCauses =
+    3;  ///< that are told first, and that are not plain to see
 
 /// A statistic of the recording beside what the base model makes of it in simulation.
 struct Misfit {
@@ -129,8 +130,7 @@ struct Diagnosis {
   double sample_period_s = 0.0;
   Verdict verdict = Verdict::consistent;
   bool is_base_given = false;  ///< the base model is not the best fit of white and 1/f noise
-  /// At most kMostCauses, strongest first; noise that wanders after functions of time or
-  /// temperature.
+  /// Strongest first; noise that wanders after functions of time or temperature.
   std::vector<Cause> causes;
   std::vector<Misfit> misfit;
   Adequacy base_adequacy;

@@ -73,12 +73,15 @@ Json axis_json(const Diagnosis& axis) {
             {"axis", axis.axis},
             {"verdict", name(axis.verdict)},
             {"causes", Json::array()},
+            {"further_causes", Json::array()},
             {"misfit", misfit_json(axis.misfit)},
             {"adequacy",
              {{"base", adequacy_json(axis.base_adequacy)},
               {"extended", adequacy_json(axis.extended_adequacy)}}},
             {"gain", gain_json(axis.gain)}};
-  for (const Cause& cause : axis.causes) json["causes"].push_back(cause_json(cause));
+  for (std::size_t i = 0; i < axis.causes.size(); ++i) {
+    json[i < kMostCauses ? "causes" : "further_causes"].push_back(cause_json(axis.causes[i]));
+  }
   return json;
 }
 

@@ -240,7 +240,7 @@ void Explanation::mark_replaced() {
 
 void Explanation::fit(const Explanation* before) {
   residual_ = coefficients_;
-  std::vector<SpectralBin> bins = bin_coefficients(*residual_);
+  std::vector<SpectralBin> bins = this->bins();
   std::vector<NoiseSpectrum> starts;
   if (before != nullptr) starts.push_back(before->noise().spectrum);
   const NoiseSpectrum rough = rough_spectrum(bins);
@@ -261,12 +261,23 @@ void Explanation::fit(const Explanation* before) {
   double reached = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
     fit_amplitudes();
-    bins = bin_coefficients(*residual_);
+    bins = this->bins();
     if (round > 0) starts = {noise_.spectrum};
     noise_ = fit_spectrum(bins, problem_->size(), terms_, starts);
     if (noise_.log_likelihood - reached < kConverged) break;
     reached = noise_.log_likelihood;
   }
+}
+
+/// Fine around the line that a part looks for.
+std::vector<SpectralBin> Explanation::bins() const {
+  std::size_t line = 0;
+  for (const Part& part : parts_) {
+    if (!part.terms.line) continue;
+    line = static_cast<std::size_t>(part.starts.front().line_angle / std::numbers::pi *
+                                    static_cast<double>(problem_->size()));
+  }
+  return bin_coefficients(*residual_, line);
 }
 
 std::vector<const Column*> Explanation::columns() const {
@@ -380,6 +391,7 @@ bool Explanation::is_coarse() const {
 Explanation::FastResidual Explanation::fast_residual() const {
   NoiseSpectrum white = noise_.spectrum;
   white.flicker_variance = white.walk_variance = white.markov_variance = 0.0;
+  white.line_variance = 0.0;
   std::vector<double> flat(residual().size());
   double kept = 0.0;
   for (std::size_t k = 1; k < flat.size(); ++k) {

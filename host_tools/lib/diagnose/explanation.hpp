@@ -159,6 +159,7 @@ class Explanation {
   [[nodiscard]] std::vector<double> replace_values() const;
   void fit(const Explanation* before);
   void fit_amplitudes();
+  [[nodiscard]] std::vector<SpectralBin> bins() const;
   [[nodiscard]] std::vector<const Column*> columns() const;
   [[nodiscard]] std::vector<double> density_below(std::size_t end) const;
 

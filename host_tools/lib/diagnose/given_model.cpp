@@ -37,14 +37,10 @@ NoiseSpectrum main_spectrum(const model::SensorModel& model, double period_s) {
   return noise;
 }
 
-/// A Gauss-Markov process moved to both sides of a frequency.
-double line_density(const model::Harmonic& line, double angle, double period_s) {
-  const NoiseSpectrum process = markov_spectrum(line.rms_rad_s, line.coherence_time_s / period_s);
-  const double centre = 2.0 * std::numbers::pi * line.frequency_hz * period_s;
-  const auto at = [&](double distance) {
-    return process.density(2.0 * std::abs(std::sin(0.5 * distance)), 0, 0);
-  };
-  return 0.5 * (at(angle - centre) + at(angle + centre));
+NoiseSpectrum line_spectrum(const model::Harmonic& line, double period_s) {
+  return {.line_variance = line.rms_rad_s * line.rms_rad_s,
+          .line_angle = 2.0 * std::numbers::pi * line.frequency_hz * period_s,
+          .line_samples = line.coherence_time_s / period_s};
 }
 
 std::vector<double> density_of(const Problem& problem, const model::SensorModel& model) {
@@ -54,13 +50,12 @@ std::vector<double> density_of(const Problem& problem, const model::SensorModel&
     parts.push_back(
         markov_spectrum(process.sigma_rad_s, process.time_constant_s / problem.period_s()));
   }
+  for (const model::Harmonic& line : model.harmonic) {
+    parts.push_back(line_spectrum(line, problem.period_s()));
+  }
   std::vector<double> density(n);
   for (std::size_t k = 1; k < n; ++k) {
     for (const NoiseSpectrum& part : parts) density[k] += part.density(problem.sines()[k], k, n);
-    const double angle = std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
-    for (const model::Harmonic& line : model.harmonic) {
-      density[k] += line_density(line, angle, problem.period_s());
-    }
   }
   return density;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include "host_tools/lib/identify/whittle_fit.hpp"
@@ -22,8 +23,12 @@ constexpr double kShortestMarkov = 0.5;  // samples
 constexpr double kLongestMarkov = 0.25;  // of the record
 constexpr double kWeakest = 1e-12;       // of the mean square: as good as nothing
 constexpr int kMostIterations = 60;
-constexpr double kConverged = 1e-5;  // nats
-constexpr int kMostParameters = 7;
+constexpr double kConverged = 1e-5;     // nats
+constexpr double kBroadestLine = 0.25;  // half its width at half its power, of its frequency
+/// The same of the narrowest: what the nodes of Explanation::density() still follow.
+constexpr double kNarrowestLine = 1e-3;
+constexpr double kLongestLine = 0.1;  // of the record
+constexpr int kMostParameters = 10;
 
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
 using Matrix =
@@ -72,21 +77,69 @@ double markov_ratio(double record_in_time_constants, std::size_t index) {
   return exact * (a * a + p * p) / (2.0 * a);
 }
 
+/// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
+/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form.
+class LineSide {
+ public:
+  LineSide(double coherence_samples, double distance, double width)
+      : decay_(1.0 / coherence_samples),
+        coth_(1.0 / std::tanh(0.5 * decay_)),
+        lo_(distance - 0.5 * width),
+        hi_(distance + 0.5 * width),
+        width_(width) {}
+
+  [[nodiscard]] double mean() const { return (integral(hi_) - integral(lo_)) / width_; }
+  [[nodiscard]] double slope_of_distance() const { return (kernel(hi_) - kernel(lo_)) / width_; }
+  [[nodiscard]] double slope_of_log_coherence() const {
+    return decay_ * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) /
+           width_;
+  }
+
+ private:
+  [[nodiscard]] double integral(double x) const {
+    const double turns = std::floor(0.5 * x / std::numbers::pi + 0.5);
+    return 2.0 * (std::atan(coth_ * std::tan(0.5 * x)) + turns * std::numbers::pi);
+  }
+  [[nodiscard]] double kernel(double x) const {
+    return std::sinh(decay_) / (std::cosh(decay_) - std::cos(x));
+  }
+  /// d integral / d coth.
+  [[nodiscard]] double slope_of_coth(double x) const {
+    const double sine = std::sin(0.5 * x);
+    const double cosine = std::cos(0.5 * x);
+    return 2.0 * sine * cosine / (cosine * cosine + coth_ * coth_ * sine * sine);
+  }
+
+  double decay_;
+  double coth_;
+  double lo_;
+  double hi_;
+  double width_;
+};
+
 /// The parts of a spectrum at one bin and the derivatives of its logarithm.
 class Density {
  public:
-  Density(const NoiseSpectrum& spectrum, double sine, std::size_t index, std::size_t size)
-      : spectrum_(spectrum), sine_(sine) {
+  /// @param count of the coefficients in the bin
+  Density(const NoiseSpectrum& spectrum, double sine, std::size_t index, std::size_t size,
+          double count = 1.0)
+      : spectrum_(spectrum),
+        sine_(sine),
+        angle_(2.0 * std::asin(std::min(0.5 * sine, 1.0))),
+        width_(std::numbers::pi * count / static_cast<double>(size)) {
     const double d = spectrum.order;
     white_ = spectrum.white_variance;
     flicker_ = spectrum.flicker_variance * std::exp(-2.0 * d * std::log(sine));
     if (index > 0) flicker_ *= RatioTable::get()(d, index);
     walk_ = spectrum.walk_variance / (sine * sine);
     if (spectrum.markov_variance > 0.0) add_markov(index, size);
+    if (spectrum.line_variance > 0.0) line_ = spectrum.line_density(angle_, width_);
     pass_ = spectrum.low_pass_gain(sine);
   }
 
-  [[nodiscard]] double total() const { return pass_ * inner() + spectrum_.rounding_variance; }
+  [[nodiscard]] double total() const {
+    return pass_ * inner() + line_ + spectrum_.rounding_variance;
+  }
 
   void derivatives(const NoiseTerms& terms, Vector& slope) const {
     const double share = pass_ / total();
@@ -99,11 +152,25 @@ class Density {
       slope(i++) = markov_ * share;
       slope(i++) = markov_ * markov_slope_ * share;
     }
+    if (terms.line) {
+      const double a = spectrum_.line_angle;
+      const LineSide below = line_side(-a);
+      const LineSide above = line_side(a);
+      const double unit = 0.5 * spectrum_.line_variance / total();
+      slope(i++) = line_ / total();
+      slope(i++) = unit * (above.slope_of_distance() - below.slope_of_distance()) * a *
+                   (1.0 - a / std::numbers::pi);
+      slope(i++) = unit * (above.slope_of_log_coherence() + below.slope_of_log_coherence());
+    }
     if (terms.low_pass) slope(i++) = low_pass_slope() * inner() * share;
   }
 
  private:
   [[nodiscard]] double inner() const { return white_ + flicker_ + walk_ + markov_; }
+
+  [[nodiscard]] LineSide line_side(double from) const {
+    return {spectrum_.line_samples, angle_ + from, width_};
+  }
 
   /// d log H / d logit a.
   [[nodiscard]] double low_pass_slope() const {
@@ -113,6 +180,9 @@ class Density {
              std::sin(std::numbers::pi * a);
     }
     const double square = sine_ * sine_;
+    if (spectrum_.low_pass_order == NoiseSpectrum::kTwoNeighbours) {
+      return 0.25 * square * a * (1.0 - a) / pass_;
+    }
     return (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
   }
 
@@ -130,13 +200,23 @@ class Density {
 
   const NoiseSpectrum& spectrum_;
   double sine_;
+  double angle_;
+  double width_;
   double white_ = 0.0;
   double flicker_ = 0.0;
   double walk_ = 0.0;
   double markov_ = 0.0;
   double markov_slope_ = 0.0;
+  double line_ = 0.0;
   double pass_ = 1.0;
 };
+
+/// Of a bin that begins at a coefficient, so that it does not blur a line.
+std::size_t width_near(std::size_t line, std::size_t first) {
+  if (line == 0) return std::numeric_limits<std::size_t>::max() / 2;
+  const std::size_t distance = line > first ? line - first : first - line;
+  return std::max<std::size_t>(1, distance / 10);
+}
 
 double logit(double share) {
   return std::log(share / (1.0 - share));
@@ -188,7 +268,8 @@ class Scoring {
     }
     SpectrumFit fit{.spectrum = unpack(theta, start), .log_likelihood = value};
     information.diagonal().array() += 1e-9;
-    fit.errors = name_errors(information.inverse().diagonal().cwiseMax(0.0).cwiseSqrt());
+    fit.errors =
+        name_errors(information.inverse().diagonal().cwiseMax(0.0).cwiseSqrt(), fit.spectrum);
     return fit;
   }
 
@@ -205,6 +286,11 @@ class Scoring {
     if (terms_.gauss_markov) {
       theta(i++) = std::log(std::max(s.markov_variance, weakest()));
       theta(i++) = std::log(s.markov_samples);
+    }
+    if (terms_.line) {
+      theta(i++) = std::log(std::max(s.line_variance, weakest()));
+      theta(i++) = logit(std::clamp(s.line_angle / std::numbers::pi, 1e-6, 1.0 - 1e-6));
+      theta(i++) = std::log(s.line_samples);
     }
     if (terms_.low_pass) theta(i++) = logit(std::clamp(s.low_pass_share, 1e-3, 0.999));
     theta.conservativeResize(i);
@@ -223,6 +309,11 @@ class Scoring {
       s.markov_variance = std::exp(theta(i++));
       s.markov_samples = std::exp(theta(i++));
     }
+    if (terms_.line) {
+      s.line_variance = std::exp(theta(i++));
+      s.line_angle = std::numbers::pi * share_of(theta(i++));
+      s.line_samples = std::exp(theta(i++));
+    }
     if (terms_.low_pass) {
       s.low_pass_share = share_of(theta(i++));
       s.low_pass_order = start.low_pass_order;
@@ -230,7 +321,7 @@ class Scoring {
     return s;
   }
 
-  [[nodiscard]] NoiseErrors name_errors(const Vector& errors) const {
+  [[nodiscard]] NoiseErrors name_errors(const Vector& errors, const NoiseSpectrum& spectrum) const {
     NoiseErrors named;
     Eigen::Index i = 0;
     named.log_white_variance = errors(i++);
@@ -240,6 +331,12 @@ class Scoring {
     if (terms_.gauss_markov) {
       named.log_markov_variance = errors(i++);
       named.log_markov_samples = errors(i++);
+    }
+    if (terms_.line) {
+      const double share = spectrum.line_angle / std::numbers::pi;
+      named.log_line_variance = errors(i++);
+      named.line_angle = errors(i++) * spectrum.line_angle * (1.0 - share);
+      named.log_line_samples = errors(i++);
     }
     if (terms_.low_pass) named.logit_low_pass_share = errors(i++);
     return named;
@@ -265,6 +362,17 @@ class Scoring {
                                 std::log(kLongestMarkov * static_cast<double>(size_)));
       i += 2;
     }
+    if (terms_.line) {
+      theta(i) = std::max(theta(i), floor);
+      theta(i + 1) = std::clamp(theta(i + 1), -14.0, 14.0);
+      const double angle = std::numbers::pi * share_of(theta(i + 1));
+      const double shortest = 1.0 / (kBroadestLine * angle);
+      const double longest =
+          std::min(1.0 / (kNarrowestLine * angle), kLongestLine * static_cast<double>(size_));
+      theta(i + 2) =
+          std::clamp(theta(i + 2), std::log(std::min(shortest, longest)), std::log(longest));
+      i += 3;
+    }
     if (terms_.low_pass) theta(i) = std::clamp(theta(i), -8.0, 8.0);
     return theta;
   }
@@ -278,7 +386,7 @@ class Scoring {
     Vector slope(theta.size());
     double value = 0.0;
     for (const SpectralBin& bin : bins_) {
-      const Density density(spectrum, bin.sine, bin.index, size_);
+      const Density density(spectrum, bin.sine, bin.index, size_, bin.count);
       const double total = density.total();
       const double excess = bin.mean_square / total;
       value -= 0.5 * bin.count * (std::log(total) + excess);
@@ -301,17 +409,24 @@ double NoiseSpectrum::low_pass_gain(double sine) const {
   const double a = low_pass_share;
   const double square = sine * sine;
   if (a >= 1.0) return 1.0;
-  if (low_pass_order == 0) return a * a / (a * a + (1.0 - a) * square);
+  if (low_pass_order == kTwoNeighbours) return 1.0 - 0.25 * (1.0 - a) * square;
+  if (low_pass_order == kRecursive) return a * a / (a * a + (1.0 - a) * square);
   const double cut_off = std::tan(0.5 * std::numbers::pi * a);
   const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off * cut_off);
   return 1.0 / (1.0 + std::pow(ratio, low_pass_order));
+}
+
+double NoiseSpectrum::line_density(double angle, double width) const {
+  return 0.5 * line_variance *
+         (LineSide(line_samples, angle - line_angle, width).mean() +
+          LineSide(line_samples, angle + line_angle, width).mean());
 }
 
 double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) const {
   return Density(*this, sine, index <= kSingleBins ? index : 0, size).total();
 }
 
-std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients) {
+std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients, std::size_t line) {
   const std::size_t n = coefficients.size();
   std::vector<SpectralBin> bins;
   for (std::size_t first = 1; first < n;) {
@@ -319,8 +434,9 @@ std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients) 
     const bool single = first <= kSingleBins;
     const auto end_width = std::max(
         kFewestInEnd, static_cast<std::size_t>(kShareOfEnd * static_cast<double>(n - first)));
-    const std::size_t end =
-        single ? first + 1 : std::min({std::max(grown, first + 1), first + end_width, n});
+    const std::size_t end = single ? first + 1
+                                   : std::min({std::max(grown, first + 1), first + end_width,
+                                               first + width_near(line, first), n});
     double sum = 0.0;
     for (std::size_t k = first; k < end; ++k) sum += coefficients[k] * coefficients[k];
     const auto count = static_cast<double>(end - first);

@@ -60,11 +60,11 @@ class Selector {
     Selection selection{state_, state_, {}, {}};
     std::vector<Candidate> candidates = candidates_for(state_, effects_);
     selection.evidence = evidence_of(candidates);
-    while (choices_.size() < kMostCauses && !candidates.empty() &&
+    while (has_room() && !candidates.empty() &&
            candidates.front().offer.surprise_nats > kLeastSurprise) {
       add(candidates);
       if (choices_.size() > 1) reconsider();
-      if (choices_.size() < kMostCauses) candidates = candidates_for(state_, effects_);
+      if (has_room()) candidates = candidates_for(state_, effects_);
     }
     for (Evidence& evidence : selection.evidence) {
       evidence.selected = std::ranges::any_of(
@@ -76,6 +76,13 @@ class Selector {
   }
 
  private:
+  /// With enough parts anything can be described, but not by parts that are plain to see.
+  [[nodiscard]] bool has_room() const {
+    constexpr double kPlain = 200.0;  // nats
+    const auto is_subtle = [](const Choice& choice) { return choice.surprise_nats < kPlain; };
+    return static_cast<std::size_t>(std::ranges::count_if(choices_, is_subtle)) < kMostCauses;
+  }
+
   void add(const std::vector<Candidate>& candidates) {
     std::vector<Part> parts = state_.parts();
     parts.push_back(candidates.front().offer.part);

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -82,6 +85,42 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, StrongEffect, ::testing::ValuesIn(cases()),
                          [](const auto& example) {
                            return std::string(simulate::name(example.param.effect));
                          });
+
+// A rotation that loses its phase, by the definition of the process and not by its spectrum.
+TEST(LineWhosePhaseWanders, IsAPeriodicDisturbanceWithItsWidth) {
+  constexpr double kFrequency = 1.3;
+  constexpr double kCoherence = 20.0;
+  constexpr double kRms = 0.03 * kRadPerDeg;
+  constexpr double kWhite = 0.1 * kRadPerDeg;
+  EvenSeries series{.period_s = kPeriod, .rate_rad_s = std::vector<double>(2 * kSamples)};
+  series.lost.resize(series.rate_rad_s.size());
+  const simulate::RandomStream noise(23);
+  const std::complex<double> turn =
+      std::polar(std::exp(-kPeriod / kCoherence), 2.0 * std::numbers::pi * kFrequency * kPeriod);
+  const double driven = kRms * std::sqrt(1.0 - std::norm(turn));
+  std::complex<double> phasor = kRms;
+  for (std::size_t k = 0; k < series.rate_rad_s.size(); ++k) {
+    const auto at = static_cast<std::int64_t>(3 * k);
+    series.rate_rad_s[k] = phasor.real() + kWhite * noise.normal(at);
+    phasor = phasor * turn + driven * std::complex(noise.normal(at + 1), noise.normal(at + 2));
+  }
+  const Problem problem(series, 1);
+  const auto effect = make_periodic_disturbance();
+  const Explanation without(problem, {});
+  const auto offer = effect->examine(without);
+  ASSERT_TRUE(offer.has_value());
+  EXPECT_GT(offer->surprise_nats, kLeastSurprise);
+  const Explanation with(problem, {offer->part}, &without);
+  const std::vector<Parameter> parameters = effect->tell({with, 0}).parameters;
+  const std::array<double, 3> truth{std::numbers::sqrt2 * kRms / kRadPerDeg, kFrequency,
+                                    kCoherence};
+  ASSERT_EQ(parameters.size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    // Half the interval is 1.96 standard errors: three of them.
+    const double reach = 3.0 / 3.92 * (parameters[i].hi - parameters[i].lo);
+    EXPECT_NEAR(parameters[i].value, truth[i], reach) << parameters[i].name;
+  }
+}
 
 // Blocks leave a thousand of these values over, whose variance is another by chance: that must not
 // count as a change of strength.

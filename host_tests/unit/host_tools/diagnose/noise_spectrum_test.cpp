@@ -75,6 +75,53 @@ TEST(SpectrumWithGaussMarkovNoise, IsFittedWithItsTimeConstant) {
   EXPECT_NEAR(result.spectrum.markov_samples, 40.0, 1.0);
 }
 
+/// Variance times the transform of phi^|k| cos(w0 k), as a sum over k.
+double line_power(double variance, double angle, double samples, double w) {
+  double sum = 1.0;
+  for (int k = 1; k < 40.0 * samples; ++k) {
+    sum += 2.0 * std::exp(-k / samples) * std::cos(angle * k) * std::cos(w * k);
+  }
+  return variance * sum;
+}
+
+TEST(SpectrumWithALineOfFiniteWidth, IsFittedFromABroaderLineBesideIt) {
+  constexpr double kAngle = 0.35;
+  constexpr double kCoherence = 150.0;
+  constexpr double kVariance = 0.02;
+  std::vector<double> coefficients(kSize);
+  for (std::size_t k = 1; k < kSize; ++k) {
+    const double w = std::numbers::pi * static_cast<double>(k) / static_cast<double>(kSize);
+    coefficients[k] = std::sqrt(1.0 + 0.01 / (2.0 * std::sin(0.5 * w)) +
+                                line_power(kVariance, kAngle, kCoherence, w));
+  }
+  const NoiseSpectrum start{.white_variance = 1.0,
+                            .flicker_variance = 0.02,
+                            .line_variance = 0.05,
+                            .line_angle = kAngle + 2.0 / kCoherence,
+                            .line_samples = 0.3 * kCoherence};
+  const auto line = static_cast<std::size_t>(start.line_angle / std::numbers::pi * kSize);
+  const SpectrumFit result =
+      fit_spectrum(bin_coefficients(coefficients, line), kSize, {.line = true}, std::vector{start});
+  EXPECT_NEAR(result.spectrum.line_angle, kAngle, 0.02 / kCoherence);
+  EXPECT_NEAR(result.spectrum.line_samples, kCoherence, 0.02 * kCoherence);
+  EXPECT_NEAR(result.spectrum.line_variance, kVariance, 0.02 * kVariance);
+  EXPECT_NEAR(result.spectrum.white_variance, 1.0, 0.002);
+  // The maximum has no slope: the derivatives are those of the density.
+  const SpectrumFit again = fit_spectrum(bin_coefficients(coefficients, line), kSize,
+                                         {.line = true}, std::vector{result.spectrum});
+  EXPECT_NEAR(again.log_likelihood, result.log_likelihood, 1e-3);
+}
+
+TEST(LineOfFiniteWidth, HasItsVarianceInAllBandsTogether) {
+  const NoiseSpectrum line{.line_variance = 0.3, .line_angle = 2.9, .line_samples = 7.0};
+  constexpr int kBands = 64;
+  double sum = 0.0;
+  for (int i = 0; i < kBands; ++i) {
+    sum += line.line_density(std::numbers::pi * (i + 0.5) / kBands, std::numbers::pi / kBands);
+  }
+  EXPECT_NEAR(sum / kBands, 0.3, 1e-9);
+}
+
 TEST(SpectrumBehindALowPass, IsFittedWithItsShare) {
   const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.01, .low_pass_share = 0.4};
   NoiseSpectrum start = truth;

@@ -100,7 +100,7 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
   const Problem& problem = explanation.problem();
   const MeanScan scan(explanation);
   for (const Part& part : explanation.parts()) {
-    if (part.effect != "periodic_disturbance") continue;
+    if (part.effect != "periodic_disturbance" || part.columns.empty()) continue;
     const double cycles = part.shape.front() * problem.period_s();
     double gain = 0.0;
     double freedom = 0.0;

@@ -10,13 +10,13 @@
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"
-#include "host_tools/lib/identify/characterize.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
-/// Kinds of low-pass that are tried: y += a (x - y), and Butterworth filters of these orders.
-constexpr std::array<int, 4> kOrders = {0, 1, 2, 4};
+/// Kinds of low-pass that are tried; the numbers are orders of Butterworth filters.
+constexpr std::array<int, 5> kOrders = {NoiseSpectrum::kRecursive, NoiseSpectrum::kTwoNeighbours, 1,
+                                        2, 4};
 
 /// The variance that is added behind the sensor's filter: by rounding to the levels of the record.
 /// Aliases and arithmetic fill up what the filter leaves below 2e-3 of the power; without them the
@@ -65,12 +65,7 @@ class SensorBandwidth final : public Effect {
   void extend(const Found& found, model::SensorModel& model) const override {
     const Problem& problem = found.all.problem();
     const NoiseSpectrum& noise = found.all.noise().spectrum;
-    const auto nanoseconds = [](double seconds) {
-      return core::Duration::nanoseconds(std::llround(seconds * 1e9));
-    };
-    const core::Duration tick = identify::identification_tick(nanoseconds(problem.span_s()),
-                                                              nanoseconds(problem.period_s()));
-    const double highest = 0.5 * problem.period_s() / (static_cast<double>(tick.ns()) * 1e-9);
+    const double highest = 0.5 * problem.period_s() / node_tick_s(problem);
     const double rounding = model.quantization ? 0.0 : noise.rounding_variance;
     const double kept = noise.white_variance * mean_gain(noise, highest) + rounding;
     model.white.angle_random_walk_rad_per_sqrt_s *=
@@ -90,7 +85,7 @@ class SensorBandwidth final : public Effect {
         start.white_variance = std::max(start.white_variance - start.rounding_variance,
                                         kLeastShare * start.white_variance);
         starts.push_back(start);
-        if (order > 0) continue;
+        if (order != NoiseSpectrum::kRecursive) continue;
         start.white_variance += start.flicker_variance;
         start.flicker_variance *= 0.1;
         starts.push_back(start);
@@ -99,10 +94,14 @@ class SensorBandwidth final : public Effect {
     return starts;
   }
 
-  /// Where the power is half of what it was, but for y += a (x - y) on a fast one: there that of
-  /// the resistor and capacitor that it stands for.
+  /// Where the power is half of what it was. Where that need not be below half the sample rate,
+  /// that of the resistor and capacitor that y += a (x - y) stands for, or of those with the same
+  /// loss at low frequencies.
   static double cut_off_hz(int order, double share, double period_s) {
     if (order > 0) return 0.5 * share / period_s;
+    if (order == NoiseSpectrum::kTwoNeighbours) {
+      return 1.0 / (std::numbers::pi * period_s * std::sqrt(1.0 - share));
+    }
     return -std::log1p(-share) / (2.0 * std::numbers::pi * period_s);
   }
 

@@ -1,6 +1,9 @@
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 
+#include <cmath>
 #include <vector>
+
+#include "host_tools/lib/identify/characterize.hpp"
 
 namespace zerorate::diagnose {
 
@@ -18,6 +21,15 @@ Parameter positive_parameter(std::string name, double value, double log_error) {
 
 Parameter parameter(std::string name, double value, double standard_error) {
   return {std::move(name), value, value - 1.96 * standard_error, value + 1.96 * standard_error};
+}
+
+double node_tick_s(const Problem& problem) {
+  const auto nanoseconds = [](double seconds) {
+    return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+  };
+  const core::Duration tick =
+      identify::identification_tick(nanoseconds(problem.span_s()), nanoseconds(problem.period_s()));
+  return static_cast<double>(tick.ns()) * 1e-9;
 }
 
 }  // namespace zerorate::diagnose

@@ -19,6 +19,9 @@ namespace zerorate::diagnose {
 /// A figure with a symmetric interval.
 [[nodiscard]] Parameter parameter(std::string name, double value, double standard_error);
 
+/// What the node averages over when it runs the model of this record.
+[[nodiscard]] double node_tick_s(const Problem& problem);
+
 /// How much an effect of this start may differ at the next one.
 inline constexpr double kShareOfNextStart = 0.3;
 
