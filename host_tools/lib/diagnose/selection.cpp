@@ -40,6 +40,12 @@ std::vector<Candidate> candidates_for(const Explanation& without,
   return candidates;
 }
 
+/// Not plain to see.
+bool is_subtle(const Choice& choice) {
+  constexpr double kPlain = 200.0;  // nats
+  return choice.surprise_nats < kPlain;
+}
+
 Choice choice_of(const std::vector<Candidate>& candidates) {
   const Candidate& best = candidates.front();
   Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
@@ -78,8 +84,6 @@ class Selector {
  private:
   /// With enough parts anything can be described, but not by parts that are plain to see.
   [[nodiscard]] bool has_room() const {
-    constexpr double kPlain = 200.0;  // nats
-    const auto is_subtle = [](const Choice& choice) { return choice.surprise_nats < kPlain; };
     return static_cast<std::size_t>(std::ranges::count_if(choices_, is_subtle)) < kMostCauses;
   }
 
@@ -90,10 +94,16 @@ class Selector {
     state_ = Explanation(problem_, std::move(parts), &state_);
   }
 
-  /// Each part but the latest, beside all others.
+  /// Each part but the latest, beside all others; but what is plain to see only beside the like of
+  /// it.
   void reconsider() {
+    const bool is_subtle_added = is_subtle(choices_.back());
     std::size_t i = 0;
     for (std::size_t left = choices_.size() - 1; left > 0; --left) {
+      if (is_subtle_added && !is_subtle(choices_[i])) {
+        ++i;
+        continue;
+      }
       std::vector<Part> others = state_.parts();
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
       const Explanation without(problem_, others, &state_);
