@@ -93,6 +93,11 @@ Test strongest_hump(const Explanation& explanation, const std::vector<double>& s
           log_of_smallest(least, widths)};
 }
 
+/// Not a line whose phase wanders, which has no columns.
+bool is_steady_tone(const Part& part) {
+  return part.effect == "periodic_disturbance" && !part.columns.empty();
+}
+
 /// What a tone of another shape than a sine has at whole multiples of its frequency.
 void test_harmonics(const Explanation& explanation, Tests& tests) {
   constexpr double kHighest = 6.0;
@@ -100,7 +105,7 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
   const Problem& problem = explanation.problem();
   const MeanScan scan(explanation);
   for (const Part& part : explanation.parts()) {
-    if (part.effect != "periodic_disturbance" || part.columns.empty()) continue;
+    if (!is_steady_tone(part)) continue;
     const double cycles = part.shape.front() * problem.period_s();
     double gain = 0.0;
     double freedom = 0.0;
@@ -124,7 +129,7 @@ void test_steadiness(const Explanation& explanation, Tests& tests) {
   const Problem& problem = explanation.problem();
   const MeanScan scan(explanation);
   for (const Part& part : explanation.parts()) {
-    if (part.effect != "periodic_disturbance") continue;
+    if (!is_steady_tone(part)) continue;
     const double rad_per_s = 2.0 * std::numbers::pi * part.shape.front();
     std::vector<Column> columns;
     for (const double phase : {0.0, 0.5 * std::numbers::pi}) {
