@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <kissfft/kissfft.hh>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
@@ -183,12 +185,71 @@ Test moving_tone(const std::vector<double>& values) {
   return {"a tone moves through the spectrum", log_of_smallest(least, places)};
 }
 
+/// Sums of `values` over each of `blocks`, turned back by an angle a value.
+std::vector<std::complex<double>> base_band(const std::vector<double>& values, double angle,
+                                            std::size_t blocks) {
+  const std::size_t length = values.size() / blocks;
+  std::vector<std::complex<double>> sums(blocks);
+  for (std::size_t k = 0; k < blocks * length; ++k) {
+    sums[k / length] += std::polar(values[k], -angle * static_cast<double>(k));
+  }
+  return sums;
+}
+
+/// The best log likelihood of a tone near an angle that moves at a constant rate.
+/// @param weighted Sigma^-1 y  @param density at the angle
+double gain_of_sweep(const std::vector<double>& weighted, double density, double angle,
+                     std::size_t blocks) {
+  const std::vector<std::complex<double>> slow = base_band(weighted, angle, blocks);
+  const kissfft<double> fft(blocks, false);
+  std::vector<std::complex<double>> turned(blocks);
+  std::vector<std::complex<double>> bins(blocks);
+  double most = 0.0;
+  const double fastest = 0.5 * static_cast<double>(blocks);
+  for (double sweep = -fastest; sweep <= fastest; sweep += 1.0) {
+    for (std::size_t i = 0; i < blocks; ++i) {
+      const double place = static_cast<double>(i) / static_cast<double>(blocks) - 0.5;
+      turned[i] = slow[i] * std::polar(1.0, -std::numbers::pi * sweep * place * place);
+    }
+    fft.transform(turned.data(), bins.data());
+    for (const std::complex<double>& bin : bins) most = std::max(most, std::norm(bin));
+  }
+  return most * density / static_cast<double>(weighted.size());
+}
+
+/// A line whose phase wanders has its power in no single sweep: under it, a likelihood ratio of
+/// e^t in favour of a given sweep has the probability e^(-t) (Markov's inequality). Sweeps that are
+/// wider than the blocks follow are those of MovingTone.
+void test_sweeping_line(const Explanation& explanation, Tests& tests) {
+  constexpr std::size_t kMostBlocks = 1024;
+  constexpr double kLinewidths = 16.0;
+  std::vector<Part> others;
+  std::ranges::copy_if(explanation.parts(), std::back_inserter(others),
+                       [](const Part& part) { return !part.terms.line; });
+  if (others.size() == explanation.parts().size()) return;
+  const Problem& problem = explanation.problem();
+  const Explanation without(problem, std::move(others), &explanation);
+  const NoiseSpectrum& noise = explanation.noise().spectrum;
+  const auto size = static_cast<double>(problem.size());
+  const auto blocks =
+      std::min(kMostBlocks, static_cast<std::size_t>(kLinewidths * size / noise.line_samples));
+  const auto index = static_cast<std::size_t>(noise.line_angle / std::numbers::pi * size);
+  const double sweep =
+      gain_of_sweep(without.weighted(), without.density()[index], noise.line_angle, blocks);
+  const double line = explanation.log_likelihood() - without.log_likelihood();
+  const double searched = 2.0 * std::log(static_cast<double>(blocks)) + std::log1p(2.0 * sweep);
+  tests.push_back({fmt::format("the tone at {:.4g} Hz sweeps, it does not wander at random",
+                               noise.line_angle / (2.0 * std::numbers::pi * problem.period_s())),
+                   std::min(0.0, line + searched - sweep)});
+}
+
 }  // namespace
 
 Tests test_spectrum_over_time(const Remainder& remainder) {
   Tests tests;
   test_patches(remainder, tests);
   tests.push_back(moving_tone(remainder.values));
+  test_sweeping_line(*remainder.explanation, tests);
   return tests;
 }
 
