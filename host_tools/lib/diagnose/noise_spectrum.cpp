@@ -27,7 +27,8 @@ constexpr double kConverged = 1e-5;     // nats
 constexpr double kBroadestLine = 0.25;  // half its width at half its power, of its frequency
 /// The same of the narrowest: what the nodes of Explanation::density() still follow.
 constexpr double kNarrowestLine = 1e-3;
-constexpr double kLongestLine = 0.1;  // of the record
+/// Of the record. A line that has lost its phase only a few times is no other than a sweep.
+constexpr double kLongestLine = 0.025;
 constexpr int kMostParameters = 10;
 
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;

@@ -76,6 +76,7 @@ class PeriodicDisturbance final : public Effect {
   /// Coefficients with more power than expected: by the likelihood of one factor for all of them.
   static std::optional<Run> strongest_window(const Explanation& without) {
     constexpr std::size_t kNarrowest = 8;
+    constexpr std::size_t kLowest = 128;  // so many half cycles, for 40 lost phases (fit_spectrum)
     const std::vector<double>& c = without.residual();
     std::vector<double> sums(c.size() + 1);
     for (std::size_t k = 1; k < c.size(); ++k) {
@@ -85,7 +86,8 @@ class PeriodicDisturbance final : public Effect {
     double most = 0.0;
     for (std::size_t width = kNarrowest; 4 * width <= c.size(); width *= 2) {
       const auto count = static_cast<double>(width);
-      for (std::size_t first = 2 * width; first + width <= c.size(); first += width / 4) {
+      for (std::size_t first = std::max(2 * width, kLowest); first + width <= c.size();
+           first += width / 4) {
         const double ratio = (sums[first + width] - sums[first]) / count;
         if (ratio <= 1.0) continue;
         const double gain = 0.5 * count * (ratio - 1.0 - std::log(ratio));
