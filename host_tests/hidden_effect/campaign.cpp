@@ -78,8 +78,6 @@ GainTally gains_of(const std::string& effect, const CampaignOptions& options) {
   cli::ProgressBar progress{effect};
   for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
     const Scenario scenario = draw_scenario(scenario_options, run);
-    const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
-    if (!(least < most)) continue;  // a coarse quantizer has left one level, and nothing to tell
     write_recording(scenario, recording);
     const Answer answer = diagnose(options.zerorate, recording);
     if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {

@@ -126,6 +126,8 @@ std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t
                     .description = describe(setting, effects),
                     .with_temperature = draws.with_probability(0.5),
                     .signal = compose(setting, effects)};
+  const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
+  if (!(least < most)) return std::nullopt;  // a coarse quantizer has left one level
   for (const SizedEffect& effect : effects) {
     scenario.truth.push_back(effect.name);
     scenario.figures[effect.name] = effect.figures;

@@ -49,8 +49,7 @@ struct Cause {
 };
 
 inline constexpr double kAlternativeNats = 3.0;
-inline constexpr std::size_t kMostCauses =
-    3;  ///< that are told first, and that are not plain to see
+inline constexpr std::size_t kMostCauses = 3;  ///< that are told first
 
 /// A statistic of the recording beside what the base model makes of it in simulation.
 struct Misfit {

@@ -46,6 +46,11 @@ bool is_subtle(const Choice& choice) {
   return choice.surprise_nats < kPlain;
 }
 
+bool is_slow(const Part& part) {
+  return !part.columns.empty() || part.terms.random_walk || part.terms.free_order ||
+         part.terms.gauss_markov;
+}
+
 Choice choice_of(const std::vector<Candidate>& candidates) {
   const Candidate& best = candidates.front();
   Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
@@ -82,9 +87,14 @@ class Selector {
   }
 
  private:
-  /// With enough parts anything can be described, but not by parts that are plain to see.
+  /// With enough parts anything can be described; but not by what is plain to see and no function
+  /// of time or slow noise.
   [[nodiscard]] bool has_room() const {
-    return static_cast<std::size_t>(std::ranges::count_if(choices_, is_subtle)) < kMostCauses;
+    std::size_t taken = 0;
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      if (is_subtle(choices_[i]) || is_slow(state_.parts()[i])) ++taken;
+    }
+    return taken < kMostCauses;
   }
 
   void add(const std::vector<Candidate>& candidates) {
@@ -100,7 +110,7 @@ class Selector {
     const bool is_subtle_added = is_subtle(choices_.back());
     std::size_t i = 0;
     for (std::size_t left = choices_.size() - 1; left > 0; --left) {
-      if (is_subtle_added && !is_subtle(choices_[i])) {
+      if ((is_subtle_added && !is_subtle(choices_[i])) || stands_beside_latest(i)) {
         ++i;
         continue;
       }
@@ -115,6 +125,21 @@ class Selector {
       }
       // What was added stands last now, so that the next earlier one is at place i again.
     }
+  }
+
+  /// A cause that was measured beside the rate and is beyond doubt may be the shadow of one other,
+  /// but not of several functions of time and slow noise: with enough of them those draw it too.
+  [[nodiscard]] bool stands_beside_latest(std::size_t i) const {
+    const Choice& choice = choices_[i];
+    if (!is_beyond_doubt(*choice.effect, choice.surprise_nats)) return false;
+    std::vector<Part> others;
+    for (std::size_t j = 0; j < choices_.size(); ++j) {
+      const bool is_latest = j + 1 == choices_.size();
+      if (j != i && (is_latest || !is_slow(state_.parts()[j]))) others.push_back(state_.parts()[j]);
+    }
+    const std::optional<Offer> offer =
+        choice.effect->examine(Explanation(problem_, std::move(others), &state_));
+    return offer && offer->surprise_nats > kLeastSurprise;
   }
 
   static std::vector<Evidence> evidence_of(const std::vector<Candidate>& candidates) {

@@ -36,8 +36,8 @@ inline constexpr double kLeastSurprise = 8.1;
 /// What causes the effect was measured beside the rate, and its part is beyond doubt.
 [[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprise_nats);
 
-/// Adds the most surprising effect until none is surprising enough, or kMostCauses of them are not
-/// plain to see. After each addition every
+/// Adds the most surprising effect until none is surprising enough, or there are kMostCauses beside
+/// what is plain to see. After each addition every
 /// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
 /// another takes its place if that explains more.
 [[nodiscard]] Selection select_effects(const Problem& problem,
