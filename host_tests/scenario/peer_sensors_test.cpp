@@ -193,7 +193,8 @@ void expect_honest(const Outcome& outcome) {
 
 // The drift of 4020 drives is known within 1.1 %, of which three standard errors are allowed around
 // what is the least for any filter that uses the same samples. The bar lies below that: it is what
-// one draw of 160 drives came to, whose standard error is 6 %: two of those are allowed.
+// one draw of 160 drives came to, whose standard error is 1 / sqrt(2 * 160) = 5.6 % at least: two
+// of those are allowed.
 void expect_at_the_floor(const PeerSensor& sensor) {
   const Outcome outcome = play<6>(sensor);
   const double floor_deg = least_drift_deg(sensor, 0.0);
@@ -203,7 +204,7 @@ void expect_at_the_floor(const PeerSensor& sensor) {
   EXPECT_NEAR(outcome.bias_sigma_dph() / sensor.bias_sigma_dph, 1.0, 0.01);
   EXPECT_NEAR(outcome.drift_deg() / floor_of_node_deg, 1.0, 3.0 / std::sqrt(2.0 * 4020.0));
   EXPECT_LT(floor_of_node_deg / floor_deg, 1.01);  // what the settle time costs
-  EXPECT_LE(outcome.drift_deg(), sensor.drift_bar_deg * (1.0 + 2.0 * 0.06));
+  EXPECT_LE(outcome.drift_deg(), sensor.drift_bar_deg * (1.0 + 2.0 / std::sqrt(2.0 * 160.0)));
   expect_honest(outcome);
 }
 
