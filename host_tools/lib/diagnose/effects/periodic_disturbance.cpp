@@ -64,13 +64,11 @@ class PeriodicDisturbance final : public Effect {
     if (without.terms().line) return std::nullopt;
     const std::optional<Run> window = strongest_window(without);
     if (!window) return std::nullopt;
-    Part part{.effect = name(), .terms = {.line = true}, .starts = starts_in(without, *window)};
-    std::vector<Part> parts = without.parts();
-    parts.push_back(part);
-    const Explanation with(without.problem(), std::move(parts), &without);
-    part.starts = {with.noise().spectrum};
-    const double gain = with.log_likelihood() - without.log_likelihood();
-    return Offer{std::move(part), gain, surprise_of_line(without, gain, 1.0)};
+    Offer offer = placed_offer_with(
+        without,
+        {.effect = name(), .terms = {.line = true}, .starts = starts_in(without, *window)});
+    offer.surprise_nats = surprise_of_line(without, offer.gain_nats, 1.0);
+    return offer;
   }
 
   /// Coefficients with more power than expected: by the likelihood of one factor for all of them.

@@ -35,15 +35,11 @@ class SensorBandwidth final : public Effect {
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     if (without.terms().low_pass) return std::nullopt;
-    Part part{.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)};
-    std::vector<Part> parts = without.parts();
-    parts.push_back(part);
-    const Explanation with(without.problem(), std::move(parts), &without);
-    // The kind is found; later fits need not try the others again.
-    part.starts = {with.noise().spectrum};
-    const double gain = with.log_likelihood() - without.log_likelihood();
+    Offer offer = placed_offer_with(
+        without, {.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)});
     const double search = std::log(static_cast<double>(kOrders.size()));
-    return Offer{std::move(part), gain, std::max(0.0, surprise_of_strength(gain) - search)};
+    offer.surprise_nats = std::max(0.0, surprise_of_strength(offer.gain_nats) - search);
+    return offer;
   }
 
   [[nodiscard]] Account tell(const Found& found) const override {

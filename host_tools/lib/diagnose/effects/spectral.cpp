@@ -7,10 +7,24 @@
 
 namespace zerorate::diagnose {
 
-Offer offer_with(const Explanation& without, Part part) {
+namespace {
+
+Explanation joined(const Explanation& without, const Part& part) {
   std::vector<Part> parts = without.parts();
   parts.push_back(part);
-  const Explanation with(without.problem(), std::move(parts), &without);
+  return {without.problem(), std::move(parts), &without};
+}
+
+}  // namespace
+
+Offer offer_with(const Explanation& without, Part part) {
+  const Explanation with = joined(without, part);
+  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+}
+
+Offer placed_offer_with(const Explanation& without, Part part) {
+  const Explanation with = joined(without, part);
+  part.starts = {with.noise().spectrum};
   return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
 }
 

@@ -13,6 +13,10 @@ namespace zerorate::diagnose {
 /// Adds the part to the hypothesis; its gain, without the surprise.
 [[nodiscard]] Offer offer_with(const Explanation& without, Part part);
 
+/// The same where the part has to be placed: its starts become the noise that was found, so that
+/// later fits need not search again.
+[[nodiscard]] Offer placed_offer_with(const Explanation& without, Part part);
+
 /// A positive figure, half of whose logarithm's standard error is given twice: value e^(+-1.96 se).
 [[nodiscard]] Parameter positive_parameter(std::string name, double value, double log_error);
 
