@@ -49,53 +49,79 @@ std::vector<double> mean_coefficients(const Explanation& explanation) {
 }
 
 /// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.
-std::vector<Band> simulated_allan(const Explanation& explanation,
-                                  std::span<const std::size_t> factors) {
-  const Problem& problem = explanation.problem();
-  const std::size_t n = problem.size();
-  const auto runs =
-      std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
-                 kFewestSimulations, kMostSimulations);
-  const std::vector<double> mean = mean_coefficients(explanation);
-  const simulate::RandomStream stream =
-      simulate::RandomStream(problem.seed()).substream("envelope");
-  std::vector<double> sums(factors.size());
-  std::vector<double> squares(factors.size());
-  std::vector<double> coefficients(n);
-  for (std::size_t run = 0; run < runs; ++run) {
-    stream.substream(run).fill_normal(0, coefficients);
-    coefficients[0] = 0.0;
-    for (std::size_t k = 1; k < n; ++k) {
-      coefficients[k] = mean[k] + coefficients[k] * std::sqrt(explanation.density()[k]);
-    }
-    const std::vector<double> rate = problem.transform().inverse(coefficients);
-    const std::vector<double> variances = identify::allan_variances(rate, factors);
-    for (std::size_t i = 0; i < factors.size(); ++i) {
-      const double log_deviation = 0.5 * std::log(std::max(variances[i], 1e-300));
-      sums[i] += log_deviation;
-      squares[i] += log_deviation * log_deviation;
-    }
+class SimulatedAllan {
+ public:
+  SimulatedAllan(const Explanation& explanation, std::span<const std::size_t> factors)
+      : problem_(&explanation.problem()),
+        mean_(mean_coefficients(explanation)),
+        sigma_(explanation.density()),
+        factors_(factors),
+        sums_(factors.size()),
+        squares_(factors.size()) {
+    for (double& sigma : sigma_) sigma = std::sqrt(sigma);
   }
-  const auto count = static_cast<double>(runs);
-  const double z = quantile_of_family(factors.size());
-  std::vector<Band> bands;
-  bands.reserve(factors.size());
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    const double middle = sums[i] / count;
-    const double spread =
-        std::sqrt(std::max(0.0, (squares[i] - count * middle * middle) / (count - 1.0)));
-    bands.push_back(
-        {std::exp(middle - z * spread), std::exp(middle), std::exp(middle + z * spread)});
-  }
-  return bands;
-}
 
+  /// One more simulation, by independent normal numbers.
+  void add(const std::vector<double>& normal) {
+    std::vector<double> coefficients(normal.size());
+    for (std::size_t k = 1; k < normal.size(); ++k) {
+      coefficients[k] = mean_[k] + normal[k] * sigma_[k];
+    }
+    const std::vector<double> rate = problem_->transform().inverse(coefficients);
+    const std::vector<double> variances = identify::allan_variances(rate, factors_);
+    for (std::size_t i = 0; i < factors_.size(); ++i) {
+      const double log_deviation = 0.5 * std::log(std::max(variances[i], 1e-300));
+      sums_[i] += log_deviation;
+      squares_[i] += log_deviation * log_deviation;
+    }
+    count_ += 1.0;
+  }
+
+  [[nodiscard]] std::vector<Band> bands() const {
+    const double z = quantile_of_family(factors_.size());
+    std::vector<Band> bands;
+    bands.reserve(factors_.size());
+    for (std::size_t i = 0; i < factors_.size(); ++i) {
+      const double middle = sums_[i] / count_;
+      const double spread =
+          std::sqrt(std::max(0.0, (squares_[i] - count_ * middle * middle) / (count_ - 1.0)));
+      bands.push_back(
+          {std::exp(middle - z * spread), std::exp(middle), std::exp(middle + z * spread)});
+    }
+    return bands;
+  }
+
+ private:
+  const Problem* problem_;
+  std::vector<double> mean_;
+  std::vector<double> sigma_;
+  std::span<const std::size_t> factors_;
+  std::vector<double> sums_;
+  std::vector<double> squares_;
+  double count_ = 0.0;
+};
+
+/// Both hypotheses are simulated with the same random numbers.
 std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& extended) {
   const Problem& problem = base.problem();
   const auto factors = identify::averaging_factors(problem.size(), kTausPerDecade);
   const std::vector<double> measured = identify::allan_variances(problem.rate_rad_s(), factors);
-  const std::vector<Band> before = simulated_allan(base, factors);
-  const std::vector<Band> after = simulated_allan(extended, factors);
+  SimulatedAllan simulated_base(base, factors);
+  SimulatedAllan simulated_extended(extended, factors);
+  const std::size_t n = problem.size();
+  const auto runs =
+      std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
+                 kFewestSimulations, kMostSimulations);
+  const simulate::RandomStream stream =
+      simulate::RandomStream(problem.seed()).substream("envelope");
+  std::vector<double> normal(n);
+  for (std::size_t run = 0; run < runs; ++run) {
+    stream.substream(run).fill_normal(0, normal);
+    simulated_base.add(normal);
+    simulated_extended.add(normal);
+  }
+  const std::vector<Band> before = simulated_base.bands();
+  const std::vector<Band> after = simulated_extended.bands();
   std::vector<CurvePoint> curve;
   curve.reserve(factors.size());
   for (std::size_t i = 0; i < factors.size(); ++i) {

@@ -126,6 +126,8 @@ Problem::Problem(const EvenSeries& series, std::uint64_t seed)
   const std::size_t n = transform_.length();
   rate_.assign(series.rate_rad_s.begin(),
                series.rate_rad_s.begin() + static_cast<std::ptrdiff_t>(n));
+  lost_ = std::make_shared<const std::vector<bool>>(
+      series.lost.begin(), series.lost.begin() + static_cast<std::ptrdiff_t>(n));
   median_ = median_of(rate_);
   for (double& rate : rate_) rate -= median_;
   for (std::size_t k = 0; k < n; ++k) {
@@ -149,7 +151,8 @@ Explanation::Explanation(const Problem& problem, std::vector<Part> parts, const 
   for (const Part& part : parts_) terms_ = terms_ | part.terms;
   mark_replaced();
   const bool is_as_before =
-      before != nullptr && is_replaced_ == before->is_replaced_ && clipped() == before->clipped();
+      before != nullptr && clipped() == before->clipped() &&
+      (is_replaced_ == before->is_replaced_ || is_replaced() == before->is_replaced());
   if (is_as_before) {
     clean_ = before->clean_;
     coefficients_ = before->coefficients_;
@@ -206,18 +209,19 @@ std::vector<double> Explanation::replace_values() const {
   const std::size_t n = problem_->size();
   const std::vector<double>& rate = problem_->rate_rad_s();
   std::vector<double> clean = rate;
-  if (std::ranges::find(is_replaced_, true) == is_replaced_.end()) return clean;
+  const std::vector<bool>& is_replaced = this->is_replaced();
+  if (std::ranges::find(is_replaced, true) == is_replaced.end()) return clean;
   const Range range = clipped();
-  const double sigma = rough_sigma(rate, is_replaced_);
+  const double sigma = rough_sigma(rate, is_replaced);
   const simulate::RandomStream noise =
       simulate::RandomStream(problem_->seed()).substream("replaced values");
   for (std::size_t first = 0; first < n; ++first) {
-    if (!is_replaced_[first]) continue;
-    const auto end = static_cast<std::size_t>(
-        std::find(is_replaced_.begin() + static_cast<std::ptrdiff_t>(first), is_replaced_.end(),
-                  false) -
-        is_replaced_.begin());
-    const Bridge bridge(rate, is_replaced_, first, end);
+    if (!is_replaced[first]) continue;
+    const auto end =
+        static_cast<std::size_t>(std::find(is_replaced.begin() + static_cast<std::ptrdiff_t>(first),
+                                           is_replaced.end(), false) -
+                                 is_replaced.begin());
+    const Bridge bridge(rate, is_replaced, first, end);
     for (std::size_t k = first; k < end; ++k) {
       const double uniform = noise.uniform(static_cast<std::int64_t>(k));
       clean[k] = draw_beyond(range, rate[k], bridge.at(k), sigma, uniform);
@@ -228,14 +232,17 @@ std::vector<double> Explanation::replace_values() const {
 }
 
 void Explanation::mark_replaced() {
-  const std::size_t n = problem_->size();
-  const std::vector<bool>& lost = problem_->series().lost;
-  is_replaced_.assign(lost.begin(), lost.begin() + static_cast<std::ptrdiff_t>(n));
+  is_replaced_ = problem_->lost();
+  if (std::ranges::all_of(parts_, [](const Part& part) { return part.replaced.empty(); })) return;
+  std::vector<bool> is_replaced = *is_replaced_;
   for (const Part& part : parts_) {
     for (const Run& run : part.replaced) {
-      for (std::size_t k = run.first; k < std::min(run.end, n); ++k) is_replaced_[k] = true;
+      for (std::size_t k = run.first; k < std::min(run.end, is_replaced.size()); ++k) {
+        is_replaced[k] = true;
+      }
     }
   }
+  is_replaced_ = std::make_shared<const std::vector<bool>>(std::move(is_replaced));
 }
 
 void Explanation::fit(const Explanation* before) {
@@ -389,13 +396,13 @@ bool Explanation::is_coarse() const {
 }
 
 Explanation::FastResidual Explanation::fast_residual() const {
-  NoiseSpectrum white = noise_.spectrum;
-  white.flicker_variance = white.walk_variance = white.markov_variance = 0.0;
-  white.line_variance = 0.0;
+  const NoiseSpectrum& noise = noise_.spectrum;
   std::vector<double> flat(residual().size());
   double kept = 0.0;
   for (std::size_t k = 1; k < flat.size(); ++k) {
-    if (white.density(problem_->sines()[k], 0, flat.size()) < 0.5 * density()[k]) continue;
+    const double white =
+        noise.low_pass_gain(problem_->sines()[k]) * noise.white_variance + noise.rounding_variance;
+    if (white < 0.5 * density()[k]) continue;
     flat[k] = residual()[k] / std::sqrt(density()[k]);
     kept += 1.0;
   }

@@ -31,6 +31,8 @@ class Problem {
   }
   [[nodiscard]] double span_s() const { return time_s(size()); }
   [[nodiscard]] const EvenSeries& series() const { return *series_; }
+  /// Of the values that are used, those that are lost.
+  [[nodiscard]] const std::shared_ptr<const std::vector<bool>>& lost() const { return lost_; }
   /// Deviation from the median [rad/s].
   [[nodiscard]] const std::vector<double>& rate_rad_s() const { return rate_; }
   [[nodiscard]] double median_rad_s() const { return median_; }
@@ -53,6 +55,7 @@ class Problem {
  private:
   const EvenSeries* series_;
   std::vector<double> rate_;
+  std::shared_ptr<const std::vector<bool>> lost_;
   double median_ = 0.0;
   std::optional<LevelLattice> lattice_;
   spectrum::CosineTransform transform_;
@@ -148,7 +151,7 @@ class Explanation {
   };
   [[nodiscard]] FastResidual fast_residual() const;
   /// Values that are replaced, by any part, or lost.
-  [[nodiscard]] const std::vector<bool>& is_replaced() const { return is_replaced_; }
+  [[nodiscard]] const std::vector<bool>& is_replaced() const { return *is_replaced_; }
 
  private:
   using Values = std::shared_ptr<const std::vector<double>>;
@@ -169,7 +172,7 @@ class Explanation {
   SpectrumFit noise_;
   Eigen::VectorXd amplitudes_;
   Eigen::MatrixXd covariance_;
-  std::vector<bool> is_replaced_;
+  std::shared_ptr<const std::vector<bool>> is_replaced_;
   Values clean_;
   Values coefficients_;  ///< of what is clean
   Values residual_;

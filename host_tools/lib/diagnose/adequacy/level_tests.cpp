@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 
@@ -58,33 +59,83 @@ Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
            log_of_smallest(least, places)}};
 }
 
+/// The probability of each of the levels within reach of a predicted value, whose error is normal,
+/// for values that lie so many times `1 / places` of a step above a level.
+class LevelShares {
+ public:
+  /// @param sigma of a prediction, in steps
+  explicit LevelShares(double sigma)
+      : places_(std::max<std::ptrdiff_t>(1, std::lround(kPlacesPerSigma / sigma))),
+        reach_(static_cast<std::ptrdiff_t>(kReach * sigma) + 2),
+        shares_(static_cast<std::size_t>(places_ * width())) {
+    auto share = shares_.begin();
+    for (std::ptrdiff_t place = 0; place < places_; ++place) {
+      const double above = static_cast<double>(place) / static_cast<double>(places_);
+      double below = 0.0;
+      for (std::ptrdiff_t level = -reach_; level <= reach_; ++level) {
+        const double end = (static_cast<double>(level) + 0.5 - above) / sigma;
+        const double up_to = 0.5 * std::erfc(-end / std::numbers::sqrt2);
+        *share++ = up_to - below;
+        below = up_to;
+      }
+    }
+  }
+
+  /// Rounded to a place.
+  [[nodiscard]] std::int64_t place_of(double predicted) const {
+    return std::llround(predicted * static_cast<double>(places_));
+  }
+
+  /// Adds what so many values predicted at a place let each level expect.
+  void add(std::int64_t place, double values, std::vector<double>& expected) const {
+    const std::ptrdiff_t above = (place % places_ + places_) % places_;
+    const std::ptrdiff_t lowest = (place - above) / places_ - reach_;
+    const auto levels = static_cast<std::ptrdiff_t>(expected.size());
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -lowest);
+         i < std::min(width(), levels - lowest); ++i) {
+      expected[static_cast<std::size_t>(lowest + i)] +=
+          values * shares_[static_cast<std::size_t>(above * width() + i)];
+    }
+  }
+
+ private:
+  static constexpr double kReach = 6.0;              // standard deviations
+  static constexpr double kPlacesPerSigma = 1024.0;  // a share is off by 1e-7 of itself on average
+
+  [[nodiscard]] std::ptrdiff_t width() const { return 2 * reach_ + 1; }
+
+  std::ptrdiff_t places_;
+  std::ptrdiff_t reach_;
+  std::vector<double> shares_;  ///< of the levels from -reach to reach, place after place
+};
+
 /// How many values the noise lets each level of a lattice expect: every value predicted from all
 /// others, with a normal error before rounding.
 std::vector<double> expected_counts(const Explanation& explanation, const LevelLattice& lattice,
                                     std::vector<double>& counts) {
-  constexpr double kReach = 6.0;  // standard deviations
   const double information = explanation.information();
   const double rounding = lattice.step * lattice.step / 12.0;
-  const double sigma = std::sqrt(std::max(1.0 / information - rounding, rounding));
+  const LevelShares shares(std::sqrt(std::max(1.0 / information - rounding, rounding)) /
+                           lattice.step);
   const std::vector<double>& rate = explanation.problem().rate_rad_s();
   const std::vector<double>& weighted = explanation.weighted();
   const auto levels = static_cast<std::ptrdiff_t>(lattice.counts.size());
-  const auto reach = static_cast<std::ptrdiff_t>(kReach * sigma / lattice.step) + 2;
   counts.assign(lattice.counts.size(), 0.0);
-  std::vector<double> expected(lattice.counts.size());
-  for (std::size_t k = 0; k < explanation.problem().size(); ++k) {
+  std::vector<std::int64_t> places;
+  places.reserve(rate.size());
+  for (std::size_t k = 0; k < rate.size(); ++k) {
     if (explanation.is_replaced()[k]) continue;
     const std::ptrdiff_t level = std::lround((rate[k] - lattice.offset) / lattice.step);
     if (level >= 0 && level < levels) counts[static_cast<std::size_t>(level)] += 1.0;
-    const double predicted = (rate[k] - weighted[k] / information - lattice.offset) / lattice.step;
-    const std::ptrdiff_t centre = std::lround(predicted);
-    double below = 0.0;
-    for (std::ptrdiff_t at = centre - reach; at <= centre + reach; ++at) {
-      const double end = (static_cast<double>(at) + 0.5 - predicted) * lattice.step / sigma;
-      const double up_to = 0.5 * std::erfc(-end / std::numbers::sqrt2);
-      if (at >= 0 && at < levels) expected[static_cast<std::size_t>(at)] += up_to - below;
-      below = up_to;
-    }
+    const double predicted = rate[k] - weighted[k] / information - lattice.offset;
+    places.push_back(shares.place_of(predicted / lattice.step));
+  }
+  std::ranges::sort(places);
+  std::vector<double> expected(lattice.counts.size());
+  for (auto first = places.begin(); first != places.end();) {
+    const auto end = std::find_if(first, places.end(), [&](auto place) { return place != *first; });
+    shares.add(*first, static_cast<double>(end - first), expected);
+    first = end;
   }
   return expected;
 }

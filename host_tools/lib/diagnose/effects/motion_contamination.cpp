@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <span>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
@@ -27,67 +28,6 @@ struct Event {
   double peak_rad_s = 0.0;
 };
 
-/// Gains of a half-sine of unit peak and of one length at all places: a matched filter on
-/// Sigma^-1 y, which follows from one place to the next by turning the sum of e^(i pi k / length).
-class Matched {
- public:
-  explicit Matched(const Explanation& explanation) : explanation_(&explanation) {}
-
-  /// Calls visit(place, gain, amplitude) for every place that the pulse fits in.
-  template <class Visit>
-  void scan(std::size_t length, Visit visit) const {
-    const std::vector<double>& weighted = explanation_->weighted();
-    const double information = information_of(length);
-    const double rounding = explanation_->rounding_rad_s();
-    const double turn = std::numbers::pi / static_cast<double>(length);
-    const std::complex<double> back = std::polar(1.0, -turn);
-    const std::complex<double> first = std::polar(1.0, 0.5 * turn);
-    const std::complex<double> last = std::polar(1.0, turn * (static_cast<double>(length) - 0.5));
-    std::complex<double> sum;
-    for (std::size_t i = 0; i < length; ++i) {
-      sum += weighted[i] * std::polar(1.0, turn * (static_cast<double>(i) + 0.5));
-    }
-    for (std::size_t at = 0;; ++at) {
-      const double amplitude = sum.imag() / information;
-      const double beyond = std::max(0.0, std::abs(amplitude) - rounding);
-      visit(at, 0.5 * beyond * beyond * information, amplitude);
-      if (at + length >= weighted.size()) break;
-      sum = product(back, sum - weighted[at] * first) + weighted[at + length] * last;
-    }
-  }
-
- private:
-  // Without the NaN rules of std::complex's operator*.
-  static std::complex<double> product(std::complex<double> a, std::complex<double> b) {
-    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-  }
-
-  /// x' Sigma^-1 x, the same at all places but the very ends: from a transform in which the pulse
-  /// has room.
-  [[nodiscard]] double information_of(std::size_t length) const {
-    constexpr std::size_t kRoom = 16;
-    const spectrum::RealFft fft(spectrum::fast_length_below(kRoom * length));
-    std::vector<double> pulse(fft.length());
-    for (std::size_t i = 0; i < length; ++i) {
-      pulse[i] =
-          std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
-    }
-    std::vector<std::complex<double>> bins(fft.bins());
-    fft.forward(pulse, bins);
-    const NoiseSpectrum& noise = explanation_->noise().spectrum;
-    const auto size = static_cast<double>(fft.length());
-    double sum = 0.0;
-    for (std::size_t j = 1; j < bins.size(); ++j) {
-      const double twice = 2 * j == fft.length() ? 1.0 : 2.0;
-      const double sine = 2.0 * std::sin(std::numbers::pi * static_cast<double>(j) / size);
-      sum += twice * std::norm(bins[j]) / noise.density(sine, 0, explanation_->problem().size());
-    }
-    return sum / size;
-  }
-
-  const Explanation* explanation_;
-};
-
 /// Of neighbouring events of one length that overlap, the best.
 void keep_better(std::vector<Event>& peaks, const Event& event) {
   if (!peaks.empty() && peaks.back().end - peaks.back().first == event.end - event.first &&
@@ -97,6 +37,97 @@ void keep_better(std::vector<Event>& peaks, const Event& event) {
     peaks.push_back(event);
   }
 }
+
+/// |X|^2 of a half-sine of unit peak, x_i = sin(pi (i + 1/2) / L), at the angular frequency w: two
+/// geometric series.
+double half_sine_power(std::size_t length, double angle) {
+  const auto samples = static_cast<double>(length);
+  const double own = std::numbers::pi / samples;
+  const double sine = std::sin(0.5 * angle);
+  const double own_sine = std::sin(0.5 * own);
+  const double distance = own_sine * own_sine - sine * sine;  // (cos w - cos own) / 2
+  constexpr double kOnPeak = 1e-9;
+  if (std::abs(distance) < kOnPeak * own_sine * own_sine) return 0.25 * samples * samples;
+  const double magnitude =
+      std::cos(0.5 * angle * samples) * own_sine * std::sqrt(1.0 - sine * sine) / distance;
+  return magnitude * magnitude;
+}
+
+/// x' Sigma^-1 x of a half-sine, the same at all places but the very ends: from the frequencies of
+/// a transform in which it has room. The density is that of the coefficients beside them; at the
+/// lowest ones, which are not like those of a stretch, that of the spectrum.
+double information_of_half_sine(const Explanation& explanation, std::size_t length) {
+  constexpr std::size_t kRoom = 16;
+  constexpr double kLowest = 128.0;
+  const std::vector<double>& density = explanation.density();
+  const NoiseSpectrum& noise = explanation.noise().spectrum;
+  const auto n = static_cast<double>(density.size());
+  const std::size_t size = spectrum::fast_length_below(kRoom * length);
+  double sum = 0.0;
+  for (std::size_t j = 1; 2 * j <= size; ++j) {
+    const double cycles = static_cast<double>(j) / static_cast<double>(size);
+    const double angle = 2.0 * std::numbers::pi * cycles;
+    const double place = 2.0 * n * cycles;
+    const auto below = std::min(static_cast<std::size_t>(place), density.size() - 2);
+    const double share = place - static_cast<double>(below);
+    const double strength = place < kLowest
+                                ? noise.density(2.0 * std::sin(0.5 * angle), 0, density.size())
+                                : (1.0 - share) * density[below] + share * density[below + 1];
+    const double twice = 2 * j == size ? 1.0 : 2.0;
+    sum += twice * half_sine_power(length, angle) / strength;
+  }
+  return sum / static_cast<double>(size);
+}
+
+/// Gains of a half-sine of one length at all places: a matched filter on Sigma^-1 y, which follows
+/// from one place to the next by turning the sum of e^(i pi k / length).
+class Matched {
+ public:
+  Matched(const Explanation& explanation, std::size_t length)
+      : weighted_(explanation.weighted()),
+        length_(length),
+        information_(information_of_half_sine(explanation, length)),
+        rounding_(explanation.rounding_rad_s()) {
+    const double turn = std::numbers::pi / static_cast<double>(length);
+    back_ = std::polar(1.0, -turn);
+    first_ = std::polar(1.0, 0.5 * turn);
+    last_ = std::polar(1.0, turn * (static_cast<double>(length) - 0.5));
+    for (std::size_t i = 0; i < length; ++i) {
+      sum_ += weighted_[i] * std::polar(1.0, turn * (static_cast<double>(i) + 0.5));
+    }
+  }
+
+  /// How many places the pulse fits in.
+  [[nodiscard]] std::size_t places() const { return weighted_.size() - length_ + 1; }
+
+  /// Looks at place `at`, those before having been looked at.
+  void look(std::size_t at, double least_nats) {
+    const double amplitude = sum_.imag() / information_;
+    const double beyond = std::max(0.0, std::abs(amplitude) - rounding_);
+    const double gain = 0.5 * beyond * beyond * information_;
+    if (gain >= least_nats) keep_better(peaks_, {at, at + length_, gain, amplitude});
+    if (at + length_ >= weighted_.size()) return;
+    sum_ = product(back_, sum_ - weighted_[at] * first_) + weighted_[at + length_] * last_;
+  }
+
+  [[nodiscard]] const std::vector<Event>& peaks() const { return peaks_; }
+
+ private:
+  // Without the NaN rules of std::complex's operator*.
+  static std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+  }
+
+  std::span<const double> weighted_;
+  std::size_t length_;
+  double information_;
+  double rounding_;
+  std::complex<double> back_;
+  std::complex<double> first_;
+  std::complex<double> last_;
+  std::complex<double> sum_;
+  std::vector<Event> peaks_;
+};
 
 /// Sums of squares of sums over blocks, [first, end) in blocks.
 class Power {
@@ -143,6 +174,32 @@ std::vector<Event> find_swings(const Explanation& explanation, double price) {
                                 explanation.clean().begin() + static_cast<std::ptrdiff_t>(end));
         keep_better(peaks, {first, end, gain, 0.5 * (*most - *least)});
       }
+    }
+  }
+  return peaks;
+}
+
+/// Half-sines of all lengths. Each sum waits for the one before it, so that several lengths side by
+/// side take little longer than one.
+std::vector<Event> find_pulses(const Explanation& explanation, double least_nats) {
+  constexpr std::size_t kSideBySide = 4;
+  const double longest = kLongest * static_cast<double>(explanation.problem().size());
+  std::vector<Event> peaks;
+  double length = kShortest;
+  while (length < longest) {
+    std::vector<Matched> filters;
+    for (; length < longest && filters.size() < kSideBySide; length *= kLengthGrid) {
+      filters.emplace_back(explanation, static_cast<std::size_t>(length));
+    }
+    std::size_t at = 0;
+    if (filters.size() == kSideBySide) {
+      for (; at < filters.back().places(); ++at) {
+        for (std::size_t i = 0; i < kSideBySide; ++i) filters[i].look(at, least_nats);
+      }
+    }
+    for (Matched& filter : filters) {
+      for (std::size_t rest = at; rest < filter.places(); ++rest) filter.look(rest, least_nats);
+      peaks.insert(peaks.end(), filter.peaks().begin(), filter.peaks().end());
     }
   }
   return peaks;
@@ -234,17 +291,8 @@ class MotionContamination final : public Effect {
   static double price_nats(std::size_t size) { return std::log(static_cast<double>(size)) + 2.0; }
 
   static std::vector<Event> find_events(const Explanation& without, double price) {
-    const std::size_t n = without.problem().size();
-    const Matched matched(without);
     std::vector<Event> peaks = find_swings(without, price);
-    for (double length = kShortest; length < kLongest * static_cast<double>(n);
-         length *= kLengthGrid) {
-      const auto whole = static_cast<std::size_t>(length);
-      matched.scan(whole, [&](std::size_t at, double gain, double amplitude) {
-        if (gain < price + 1.0) return;
-        keep_better(peaks, {at, at + whole, gain, amplitude});
-      });
-    }
+    for (const Event& pulse : find_pulses(without, price + 1.0)) peaks.push_back(pulse);
     std::ranges::stable_sort(peaks, std::greater{}, &Event::gain_nats);
     std::vector<Event> events;
     for (const Event& peak : peaks) {
