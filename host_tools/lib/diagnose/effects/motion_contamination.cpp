@@ -292,7 +292,8 @@ class MotionContamination final : public Effect {
 
   static std::vector<Event> find_events(const Explanation& without, double price) {
     std::vector<Event> peaks = find_swings(without, price);
-    for (const Event& pulse : find_pulses(without, price + 1.0)) peaks.push_back(pulse);
+    const std::vector<Event> pulses = find_pulses(without, price + 1.0);
+    peaks.insert(peaks.end(), pulses.begin(), pulses.end());
     std::ranges::stable_sort(peaks, std::greater{}, &Event::gain_nats);
     std::vector<Event> events;
     for (const Event& peak : peaks) {
