@@ -50,9 +50,7 @@ std::vector<std::unique_ptr<Effect>> make_effects() {
 /// A model as it was given has parts, and no choices.
 std::vector<std::size_t> by_rank(const Selection& selection) {
   const std::vector<Part>& parts = selection.explanation.parts();
-  const auto wanders = [&](std::size_t i) {
-    return parts[i].terms.random_walk || parts[i].terms.free_order || parts[i].terms.gauss_markov;
-  };
+  const auto wanders = [&](std::size_t i) { return parts[i].terms.wanders(); };
   double least_function = std::numeric_limits<double>::infinity();
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < selection.choices.size(); ++i) {

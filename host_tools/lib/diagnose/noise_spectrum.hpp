@@ -21,6 +21,8 @@ struct NoiseTerms {
     return {free_order || other.free_order, random_walk || other.random_walk,
             gauss_markov || other.gauss_markov, line || other.line, low_pass || other.low_pass};
   }
+  /// Has slow noise other than the base's, which takes in whatever a wrong function of time leaves.
+  [[nodiscard]] bool wanders() const { return free_order || random_walk || gauss_markov; }
   bool operator==(const NoiseTerms&) const = default;
 };
 

@@ -40,6 +40,10 @@ std::vector<Candidate> candidates_for(const Explanation& without,
   return candidates;
 }
 
+bool is_surprising(const std::vector<Candidate>& candidates) {
+  return !candidates.empty() && candidates.front().offer.surprise_nats > kLeastSurprise;
+}
+
 /// Not plain to see.
 bool is_subtle(const Choice& choice) {
   constexpr double kPlain = 200.0;  // nats
@@ -47,8 +51,7 @@ bool is_subtle(const Choice& choice) {
 }
 
 bool is_slow(const Part& part) {
-  return !part.columns.empty() || part.terms.random_walk || part.terms.free_order ||
-         part.terms.gauss_markov;
+  return !part.columns.empty() || part.terms.wanders();
 }
 
 Choice choice_of(const std::vector<Candidate>& candidates) {
@@ -71,12 +74,8 @@ class Selector {
     Selection selection{state_, state_, {}, {}};
     std::vector<Candidate> candidates = candidates_for(state_, effects_);
     selection.evidence = evidence_of(candidates);
-    while (has_room() && !candidates.empty() &&
-           candidates.front().offer.surprise_nats > kLeastSurprise) {
-      add(candidates);
-      if (choices_.size() > 1) reconsider();
-      if (has_room()) candidates = candidates_for(state_, effects_);
-    }
+    grow(std::move(candidates));
+    if (split()) grow(candidates_for(state_, effects_));
     for (Evidence& evidence : selection.evidence) {
       evidence.selected = std::ranges::any_of(
           choices_, [&](const Choice& choice) { return choice.effect->name() == evidence.effect; });
@@ -97,6 +96,14 @@ class Selector {
     return taken < kMostCauses;
   }
 
+  void grow(std::vector<Candidate> candidates) {
+    while (has_room() && is_surprising(candidates)) {
+      add(candidates);
+      if (choices_.size() > 1) reconsider();
+      if (has_room()) candidates = candidates_for(state_, effects_);
+    }
+  }
+
   void add(const std::vector<Candidate>& candidates) {
     std::vector<Part> parts = state_.parts();
     parts.push_back(candidates.front().offer.part);
@@ -114,15 +121,11 @@ class Selector {
         ++i;
         continue;
       }
-      std::vector<Part> others = state_.parts();
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-      const Explanation without(problem_, others, &state_);
+      const Explanation without = without_part(i);
       const std::vector<Candidate> candidates = candidates_for(without, effects_);
       choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
       state_ = without;
-      if (!candidates.empty() && candidates.front().offer.surprise_nats > kLeastSurprise) {
-        add(candidates);
-      }
+      if (is_surprising(candidates)) add(candidates);
       // What was added stands last now, so that the next earlier one is at place i again.
     }
   }
@@ -140,6 +143,61 @@ class Selector {
     const std::optional<Offer> offer =
         choice.effect->examine(Explanation(problem_, std::move(others), &state_));
     return offer && offer->surprise_nats > kLeastSurprise;
+  }
+
+  [[nodiscard]] Explanation without_part(std::size_t i) const {
+    std::vector<Part> others = state_.parts();
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    return {problem_, std::move(others), &state_};
+  }
+
+  /// One slow noise may describe a function of the temperature and another noise so well that
+  /// beside it neither of the two adds much. So what was measured beside the rate is tried in its
+  /// place, with the best part that is then left. True if something was changed.
+  bool split() {
+    for (const auto& effect : effects_) {
+      if (!effect->is_measured()) continue;
+      for (std::size_t i = 0; i < choices_.size() && has_room(); ++i) {
+        if (state_.parts()[i].terms.wanders() && split(i, *effect)) return true;
+      }
+    }
+    return false;
+  }
+
+  bool split(std::size_t i, const Effect& measured) {
+    if (std::ranges::find(choices_, &measured, &Choice::effect) != choices_.end()) return false;
+    const Explanation without = without_part(i);
+    const Choice one = choices_[i];
+    const std::optional<Offer> whole = one.effect->examine(without);
+    const std::optional<Offer> first = measured.examine(without);
+    if (!whole || !first || !(first->surprise_nats > kLeastSurprise)) return false;
+    std::vector<Part> parts = without.parts();
+    parts.push_back(first->part);
+    Explanation beside(problem_, std::move(parts), &without);
+    const std::vector<Candidate> second = candidates_for(beside, effects_);
+    if (!is_surprising(second)) return false;
+    // Surprises along a chain add up; two choices cost once more than one.
+    const double better = first->surprise_nats + second.front().offer.surprise_nats -
+                          kLeastSurprise - whole->surprise_nats;
+    if (better <= 0.0) return false;
+    choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
+    choices_.push_back({&measured, first->gain_nats, first->surprise_nats, {}});
+    state_ = std::move(beside);
+    add(second);
+    add_alternative(*one.effect, better);
+    reconsider();
+    return true;
+  }
+
+  /// To the latest choice, if it is near and not named there yet.
+  void add_alternative(const Effect& effect, double behind) {
+    std::vector<Alternative>& known = choices_.back().alternatives;
+    if (behind > kAlternativeNats || effect.name() == choices_.back().effect->name() ||
+        std::ranges::find(known, effect.name(), &Alternative::effect) != known.end()) {
+      return;
+    }
+    known.push_back({std::string(effect.name()), behind});
+    std::ranges::stable_sort(known, {}, &Alternative::behind_nats);
   }
 
   static std::vector<Evidence> evidence_of(const std::vector<Candidate>& candidates) {

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/mean_scan.hpp"
 #include "host_tools/lib/simulate/random_stream.hpp"
 
@@ -120,6 +123,57 @@ TEST(AdequacyWithANamedToneThatIsASquare, FailsByItsHarmonics) {
                   .shape = {kCycles / series.period_s}};
   EXPECT_THAT(examine_adequacy(Explanation(problem, {tone})).failures,
               Contains(HasSubstr("has harmonics")));
+}
+
+/// Two swings and a half of 10 K.
+std::vector<double> swinging_temperature() {
+  std::vector<double> temperature(kSamples);
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    temperature[k] =
+        25.0 + 5.0 * std::sin(5.0 * std::numbers::pi * static_cast<double>(k) / kSamples);
+  }
+  return temperature;
+}
+
+/// Of a record with its temperature and a random walk, both fitted.
+Adequacy adequacy_with_temperature_and_walk(std::vector<double> values) {
+  EvenSeries series = series_of(std::move(values));
+  series.temperature_degc = swinging_temperature();
+  const Problem problem(series, 1);
+  const Part drift{.effect = "temperature_drift",
+                   .columns = {column_of(problem, std::span(series.temperature_degc))}};
+  const Explanation without(problem, {drift});
+  const std::optional<Offer> walk = make_rate_random_walk()->examine(without);
+  return examine_adequacy(Explanation(problem, {drift, walk->part}, &without));
+}
+
+TEST(AdequacyOfAWalkInPlaceOfHysteresis, FailsAndSaysSo) {
+  const std::vector<double> temperature = swinging_temperature();
+  std::vector<double> values = white(10);
+  double follower = temperature.front();
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    follower = std::clamp(follower, temperature[k] - 2.0, temperature[k] + 2.0);
+    values[k] += 0.15 * follower;
+  }
+  EXPECT_THAT(adequacy_with_temperature_and_walk(values).failures,
+              Contains(HasSubstr("hysteresis in temperature")));
+}
+
+TEST(AdequacyOfATrueWalkBesideTemperature, DoesNotFailByHysteresis) {
+  const std::vector<double> temperature = swinging_temperature();
+  constexpr std::uint64_t kRuns = 20;
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    std::vector<double> values = white(100 + run);
+    const std::vector<double> steps = white(200 + run);
+    double walk = 0.0;
+    for (std::size_t k = 0; k < kSamples; ++k) {
+      walk += 0.01 * steps[k];
+      values[k] += walk + 0.1 * temperature[k];
+    }
+    // Two looks of some twenty that share an error of 1 %, twenty times: 2 % by chance.
+    EXPECT_THAT(adequacy_with_temperature_and_walk(values).failures,
+                Not(Contains(HasSubstr("hysteresis in temperature"))));
+  }
 }
 
 TEST(Tails, AgreeWithTables) {

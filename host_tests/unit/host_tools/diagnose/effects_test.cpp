@@ -136,6 +136,24 @@ TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
   }
 }
 
+// Changes at any moment, stretches and swings of any length are looked at: all that is paid for.
+TEST(VariableNoiseInPlainWhiteNoise, IsAsSurprisingAsItSaysNoOftenerThanThat) {
+  constexpr std::size_t kLength = 4096;
+  constexpr std::uint64_t kRuns = 300;
+  constexpr double kNats = 3.0;
+  int count = 0;
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
+    series.lost.resize(kLength);
+    simulate::RandomStream(29, run).fill_normal(0, series.rate_rad_s);
+    const Problem problem(series, 1);
+    const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
+    if (offer && offer->surprise_nats > kNats) ++count;
+  }
+  // Poisson of mean 300 e^-3 = 14.9 at most: more than 28 have a probability of 6e-4.
+  EXPECT_LE(count, 28);
+}
+
 // A tenth of the values is bridged; as residuals of nothing they would make the rest look wild.
 TEST(OutliersInPlainWhiteNoise, AreNotFoundWhereManyValuesAreLost) {
   constexpr std::size_t kLength = 20'000;

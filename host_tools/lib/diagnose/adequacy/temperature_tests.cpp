@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/adequacy/tails.hpp"
@@ -74,6 +77,78 @@ std::vector<double> signs_of(const std::vector<double>& values) {
   return result;
 }
 
+/// Functions of the temperature's past that come back to themselves: play of several widths, and
+/// the direction.
+std::vector<Column> hysteresis_columns(const Problem& problem, const std::vector<double>& smooth,
+                                       const std::vector<double>& rate) {
+  const auto [least, most] = std::ranges::minmax(smooth);
+  std::vector<Column> columns;
+  for (const double share : {0.02, 0.04, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42}) {
+    columns.push_back(
+        column_of(problem, std::span<const double>(played(smooth, share * (most - least)))));
+  }
+  columns.push_back(column_of(problem, std::span<const double>(signs_of(rate))));
+  return columns;
+}
+
+/// log of the integral of sqrt(p q) over all records, p and q being what two hypotheses say of
+/// them.
+double log_affinity(const Explanation& one, const Explanation& other) {
+  double sum = 0.0;
+  for (std::size_t k = 1; k < one.residual().size(); ++k) {
+    const double mean = one.residual()[k] - other.residual()[k];
+    const double both = one.density()[k] + other.density()[k];
+    sum += 0.25 * std::log(4.0 * one.density()[k] * other.density()[k] / (both * both)) -
+           0.25 * mean * mean / both;
+  }
+  return sum;
+}
+
+/// Slow noise takes in what is left of a hysteresis, and nothing of it remains to be seen. So one
+/// such function is put in the noise's place, and the temperature itself if it is not there. Where
+/// that is more likely, how likely is it under the noise? Chernoff's bound: a likelihood ratio of
+/// e^t has the probability E sqrt(ratio) e^(-t/2). The amplitudes are averaged over as wide as they
+/// are: sqrt(1 + 2 G) each.
+void test_hysteresis_for_noise(const Explanation& noisy, const std::vector<double>& smooth,
+                               const std::vector<double>& rate, Tests& tests) {
+  std::vector<Part> parts;
+  std::ranges::copy_if(noisy.parts(), std::back_inserter(parts),
+                       [](const Part& part) { return !part.terms.wanders(); });
+  if (parts.size() == noisy.parts().size()) return;
+  const Problem& problem = noisy.problem();
+  const Explanation without(problem, parts, &noisy);
+  const std::vector<Column> functions = hysteresis_columns(problem, smooth, rate);
+  Part part{.effect = "hysteresis"};
+  const bool is_followed = std::ranges::any_of(
+      parts, [](const Part& other) { return other.effect == "temperature_drift"; });
+  if (!is_followed) part.columns.push_back(column_of(problem, std::span<const double>(smooth)));
+  part.columns.emplace_back();
+  std::optional<Offer> hysteresis = offer_of_mean(without, [&](const MeanScan& scan) {
+    double most = -1.0;
+    Part best = part;
+    for (const Column& function : functions) {
+      part.columns.back() = function;
+      const double gain = scan.gain(part.columns);
+      if (gain <= most) continue;
+      most = gain;
+      best = part;
+    }
+    return std::optional(std::move(best));
+  });
+  const double gain = hysteresis->gain_nats;
+  const double ahead = gain - (noisy.log_likelihood() - without.log_likelihood());
+  double log_p = 0.0;
+  if (ahead > 0.0) {
+    const auto amplitudes = static_cast<double>(hysteresis->part.columns.size());
+    const double averaged = 0.5 * amplitudes * std::log1p(2.0 * gain);
+    parts.push_back(std::move(hysteresis->part));
+    log_p = std::log(static_cast<double>(functions.size())) + averaged - 0.5 * ahead +
+            log_affinity(noisy, Explanation(problem, std::move(parts), &without));
+  }
+  tests.push_back(
+      {"what looks like slow noise is hysteresis in temperature", std::min(0.0, log_p)});
+}
+
 }  // namespace
 
 Tests test_temperature(const Remainder& remainder) {
@@ -107,6 +182,7 @@ Tests test_temperature(const Remainder& remainder) {
        {lagged(smooth, size / 100.0), lagged(smooth, size / 10.0)});
   test("the bias has hysteresis in temperature",
        {played(smooth, 0.1 * range), played(smooth, 0.25 * range)});
+  test_hysteresis_for_noise(*remainder.explanation, smooth, rate, tests);
   return tests;
 }
 

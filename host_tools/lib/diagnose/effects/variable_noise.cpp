@@ -20,6 +20,7 @@ constexpr std::size_t kBlocks = 240;  // a change is searched for between blocks
 constexpr double kMostCycles = 40.0;  // of a periodic strength over the record
 constexpr std::size_t kShortest = 2;  // blocks
 constexpr double kDeepest = 0.98;     // modulation
+constexpr double kWays = 3.0;         // one change, a stretch, a swing
 constexpr std::size_t kPeriodicBlocks = 5000;  // a hundred and more in a period
 
 /// The strength of the noise over time, up to a factor.
@@ -87,6 +88,27 @@ class Squares {
   std::vector<double> sums_;
 };
 
+/// How often the gain of one change crosses a level G upwards by chance, over e^(-G). Its root is
+/// an Ornstein-Uhlenbeck process in the logit of the moment, e^(-|x| / 2), of either sign.
+/// @param shortest  share of the record before and after the change
+double crossings_of_one_change(double gain, double shortest) {
+  return std::sqrt(gain / std::numbers::pi) * 2.0 * std::log((1.0 - shortest) / shortest);
+}
+
+/// The same for a stretch of a share t of the record, whose beginning and end are such a place
+/// each: b^3 phi(b) / (2 t (1 - t))^2 with b^2 = 2 G, of either sign, integrated over both
+/// (Siegmund 1992).
+double crossings_of_two_changes(double gain, double shortest) {
+  const double places =
+      1.0 / shortest - 1.0 / (1.0 - shortest) + 2.0 * std::log((1.0 - shortest) / shortest);
+  return 0.5 * places * std::pow(2.0 * gain, 1.5) / std::sqrt(2.0 * std::numbers::pi);
+}
+
+/// The same for the frequency of a swing, up to so many cycles over the record (Baluev 2008).
+double crossings_of_frequency(double gain, double cycles) {
+  return cycles * std::sqrt(gain * std::numbers::pi / 3.0);
+}
+
 /// One change, or a stretch between two.
 Profile best_steps(const Squares& squares) {
   const std::size_t n = squares.size();
@@ -119,8 +141,9 @@ Profile best_steps(const Squares& squares) {
   if (best.gain_nats <= 0.0) return best;
   best.ratio = squares.ratio(best.first, best.end);
   const bool single = best.first == 0 || best.end == n;
-  const double places = static_cast<double>(n) * squares.freedom();
-  const double crossings = std::log(places) * (single ? 2.0 : 8.0 * std::log(places));
+  const double shortest = static_cast<double>(kShortest * block) / static_cast<double>(n);
+  const double crossings = single ? crossings_of_one_change(best.gain_nats, shortest)
+                                  : crossings_of_two_changes(best.gain_nats, shortest);
   best.surprise_nats = surprise_of_search(best.gain_nats, 1.0, crossings);
   return best;
 }
@@ -231,7 +254,8 @@ Profile best_periodic(const Squares& squares) {
     best.fewest_cycles = end_of_cycles(relative, squares, best, -1.0);
     best.most_cycles = end_of_cycles(relative, squares, best, 1.0);
   }
-  best.surprise_nats = surprise_of_search(best.gain_nats, 2.0, 1.5 * kMostCycles);
+  best.surprise_nats =
+      surprise_of_search(best.gain_nats, 2.0, crossings_of_frequency(best.gain_nats, kMostCycles));
   return best;
 }
 
@@ -281,7 +305,7 @@ class VariableNoise final : public Effect {
     if (best.gain_nats <= 0.0) return std::nullopt;
     Offer offer{.part = {.effect = name()},
                 .gain_nats = best.gain_nats,
-                .surprise_nats = best.surprise_nats};
+                .surprise_nats = best.surprise_nats - std::log(kWays)};
     const std::size_t n = without.problem().size();
     std::vector<float>& sigma = offer.part.relative_sigma;
     sigma.reserve(n);

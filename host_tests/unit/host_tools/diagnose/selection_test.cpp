@@ -1,0 +1,106 @@
+#include "host_tools/lib/diagnose/selection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
+using zerorate::testing::kRadPerDeg;
+
+constexpr std::size_t kSamples = 20'000;
+
+/// Swings of 12 K, once and a half and 2.3 times in the record.
+std::vector<double> swinging_temperature() {
+  std::vector<double> temperature(kSamples);
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    const double turn = 2.0 * std::numbers::pi * static_cast<double>(k) / kSamples;
+    temperature[k] = 25.0 + 4.0 * std::sin(1.5 * turn + 0.4) + 2.0 * std::sin(2.3 * turn + 2.0);
+  }
+  return temperature;
+}
+
+EvenSeries simulated(const std::vector<simulate::Effect>& more, std::uint64_t run) {
+  std::vector<simulate::Effect> effects{simulate::WhiteNoise{0.065 * kRadPerDeg},
+                                        simulate::FlickerNoise{0.023 * kRadPerDeg, 0.5}};
+  effects.insert(effects.end(), more.begin(), more.end());
+  simulate::Signal signal(kSamples, 1.0);
+  signal.temperature_degc = swinging_temperature();
+  signal = simulate::simulate(std::move(signal), effects, simulate::RandomStream(31, run));
+  EvenSeries series{.period_s = signal.sample_period_s,
+                    .rate_rad_s = std::move(signal.rate_rad_s),
+                    .temperature_degc = std::move(signal.temperature_degc)};
+  series.lost.resize(kSamples);
+  return series;
+}
+
+std::vector<std::unique_ptr<Effect>> slow_effects() {
+  std::vector<std::unique_ptr<Effect>> effects;
+  effects.push_back(make_fractional_order());
+  effects.push_back(make_correlated_noise());
+  effects.push_back(make_temperature_drift());
+  return effects;
+}
+
+std::vector<std::string_view> names_of(const Selection& selection) {
+  std::vector<std::string_view> names;
+  for (const Choice& choice : selection.choices) names.push_back(choice.effect->name());
+  return names;
+}
+
+TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesFirst) {
+  const EvenSeries series =
+      simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0},
+                 simulate::TemperatureDrift{.linear_rad_s_per_k = 0.016 * kRadPerDeg}},
+                1);
+  const Problem problem(series, 1);
+  const std::vector<std::unique_ptr<Effect>> effects = slow_effects();
+  const Explanation base(problem, {});
+  const auto order = make_fractional_order()->examine(base);
+  const auto markov = make_correlated_noise()->examine(base);
+  const auto drift = make_temperature_drift()->examine(base);
+  ASSERT_GT(order->surprise_nats, std::max(markov->surprise_nats, drift->surprise_nats));
+  const Explanation with_order(problem, {order->part}, &base);
+  ASSERT_LT(make_correlated_noise()->examine(with_order)->surprise_nats, kLeastSurprise);
+  ASSERT_LT(make_temperature_drift()->examine(with_order)->surprise_nats, kLeastSurprise);
+
+  const Selection selection = select_effects(problem, effects);
+
+  EXPECT_THAT(names_of(selection), UnorderedElementsAre("correlated_noise", "temperature_drift"));
+  // The order alone is nearly as good, and that must not be hidden.
+  EXPECT_THAT(selection.choices,
+              Contains(Field(&Choice::alternatives,
+                             Contains(Field(&Alternative::effect, "fractional_order")))));
+}
+
+TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured) {
+  const EvenSeries series = simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0}}, 2);
+  const Problem problem(series, 1);
+  const std::vector<std::unique_ptr<Effect>> effects = slow_effects();
+
+  const Selection selection = select_effects(problem, effects);
+
+  EXPECT_THAT(names_of(selection), SizeIs(1));
+  EXPECT_THAT(names_of(selection), Not(Contains("temperature_drift")));
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
