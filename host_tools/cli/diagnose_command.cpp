@@ -50,15 +50,12 @@ std::vector<Diagnosis> run_diagnosis(const Options& options) {
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
   const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
-  std::vector<Diagnosis> diagnoses;
-  for (const std::size_t axis : axes) {
-    diagnose_options.on_progress = [&, done = diagnoses.size()](double share) {
-      const double of_all = (static_cast<double>(done) + share) / static_cast<double>(axes.size());
-      progress.update(kReading + (1.0 - kReading) * of_all);
-    };
-    diagnoses.push_back(diagnose::diagnose(diagnose::record_of(samples, axis), diagnose_options));
-  }
-  return diagnoses;
+  std::vector<diagnose::Record> records;
+  for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
+  diagnose_options.on_progress = [&](double share) {
+    progress.update(kReading + (1.0 - kReading) * share);
+  };
+  return diagnose::diagnose(std::move(records), diagnose_options);
 }
 
 void print_causes(const Diagnosis& diagnosis) {
@@ -70,8 +67,8 @@ void print_causes(const Diagnosis& diagnosis) {
       rivals += fmt::format("{}{} ({:.1f} behind)", rivals.empty() ? "" : ", ", rival.effect,
                             rival.behind_nats);
     }
-    fmt::print("  {:<24}{:>12.1f}{:>12.1e}  {}\n", cause.effect, cause.gain_nats, cause.p_value,
-               rivals.empty() ? "none" : rivals);
+    fmt::print("  {:<24}{:>12.1f}{:>12.1e}  {}{}\n", cause.effect, cause.gain_nats, cause.p_value,
+               rivals.empty() ? "none" : rivals, cause.axes > 1 ? "; of all axes together" : "");
     for (const diagnose::Parameter& parameter : cause.parameters) {
       fmt::print("    {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", parameter.name, parameter.value,
                  parameter.lo, parameter.hi);
@@ -188,6 +185,9 @@ Command add_diagnose(CLI::App& app) {
                       "write the diagnosis as JSON; - for standard output");
   command->add_option("--report", options->report, "write a report with charts as HTML");
   command->footer(
+      "The axes of a recording are diagnosed together: what their flicker noise has in common is "
+      "told\n"
+      "by all of them.\n"
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
       "Verdicts: consistent (white + 1/f + constant does, or the model given), explained (the "
       "causes named are "

@@ -7,10 +7,12 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+#include "host_tools/lib/diagnose/common_order.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
@@ -25,6 +27,7 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 256;
 constexpr std::size_t kDrawnPoints = 3000;
+constexpr std::string_view kFractionalOrder = "fractional_order";
 
 void require_usable(const Record& record) {
   if (record.size() < kFewestSamples) {
@@ -47,36 +50,36 @@ std::vector<std::unique_ptr<Effect>> make_effects() {
 /// The parts by their gain. Noise that wanders takes in whatever functions of time and temperature
 /// leave, so that beside one of them its gain is no rank: it comes after them. What was measured
 /// beside the rate and is beyond doubt comes first.
-/// A model as it was given has parts, and no choices.
-std::vector<std::size_t> by_rank(const Selection& selection) {
-  const std::vector<Part>& parts = selection.explanation.parts();
+std::vector<std::size_t> by_rank(const std::vector<Choice>& choices,
+                                 const Explanation& explanation) {
+  const std::vector<Part>& parts = explanation.parts();
   const auto wanders = [&](std::size_t i) { return parts[i].terms.wanders(); };
   double least_function = std::numeric_limits<double>::infinity();
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+  for (std::size_t i = 0; i < choices.size(); ++i) {
     order.push_back(i);
     if (!parts[i].columns.empty()) {
-      least_function = std::min(least_function, selection.choices[i].gain_nats);
+      least_function = std::min(least_function, choices[i].gain_nats);
     }
   }
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) {
-    const double gain = selection.choices[i].gain_nats;
-    return std::tuple{
-        is_beyond_doubt(*selection.choices[i].effect, selection.choices[i].surprise_nats),
-        wanders(i) ? std::min(gain, least_function) : gain, !wanders(i)};
+    const double gain = choices[i].gain_nats;
+    return std::tuple{is_beyond_doubt(*choices[i].effect, choices[i].surprise_nats),
+                      wanders(i) ? std::min(gain, least_function) : gain, !wanders(i)};
   });
   return order;
 }
 
-std::vector<Cause> causes_of(const Selection& selection) {
+std::vector<Cause> causes_of(const std::vector<Choice>& choices, const Explanation& explanation) {
   std::vector<Cause> causes;
-  causes.reserve(selection.choices.size());
-  for (const std::size_t i : by_rank(selection)) {
-    const Choice& choice = selection.choices[i];
-    Account account = choice.effect->tell({selection.explanation, i});
+  causes.reserve(choices.size());
+  for (const std::size_t i : by_rank(choices, explanation)) {
+    const Choice& choice = choices[i];
+    Account account = choice.effect->tell({explanation, i});
     causes.push_back({.effect = std::string(choice.effect->name()),
                       .gain_nats = choice.gain_nats,
                       .p_value = std::exp(-choice.surprise_nats),
+                      .axes = choice.axes,
                       .parameters = std::move(account.parameters),
                       .alternatives = choice.alternatives,
                       .sentence = std::move(account.sentence)});
@@ -84,10 +87,11 @@ std::vector<Cause> causes_of(const Selection& selection) {
   return causes;
 }
 
-std::vector<Drawing> drawings_of(const Selection& selection) {
+std::vector<Drawing> drawings_of(const std::vector<Choice>& choices,
+                                 const Explanation& explanation) {
   std::vector<Drawing> drawings;
-  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
-    Drawing drawing = selection.choices[i].effect->tell({selection.explanation, i}).drawing;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    Drawing drawing = choices[i].effect->tell({explanation, i}).drawing;
     if (!drawing.curve.empty() || !drawing.marks.empty()) drawings.push_back(std::move(drawing));
   }
   return drawings;
@@ -108,8 +112,22 @@ Record beginning_of(const Record& record, std::size_t size) {
           .standstills = record.standstills};
 }
 
+/// What a choice becomes beside others, fitted anew.
+std::optional<Part> part_of(const Choice& choice, const std::optional<OrderProfile>& others,
+                            const Explanation& without) {
+  if (choice.axes > 1) {
+    OrderProfile all = OrderProfile(without);
+    return part_of_order((all += *others).peak());
+  }
+  std::optional<Offer> offer = choice.effect->examine(without);
+  if (!offer) return std::nullopt;
+  return std::move(offer->part);
+}
+
 /// The same effects as the whole record needed, fitted to its first part and judged on the rest.
-Gain gain_of(const Record& record, const Selection& selection, const DiagnoseOptions& options) {
+/// @param others  what the other axes say of an order that is in common
+Gain gain_of(const Record& record, const std::vector<Choice>& wanted,
+             const std::optional<OrderProfile>& others, const DiagnoseOptions& options) {
   const double share = 1.0 - options.holdout;
   const Record first =
       beginning_of(record, static_cast<std::size_t>(share * static_cast<double>(record.size())));
@@ -119,11 +137,11 @@ Gain gain_of(const Record& record, const Selection& selection, const DiagnoseOpt
   const Explanation base(problem, {});
   Explanation extended = base;
   std::vector<Choice> choices;
-  for (const Choice& choice : selection.choices) {
-    std::optional<Offer> offer = choice.effect->examine(extended);
-    if (!offer) continue;
+  for (const Choice& choice : wanted) {
+    std::optional<Part> part = part_of(choice, others, extended);
+    if (!part) continue;
     std::vector<Part> parts = extended.parts();
-    parts.push_back(std::move(offer->part));
+    parts.push_back(std::move(*part));
     choices.push_back(choice);
     extended = Explanation(problem, std::move(parts), &extended);
   }
@@ -189,70 +207,140 @@ std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& re
   return remarks;
 }
 
-Diagnosis diagnose_all(const Record& record, const DiagnoseOptions& options) {
-  require_usable(record);
-  const auto report_progress = [&](double share) {
-    if (options.on_progress) options.on_progress(share);
-  };
+/// An axis, what was selected for it, and what the others say.
+struct Axis {
+  Record record;
+  Selection selection;
+  std::optional<OrderProfile> others;  ///< of the order, if it is in common
+};
+
+Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
+  const Record& record = axis.record;
   const EvenSeries series = even_series_of(record);
   const Problem problem(series, options.seed);
-  const std::vector<std::unique_ptr<Effect>> effects = make_effects();
-  Selection selection = select_effects(problem, effects);
+  const Explanation fitted_base(problem, {});
   const Explanation base =
-      options.base_model ? hypothesis_of(problem, *options.base_model) : selection.base;
+      options.base_model ? hypothesis_of(problem, *options.base_model) : fitted_base;
+  Explanation explanation(problem, axis.selection.parts, &fitted_base);
+  std::vector<Choice> choices = axis.selection.choices;
   const std::string source = options.recording + ", axis " + record.axis;
-  Diagnosis diagnosis{
-      .axis = record.axis,
-      .samples = record.size(),
-      .sample_period_s = record.sample_period_s,
-      .is_base_given = options.base_model.has_value(),
-      .base_adequacy = examine_adequacy(base),
-      .base_model = options.base_model.value_or(model_of(selection.base, {}, source)),
-      .thinned = thinned(series)};
-  report_progress(0.5);
+  Diagnosis diagnosis{.axis = record.axis,
+                      .samples = record.size(),
+                      .sample_period_s = record.sample_period_s,
+                      .is_base_given = options.base_model.has_value(),
+                      .base_adequacy = examine_adequacy(base),
+                      .base_model = options.base_model.value_or(model_of(fitted_base, {}, source)),
+                      .evidence = axis.selection.evidence,
+                      .thinned = thinned(series)};
 
   if (options.base_model && diagnosis.base_adequacy.holds &&
-      is_enough(base, *options.base_model, selection.explanation)) {
-    selection = {base, base, {}, {}};
+      is_enough(base, *options.base_model, explanation)) {
+    explanation = base;
+    choices.clear();
+    diagnosis.evidence.clear();
     diagnosis.extended_model = diagnosis.base_model;
   } else {
-    diagnosis.extended_model = model_of(selection.explanation, selection.choices, source);
+    diagnosis.extended_model = model_of(explanation, choices, source);
   }
-  diagnosis.causes = causes_of(selection);
-  diagnosis.extended_adequacy = examine_adequacy(selection.explanation);
-  diagnosis.evidence = selection.evidence;
-  diagnosis.drawings = drawings_of(selection);
+  diagnosis.causes = causes_of(choices, explanation);
+  diagnosis.extended_adequacy = examine_adequacy(explanation);
+  diagnosis.drawings = drawings_of(choices, explanation);
   diagnosis.verdict = verdict_of(diagnosis);
-  report_progress(0.7);
-  Envelopes envelopes = simulate_envelopes(base, selection.explanation);
+  Envelopes envelopes = simulate_envelopes(base, explanation);
   diagnosis.allan = std::move(envelopes.allan);
   diagnosis.density = std::move(envelopes.density);
   diagnosis.misfit = std::move(envelopes.misfit);
-  report_progress(0.9);
   diagnosis.remarks = remarks_on(diagnosis, record, series);
   try {
-    if (!selection.choices.empty() || !options.base_model) {
-      diagnosis.gain = gain_of(record, selection, options);
+    if (!choices.empty() || !options.base_model) {
+      diagnosis.gain = gain_of(record, choices, axis.others, options);
     }
   } catch (const std::invalid_argument& reason) {
     diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
   }
-  report_progress(1.0);
   return diagnosis;
 }
 
+class Chain {
+ public:
+  Chain(std::vector<Record> records, const DiagnoseOptions& options) : options_(options) {
+    for (Record& record : records) {
+      require_usable(record);
+      axes_.push_back({.record = std::move(record)});
+    }
+  }
+
+  std::vector<Diagnosis> run() {
+    for (Axis& axis : axes_) select(axis);
+    agree_on_order();
+    std::vector<Diagnosis> diagnoses;
+    for (const Axis& axis : axes_) {
+      diagnoses.push_back(diagnosis_of(axis, options_));
+      report_progress();
+    }
+    return diagnoses;
+  }
+
+ private:
+  void select(Axis& axis) {
+    const EvenSeries series = even_series_of(axis.record);
+    const Problem problem(series, options_.seed);
+    axis.selection = select_effects(problem, effects_);
+    if (axes_.size() > 1) slow_noises_.push_back(slow_noise_of(problem, axis.selection));
+    report_progress();
+  }
+
+  void agree_on_order() {
+    const std::optional<CommonOrder> common = common_order_of(slow_noises_);
+    if (!common) return;
+    const auto effect = std::ranges::find_if(
+        effects_, [](const auto& any) { return any->name() == kFractionalOrder; });
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      place(*common, **effect, axes_.size(), slow_noises_[i], axes_[i].selection);
+      axes_[i].others = common->by_order;
+      *axes_[i].others -= slow_noises_[i].by_order;
+    }
+  }
+
+  void report_progress() {
+    ++steps_done_;
+    const auto steps = static_cast<double>(2 * axes_.size());
+    if (options_.on_progress) options_.on_progress(static_cast<double>(steps_done_) / steps);
+  }
+
+  const DiagnoseOptions& options_;
+  std::vector<std::unique_ptr<Effect>> effects_ = make_effects();
+  std::vector<Axis> axes_;
+  std::vector<SlowNoise> slow_noises_;
+  std::size_t steps_done_ = 0;
+};
+
 }  // namespace
 
-Diagnosis diagnose(const Record& record, const DiagnoseOptions& options) {
-  if (record.size() <= options.most_samples) return diagnose_all(record, options);
-  const Record first = beginning_of(record, options.most_samples);
-  Diagnosis diagnosis = diagnose_all(first, options);
-  diagnosis.remarks.insert(
-      diagnosis.remarks.begin(),
-      fmt::format("Of the {} samples the first {}, {:.0f} s, were diagnosed, so that memory stays "
-                  "bounded.",
-                  record.size(), first.size(), first.time_s.back() - first.time_s.front()));
-  return diagnosis;
+std::vector<Diagnosis> diagnose(std::vector<Record> axes, const DiagnoseOptions& options) {
+  std::vector<std::string> remarks;
+  for (Record& record : axes) {
+    const std::size_t size = record.size();
+    remarks.emplace_back();
+    if (size <= options.most_samples) continue;
+    record = beginning_of(record, options.most_samples);
+    remarks.back() = fmt::format(
+        "Of the {} samples the first {}, {:.0f} s, were diagnosed, so that memory stays "
+        "bounded.",
+        size, record.size(), record.time_s.back() - record.time_s.front());
+  }
+  std::vector<Diagnosis> diagnoses = Chain(std::move(axes), options).run();
+  for (std::size_t i = 0; i < diagnoses.size(); ++i) {
+    if (remarks[i].empty()) continue;
+    diagnoses[i].remarks.insert(diagnoses[i].remarks.begin(), remarks[i]);
+  }
+  return diagnoses;
+}
+
+Diagnosis diagnose(Record record, const DiagnoseOptions& options) {
+  std::vector<Record> axes;
+  axes.push_back(std::move(record));
+  return std::move(diagnose(std::move(axes), options).front());
 }
 
 }  // namespace zerorate::diagnose

@@ -28,10 +28,16 @@ struct DiagnoseOptions {
   std::function<void(double)> on_progress;  ///< share of the work that is done
 };
 
-/// The whole chain, docs/design/diagnosis.md. Deterministic. Time below 2 s for 20,000 samples and
+/// The whole chain, docs/design/diagnosis.md, for the axes of one sensor: each by itself, and then
+/// what they have in common. Deterministic. Time below 2 s for 20,000 samples and
 /// about 20 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
-/// by some 270 bytes each. Throws std::invalid_argument for fewer than 256 samples and a
-/// record that is constant or not finite.
-[[nodiscard]] Diagnosis diagnose(const Record& record, const DiagnoseOptions& options = {});
+/// by some 270 bytes each, and 24 bytes for those of other axes. Throws std::invalid_argument for
+/// fewer than 256 samples and a record that is constant or not finite.
+/// @return one diagnosis an axis
+[[nodiscard]] std::vector<Diagnosis> diagnose(std::vector<Record> axes,
+                                              const DiagnoseOptions& options = {});
+
+/// The same for one axis.
+[[nodiscard]] Diagnosis diagnose(Record record, const DiagnoseOptions& options = {});
 
 }  // namespace zerorate::diagnose

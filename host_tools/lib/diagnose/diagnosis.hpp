@@ -43,6 +43,7 @@ struct Cause {
   std::string effect;      ///< as in the catalogue, e.g. "rate_random_walk"
   double gain_nats = 0.0;  ///< log likelihood that is lost without it
   double p_value = 1.0;    ///< of so large a gain by chance, the search included
+  std::size_t axes = 1;    ///< that have it in common, and that the gain and p are of
   std::vector<Parameter> parameters;
   std::vector<Alternative> alternatives;  ///< within kAlternativeNats, best first
   std::string sentence;  ///< for a firmware engineer, e.g. "A random walk of ... explains it."

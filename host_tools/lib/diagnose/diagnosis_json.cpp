@@ -26,6 +26,7 @@ Json cause_json(const Cause& cause) {
   Json json{{"name", cause.effect},
             {"gain_nats", number(cause.gain_nats)},
             {"p_value", number(cause.p_value)},
+            {"axes", cause.axes},
             {"parameters", Json::object()},
             {"alternatives", Json::array()}};
   for (const Parameter& parameter : cause.parameters) {

@@ -30,7 +30,8 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
        fmt::format("{} samples every {:.4g} s", diagnosis.samples, diagnosis.sample_period_s)}};
   for (const Cause& cause : diagnosis.causes) {
     figures.push_back({"Cause", plain_name(cause.effect),
-                       fmt::format("{:.1f} nats, p {}", cause.gain_nats, p_value(cause.p_value))});
+                       fmt::format("{:.1f} nats{}, p {}", cause.gain_nats,
+                                   cause.axes > 1 ? " of all axes" : "", p_value(cause.p_value))});
   }
   const Gain& gain = diagnosis.gain;
   if (gain.has_drives()) {

@@ -85,7 +85,8 @@ std::string cause_sentences(const Diagnosis& diagnosis) {
     text += fmt::format(" As good as that, so not told apart by this recording: {}.",
                         fmt::join(rivals, ", "));
   }
-  if (diagnosis.causes.size() == 1) text += rejected_rival(diagnosis).value_or("");
+  if (diagnosis.causes.size() == 1 && diagnosis.causes.front().axes == 1)
+    text += rejected_rival(diagnosis).value_or("");
   return text;
 }
 

@@ -123,7 +123,7 @@ class Scoring {
     Eigen::Index i = 0;
     s.white_variance = std::exp(theta(i++));
     s.flicker_variance = std::exp(theta(i++));
-    if (terms_.free_order) s.order = theta(i++);
+    s.order = terms_.free_order ? theta(i++) : terms_.given_order.value_or(kOrderOfBase);
     if (terms_.random_walk) s.walk_variance = std::exp(theta(i++));
     if (terms_.gauss_markov) {
       s.markov_variance = std::exp(theta(i++));

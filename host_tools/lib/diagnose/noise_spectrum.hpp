@@ -4,25 +4,32 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace zerorate::diagnose {
 
+/// Of 1/f noise, that of the base model.
+inline constexpr double kOrderOfBase = 0.5;
+
 /// Which parts a spectrum has besides white and flicker noise.
 struct NoiseTerms {
-  bool free_order = false;  ///< d is fitted; else 1/2
+  bool free_order = false;  ///< d is fitted; else it is the one given, or 1/2
   bool random_walk = false;
   bool gauss_markov = false;
   bool line = false;
   bool low_pass = false;
+  std::optional<double> given_order{};
 
   [[nodiscard]] NoiseTerms operator|(const NoiseTerms& other) const {
-    return {free_order || other.free_order, random_walk || other.random_walk,
-            gauss_markov || other.gauss_markov, line || other.line, low_pass || other.low_pass};
+    return {free_order || other.free_order,     random_walk || other.random_walk,
+            gauss_markov || other.gauss_markov, line || other.line,
+            low_pass || other.low_pass,         given_order ? given_order : other.given_order};
   }
+  [[nodiscard]] bool has_order() const { return free_order || given_order; }
   /// Has slow noise other than the base's, which takes in whatever a wrong function of time leaves.
-  [[nodiscard]] bool wanders() const { return free_order || random_walk || gauss_markov; }
+  [[nodiscard]] bool wanders() const { return has_order() || random_walk || gauss_markov; }
   bool operator==(const NoiseTerms&) const = default;
 };
 
@@ -44,7 +51,7 @@ struct NoiseSpectrum {
 
   double white_variance = 0.0;    ///< r
   double flicker_variance = 0.0;  ///< s_f^2
-  double order = 0.5;             ///< d
+  double order = kOrderOfBase;    ///< d
   double walk_variance = 0.0;     ///< k^2, of one step
   double markov_variance = 0.0;   ///< g
   double markov_samples = 1.0;    ///< tau

@@ -50,8 +50,14 @@ bool is_subtle(const Choice& choice) {
   return choice.surprise_nats < kPlain;
 }
 
-bool is_slow(const Part& part) {
-  return !part.columns.empty() || part.terms.wanders();
+/// With enough parts anything can be described; but not by what is plain to see and no function
+/// of time or slow noise.
+bool has_room(std::span<const Part> parts, std::span<const Choice> choices) {
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (is_subtle(choices[i]) || is_slow(parts[i])) ++taken;
+  }
+  return taken < kMostCauses;
 }
 
 Choice choice_of(const std::vector<Candidate>& candidates) {
@@ -71,30 +77,23 @@ class Selector {
       : problem_(problem), effects_(effects), state_(problem, {}) {}
 
   Selection select() {
-    Selection selection{state_, state_, {}, {}};
+    Selection selection;
     std::vector<Candidate> candidates = candidates_for(state_, effects_);
     selection.evidence = evidence_of(candidates);
     grow(std::move(candidates));
     if (split()) grow(candidates_for(state_, effects_));
-    for (Evidence& evidence : selection.evidence) {
-      evidence.selected = std::ranges::any_of(
-          choices_, [&](const Choice& choice) { return choice.effect->name() == evidence.effect; });
+    selection.parts = state_.parts();
+    for (Part& part : selection.parts) {
+      if (!part.starts.empty()) part.starts = {state_.noise().spectrum};
     }
-    selection.explanation = state_;
     selection.choices = choices_;
+    mark_selected(selection);
+    selection.log_likelihood = state_.log_likelihood();
     return selection;
   }
 
  private:
-  /// With enough parts anything can be described; but not by what is plain to see and no function
-  /// of time or slow noise.
-  [[nodiscard]] bool has_room() const {
-    std::size_t taken = 0;
-    for (std::size_t i = 0; i < choices_.size(); ++i) {
-      if (is_subtle(choices_[i]) || is_slow(state_.parts()[i])) ++taken;
-    }
-    return taken < kMostCauses;
-  }
+  [[nodiscard]] bool has_room() const { return diagnose::has_room(state_.parts(), choices_); }
 
   void grow(std::vector<Candidate> candidates) {
     while (has_room() && is_surprising(candidates)) {
@@ -225,6 +224,18 @@ class Selector {
 bool is_beyond_doubt(const Effect& effect, double surprise_nats) {
   constexpr double kBeyondDoubt = 50.0;  // nats
   return effect.is_measured() && surprise_nats > kBeyondDoubt;
+}
+
+bool is_slow(const Part& part) {
+  return !part.columns.empty() || part.terms.wanders();
+}
+
+void mark_selected(Selection& selection) {
+  for (Evidence& evidence : selection.evidence) {
+    evidence.selected = std::ranges::any_of(selection.choices, [&](const Choice& choice) {
+      return choice.effect->name() == evidence.effect;
+    });
+  }
 }
 
 Selection select_effects(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects) {

@@ -14,27 +14,39 @@
 
 namespace zerorate::diagnose {
 
+/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
+/// seen in one clean recording of some 200.
+inline constexpr double kLeastSurprise = 8.1;
+
 /// An effect that was chosen, and what else could have been in its place.
 struct Choice {
   const Effect* effect = nullptr;
   double gain_nats = 0.0;
   double surprise_nats = 0.0;
   std::vector<Alternative> alternatives;
+  std::size_t axes = 1;  ///< that gain and surprise are of
+
+  /// What the gain had to exceed.
+  [[nodiscard]] double price_nats() const { return kLeastSurprise + gain_nats - surprise_nats; }
 };
 
+/// What a record needs. It outlives the problem, and the parts bring the starts from which an
+/// explanation of them is found at once.
 struct Selection {
-  Explanation base;
-  Explanation explanation;
-  std::vector<Choice> choices;     ///< one for each part of the explanation, in its order
+  std::vector<Part> parts;
+  std::vector<Choice> choices;     ///< one for each part, in their order
   std::vector<Evidence> evidence;  ///< of each effect on its own, strongest first
+  double log_likelihood = 0.0;
 };
-
-/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
-/// seen in one clean recording of some 200.
-inline constexpr double kLeastSurprise = 8.1;
 
 /// What causes the effect was measured beside the rate, and its part is beyond doubt.
 [[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprise_nats);
+
+/// A function of time or noise that a bias wanders by.
+[[nodiscard]] bool is_slow(const Part& part);
+
+/// Makes the evidence say what the choices are.
+void mark_selected(Selection& selection);
 
 /// Adds the most surprising effect until none is surprising enough, or there are kMostCauses beside
 /// what is plain to see. After each addition every

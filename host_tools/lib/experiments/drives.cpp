@@ -89,12 +89,15 @@ struct AxisSums {
 using Fits = std::vector<DriveContest::AxisModels>;  ///< of one recording, by axis
 
 Fits diagnosed(const identify::RestSamples& samples, const std::string& recording) {
-  Fits fits;
+  std::vector<diagnose::Record> axes;
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    diagnose::Diagnosis diagnosis = diagnose::diagnose(diagnose::record_of(samples, axis),
-                                                       {.recording = recording, .holdout = 0.0});
-    fits.push_back(
-        {recording, axis, std::move(diagnosis.extended_model), std::move(diagnosis.base_model)});
+    axes.push_back(diagnose::record_of(samples, axis));
+  }
+  Fits fits;
+  for (auto& diagnosis :
+       diagnose::diagnose(std::move(axes), {.recording = recording, .holdout = 0.0})) {
+    fits.push_back({recording, fits.size(), std::move(diagnosis.extended_model),
+                    std::move(diagnosis.base_model)});
   }
   return fits;
 }

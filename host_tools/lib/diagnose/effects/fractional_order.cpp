@@ -13,7 +13,7 @@ class FractionalOrder final : public Effect {
   [[nodiscard]] std::string_view name() const override { return "fractional_order"; }
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    if (without.terms().free_order) return std::nullopt;
+    if (without.terms().has_order()) return std::nullopt;
     Part part{.effect = name(), .terms = {.free_order = true}};
     const NoiseSpectrum& noise = without.noise().spectrum;
     const double pivot = without.problem().sines()[without.problem().size() / 64];
@@ -30,14 +30,16 @@ class FractionalOrder final : public Effect {
 
   [[nodiscard]] Account tell(const Found& found) const override {
     const double order = found.all.noise().spectrum.order;
+    const bool is_in_common = found.part().terms.given_order.has_value();
+    const double error = is_in_common ? found.part().shape.front() : found.all.noise().errors.order;
     const std::string_view comparison =
         order > 0.5 ? "steeper than 1/f: the bias wanders farther over long times"
                     : "flatter than 1/f: the bias wanders less over long times";
-    return {
-        .parameters = {parameter("order", order, found.all.noise().errors.order)},
-        .sentence = fmt::format("The flicker noise has the order d = {:.2f} (density ~ f^-{:.2f}), "
-                                "{}.",
-                                order, 2.0 * order, comparison)};
+    return {.parameters = {parameter("order", order, error)},
+            .sentence = fmt::format("The flicker noise{} has the order d = {:.2f} (density ~ "
+                                    "f^-{:.2f}), {}.",
+                                    is_in_common ? " of all axes together" : "", order, 2.0 * order,
+                                    comparison)};
   }
 
   /// The base model takes the order from the noise.

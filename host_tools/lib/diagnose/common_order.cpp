@@ -1,0 +1,160 @@
+#include "host_tools/lib/diagnose/common_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/surprise.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::string_view kEffect = "fractional_order";
+
+/// The choices that are kept, with all they are fitted to.
+struct Rest {
+  std::vector<bool> is_kept;
+  double prices = 0.0;
+  Explanation explanation;
+};
+
+template <typename IsKept>
+Rest rest_of(const Problem& problem, const Selection& selection, const IsKept& is_kept) {
+  std::vector<bool> kept;
+  std::vector<Part> parts;
+  double prices = 0.0;
+  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+    kept.push_back(is_kept(i));
+    if (!kept.back()) continue;
+    parts.push_back(selection.parts[i]);
+    prices += selection.choices[i].price_nats();
+  }
+  const Explanation base(problem, {});
+  return {std::move(kept), prices, Explanation(problem, std::move(parts), &base)};
+}
+
+SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
+  const std::optional<Offer> walk = make_rate_random_walk()->examine(rest.explanation);
+  return {.own_nats = own_nats,
+          .is_kept = rest.is_kept,
+          .prices_of_kept = rest.prices,
+          .by_order = OrderProfile(rest.explanation),
+          .walking_nats = rest.explanation.log_likelihood() + walk->gain_nats - rest.prices};
+}
+
+/// What the axes lose to orders of their own is more than the chance of one in twenty.
+bool is_refuted(double loss_nats, std::size_t axes) {
+  const double kChance = std::log(0.05);
+  return log_chi_squared_tail(2.0 * loss_nats, static_cast<double>(axes - 1)) < kChance;
+}
+
+}  // namespace
+
+OrderProfile::OrderProfile(const Explanation& without_order) {
+  // From the base to both sides, so that each fit starts beside its solution.
+  const auto fit = [&](std::size_t i, const Explanation& before) {
+    std::vector<Part> parts = without_order.parts();
+    parts.push_back(part_of_order({.order = kLowest + kStep * static_cast<double>(i)}));
+    return Explanation(without_order.problem(), std::move(parts), &before);
+  };
+  Explanation latest = without_order;
+  values_[kBase] = latest.log_likelihood();
+  for (std::size_t i = kBase + 1; i < kOrders; ++i) {
+    latest = fit(i, latest);
+    values_[i] = latest.log_likelihood();
+  }
+  latest = without_order;
+  for (std::size_t i = kBase; i-- > 0;) {
+    latest = fit(i, latest);
+    values_[i] = latest.log_likelihood();
+  }
+}
+
+OrderProfile& OrderProfile::operator+=(const OrderProfile& other) {
+  for (std::size_t i = 0; i < kOrders; ++i) values_[i] += other.values_[i];
+  return *this;
+}
+
+OrderProfile& OrderProfile::operator-=(const OrderProfile& other) {
+  for (std::size_t i = 0; i < kOrders; ++i) values_[i] -= other.values_[i];
+  return *this;
+}
+
+OrderProfile::Peak OrderProfile::peak() const {
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(values_) - values_.begin());
+  const std::size_t middle = std::clamp<std::size_t>(best, 1, kOrders - 2);
+  const double slope = 0.5 * (values_[middle + 1] - values_[middle - 1]);
+  const double curvature = 2.0 * values_[middle] - values_[middle + 1] - values_[middle - 1];
+  const double offset = std::clamp(slope / std::max(curvature, 1e-9), -1.0, 1.0);
+  return {.order = kLowest + kStep * (static_cast<double>(middle) + offset),
+          .standard_error = kStep / std::sqrt(std::max(curvature, 1e-9)),
+          .log_likelihood = values_[middle] + offset * slope - 0.5 * offset * offset * curvature};
+}
+
+SlowNoise slow_noise_of(const Problem& problem, const Selection& selection) {
+  double own = selection.log_likelihood;
+  for (const Choice& choice : selection.choices) own -= choice.price_nats();
+  const auto is_no_order_or_walk = [&](std::size_t i) {
+    const NoiseTerms& terms = selection.parts[i].terms;
+    return !terms.has_order() && !terms.random_walk;
+  };
+  const auto is_not_slow = [&](std::size_t i) {
+    return !is_slow(selection.parts[i]) || selection.choices[i].effect->is_measured();
+  };
+  SlowNoise with = slow_noise_beside(rest_of(problem, selection, is_no_order_or_walk), own);
+  SlowNoise without = slow_noise_beside(rest_of(problem, selection, is_not_slow), own);
+  const auto worth = [](const SlowNoise& noise) {
+    return noise.by_order.peak().log_likelihood - noise.prices_of_kept;
+  };
+  return worth(with) > worth(without) ? with : without;
+}
+
+std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes) {
+  if (axes.size() < 2) return std::nullopt;
+  double own = 0.0;
+  double prices = 0.0;
+  double walking = -kLeastSurprise;
+  double of_peaks = 0.0;
+  CommonOrder common{.by_order = axes.front().by_order};
+  for (const SlowNoise& axis : axes) {
+    if (&axis != axes.data()) common.by_order += axis.by_order;
+    own += axis.own_nats;
+    prices += axis.prices_of_kept;
+    walking += axis.walking_nats;
+    of_peaks += axis.by_order.peak().log_likelihood;
+  }
+  common.peak = common.by_order.peak();
+  common.gain_nats = common.peak.log_likelihood - common.by_order.of_base();
+  common.surprise_nats = surprise_of_free(common.gain_nats, 1.0);
+  if (is_refuted(of_peaks - common.peak.log_likelihood, axes.size())) return std::nullopt;
+  const double worth = common.by_order.of_base() - prices + common.surprise_nats - kLeastSurprise;
+  if (worth < std::max(own, walking)) return std::nullopt;
+  if (worth - walking < kAlternativeNats) {
+    common.alternatives.push_back({"rate_random_walk", worth - walking});
+  }
+  return common;
+}
+
+Part part_of_order(const OrderProfile::Peak& peak) {
+  return {.effect = kEffect, .terms = {.given_order = peak.order}, .shape = {peak.standard_error}};
+}
+
+void place(const CommonOrder& common, const Effect& effect, std::size_t axes,
+           const SlowNoise& slow_noise, Selection& selection) {
+  std::vector<Part> parts;
+  std::vector<Choice> choices;
+  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+    if (!slow_noise.is_kept[i]) continue;
+    parts.push_back(std::move(selection.parts[i]));
+    choices.push_back(std::move(selection.choices[i]));
+  }
+  parts.push_back(part_of_order(common.peak));
+  choices.push_back({&effect, common.gain_nats, common.surprise_nats, common.alternatives, axes});
+  selection.parts = std::move(parts);
+  selection.choices = std::move(choices);
+  mark_selected(selection);
+}
+
+}  // namespace zerorate::diagnose
