@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host_tests/support/recordings_folder.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
@@ -37,6 +39,15 @@ class DiagnosisOfRealRecording : public ::testing::Test {
   [[nodiscard]] Diagnosis diagnosis_of(const char* file, std::size_t axis) const {
     recording::Reader reader{*folder_ / file};
     return diagnose(record_of(identify::read_rest_samples(reader), axis));
+  }
+  [[nodiscard]] std::vector<Diagnosis> diagnosis_of_all(const char* file) const {
+    recording::Reader reader{*folder_ / file};
+    const identify::RestSamples samples = identify::read_rest_samples(reader);
+    std::vector<Record> axes;
+    for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+      axes.push_back(record_of(samples, axis));
+    }
+    return diagnose(std::move(axes));
   }
 
  private:
@@ -75,6 +86,19 @@ TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050AndInventsNoShare) {
   // data/README.md: 2,860 gaps over 50 ms.
   EXPECT_EQ(dropped->parameters.front().name, "gaps");
   EXPECT_NEAR(dropped->parameters.front().value, 2860.0, 0.03 * 2860.0);
+}
+
+TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
+  for (const char* file : {"adis16405_static/run1_1hz_mean_with_accel.csv.gz",
+                           "adis16405_static/run2_1hz_mean_with_accel.csv.gz",
+                           "adis16405_static/run3_1hz_mean_with_accel.csv.gz"}) {
+    for (const Diagnosis& diagnosis : diagnosis_of_all(file)) {
+      ASSERT_EQ(diagnosis.causes.size(), 1U) << file << ' ' << diagnosis.axis;
+      EXPECT_EQ(diagnosis.causes.front().effect, "fractional_order");
+      EXPECT_EQ(diagnosis.causes.front().axes, 3U);
+      EXPECT_EQ(diagnosis.verdict, Verdict::explained);
+    }
+  }
 }
 
 TEST_F(DiagnosisOfRealRecording, NamesASlowExcessOfTheAdis16405) {

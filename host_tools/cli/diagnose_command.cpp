@@ -51,6 +51,7 @@ std::vector<Diagnosis> run_diagnosis(const Options& options) {
   };
   const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
   std::vector<diagnose::Record> records;
+  records.reserve(axes.size());
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
   diagnose_options.on_progress = [&](double share) {
     progress.update(kReading + (1.0 - kReading) * share);

@@ -45,9 +45,21 @@ SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
 }
 
 /// What the axes lose to orders of their own is more than the chance of one in twenty.
-bool is_refuted(double loss_nats, std::size_t axes) {
-  const double kChance = std::log(0.05);
-  return log_chi_squared_tail(2.0 * loss_nats, static_cast<double>(axes - 1)) < kChance;
+bool is_refuted(std::span<const SlowNoise> axes, const OrderProfile::Peak& common) {
+  constexpr double kChance = 0.05;
+  double of_peaks = 0.0;
+  for (const SlowNoise& axis : axes) of_peaks += axis.by_order.peak().log_likelihood;
+  return log_chi_squared_tail(2.0 * (of_peaks - common.log_likelihood),
+                              static_cast<double>(axes.size() - 1)) < std::log(kChance);
+}
+
+/// Without one of them the axes would rather have the order of the base.
+bool rests_on_one(std::span<const SlowNoise> axes, const CommonOrder& common) {
+  return std::ranges::any_of(axes, [&](const SlowNoise& axis) {
+    OrderProfile others = common.by_order;
+    others -= axis.by_order;
+    return others.at(common.peak.order) < others.of_base();
+  });
 }
 
 }  // namespace
@@ -80,6 +92,12 @@ OrderProfile& OrderProfile::operator+=(const OrderProfile& other) {
 OrderProfile& OrderProfile::operator-=(const OrderProfile& other) {
   for (std::size_t i = 0; i < kOrders; ++i) values_[i] -= other.values_[i];
   return *this;
+}
+
+double OrderProfile::at(double order) const {
+  const double place = std::clamp((order - kLowest) / kStep, 0.0, double{kOrders - 1});
+  const auto low = std::min(static_cast<std::size_t>(place), kOrders - 2);
+  return std::lerp(values_[low], values_[low + 1], place - static_cast<double>(low));
 }
 
 OrderProfile::Peak OrderProfile::peak() const {
@@ -116,19 +134,17 @@ std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes) {
   double own = 0.0;
   double prices = 0.0;
   double walking = -kLeastSurprise;
-  double of_peaks = 0.0;
   CommonOrder common{.by_order = axes.front().by_order};
   for (const SlowNoise& axis : axes) {
     if (&axis != axes.data()) common.by_order += axis.by_order;
     own += axis.own_nats;
     prices += axis.prices_of_kept;
     walking += axis.walking_nats;
-    of_peaks += axis.by_order.peak().log_likelihood;
   }
   common.peak = common.by_order.peak();
   common.gain_nats = common.peak.log_likelihood - common.by_order.of_base();
   common.surprise_nats = surprise_of_free(common.gain_nats, 1.0);
-  if (is_refuted(of_peaks - common.peak.log_likelihood, axes.size())) return std::nullopt;
+  if (is_refuted(axes, common.peak) || rests_on_one(axes, common)) return std::nullopt;
   const double worth = common.by_order.of_base() - prices + common.surprise_nats - kLeastSurprise;
   if (worth < std::max(own, walking)) return std::nullopt;
   if (worth - walking < kAlternativeNats) {

@@ -32,6 +32,8 @@ class OrderProfile {
   /// Of a parabola through the best three places.
   [[nodiscard]] Peak peak() const;
   [[nodiscard]] double of_base() const { return values_[kBase]; }
+  /// Between the places on a straight line.
+  [[nodiscard]] double at(double order) const;
 
  private:
   static constexpr double kLowest = 0.1;
@@ -62,8 +64,9 @@ struct CommonOrder {
   std::vector<Alternative> alternatives;
 };
 
-/// An order in common, if the axes do not refute it, and it explains them together better than what
-/// was selected for each of them, and better than a random walk in each.
+/// An order in common, if it explains the axes together better than what was selected for each of
+/// them, and better than a random walk in each; if their own orders do not refute it, and no single
+/// axis speaks for it against the others.
 [[nodiscard]] std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes);
 
 /// The part that stands for an order.

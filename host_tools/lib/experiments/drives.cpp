@@ -90,6 +90,7 @@ using Fits = std::vector<DriveContest::AxisModels>;  ///< of one recording, by a
 
 Fits diagnosed(const identify::RestSamples& samples, const std::string& recording) {
   std::vector<diagnose::Record> axes;
+  axes.reserve(samples.axis_count);
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
     axes.push_back(diagnose::record_of(samples, axis));
   }

@@ -17,6 +17,7 @@
 namespace zerorate::diagnose {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using zerorate::testing::kRadPerDeg;
@@ -34,7 +35,9 @@ Record axis_of(const RestNoise& noise, std::uint64_t run) {
 /// Flicker noise as strong as that of order 1/2 at .01 Hz.
 RestNoise of_order(double order) {
   const double pivot = 2.0 * std::numbers::pi * 0.01;
-  return {.bias_instability_dph = 25.0 * std::pow(pivot, order - 0.5), .order = order};
+  return {.angle_random_walk_dps_per_sqrt_hz = 0.01,
+          .bias_instability_dph = 25.0 * std::pow(pivot, order - 0.5),
+          .order = order};
 }
 
 std::vector<std::string> causes_of(const Diagnosis& diagnosis) {
@@ -70,7 +73,7 @@ TEST(DiagnosisOfThreeAxes, NamesTheOrderThatNoneOfThemTellsAlone) {
 
   ASSERT_THAT(diagnoses, SizeIs(3));
   for (const Diagnosis& diagnosis : diagnoses) {
-    ASSERT_THAT(causes_of(diagnosis), ::testing::ElementsAre("fractional_order"));
+    ASSERT_THAT(causes_of(diagnosis), ElementsAre("fractional_order"));
     const Cause& cause = diagnosis.causes.front();
     EXPECT_EQ(cause.axes, 3U);
     EXPECT_LT(cause.parameters.front().lo, 0.68);
@@ -82,7 +85,8 @@ TEST(DiagnosisOfThreeAxes, NamesTheOrderThatNoneOfThemTellsAlone) {
 }
 
 TEST(DiagnosisOfThreeAxes, LeavesAnEffectOfOneAxisToThatAxis) {
-  std::vector<Record> axes{axis_of(of_order(0.9), 21), axis_of({}, 22), axis_of({}, 23)};
+  std::vector<Record> axes{axis_of(of_order(0.9), 21), axis_of(of_order(0.5), 22),
+                           axis_of(of_order(0.5), 23)};
 
   const std::vector<Diagnosis> diagnoses = diagnose(std::move(axes));
 
@@ -93,7 +97,8 @@ TEST(DiagnosisOfThreeAxes, LeavesAnEffectOfOneAxisToThatAxis) {
 }
 
 TEST(DiagnosisOfThreeAxes, IsThatOfEachByItselfWhereTheyHaveNothingInCommon) {
-  std::vector<Record> axes{axis_of({}, 31), axis_of(of_order(0.9), 32), axis_of({}, 33)};
+  std::vector<Record> axes{axis_of(of_order(0.5), 31), axis_of(of_order(0.9), 32),
+                           axis_of(of_order(0.5), 33)};
   std::vector<Diagnosis> alone;
   for (const Record& axis : axes) alone.push_back(diagnose(axis));
 
