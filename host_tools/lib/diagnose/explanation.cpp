@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host_tools/lib/diagnose/noise_density.hpp"
 #include "host_tools/lib/simulate/random_stream.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
@@ -170,7 +171,12 @@ Explanation::Explanation(const Problem& problem, std::vector<Part> parts,
   mark_replaced();
   transform_clean();
   residual_ = coefficients_;
-  if (!columns().empty()) fit_amplitudes();
+  if (!columns().empty()) {
+    fit_amplitudes();
+    const auto residual = std::make_shared<std::vector<double>>(*coefficients_);
+    subtract_means(*residual);
+    residual_ = residual;
+  }
   noise_.log_likelihood = log_likelihood_of_coefficients();
 }
 
@@ -265,10 +271,13 @@ void Explanation::fit(const Explanation* before) {
     noise_ = fit_spectrum(bins, problem_->size(), terms_, starts);
   }
   if (!has_columns) return;
+  const auto residual = std::make_shared<std::vector<double>>(*coefficients_);
+  residual_ = residual;
   double reached = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
     fit_amplitudes();
-    bins = this->bins();
+    subtract_means(*residual);
+    update_bins(bins, *residual, end_of_columns());
     if (round > 0) starts = {noise_.spectrum};
     noise_ = fit_spectrum(bins, problem_->size(), terms_, starts);
     if (noise_.log_likelihood - reached < kConverged) break;
@@ -295,11 +304,15 @@ std::vector<const Column*> Explanation::columns() const {
   return columns;
 }
 
+std::size_t Explanation::end_of_columns() const {
+  std::size_t end = 0;
+  for (const Column* column : columns()) end = std::max(end, column->end());
+  return end;
+}
+
 void Explanation::fit_amplitudes() {
   const std::vector<const Column*> columns = this->columns();
-  std::size_t end = 0;
-  for (const Column* column : columns) end = std::max(end, column->end());
-  const std::vector<double> density = density_below(end);
+  const std::vector<double> density = density_below(end_of_columns());
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd normal(count, count);
   Eigen::VectorXd right(count);
@@ -315,7 +328,12 @@ void Explanation::fit_amplitudes() {
   scaled.diagonal().array() += 1e-10;
   covariance_ = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
   amplitudes_ = covariance_ * right;
-  std::vector<double> residual = *coefficients_;
+}
+
+/// @param residual  above the end of the columns: the coefficients
+void Explanation::subtract_means(std::vector<double>& residual) const {
+  std::copy_n(coefficients_->begin(), end_of_columns(), residual.begin());
+  const std::vector<const Column*> columns = this->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Column& column = *columns[i];
     const double amplitude = amplitudes_(static_cast<Eigen::Index>(i));
@@ -323,7 +341,6 @@ void Explanation::fit_amplitudes() {
       residual[k] -= amplitude * column.coefficients[k - column.first];
     }
   }
-  residual_ = std::make_shared<const std::vector<double>>(std::move(residual));
 }
 
 /// Above the lowest frequencies the density is so smooth that it is a straight line from one node
@@ -332,7 +349,8 @@ std::vector<double> Explanation::density_below(std::size_t end) const {
   if (density_) return {density_->begin(), density_->begin() + static_cast<std::ptrdiff_t>(end)};
   const std::vector<double>& sines = problem_->sines();
   const std::size_t n = sines.size();
-  const auto at = [&](std::size_t k) { return noise_.spectrum.density(sines[k], k, n); };
+  const DensityFactors factors(noise_.spectrum);
+  const auto at = [&](std::size_t k) { return factors.density(sines[k], k, n); };
   std::vector<double> density(end);
   if (end == 0) return density;
   density[0] = std::numeric_limits<double>::infinity();

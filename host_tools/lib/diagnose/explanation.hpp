@@ -162,8 +162,10 @@ class Explanation {
   [[nodiscard]] std::vector<double> replace_values() const;
   void fit(const Explanation* before);
   void fit_amplitudes();
+  void subtract_means(std::vector<double>& residual) const;
   [[nodiscard]] std::vector<SpectralBin> bins() const;
   [[nodiscard]] std::vector<const Column*> columns() const;
+  [[nodiscard]] std::size_t end_of_columns() const;
   [[nodiscard]] std::vector<double> density_below(std::size_t end) const;
 
   const Problem* problem_;

@@ -58,27 +58,22 @@ double markov_ratio(double record_in_time_constants, std::size_t index) {
 /// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form.
 class LineSide {
  public:
-  LineSide(double coherence_samples, double distance, double width)
-      : decay_(1.0 / coherence_samples),
-        coth_(1.0 / std::tanh(0.5 * decay_)),
-        lo_(distance - 0.5 * width),
-        hi_(distance + 0.5 * width),
-        width_(width) {}
+  /// @param coth of k / 2
+  LineSide(double coth, double distance, double width)
+      : coth_(coth), lo_(distance - 0.5 * width), hi_(distance + 0.5 * width), width_(width) {}
 
   [[nodiscard]] double mean() const { return (integral(hi_) - integral(lo_)) / width_; }
-  [[nodiscard]] double slope_of_distance() const { return (kernel(hi_) - kernel(lo_)) / width_; }
-  [[nodiscard]] double slope_of_log_coherence() const {
-    return decay_ * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) /
-           width_;
+  [[nodiscard]] double slope_of_distance(double sinh, double cosh) const {
+    return (sinh / (cosh - std::cos(hi_)) - sinh / (cosh - std::cos(lo_))) / width_;
+  }
+  [[nodiscard]] double slope_of_log_coherence(double decay) const {
+    return decay * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) / width_;
   }
 
  private:
   [[nodiscard]] double integral(double x) const {
     const double turns = std::floor(0.5 * x / std::numbers::pi + 0.5);
     return 2.0 * (std::atan(coth_ * std::tan(0.5 * x)) + turns * std::numbers::pi);
-  }
-  [[nodiscard]] double kernel(double x) const {
-    return std::sinh(decay_) / (std::cosh(decay_) - std::cos(x));
   }
   /// d integral / d coth.
   [[nodiscard]] double slope_of_coth(double x) const {
@@ -87,7 +82,6 @@ class LineSide {
     return 2.0 * sine * cosine / (cosine * cosine + coth_ * coth_ * sine * sine);
   }
 
-  double decay_;
   double coth_;
   double lo_;
   double hi_;
@@ -96,91 +90,135 @@ class LineSide {
 
 }  // namespace
 
-NoiseDensity::NoiseDensity(const NoiseSpectrum& spectrum, double sine, std::size_t index,
-                           std::size_t size, double count)
-    : spectrum_(&spectrum),
-      sine_(sine),
-      angle_(2.0 * std::asin(std::min(0.5 * sine, 1.0))),
-      width_(std::numbers::pi * count / static_cast<double>(size)) {
+SpectralPlace::SpectralPlace(double at, std::size_t of, std::size_t in, double count, bool has_line)
+    : sine(at),
+      log_sine(std::log(at)),
+      angle(has_line ? 2.0 * std::asin(std::min(0.5 * at, 1.0)) : 0.0),
+      width(std::numbers::pi * count / static_cast<double>(in)),
+      index(of),
+      size(in) {}
+
+DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spectrum) {
+  if (spectrum.markov_variance > 0.0) {
+    markov_phi_ = std::exp(-1.0 / spectrum.markov_samples);
+    markov_lost_ = -std::expm1(-1.0 / spectrum.markov_samples);
+  }
+  if (spectrum.line_variance > 0.0) {
+    line_decay_ = 1.0 / spectrum.line_samples;
+    line_coth_ = 1.0 / std::tanh(0.5 * line_decay_);
+    line_sinh_ = std::sinh(line_decay_);
+    line_cosh_ = std::cosh(line_decay_);
+  }
+  if (spectrum.low_pass_order > 0) {
+    cut_off_ = std::tan(0.5 * std::numbers::pi * spectrum.low_pass_share);
+  }
+}
+
+NoiseDensity::NoiseDensity(const DensityFactors& factors, const SpectralPlace& place)
+    : factors_(&factors), place_(&place) {
+  const NoiseSpectrum& spectrum = factors.spectrum();
   const double d = spectrum.order;
   white_ = spectrum.white_variance;
-  flicker_ = spectrum.flicker_variance * std::exp(-2.0 * d * std::log(sine));
-  if (index > 0) flicker_ *= RatioTable::get()(d, index);
-  walk_ = spectrum.walk_variance / (sine * sine);
-  if (spectrum.markov_variance > 0.0) add_markov(index, size);
-  if (spectrum.line_variance > 0.0) line_ = spectrum.line_density(angle_, width_);
-  pass_ = spectrum.low_pass_gain(sine);
+  flicker_ = spectrum.flicker_variance * std::exp(-2.0 * d * place.log_sine);
+  if (place.index > 0) flicker_ *= RatioTable::get()(d, place.index);
+  walk_ = spectrum.walk_variance / (place.sine * place.sine);
+  if (spectrum.markov_variance > 0.0) add_markov();
+  if (spectrum.line_variance > 0.0) line_ = factors.line_density(place.angle, place.width);
+  pass_ = factors.low_pass_gain(place.sine);
 }
 
 void NoiseDensity::derivatives(const NoiseTerms& terms, SpectrumSlope& slope) const {
+  const NoiseSpectrum& spectrum = factors_->spectrum();
   const double share = pass_ / total();
   Eigen::Index i = 0;
   slope(i++) = white_ * share;
   slope(i++) = flicker_ * share;
-  if (terms.free_order) slope(i++) = -2.0 * std::log(sine_) * flicker_ * share;
+  if (terms.free_order) slope(i++) = -2.0 * place_->log_sine * flicker_ * share;
   if (terms.random_walk) slope(i++) = walk_ * share;
   if (terms.gauss_markov) {
     slope(i++) = markov_ * share;
     slope(i++) = markov_ * markov_slope_ * share;
   }
   if (terms.line) {
-    const double a = spectrum_->line_angle;
-    const LineSide below(spectrum_->line_samples, angle_ - a, width_);
-    const LineSide above(spectrum_->line_samples, angle_ + a, width_);
-    const double unit = 0.5 * spectrum_->line_variance / total();
+    const double a = spectrum.line_angle;
+    const double decay = factors_->line_decay_;
+    const double sinh = factors_->line_sinh_;
+    const double cosh = factors_->line_cosh_;
+    const LineSide below(factors_->line_coth_, place_->angle - a, place_->width);
+    const LineSide above(factors_->line_coth_, place_->angle + a, place_->width);
+    const double unit = 0.5 * spectrum.line_variance / total();
     slope(i++) = line_ / total();
-    slope(i++) = unit * (above.slope_of_distance() - below.slope_of_distance()) * a *
+    slope(i++) = unit *
+                 (above.slope_of_distance(sinh, cosh) - below.slope_of_distance(sinh, cosh)) * a *
                  (1.0 - a / std::numbers::pi);
-    slope(i++) = unit * (above.slope_of_log_coherence() + below.slope_of_log_coherence());
+    slope(i++) = unit * (above.slope_of_log_coherence(decay) + below.slope_of_log_coherence(decay));
   }
   if (terms.low_pass) slope(i++) = low_pass_slope() * inner() * share;
 }
 
 /// d log H / d logit a.
 double NoiseDensity::low_pass_slope() const {
-  const double a = spectrum_->low_pass_share;
-  if (spectrum_->low_pass_order > 0) {
-    return (1.0 - pass_) * 2.0 * spectrum_->low_pass_order * std::numbers::pi * a * (1.0 - a) /
+  const NoiseSpectrum& spectrum = factors_->spectrum();
+  const double a = spectrum.low_pass_share;
+  if (spectrum.low_pass_order > 0) {
+    return (1.0 - pass_) * 2.0 * spectrum.low_pass_order * std::numbers::pi * a * (1.0 - a) /
            std::sin(std::numbers::pi * a);
   }
-  const double square = sine_ * sine_;
-  if (spectrum_->low_pass_order == NoiseSpectrum::kTwoNeighbours) {
+  const double square = place_->sine * place_->sine;
+  if (spectrum.low_pass_order == NoiseSpectrum::kTwoNeighbours) {
     return 0.25 * square * a * (1.0 - a) / pass_;
   }
   return (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
 }
 
-void NoiseDensity::add_markov(std::size_t index, std::size_t size) {
-  const double tau = spectrum_->markov_samples;
-  const double phi = std::exp(-1.0 / tau);
-  const double lost = -std::expm1(-1.0 / tau);
-  const double bottom = lost * lost + phi * sine_ * sine_;
+void NoiseDensity::add_markov() {
+  const double sine = place_->sine;
+  const double tau = factors_->spectrum().markov_samples;
+  const double phi = factors_->markov_phi_;
+  const double lost = factors_->markov_lost_;
+  const double bottom = lost * lost + phi * sine * sine;
   const double top = lost * (1.0 + phi);
-  markov_ = spectrum_->markov_variance * top / bottom;
-  if (index > 0) markov_ *= markov_ratio(static_cast<double>(size) / tau, index);
+  markov_ = factors_->spectrum().markov_variance * top / bottom;
+  if (place_->index > 0) {
+    markov_ *= markov_ratio(static_cast<double>(place_->size) / tau, place_->index);
+  }
   // d log / d phi, times d phi / d log tau = phi / tau.
-  markov_slope_ = (-2.0 * phi / top + (2.0 * lost - sine_ * sine_) / bottom) * phi / tau;
+  markov_slope_ = (-2.0 * phi / top + (2.0 * lost - sine * sine) / bottom) * phi / tau;
+}
+
+double DensityFactors::low_pass_gain(double sine) const {
+  const int order = spectrum_->low_pass_order;
+  const double a = spectrum_->low_pass_share;
+  const double square = sine * sine;
+  if (a >= 1.0) return 1.0;
+  if (order == NoiseSpectrum::kTwoNeighbours) return 1.0 - 0.25 * (1.0 - a) * square;
+  if (order == NoiseSpectrum::kRecursive) return a * a / (a * a + (1.0 - a) * square);
+  const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off_ * cut_off_);
+  return 1.0 / (1.0 + std::pow(ratio, order));
+}
+
+double DensityFactors::line_density(double angle, double width) const {
+  return 0.5 * spectrum_->line_variance *
+         (LineSide(line_coth_, angle - spectrum_->line_angle, width).mean() +
+          LineSide(line_coth_, angle + spectrum_->line_angle, width).mean());
+}
+
+double DensityFactors::density(double sine, std::size_t index, std::size_t size) const {
+  const bool has_line = spectrum_->line_variance > 0.0;
+  const SpectralPlace place(sine, index <= kSingleBins ? index : 0, size, 1.0, has_line);
+  return NoiseDensity(*this, place).total();
 }
 
 double NoiseSpectrum::low_pass_gain(double sine) const {
-  const double a = low_pass_share;
-  const double square = sine * sine;
-  if (a >= 1.0) return 1.0;
-  if (low_pass_order == kTwoNeighbours) return 1.0 - 0.25 * (1.0 - a) * square;
-  if (low_pass_order == kRecursive) return a * a / (a * a + (1.0 - a) * square);
-  const double cut_off = std::tan(0.5 * std::numbers::pi * a);
-  const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off * cut_off);
-  return 1.0 / (1.0 + std::pow(ratio, low_pass_order));
+  return DensityFactors(*this).low_pass_gain(sine);
 }
 
 double NoiseSpectrum::line_density(double angle, double width) const {
-  return 0.5 * line_variance *
-         (LineSide(line_samples, angle - line_angle, width).mean() +
-          LineSide(line_samples, angle + line_angle, width).mean());
+  return DensityFactors(*this).line_density(angle, width);
 }
 
 double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) const {
-  return NoiseDensity(*this, sine, index <= kSingleBins ? index : 0, size).total();
+  return DensityFactors(*this).density(sine, index, size);
 }
 
 }  // namespace zerorate::diagnose

@@ -20,17 +20,54 @@ inline constexpr int kMostParameters = 10;
 /// the terms that a fit has.
 using SpectrumSlope = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
 
+/// What is the same for all spectra at one bin.
+struct SpectralPlace {
+  /// @param at, of, in as sine, index and size of NoiseSpectrum::density
+  /// @param count of the coefficients in the bin
+  /// @param has_line  the angle, which nothing else needs, is known
+  SpectralPlace(double at, std::size_t of, std::size_t in, double count, bool has_line);
+
+  double sine;
+  double log_sine;
+  double angle;
+  double width;  ///< of the bin, an angle
+  std::size_t index;
+  std::size_t size;
+};
+
+/// What is the same for one spectrum at all bins.
+class DensityFactors {
+ public:
+  /// @param spectrum must outlive the factors
+  explicit DensityFactors(const NoiseSpectrum& spectrum);
+
+  [[nodiscard]] const NoiseSpectrum& spectrum() const { return *spectrum_; }
+  /// As of NoiseSpectrum.
+  [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
+  [[nodiscard]] double line_density(double angle, double width) const;
+  [[nodiscard]] double low_pass_gain(double sine) const;
+
+ private:
+  friend class NoiseDensity;
+
+  const NoiseSpectrum* spectrum_;
+  double markov_phi_ = 0.0;
+  double markov_lost_ = 0.0;  ///< 1 - phi
+  double line_decay_ = 0.0;   ///< 1 / coherence time
+  double line_coth_ = 0.0;    ///< of half the decay
+  double line_sinh_ = 0.0;    ///< of the decay
+  double line_cosh_ = 0.0;
+  double cut_off_ = 0.0;  ///< tan(pi a / 2)
+};
+
 /// The parts of a spectrum at one bin and the derivatives of its logarithm.
 class NoiseDensity {
  public:
-  /// @param spectrum must outlive the density
-  /// @param sine, index, size as of NoiseSpectrum::density  @param count of the coefficients in the
-  /// bin
-  NoiseDensity(const NoiseSpectrum& spectrum, double sine, std::size_t index, std::size_t size,
-               double count = 1.0);
+  /// @param factors, place must outlive the density
+  NoiseDensity(const DensityFactors& factors, const SpectralPlace& place);
 
   [[nodiscard]] double total() const {
-    return pass_ * inner() + line_ + spectrum_->rounding_variance;
+    return pass_ * inner() + line_ + factors_->spectrum().rounding_variance;
   }
 
   /// @param slope as long as there are parameters
@@ -39,12 +76,10 @@ class NoiseDensity {
  private:
   [[nodiscard]] double inner() const { return white_ + flicker_ + walk_ + markov_; }
   [[nodiscard]] double low_pass_slope() const;
-  void add_markov(std::size_t index, std::size_t size);
+  void add_markov();
 
-  const NoiseSpectrum* spectrum_;
-  double sine_;
-  double angle_;
-  double width_;
+  const DensityFactors* factors_;
+  const SpectralPlace* place_;
   double white_ = 0.0;
   double flicker_ = 0.0;
   double walk_ = 0.0;

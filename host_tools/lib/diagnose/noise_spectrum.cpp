@@ -38,6 +38,12 @@ std::size_t width_near(std::size_t line, std::size_t first) {
   return std::max<std::size_t>(1, distance / 10);
 }
 
+double sum_of_squares(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return sum;
+}
+
 double logit(double share) {
   return std::log(share / (1.0 - share));
 }
@@ -49,11 +55,13 @@ class Scoring {
  public:
   Scoring(std::span<const SpectralBin> bins, std::size_t size, const NoiseTerms& terms)
       : bins_(bins), size_(size), terms_(terms) {
+    places_.reserve(bins.size());
     double sum = 0.0;
     double count = 0.0;
     for (const SpectralBin& bin : bins) {
       sum += bin.count * bin.mean_square;
       count += bin.count;
+      places_.emplace_back(bin.sine, bin.index, size, bin.count, terms.line);
     }
     mean_square_ = sum / count;
   }
@@ -201,23 +209,26 @@ class Scoring {
   double evaluate(const Vector& theta, const NoiseSpectrum& start, Vector& gradient,
                   Matrix& information) const {
     const NoiseSpectrum spectrum = unpack(theta, start);
+    const DensityFactors factors(spectrum);
     gradient = Vector::Zero(theta.size());
     information = Matrix::Zero(theta.size(), theta.size());
     Vector slope(theta.size());
     double value = 0.0;
-    for (const SpectralBin& bin : bins_) {
-      const NoiseDensity density(spectrum, bin.sine, bin.index, size_, bin.count);
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+      const SpectralBin& bin = bins_[b];
+      const NoiseDensity density(factors, places_[b]);
       const double total = density.total();
       const double excess = bin.mean_square / total;
       value -= 0.5 * bin.count * (std::log(total) + excess);
       density.derivatives(terms_, slope);
       gradient += 0.5 * bin.count * (excess - 1.0) * slope;
-      information += 0.5 * bin.count * slope * slope.transpose();
+      information.noalias() += 0.5 * bin.count * slope * slope.transpose();
     }
     return value;
   }
 
   std::span<const SpectralBin> bins_;
+  std::vector<SpectralPlace> places_;  ///< of the bins
   std::size_t size_;
   NoiseTerms terms_;
   double mean_square_ = 0.0;
@@ -236,8 +247,7 @@ std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients, 
     const std::size_t end = single ? first + 1
                                    : std::min({std::max(grown, first + 1), first + end_width,
                                                first + width_near(line, first), n});
-    double sum = 0.0;
-    for (std::size_t k = first; k < end; ++k) sum += coefficients[k] * coefficients[k];
+    const double sum = sum_of_squares(coefficients.subspan(first, end - first));
     const auto count = static_cast<double>(end - first);
     const double centre = 0.5 * static_cast<double>(first + end - 1);
     const double sine = 2.0 * std::sin(0.5 * std::numbers::pi * centre / static_cast<double>(n));
@@ -245,6 +255,17 @@ std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients, 
     first = end;
   }
   return bins;
+}
+
+void update_bins(std::span<SpectralBin> bins, std::span<const double> coefficients,
+                 std::size_t end) {
+  std::size_t first = 1;
+  for (SpectralBin& bin : bins) {
+    if (first >= end) return;
+    const auto count = static_cast<std::size_t>(bin.count);
+    bin.mean_square = sum_of_squares(coefficients.subspan(first, count)) / bin.count;
+    first += count;
+  }
 }
 
 SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,

@@ -87,6 +87,10 @@ struct SpectralBin {
 [[nodiscard]] std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients,
                                                         std::size_t line = 0);
 
+/// Brings bins up to date with coefficients of which those below `end` have changed.
+void update_bins(std::span<SpectralBin> bins, std::span<const double> coefficients,
+                 std::size_t end);
+
 /// Standard errors of the logarithms of strengths and times, of d and w0, and of the logit of a;
 /// those of the expected information. 0 where a parameter is not fitted.
 struct NoiseErrors {

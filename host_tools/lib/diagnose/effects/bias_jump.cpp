@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/mean_scan.hpp"
@@ -19,8 +20,9 @@ class BiasJump final : public Effect {
 
   [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
     double crossings = 0.0;
+    bool is_second = false;  // the search at the noise that counts
     std::optional<Offer> offer = offer_of_mean(without, [&](const MeanScan& scan) {
-      crossings = scan.step_crossings();
+      if (std::exchange(is_second, true)) crossings = scan.step_crossings();
       return search(scan);
     });
     if (offer) offer->surprise_nats = surprise_of_search(offer->gain_nats, 1.0, crossings);

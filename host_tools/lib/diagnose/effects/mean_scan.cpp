@@ -153,8 +153,7 @@ Column decay_column(const Problem& problem, double tau_s) {
 MeanScan::MeanScan(const Explanation& explanation)
     : MeanScan(explanation, explanation.parts().size()) {}
 
-MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
-    : explanation_(&explanation), residual_(explanation.residual()) {
+MeanScan::MeanScan(const Explanation& explanation, std::size_t part) : explanation_(&explanation) {
   Eigen::Index amplitude = 0;
   for (std::size_t i = 0; i < explanation.parts().size(); ++i) {
     for (const Column& column : explanation.parts()[i].columns) {
@@ -163,6 +162,7 @@ MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
         others_.push_back(&column);
         continue;
       }
+      if (!is_changed_) residual_ = explanation.residual();
       is_changed_ = true;
       for (std::size_t k = column.first; k < column.end(); ++k) {
         residual_[k] += size * column.coefficients[k - column.first];
@@ -180,6 +180,10 @@ MeanScan::MeanScan(const Explanation& explanation, std::size_t part)
   others_covariance_ =
       count > 0 ? Eigen::MatrixXd(normal.completeOrthogonalDecomposition().pseudoInverse())
                 : normal;
+  others_products_.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    others_products_(i) = product_with_residual(*others_[static_cast<std::size_t>(i)]);
+  }
 }
 
 const std::vector<double>& MeanScan::weighted() const {
@@ -193,6 +197,15 @@ double MeanScan::product(const Column& a, const Column& b) const {
   const std::size_t end = std::min(a.end(), b.end());
   for (std::size_t k = std::max(a.first, b.first); k < end; ++k) {
     sum += a.coefficients[k - a.first] * b.coefficients[k - b.first] / density()[k];
+  }
+  return sum;
+}
+
+double MeanScan::product_with_residual(const Column& column) const {
+  const std::vector<double>& residual = this->residual();
+  double sum = 0.0;
+  for (std::size_t k = column.first; k < column.end(); ++k) {
+    sum += column.coefficients[k - column.first] * residual[k] / density()[k];
   }
   return sum;
 }
@@ -217,17 +230,9 @@ double MeanScan::gain(std::span<const Column> columns) const {
   for (Eigen::Index i = 0; i < count; ++i) {
     const Column& column = columns[static_cast<std::size_t>(i)];
     const Eigen::VectorXd projected = others_covariance_ * beside(column);
-    double sum = 0.0;
-    for (std::size_t k = column.first; k < column.end(); ++k) {
-      sum += column.coefficients[k - column.first] * residual_[k] / density()[k];
-    }
-    right(i) = sum;
-    for (std::size_t o = 0; o < others_.size(); ++o) {
-      double other = 0.0;
-      for (std::size_t k = others_[o]->first; k < others_[o]->end(); ++k) {
-        other += others_[o]->coefficients[k - others_[o]->first] * residual_[k] / density()[k];
-      }
-      right(i) -= projected(static_cast<Eigen::Index>(o)) * other;
+    right(i) = product_with_residual(column);
+    for (Eigen::Index o = 0; o < projected.size(); ++o) {
+      right(i) -= projected(o) * others_products_(o);
     }
     for (Eigen::Index j = 0; j <= i; ++j) {
       const Column& second = columns[static_cast<std::size_t>(j)];
@@ -296,7 +301,14 @@ double MeanScan::step_crossings() const {
 }
 
 std::optional<Offer> offer_of_mean(const Explanation& without, const MeanSearch& search) {
-  std::optional<Offer> best;
+  std::optional<FittedOffer> fitted = fitted_offer_of_mean(without, search);
+  if (!fitted) return std::nullopt;
+  return std::move(fitted->offer);
+}
+
+std::optional<FittedOffer> fitted_offer_of_mean(const Explanation& without,
+                                                const MeanSearch& search) {
+  std::optional<FittedOffer> best;
   std::optional<Part> part = search(MeanScan(without));
   for (int round = 0; part && round < 2; ++round) {
     std::vector<Part> parts = without.parts();
@@ -304,7 +316,7 @@ std::optional<Offer> offer_of_mean(const Explanation& without, const MeanSearch&
     const std::size_t last = parts.size() - 1;
     const Explanation with(without.problem(), std::move(parts), &without);
     const double gain = with.log_likelihood() - without.log_likelihood();
-    if (!best || gain > best->gain_nats) best = Offer{std::move(*part), gain, 0.0};
+    if (!best || gain > best->offer.gain_nats) best = {Offer{std::move(*part), gain, 0.0}, with};
     if (round == 0) part = search(MeanScan(with, last));
   }
   return best;

@@ -42,7 +42,9 @@ class MeanScan {
   [[nodiscard]] const std::vector<double>& density() const { return explanation_->density(); }
   [[nodiscard]] const NoiseSpectrum& noise() const { return explanation_->noise().spectrum; }
   /// DCT coefficients of what is to be explained.
-  [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
+  [[nodiscard]] const std::vector<double>& residual() const {
+    return is_changed_ ? residual_ : explanation_->residual();
+  }
   /// Gain of log likelihood by the best amplitudes of these columns.
   [[nodiscard]] double gain(std::span<const Column> columns) const;
   [[nodiscard]] double gain(const Column& column) const { return gain(std::span(&column, 1)); }
@@ -58,14 +60,16 @@ class MeanScan {
 
  private:
   [[nodiscard]] double product(const Column& a, const Column& b) const;
+  [[nodiscard]] double product_with_residual(const Column& column) const;
   [[nodiscard]] Eigen::VectorXd beside(const Column& column) const;
   [[nodiscard]] const std::vector<double>& step_information() const;
 
   const Explanation* explanation_;
   std::vector<const Column*> others_;
   Eigen::MatrixXd others_covariance_;
-  std::vector<double> residual_;
-  bool is_changed_ = false;  ///< the residual is not that of the explanation
+  Eigen::VectorXd others_products_;  ///< with the residual
+  bool is_changed_ = false;          ///< the residual is not that of the explanation
+  std::vector<double> residual_;     ///< then
   mutable std::vector<double> weighted_;
   mutable std::vector<double> step_information_;
 };
@@ -76,6 +80,14 @@ using MeanSearch = std::function<std::optional<Part>(const MeanScan&)>;
 /// Searches, fits the noise again and searches once more at the new noise; the better one.
 [[nodiscard]] std::optional<Offer> offer_of_mean(const Explanation& without,
                                                  const MeanSearch& search);
+
+/// The same with the hypothesis that it makes.
+struct FittedOffer {
+  Offer offer;
+  Explanation with;  ///< the part, which is the last one
+};
+[[nodiscard]] std::optional<FittedOffer> fitted_offer_of_mean(const Explanation& without,
+                                                              const MeanSearch& search);
 
 /// Standard error of a parameter that a column depends on, from the derivative of the mean by it.
 [[nodiscard]] double shape_error(const Found& found, const Column& derivative);

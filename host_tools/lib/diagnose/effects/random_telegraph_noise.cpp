@@ -243,14 +243,14 @@ class RandomTelegraphNoise final : public Effect {
     std::optional<Offer> best;
     for (const unsigned windows : {60U, 400U, kNoWindows}) {
       std::optional<Path> path;
-      std::optional<Offer> offer =
-          offer_of_mean(without, [&](const MeanScan& scan) { return search(scan, windows, path); });
-      if (!offer) continue;
-      const double price = price_of(*offer, without);
-      offer->gain_nats -= price;
+      std::optional<FittedOffer> fitted = fitted_offer_of_mean(
+          without, [&](const MeanScan& scan) { return search(scan, windows, path); });
+      if (!fitted) continue;
+      Offer& offer = fitted->offer;
+      offer.gain_nats -= price_of(*fitted);
       // Three parameters: height and two lengths of stay.
-      offer->surprise_nats = offer->gain_nats - 2.0;
-      if (!best || offer->gain_nats > best->gain_nats) best = std::move(offer);
+      offer.surprise_nats = offer.gain_nats - 2.0;
+      if (!best || offer.gain_nats > best->gain_nats) best = std::move(offer);
     }
     return best;
   }
@@ -307,14 +307,12 @@ class RandomTelegraphNoise final : public Effect {
                           high * period_s / stays, log_p_of_even_stays(*path)}};
   }
 
-  static double price_of(const Offer& offer, const Explanation& without) {
-    std::vector<Part> parts = without.parts();
-    parts.push_back(offer.part);
-    const std::size_t last = parts.size() - 1;
-    const Explanation with(without.problem(), std::move(parts), &without);
-    const double height = with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(last)));
+  static double price_of(const FittedOffer& fitted) {
+    const auto& [offer, with] = fitted;
+    const double height =
+        with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(with.parts().size() - 1)));
     const auto count = static_cast<std::size_t>(offer.part.shape[0]);
-    const double block = static_cast<double>(without.problem().size()) / offer.part.shape[1];
+    const double block = static_cast<double>(with.problem().size()) / offer.part.shape[1];
     return price_of_switches(count, static_cast<std::size_t>(offer.part.shape[1]),
                              with.noise().spectrum.white_variance / (block * height * height));
   }
