@@ -66,7 +66,8 @@ class Scoring {
     mean_square_ = sum / count;
   }
 
-  [[nodiscard]] SpectrumFit maximise(const NoiseSpectrum& start) const {
+  [[nodiscard]] SpectrumFit maximise(NoiseSpectrum start) const {
+    if (!terms_.free_order) set_order(terms_.given_order.value_or(kOrderOfBase), start);
     Vector theta = pack(start);
     Vector gradient;
     Matrix information;
@@ -102,6 +103,13 @@ class Scoring {
   }
 
  private:
+  /// Another order, the flicker noise as strong as before where it usually meets the white noise.
+  static void set_order(double order, NoiseSpectrum& spectrum) {
+    constexpr double kPivot = 0.05;  // a sine
+    spectrum.flicker_variance *= std::pow(kPivot, 2.0 * (order - spectrum.order));
+    spectrum.order = order;
+  }
+
   [[nodiscard]] double weakest() const { return kWeakest * mean_square_; }
 
   [[nodiscard]] Vector pack(const NoiseSpectrum& s) const {
@@ -131,7 +139,7 @@ class Scoring {
     Eigen::Index i = 0;
     s.white_variance = std::exp(theta(i++));
     s.flicker_variance = std::exp(theta(i++));
-    s.order = terms_.free_order ? theta(i++) : terms_.given_order.value_or(kOrderOfBase);
+    s.order = terms_.free_order ? theta(i++) : start.order;
     if (terms_.random_walk) s.walk_variance = std::exp(theta(i++));
     if (terms_.gauss_markov) {
       s.markov_variance = std::exp(theta(i++));
