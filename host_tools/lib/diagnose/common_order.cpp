@@ -17,6 +17,7 @@ constexpr std::string_view kEffect = "fractional_order";
 struct Rest {
   std::vector<bool> is_kept;
   double prices = 0.0;
+  bool has_room = true;
   Explanation explanation;
 };
 
@@ -24,15 +25,18 @@ template <typename IsKept>
 Rest rest_of(const Problem& problem, const Selection& selection, const IsKept& is_kept) {
   std::vector<bool> kept;
   std::vector<Part> parts;
+  std::vector<Choice> choices;
   double prices = 0.0;
   for (std::size_t i = 0; i < selection.choices.size(); ++i) {
     kept.push_back(is_kept(i));
     if (!kept.back()) continue;
     parts.push_back(selection.parts[i]);
+    choices.push_back(selection.choices[i]);
     prices += selection.choices[i].price_nats();
   }
+  const bool room = has_room(parts, choices);
   const Explanation base(problem, {});
-  return {std::move(kept), prices, Explanation(problem, std::move(parts), &base)};
+  return {std::move(kept), prices, room, Explanation(problem, std::move(parts), &base)};
 }
 
 SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
@@ -41,7 +45,7 @@ SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
           .is_kept = rest.is_kept,
           .prices_of_kept = rest.prices,
           .by_order = OrderProfile(rest.explanation),
-          .walking_nats = rest.explanation.log_likelihood() + walk->gain_nats - rest.prices};
+          .walking_nats = rest.explanation.log_likelihood() + walk.value().gain_nats - rest.prices};
 }
 
 /// What the axes lose to orders of their own is more than the chance of one in twenty.
@@ -121,8 +125,10 @@ SlowNoise slow_noise_of(const Problem& problem, const Selection& selection) {
   const auto is_not_slow = [&](std::size_t i) {
     return !is_slow(selection.parts[i]) || selection.choices[i].effect->is_measured();
   };
-  SlowNoise with = slow_noise_beside(rest_of(problem, selection, is_no_order_or_walk), own);
+  const Rest functions = rest_of(problem, selection, is_no_order_or_walk);
   SlowNoise without = slow_noise_beside(rest_of(problem, selection, is_not_slow), own);
+  if (!functions.has_room || functions.is_kept == without.is_kept) return without;
+  SlowNoise with = slow_noise_beside(functions, own);
   const auto worth = [](const SlowNoise& noise) {
     return noise.by_order.peak().log_likelihood - noise.prices_of_kept;
   };
@@ -157,8 +163,10 @@ Part part_of_order(const OrderProfile::Peak& peak) {
   return {.effect = kEffect, .terms = {.given_order = peak.order}, .shape = {peak.standard_error}};
 }
 
-void place(const CommonOrder& common, const Effect& effect, std::size_t axes,
-           const SlowNoise& slow_noise, Selection& selection) {
+void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+           std::size_t axes, const SlowNoise& slow_noise, Selection& selection) {
+  const auto order =
+      std::ranges::find_if(effects, [](const auto& effect) { return effect->name() == kEffect; });
   std::vector<Part> parts;
   std::vector<Choice> choices;
   for (std::size_t i = 0; i < selection.choices.size(); ++i) {
@@ -167,7 +175,8 @@ void place(const CommonOrder& common, const Effect& effect, std::size_t axes,
     choices.push_back(std::move(selection.choices[i]));
   }
   parts.push_back(part_of_order(common.peak));
-  choices.push_back({&effect, common.gain_nats, common.surprise_nats, common.alternatives, axes});
+  choices.push_back(
+      {order->get(), common.gain_nats, common.surprise_nats, common.alternatives, axes});
   selection.parts = std::move(parts);
   selection.choices = std::move(choices);
   mark_selected(selection);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@ namespace zerorate::diagnose {
 /// of several records add up.
 class OrderProfile {
  public:
-  /// Some 40 fits.
+  /// 17 fits.
   explicit OrderProfile(const Explanation& without_order);
 
   OrderProfile& operator+=(const OrderProfile& other);
@@ -73,8 +74,8 @@ struct CommonOrder {
 [[nodiscard]] Part part_of_order(const OrderProfile::Peak& peak);
 
 /// Puts the order in common into the place of an axis's own slow noise.
-/// @param effect fractional_order  @param axes that have it in common
-void place(const CommonOrder& common, const Effect& effect, std::size_t axes,
-           const SlowNoise& slow_noise, Selection& selection);
+/// @param effects with fractional_order among them  @param axes that have it in common
+void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+           std::size_t axes, const SlowNoise& slow_noise, Selection& selection);
 
 }  // namespace zerorate::diagnose

@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
-#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -27,7 +26,6 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 256;
 constexpr std::size_t kDrawnPoints = 3000;
-constexpr std::string_view kFractionalOrder = "fractional_order";
 
 void require_usable(const Record& record) {
   if (record.size() < kFewestSamples) {
@@ -261,6 +259,7 @@ Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
   return diagnosis;
 }
 
+/// The chain for all axes; what is as long as the record is in memory for one of them at a time.
 class Chain {
  public:
   Chain(std::vector<Record> records, const DiagnoseOptions& options) : options_(options) {
@@ -293,10 +292,8 @@ class Chain {
   void agree_on_order() {
     const std::optional<CommonOrder> common = common_order_of(slow_noises_);
     if (!common) return;
-    const auto effect = std::ranges::find_if(
-        effects_, [](const auto& any) { return any->name() == kFractionalOrder; });
     for (std::size_t i = 0; i < axes_.size(); ++i) {
-      place(*common, **effect, axes_.size(), slow_noises_[i], axes_[i].selection);
+      place(*common, effects_, axes_.size(), slow_noises_[i], axes_[i].selection);
       axes_[i].others = common->by_order;
       *axes_[i].others -= slow_noises_[i].by_order;
     }

@@ -50,16 +50,6 @@ bool is_subtle(const Choice& choice) {
   return choice.surprise_nats < kPlain;
 }
 
-/// With enough parts anything can be described; but not by what is plain to see and no function
-/// of time or slow noise.
-bool has_room(std::span<const Part> parts, std::span<const Choice> choices) {
-  std::size_t taken = 0;
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (is_subtle(choices[i]) || is_slow(parts[i])) ++taken;
-  }
-  return taken < kMostCauses;
-}
-
 Choice choice_of(const std::vector<Candidate>& candidates) {
   const Candidate& best = candidates.front();
   Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
@@ -228,6 +218,14 @@ bool is_beyond_doubt(const Effect& effect, double surprise_nats) {
 
 bool is_slow(const Part& part) {
   return !part.columns.empty() || part.terms.wanders();
+}
+
+bool has_room(std::span<const Part> parts, std::span<const Choice> choices) {
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (is_subtle(choices[i]) || is_slow(parts[i])) ++taken;
+  }
+  return taken < kMostCauses;
 }
 
 void mark_selected(Selection& selection) {

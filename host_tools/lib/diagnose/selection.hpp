@@ -45,6 +45,10 @@ struct Selection {
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
 
+/// With enough parts anything can be described; but not by what is plain to see and no function
+/// of time or slow noise.
+[[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices);
+
 /// Makes the evidence say what the choices are.
 void mark_selected(Selection& selection);
 
