@@ -30,7 +30,7 @@ struct DiagnoseOptions {
 
 /// The whole chain, docs/design/diagnosis.md, for the axes of one sensor: each by itself, and then
 /// what they have in common. Deterministic. Time below 2 s for 20,000 samples and
-/// about 20 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
+/// about 15 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
 /// by some 270 bytes each, and 24 bytes for those of other axes. Throws std::invalid_argument for
 /// fewer than 256 samples and a record that is constant or not finite.
 /// @return one diagnosis an axis
