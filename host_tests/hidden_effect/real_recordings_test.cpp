@@ -14,6 +14,7 @@
 
 #include "host_tests/support/recordings_folder.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
+#include "host_tools/lib/experiments/drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::diagnose {
@@ -40,14 +41,24 @@ class DiagnosisOfRealRecording : public ::testing::Test {
     recording::Reader reader{*folder_ / file};
     return diagnose(record_of(identify::read_rest_samples(reader), axis));
   }
-  [[nodiscard]] std::vector<Diagnosis> diagnosis_of_all(const char* file) const {
-    recording::Reader reader{*folder_ / file};
+  [[nodiscard]] static std::vector<Diagnosis> diagnosis_of_all(const std::filesystem::path& file) {
+    recording::Reader reader{file};
     const identify::RestSamples samples = identify::read_rest_samples(reader);
     std::vector<Record> axes;
     for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
       axes.push_back(record_of(samples, axis));
     }
     return diagnose(std::move(axes));
+  }
+
+  /// 1 Hz means of three runs of 10,000 s at rest.
+  [[nodiscard]] std::vector<std::filesystem::path> means_of_the_adis16405() const {
+    std::vector<std::filesystem::path> runs;
+    for (const char* run : {"run1", "run2", "run3"}) {
+      runs.push_back(*folder_ / "adis16405_static" /
+                     (std::string(run) + "_1hz_mean_with_accel.csv.gz"));
+    }
+    return runs;
   }
 
  private:
@@ -89,16 +100,27 @@ TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050AndInventsNoShare) {
 }
 
 TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
-  for (const char* file : {"adis16405_static/run1_1hz_mean_with_accel.csv.gz",
-                           "adis16405_static/run2_1hz_mean_with_accel.csv.gz",
-                           "adis16405_static/run3_1hz_mean_with_accel.csv.gz"}) {
-    for (const Diagnosis& diagnosis : diagnosis_of_all(file)) {
-      ASSERT_EQ(diagnosis.causes.size(), 1U) << file << ' ' << diagnosis.axis;
+  for (const std::filesystem::path& run : means_of_the_adis16405()) {
+    for (const Diagnosis& diagnosis : diagnosis_of_all(run)) {
+      ASSERT_EQ(diagnosis.causes.size(), 1U) << run << ' ' << diagnosis.axis;
       EXPECT_EQ(diagnosis.causes.front().effect, "fractional_order");
       EXPECT_EQ(diagnosis.causes.front().axes, 3U);
       EXPECT_EQ(diagnosis.verdict, Verdict::explained);
     }
   }
+}
+
+TEST_F(DiagnosisOfRealRecording, GivesModelsThatPredictTheDrivesOfOtherRunsBetterThanTheBase) {
+  const experiments::DriveContestOptions options{
+      .schedules = {{15.0, 60.0}, {30.0, 120.0}, {60.0, 300.0}, {20.0, 300.0}, {120.0, 600.0}},
+      .fit_by = experiments::FitBy::diagnosis};
+  const experiments::DriveContest contest =
+      experiments::run_drive_contest(means_of_the_adis16405(), options, {});
+  EXPECT_LT(contest.extended_over_base.value, 0.98);
+  const auto& extended =
+      contest.overall[static_cast<std::size_t>(experiments::Contestant::kalman_extended)];
+  EXPECT_GT(extended.coverage.value, 0.94);
+  EXPECT_LT(extended.coverage.value, 0.96);
 }
 
 TEST_F(DiagnosisOfRealRecording, NamesASlowExcessOfTheAdis16405) {
