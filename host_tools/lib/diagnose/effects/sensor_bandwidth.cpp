@@ -91,12 +91,12 @@ class SensorBandwidth final : public Effect {
   }
 
   /// Where the power is half of what it was. Where that need not be below half the sample rate,
-  /// that of the resistor and capacitor that y += a (x - y) stands for, or of those with the same
-  /// loss at low frequencies.
+  /// that of the resistor and capacitor that y += a (x - y) stands for; of two neighbours those of
+  /// the a that makes neighbours as alike: their correlation is 1 - a there.
   static double cut_off_hz(int order, double share, double period_s) {
     if (order > 0) return 0.5 * share / period_s;
     if (order == NoiseSpectrum::kTwoNeighbours) {
-      return 1.0 / (std::numbers::pi * period_s * std::sqrt(1.0 - share));
+      share = 1.0 - 0.5 * (1.0 - share) / (1.0 + share);
     }
     return -std::log1p(-share) / (2.0 * std::numbers::pi * period_s);
   }
