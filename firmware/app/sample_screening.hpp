@@ -7,10 +7,10 @@
 #include <cstdint>
 
 #include "core/base/units.hpp"
-#include "core/estimator/noise_level_track.hpp"
 #include "core/estimator/prediction.hpp"
-#include "core/estimator/sample_model.hpp"
-#include "core/estimator/sample_screen.hpp"
+#include "core/samples/noise_level_track.hpp"
+#include "core/samples/sample_model.hpp"
+#include "core/samples/sample_screen.hpp"
 
 namespace zerorate::app {
 

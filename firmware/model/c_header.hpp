@@ -1,5 +1,5 @@
 /// @file
-/// A model as C source, for vehicle firmware that calls firmware/hook/zerorate.h.
+/// A model as C source, for vehicle firmware that calls firmware/c_api/zerorate.h.
 #pragma once
 
 #include <cstddef>

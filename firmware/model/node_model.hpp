@@ -11,9 +11,9 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
-#include "core/estimator/sample_model.hpp"
 #include "core/noise/modes.hpp"
 #include "core/noise/temperature_drift.hpp"
+#include "core/samples/sample_model.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "firmware/hook/zerorate.h"
+#include "firmware/c_api/zerorate.h"
 #include "host_tests/fuzz/fuzz.hpp"
 
 namespace {

@@ -1,18 +1,18 @@
 # The library for other programs: the headers of everything that is flashed, and compiled, the interface for
-# firmware in C (firmware/hook); found by find_package(zerorate) and pkg-config. Headers stand in a folder of
+# firmware in C (firmware/c_api); found by find_package(zerorate) and pkg-config. Headers stand in a folder of
 # their own, since they include each other from its root.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(ZERORATE_HEADERS "${CMAKE_INSTALL_INCLUDEDIR}/zerorate")
-foreach(room core hal/contract drivers firmware/app firmware/hook firmware/wire)
+foreach(room core hal/contract drivers firmware/app firmware/c_api firmware/wire)
   cmake_path(GET room PARENT_PATH above)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${room}" DESTINATION "${ZERORATE_HEADERS}/${above}"
     COMPONENT library FILES_MATCHING PATTERN "*.hpp" PATTERN "zerorate.h" PATTERN "assert.cpp" PATTERN examples EXCLUDE)
 endforeach()
 
-add_library(zerorate_c STATIC $<TARGET_OBJECTS:zerorate_firmware_hook> $<TARGET_OBJECTS:zerorate_core_base>)
+add_library(zerorate_c STATIC $<TARGET_OBJECTS:zerorate_firmware_c_api> $<TARGET_OBJECTS:zerorate_core_base>)
 set_target_properties(zerorate_c PROPERTIES OUTPUT_NAME zerorate LINKER_LANGUAGE CXX)
 install(TARGETS zerorate_c ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
 set(ZERORATE_LIBRARY "${CMAKE_INSTALL_LIBDIR}/libzerorate.a")

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/estimator/noise_level_track.hpp"
-#include "core/estimator/sample_screen.hpp"
-#include "core/estimator/temperature_track.hpp"
+#include "core/samples/noise_level_track.hpp"
+#include "core/samples/sample_screen.hpp"
+#include "core/temperature/temperature_track.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tools/lib/diagnose/reading_score.hpp"
 

@@ -2,7 +2,7 @@
 /// How well a node foresaw the reading of one sample.
 #pragma once
 
-#include "core/estimator/sample_screen.hpp"
+#include "core/samples/sample_screen.hpp"
 
 namespace zerorate::diagnose {
 

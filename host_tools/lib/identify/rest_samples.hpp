@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/estimator/tick_average.hpp"
+#include "core/samples/tick_average.hpp"
 #include "core/standstill/standstill.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 

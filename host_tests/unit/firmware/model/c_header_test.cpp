@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "firmware/hook/examples/front_gyro.h"
+#include "firmware/c_api/examples/front_gyro.h"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
 
@@ -21,11 +21,11 @@ static_assert(kHookDecaying == ZERORATE_DECAYING_MODES);
 static_assert(kHookRotating == ZERORATE_ROTATING_MODES);
 
 TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
-  std::ifstream file(ZERORATE_REPOSITORY "/firmware/hook/examples/front_gyro.h");
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/c_api/examples/front_gyro.h");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(text, format_c_header(find_model("lsm6dso"), kSamplePeriod, kTick, "front_gyro"))
       << "run: zerorate export lsm6dso --c --name front_gyro --sample-rate 100 "
-         "-o firmware/hook/examples/front_gyro.h";
+         "-o firmware/c_api/examples/front_gyro.h";
 }
 
 TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {

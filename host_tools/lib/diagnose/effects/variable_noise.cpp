@@ -7,7 +7,7 @@
 #include <numbers>
 #include <span>
 
-#include "core/estimator/noise_level_track.hpp"
+#include "core/samples/noise_level_track.hpp"
 #include "host_tools/lib/diagnose/effects/effects.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/surprise.hpp"

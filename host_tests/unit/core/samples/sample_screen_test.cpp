@@ -1,4 +1,4 @@
-#include "core/estimator/sample_screen.hpp"
+#include "core/samples/sample_screen.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/estimator/noise_level_track.hpp"
+#include "core/samples/noise_level_track.hpp"
 
 namespace zerorate::core {
 namespace {

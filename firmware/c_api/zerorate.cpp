@@ -1,4 +1,4 @@
-#include "firmware/hook/zerorate.h"
+#include "firmware/c_api/zerorate.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
 
-namespace zerorate::hook {
+namespace zerorate::c_api {
 namespace {
 
 constexpr std::size_t kDecaying = ZERORATE_DECAYING_MODES;
@@ -237,12 +237,12 @@ app::SnapshotTime snapshot_time(std::int64_t utc_s) {
 }
 
 }  // namespace
-}  // namespace zerorate::hook
+}  // namespace zerorate::c_api
 
 // The language of the interface is C.
 // NOLINTBEGIN(readability-identifier-naming)
 using namespace zerorate;
-using hook::instance_in;
+using c_api::instance_in;
 
 zerorate_config zerorate_default_config() {
   const core::Standstill::Params standstill;
@@ -256,19 +256,19 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
                               const zerorate_config* config) {
   if (self == nullptr || model == nullptr) return ZERORATE_BAD_ARGUMENT;
   *self = {};
-  if (!hook::is_sound(*model)) return ZERORATE_BAD_MODEL;
+  if (!c_api::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
-  if (!hook::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
-  const hook::Node::Params params = hook::params_of(*model, chosen);
-  if (!hook::Node::check(params)) return ZERORATE_BAD_TIMES;
-  new (self) hook::Instance{params, chosen.sensor_id};
+  if (!c_api::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
+  const c_api::Node::Params params = c_api::params_of(*model, chosen);
+  if (!c_api::Node::check(params)) return ZERORATE_BAD_TIMES;
+  new (self) c_api::Instance{params, chosen.sensor_id};
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!hook::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
+  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
   instance->node.pulse(core::Instant::from_ns(time_ns));
   return ZERORATE_OK;
 }
@@ -276,7 +276,7 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
 zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!hook::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
+  if (!c_api::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
   instance->node.report_lost_pulses(core::Instant::from_ns(now_ns));
   return ZERORATE_OK;
 }
@@ -288,7 +288,7 @@ zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, boo
     return zerorate_pulse(self, time_ns);
   }
   if (instance_in(self) == nullptr) return ZERORATE_NOT_INITIALISED;
-  return hook::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
+  return c_api::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
@@ -296,20 +296,20 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
   if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!hook::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
-  const drivers::GyroSample sample = hook::sample_of(*measured);
+  if (!c_api::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
+  const drivers::GyroSample sample = c_api::sample_of(*measured);
   const app::RateMessage message = instance->node.step(sample);
   if (message.has_rate()) {
     instance->newest_sample = sample.time;
     instance->has_sample = true;
   }
-  *rate = hook::rate_of(message);
+  *rate = c_api::rate_of(message);
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error) {
-  if (axis >= hook::Node::kAxes || error == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (axis >= c_api::Node::kAxes || error == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   const auto& params = instance->params;
@@ -330,7 +330,7 @@ zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t*
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
   if (!instance->node.has_learnt()) return ZERORATE_NOTHING_LEARNT;
   instance->snapshot.write_filters(
-      instance->node, hook::snapshot_time(utc_s),
+      instance->node, c_api::snapshot_time(utc_s),
       std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});
   return ZERORATE_OK;
 }
@@ -342,7 +342,7 @@ zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (instance->has_sample) return ZERORATE_TOO_LATE;
   const auto resumed = instance->snapshot.restore_filters(instance->node, std::span{record, size},
-                                                          hook::snapshot_time(utc_s));
-  return resumed ? ZERORATE_OK : hook::result_of(resumed.error());
+                                                          c_api::snapshot_time(utc_s));
+  return resumed ? ZERORATE_OK : c_api::result_of(resumed.error());
 }
 // NOLINTEND(readability-identifier-naming)

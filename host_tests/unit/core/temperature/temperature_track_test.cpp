@@ -1,4 +1,4 @@
-#include "core/estimator/temperature_track.hpp"
+#include "core/temperature/temperature_track.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "firmware/hook/examples/error_state_filter.hpp"
-#include "firmware/hook/examples/heading.h"
-#include "host_tests/unit/firmware/hook/hook_rig.hpp"
+#include "firmware/c_api/examples/error_state_filter.hpp"
+#include "firmware/c_api/examples/heading.h"
+#include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
 
-namespace zerorate::hook {
+namespace zerorate::c_api {
 namespace {
 
 using testing::feed;
@@ -85,4 +85,4 @@ TEST(ErrorStateFilterWithACompass, LearnsTheBiasFromIt) {
 }
 
 }  // namespace
-}  // namespace zerorate::hook
+}  // namespace zerorate::c_api

@@ -5,7 +5,7 @@
 #ifndef ZERORATE_EXAMPLE_HEADING_H
 #define ZERORATE_EXAMPLE_HEADING_H
 
-#include "firmware/hook/zerorate.h"
+#include "firmware/c_api/zerorate.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -3,7 +3,7 @@
 #ifndef FRONT_GYRO_H
 #define FRONT_GYRO_H
 
-#include "firmware/hook/zerorate.h"
+#include "firmware/c_api/zerorate.h"
 
 // clang-format off
 static const zerorate_model front_gyro = {

@@ -1,4 +1,4 @@
-#include "core/estimator/tick_average.hpp"
+#include "core/samples/tick_average.hpp"
 
 #include <gtest/gtest.h>
 

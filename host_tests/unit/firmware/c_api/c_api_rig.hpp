@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "firmware/hook/examples/front_gyro.h"
-#include "firmware/hook/zerorate.h"
+#include "firmware/c_api/examples/front_gyro.h"
+#include "firmware/c_api/zerorate.h"
 #include "host_tools/lib/simulate/random_stream.hpp"
 
-namespace zerorate::hook::testing {
+namespace zerorate::c_api::testing {
 
 inline constexpr std::int64_t kPeriod_ns = 10'000'000;
 inline constexpr float kPeriod_s = 0.01F;
@@ -45,4 +45,4 @@ inline zerorate_rate feed(zerorate_node& node, const Moment& now) {
   return rate;
 }
 
-}  // namespace zerorate::hook::testing
+}  // namespace zerorate::c_api::testing

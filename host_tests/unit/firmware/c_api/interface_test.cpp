@@ -15,9 +15,9 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/unit/firmware/hook/hook_rig.hpp"
+#include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
 
-namespace zerorate::hook {
+namespace zerorate::c_api {
 namespace {
 
 using testing::feed;
@@ -360,4 +360,4 @@ TEST(HookSaving, NeedsRoomAndAStop) {
 }
 
 }  // namespace
-}  // namespace zerorate::hook
+}  // namespace zerorate::c_api

@@ -1,4 +1,4 @@
-#include "firmware/hook/examples/error_state_filter.hpp"
+#include "firmware/c_api/examples/error_state_filter.hpp"
 
 namespace zerorate::examples {
 

@@ -1,4 +1,4 @@
-#include "firmware/hook/examples/heading.h"
+#include "firmware/c_api/examples/heading.h"
 
 #define UP_AXIS 2U
 #define SECONDS_PER_NS 1.0e-9F

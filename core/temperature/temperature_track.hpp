@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/estimator/thermometer.hpp"
+#include "core/temperature/thermometer.hpp"
 
 namespace zerorate::core {
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "core/base/numeric.hpp"
-#include "core/estimator/sample_model.hpp"
+#include "core/samples/sample_model.hpp"
 
 namespace zerorate::core {
 
