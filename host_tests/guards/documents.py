@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Finds what a reader of the documents and comments would stumble over.
+
+usage: documents.py [ROOT]
+
+A finding is: a relative link whose file or heading does not exist; a path in backticks that does not
+exist; a cited work without an entry in the bibliography, and an entry that nobody cites; a number
+without its leading zero; a comment that opens with a word which sends the reader back. Prints
+`file:line: complaint` for each and exits with 1 where there is one.
+"""
+
+import bisect
+import functools
+import itertools
+import pathlib
+import re
+import subprocess
+import sys
+
+BIBLIOGRAPHY = "docs/reference/bibliography.md"
+CODE = {".c", ".cpp", ".h", ".hpp"}
+EXEMPT = ("host_tests/guards/",)  # holds the planted offenders
+ROOMS = ("core", "docs", "drivers", "firmware", "hal", "host_tests", "host_tools", "toolchains")
+
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+INLINE_CODE = re.compile(r"`([^`\n]+)`")
+PATH = re.compile(rf"(?:{'|'.join(ROOMS)})(?:/[\w.*+-]+)+/?")
+SURNAME = r"[A-Z][\w'-]*[a-z]"
+CITATION = re.compile(
+    rf"\b((?:{SURNAME}, )*{SURNAME}(?:,? and {SURNAME}| et al\.)?) \(?((?:18|19|20)\d\d)\b(?!-\d)")
+ENTRY = re.compile(r"^- \*\*(.+? \d{4})\*\*", re.MULTILINE)
+NO_AUTHOR = re.compile(
+    r"(?:January|February|March|April|May|June|July|August|September|October|November|December|Std|In)$")
+NO_LEADING_ZERO = re.compile(r"(?<![\w.)\]/'\"+-])[+-]?\.\d+(?![\w.]*/)")
+OPENING = re.compile(r"(Of|What|The same|As|So)\b")
+COMMENT = re.compile(r"^\s*(///?)<?(?:\s(.*))?$")
+TRAILING_COMMENT = re.compile(r"\s//[/<]*\s(.*)$")
+
+
+def anchor_of(heading):
+    """The anchor that a page of Markdown gives a heading."""
+    kept = re.sub(r"[^\w\- ]", "", INLINE_CODE.sub(r"\1", heading).strip().lower())
+    return kept.replace(" ", "-")
+
+
+def prose_of(text):
+    """The lines of a page with their numbers, without fenced and indented code."""
+    fenced = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif not fenced and not line.startswith("    "):
+            yield number, line
+
+
+def comments_of(text):
+    """Each line of comment with its number, its words and whether it opens a comment."""
+    inside = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        whole = COMMENT.match(line)
+        part = whole or TRAILING_COMMENT.search(line)
+        if part:
+            yield number, part.groups()[-1] or "", not (whole and inside)
+        inside = bool(whole)
+
+
+class Tree:
+    """The tracked files below a root, each read once."""
+
+    def __init__(self, root, names=None):
+        self.root = pathlib.Path(root)
+        self.names = names if names is not None else tracked_files(root)
+        self.places = set(self.names) | {
+            parent.as_posix() for name in self.names for parent in pathlib.PurePosixPath(name).parents}
+
+    @functools.cache
+    def text(self, name):
+        return (self.root / name).read_text(encoding="utf-8")
+
+    @functools.cache
+    def anchors(self, name):
+        return {anchor_of(line.lstrip("#")) for _, line in prose_of(self.text(name)) if line.startswith("#")}
+
+    def pages(self):
+        return [name for name in self.names if name.endswith(".md")]
+
+    def sources(self):
+        return [name for name in self.names
+                if pathlib.PurePosixPath(name).suffix in CODE and not name.startswith(EXEMPT)]
+
+
+def tracked_files(root):
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True)
+    return [name for name in listed.stdout.split("\0") if name and (pathlib.Path(root) / name).exists()]
+
+
+def broken_links(tree):
+    """Relative links to a file or a heading that does not exist."""
+    for name in tree.pages():
+        for number, line in prose_of(tree.text(name)):
+            for target in LINK.findall(INLINE_CODE.sub("", line)):
+                if re.match(r"[a-z]+:", target):
+                    continue
+                path, _, anchor = target.partition("#")
+                place = name if not path else (tree.root / name).parent.joinpath(path).resolve().relative_to(
+                    tree.root.resolve()).as_posix()
+                if place not in tree.places:
+                    yield f"{name}:{number}: no such file: {target}"
+                elif anchor and anchor not in tree.anchors(place):
+                    yield f"{name}:{number}: no such heading: {target}"
+
+
+def dead_paths(tree):
+    """Paths in backticks that lead nowhere; `*` and capitals such as NAME stand for anything."""
+    for name in tree.pages():
+        if name == "CHANGELOG.md":  # tells of files as they were
+            continue
+        for number, line in prose_of(tree.text(name)):
+            for code in INLINE_CODE.findall(line):
+                path = code.rstrip("/")
+                if not PATH.fullmatch(code) or path in tree.places:
+                    continue
+                pattern = re.sub(r"\\\*|[A-Z]{3,}", "[^/]*", re.escape(path)) + r"(\.\w+)?"
+                if not any(re.fullmatch(pattern, place) for place in tree.places):
+                    yield f"{name}:{number}: no such file: {code}"
+
+
+def words_of(tree, name):
+    """The lines of a page's prose or of a source's comments, with their numbers."""
+    if name.endswith(".md"):
+        return list(prose_of(tree.text(name)))
+    return [(number, words) for number, words, _ in comments_of(tree.text(name))]
+
+
+def citations(tree):
+    """Every work cited as `Surname year`, also across the end of a line, with a place that cites it."""
+    cited = {}
+    for name in tree.pages() + tree.sources():
+        if name in (BIBLIOGRAPHY, "CHANGELOG.md"):
+            continue
+        lines = words_of(tree, name)
+        ends = list(itertools.accumulate(len(line) + 1 for _, line in lines))
+        for found in CITATION.finditer(" ".join(line for _, line in lines)):
+            if not NO_AUTHOR.search(found[1]):
+                number = lines[bisect.bisect_right(ends, found.start())][0]
+                cited.setdefault(f"{found[1].replace(', and', ' and')} {found[2]}", f"{name}:{number}")
+    return cited
+
+
+def loose_citations(tree):
+    """Citations without an entry in the bibliography, and entries without a citation."""
+    cited = citations(tree)
+    listed = set(ENTRY.findall(tree.text(BIBLIOGRAPHY))) if BIBLIOGRAPHY in tree.places else set()
+    for work, place in cited.items():
+        if work not in listed:
+            yield f"{place}: not in {BIBLIOGRAPHY}: {work}"
+    for work in sorted(listed - cited.keys()):
+        yield f"{BIBLIOGRAPHY}:1: cited nowhere: {work}"
+
+
+def missing_zeros(tree):
+    """Numbers such as .5 in prose and comments; code in backticks is left alone."""
+    for name in tree.pages() + tree.sources():
+        for number, line in words_of(tree, name):
+            found = NO_LEADING_ZERO.search(INLINE_CODE.sub("", line))
+            if found:
+                yield f"{name}:{number}: no leading zero: {found.group().strip()}"
+
+
+def poor_openings(tree):
+    """Comments whose first word says nothing by itself."""
+    for name in tree.sources():
+        for number, words, opens in comments_of(tree.text(name)):
+            if opens and OPENING.match(words):
+                yield f"{name}:{number}: a comment starts with a noun or a verb: {words}"
+
+
+CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings)
+
+
+def findings(tree):
+    return [finding for check in CHECKS for finding in check(tree)]
+
+
+def main():
+    root = sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]
+    found = findings(Tree(root))
+    for finding in found:
+        print(finding)
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""Documents and comments hold what a reader relies on, and the guard finds each planted offence."""
+
+import pathlib
+import tempfile
+import unittest
+
+import documents
+
+REPOSITORY = pathlib.Path(__file__).parents[2]
+BIBLIOGRAPHY = {documents.BIBLIOGRAPHY: "- **Self and Liang 1987** Asymptotic properties.\n"}
+
+
+def findings_in(files, check):
+    """What one check says of a tree that holds these files."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files.items():
+            path = pathlib.Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return list(check(documents.Tree(folder, list(files))))
+
+
+class OurTree(unittest.TestCase):
+    def test_holds_every_rule(self):
+        self.assertEqual(documents.findings(documents.Tree(REPOSITORY)), [])
+
+
+class BrokenLink(unittest.TestCase):
+    def test_to_a_missing_file_is_found(self):
+        self.assertEqual(findings_in({"docs/a.md": "see\n[b](b.md)\n"}, documents.broken_links),
+                         ["docs/a.md:2: no such file: b.md"])
+
+    def test_to_a_missing_heading_is_found(self):
+        files = {"docs/a.md": "[b](b.md#tick)\n", "docs/b.md": "# Tock\n"}
+        self.assertEqual(findings_in(files, documents.broken_links), ["docs/a.md:1: no such heading: b.md#tick"])
+
+    def test_is_not_a_file_a_folder_a_heading_or_an_address(self):
+        files = {"docs/a.md": "# Two `words` here\n[1](b.md) [2](../docs) [3](#two-words-here) [4](https://x.org/)\n",
+                 "docs/b.md": ""}
+        self.assertEqual(findings_in(files, documents.broken_links), [])
+
+    def test_in_a_block_of_code_is_left_alone(self):
+        self.assertEqual(findings_in({"a.md": "```\n[b](b.md)\n```\n"}, documents.broken_links), [])
+
+
+class DeadPath(unittest.TestCase):
+    def test_in_backticks_is_found(self):
+        self.assertEqual(findings_in({"a.md": "`core/gone.hpp`\n"}, documents.dead_paths),
+                         ["a.md:1: no such file: core/gone.hpp"])
+
+    def test_is_not_one_with_a_stand_in_that_fits(self):
+        files = {"a.md": "`core/*.hpp` `core/NAME` `core/noise/`\n", "core/noise/white.hpp": "", "core/units.hpp": ""}
+        self.assertEqual(findings_in(files, documents.dead_paths), [])
+
+
+class LooseCitation(unittest.TestCase):
+    def test_without_an_entry_is_found_even_across_two_lines(self):
+        files = BIBLIOGRAPHY | {"a.md": "(Self and Liang 1987)\n", "core/a.hpp": "/// chi squared (Wilson\n/// and Hilferty 1931)\n"}
+        self.assertEqual(findings_in(files, documents.loose_citations),
+                         [f"core/a.hpp:1: not in {documents.BIBLIOGRAPHY}: Wilson and Hilferty 1931"])
+
+    def test_is_also_an_entry_that_nobody_cites(self):
+        self.assertEqual(findings_in(BIBLIOGRAPHY, documents.loose_citations),
+                         [f"{documents.BIBLIOGRAPHY}:1: cited nowhere: Self and Liang 1987"])
+
+    def test_is_not_a_date_a_standard_or_an_entry(self):
+        files = BIBLIOGRAPHY | {"a.md": "Self and Liang (1987); November 2026; IEEE Std 1139-2008\n"}
+        self.assertEqual(findings_in(files, documents.loose_citations), [])
+
+
+class MissingZero(unittest.TestCase):
+    def test_in_prose_and_comments_is_found(self):
+        files = {"a.md": "a ratio of .62\n", "core/a.hpp": "int a;  // at least -.5\nfloat b = .5F;\n"}
+        self.assertEqual(findings_in(files, documents.missing_zeros),
+                         ["a.md:1: no leading zero: .62", "core/a.hpp:1: no leading zero: -.5"])
+
+    def test_is_not_a_version_a_range_an_ending_or_code(self):
+        files = {"a.md": "version 1.2.3, 0.5, `x = .5`, file.1, 0..9, e.g. .hpp\n"}
+        self.assertEqual(findings_in(files, documents.missing_zeros), [])
+
+
+class PoorOpening(unittest.TestCase):
+    def test_of_a_comment_is_found(self):
+        for words in ("Of the two", "What is left", "The same for b", "As above", "So it is"):
+            found = findings_in({"core/a.hpp": f"/// {words}\n"}, documents.poor_openings)
+            self.assertEqual(found, [f"core/a.hpp:1: a comment starts with a noun or a verb: {words}"])
+
+    def test_inside_a_comment_is_left_alone(self):
+        files = {"core/a.hpp": "/// Rate of the axis.\n/// So far in SI units.\nint of;  // Offset\n"}
+        self.assertEqual(findings_in(files, documents.poor_openings), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
