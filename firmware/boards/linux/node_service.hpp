@@ -40,8 +40,8 @@ using Log = void (*)(std::string_view line);
 /// never waits for the publishing one, nor for anything but the bus.
 class NodeService {
  public:
-  /// @param configuration, hardware, storage  must outlive the service
-  /// @param storage  nullptr: nothing is saved
+  /// @param configuration, hardware  must outlive the service
+  /// @param storage  must outlive the service; nullptr: nothing is saved
   NodeService(const Configuration& configuration, Hardware& hardware,
               hal::linux_os::FileStorage* storage, const app::Session& session, Log log);
 

@@ -36,7 +36,7 @@ class Error : public std::runtime_error {
   std::string mend_;
 };
 
-/// The text in double quotes, cut after 60 bytes, with bytes that do not print as \xNN: safe to
+/// The text in double quotes, cut after 60 bytes, with bytes that do not print as `\xNN`: safe to
 /// show whatever the file holds.
 [[nodiscard]] std::string excerpt(std::string_view text);
 

@@ -17,7 +17,7 @@ namespace zerorate::recording {
 
 /// Writes a recording: gzip if the name ends in .gz, plain CSV otherwise. The file appears under
 /// its name, replacing an older one, when finish() has succeeded; until then it is
-/// NAME.<pid>.partial, and without finish() nothing stays.
+/// `NAME.<pid>.partial`, and without finish() nothing stays.
 ///
 /// What Reader reads back is equal to what was written, bit for bit (a NaN as some NaN; findings
 /// are not written): times with all their nanoseconds, every other number with as few digits as
