@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "host_tests/replay/made_recording.hpp"
+#include "host_tests/support/made_recording.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/experiments/exponential_means.hpp"
 

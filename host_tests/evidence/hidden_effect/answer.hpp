@@ -1,0 +1,50 @@
+/// @file
+/// What the command line says of a recording, and how that compares with the truth.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tests/evidence/hidden_effect/scenario.hpp"
+
+namespace zerorate::hidden_effect {
+
+/// What the extended model was worth on data held out; NaN where there was nothing to measure.
+struct Gain {
+  double rsse_ratio = 0.0;
+  double heading_drift_ratio = 0.0;
+  double coverage95_base = 0.0;
+  double coverage95_extended = 0.0;
+  double log_score_gain_nats_per_sample = 0.0;
+};
+
+/// What is read of the JSON of one axis.
+struct Answer {
+  std::string verdict;
+  std::vector<std::string> causes;        ///< strongest first
+  std::vector<std::string> alternatives;  ///< of all causes
+  Gain gain;
+  /// 95 % intervals of the parameters of each cause, by its name and theirs.
+  std::map<std::string, std::map<std::string, std::pair<double, double>>> intervals;
+};
+
+/// Runs `zerorate diagnose recording --json ...` as a process of its own and reads what it wrote.
+/// Throws std::runtime_error where it fails or its exit code contradicts the verdict.
+[[nodiscard]] Answer diagnose(const std::filesystem::path& zerorate,
+                              const std::filesystem::path& recording);
+
+/// How an answer did.
+struct Score {
+  bool named = false;        ///< every hidden effect is among the causes
+  bool first = false;        ///< the strongest cause is a hidden effect
+  bool alone = false;        ///< and nothing but hidden effects is a cause
+  bool alternative = false;  ///< what is not named as cause is named as alternative to one
+  bool wrong = false;        ///< "explained", by a cause that is not hidden in it
+};
+
+[[nodiscard]] Score score(const Scenario& scenario, const Answer& answer);
+
+}  // namespace zerorate::hidden_effect

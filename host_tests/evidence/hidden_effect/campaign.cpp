@@ -1,0 +1,199 @@
+// The blind campaign: recordings whose hidden effect only this program knows, diagnosed by the
+// command line, and the answers counted.
+//
+//     hidden_effect_campaign                                 416 recordings, as text
+//     hidden_effect_campaign --document FILE.md              both sizes, written as the document
+//     hidden_effect_campaign --gain --document FILE.md       what the extended models are worth
+//     hidden_effect_campaign --write-run 17 recording.csv    one recording, for a look
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tests/evidence/hidden_effect/answer.hpp"
+#include "host_tests/evidence/hidden_effect/gain_tally.hpp"
+#include "host_tests/evidence/hidden_effect/scenario.hpp"
+#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tests/evidence/hidden_effect/tally.hpp"
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+
+namespace zerorate::hidden_effect {
+namespace {
+
+struct CampaignOptions {
+  ScenarioOptions scenario;
+  std::string zerorate = ZERORATE_PROGRAM;
+  std::size_t runs = 416;  // thirteen rounds
+  std::string document;
+  std::string commit;
+  std::string json;
+  std::pair<std::size_t, std::string> write_run;
+  bool gain = false;
+  std::size_t gain_recordings = 20;  ///< of each effect
+};
+
+/// A program that fails has not answered; the campaign goes on.
+Answer answer_of(const CampaignOptions& options, const std::filesystem::path& recording) {
+  try {
+    return diagnose(options.zerorate, recording);
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return {.verdict = "failed"};
+  }
+}
+
+Tally campaign(const CampaignOptions& options) {
+  const testing::ScratchFolder folder;
+  const auto recording = folder.path() / "recording.csv";
+  Tally tally{options.scenario};
+  cli::ProgressBar progress{fmt::format("{:g} nats", options.scenario.nats)};
+  for (std::size_t run = 0; run < options.runs; ++run) {
+    const Scenario scenario = draw_scenario(options.scenario, run);
+    write_recording(scenario, recording);
+    tally.add(run, scenario, answer_of(options, recording));
+    progress.update(static_cast<double>(run + 1) / static_cast<double>(options.runs));
+  }
+  return tally;
+}
+
+/// Recordings that hide the effect, until in so many of them it was named and a gain was measured.
+GainTally gains_of(const std::string& effect, const CampaignOptions& options) {
+  const testing::ScratchFolder folder;
+  const auto recording = folder.path() / "recording.csv";
+  ScenarioOptions scenario_options = options.scenario;
+  scenario_options.only = effect;
+  scenario_options.finest_step_share = 1.0;
+  GainTally tally{effect, scenario_options.seed};
+  cli::ProgressBar progress{effect};
+  for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
+    const Scenario scenario = draw_scenario(scenario_options, run);
+    write_recording(scenario, recording);
+    const Answer answer = diagnose(options.zerorate, recording);
+    if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
+      tally.add(answer.gain);
+    }
+    progress.update(static_cast<double>(tally.size()) /
+                    static_cast<double>(options.gain_recordings));
+    if (tally.size() == options.gain_recordings) break;
+  }
+  return tally;
+}
+
+/// Replaces what stands between the marks of a document.
+void write_document(const std::string& path, const std::string& figures) {
+  static constexpr std::string_view kBegin = "<!-- figures -->\n";
+  static constexpr std::string_view kEnd = "<!-- end of figures -->\n";
+  std::ifstream old{path};
+  std::string text{std::istreambuf_iterator<char>(old), {}};
+  const auto begin = text.find(kBegin);
+  const auto end = text.find(kEnd);
+  if (begin == std::string::npos || end == std::string::npos) {
+    throw std::runtime_error(path + " has no marks between which the figures belong");
+  }
+  text.replace(begin + kBegin.size(), end - begin - kBegin.size(), figures);
+  std::ofstream{path} << text;
+}
+
+void run_document(CampaignOptions options) {
+  std::string figures;
+  for (const double nats : {40.0, 25.0}) {
+    options.scenario.nats = nats;
+    const Tally tally = campaign(options);
+    figures +=
+        fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}, commit {}.\n\n{}",
+                    nats, options.runs, options.scenario.samples, options.scenario.seed,
+                    options.commit.empty() ? "unknown" : options.commit, tally.markdown());
+  }
+  write_document(options.document, figures + "\n");
+}
+
+void run_gain(const CampaignOptions& options) {
+  std::string table =
+      fmt::format("\n{} recordings of {} samples for each effect, {:g} nats, seed {}.\n\n{}",
+                  options.gain_recordings, options.scenario.samples, options.scenario.nats,
+                  options.scenario.seed, GainTally::header());
+  for (const EffectEntry& entry : catalogue()) {
+    if (!options.scenario.only.empty() && entry.name != options.scenario.only) continue;
+    table += gains_of(std::string(entry.name), options).row();
+  }
+  if (options.document.empty()) {
+    fmt::print("{}", table);
+  } else {
+    write_document(options.document, table + "\n");
+  }
+}
+
+void run(const CampaignOptions& options) {
+  if (!options.write_run.second.empty()) {
+    const auto& [number, path] = options.write_run;
+    const Scenario scenario = draw_scenario(options.scenario, number);
+    write_recording(scenario, path);
+    fmt::print("{} ({})\n", fmt::join(scenario.truth, " + "), scenario.description);
+    return;
+  }
+  if (options.gain) {
+    run_gain(options);
+    return;
+  }
+  if (!options.document.empty()) {
+    run_document(options);
+    return;
+  }
+  const Tally tally = campaign(options);
+  fmt::print("{}\n", tally.markdown());
+  if (!options.json.empty()) std::ofstream{options.json} << tally.json();
+}
+
+int main_of(int argc, char** argv) {
+  CampaignOptions options;
+  CLI::App app{"Diagnoses recordings with hidden effects and counts the answers"};
+  app.add_option("--runs", options.runs, "recordings; a round has 32")->capture_default_str();
+  app.add_option("--nats", options.scenario.nats, "what the best base model loses to each effect")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", options.scenario.seed)->capture_default_str();
+  app.add_option("--samples", options.scenario.samples)
+      ->check(CLI::Range(1000, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--rate-hz", options.scenario.rate_hz, "sample rate, in place of a drawn one")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--only", options.scenario.only, "hide this effect in every recording");
+  app.add_option("--zerorate", options.zerorate, "the program that is tried")
+      ->check(CLI::ExistingFile)
+      ->capture_default_str();
+  app.add_option("--json", options.json, "write the counts as JSON");
+  app.add_option("--document", options.document,
+                 "run at 40 and at 25 nats and write the tables into this document");
+  app.add_flag("--gain", options.gain,
+               "measure what the extended models are worth instead: an effect after the other");
+  app.add_option("--recordings", options.gain_recordings, "of each effect, with --gain")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--commit", options.commit, "of the program that is tried, for the document");
+  app.add_option("--write-run", options.write_run, "write the recording of one run and stop");
+  CLI11_PARSE(app, argc, argv);
+  run(options);
+  return 0;
+}
+
+}  // namespace
+}  // namespace zerorate::hidden_effect
+
+int main(int argc, char** argv) {
+  try {
+    return zerorate::hidden_effect::main_of(argc, argv);
+  } catch (const std::exception& error) {
+    std::fputs(fmt::format("hidden_effect_campaign: {}\n", error.what()).c_str(), stderr);
+    return 1;
+  }
+}

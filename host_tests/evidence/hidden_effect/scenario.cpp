@@ -1,0 +1,177 @@
+#include "host_tests/evidence/hidden_effect/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/recording/writer.hpp"
+
+namespace zerorate::hidden_effect {
+namespace {
+
+/// Classes between which a pair is drawn: within one, two effects can be each other's alternative.
+enum class Class : std::uint8_t { slow, coloured, pointwise };
+
+Class class_of(std::string_view effect) {
+  constexpr std::array<std::string_view, 3> kColoured = {"periodic_disturbance", "sensor_bandwidth",
+                                                         "correlated_noise"};
+  constexpr std::array<std::string_view, 6> kPointwise = {"quantization",         "outliers",
+                                                          "dropped_samples",      "saturation",
+                                                          "motion_contamination", "variable_noise"};
+  if (std::ranges::find(kColoured, effect) != kColoured.end()) return Class::coloured;
+  if (std::ranges::find(kPointwise, effect) != kPointwise.end()) return Class::pointwise;
+  return Class::slow;
+}
+
+/// The order in which a sensor and its bus do these things; what adds itself comes first.
+int place_in_the_sensor(std::string_view effect) {
+  constexpr std::array<std::string_view, 6> kOrder = {
+      "sensor_bandwidth", "outliers", "deadband", "saturation", "quantization", "dropped_samples"};
+  const auto* const found = std::ranges::find(kOrder, effect);
+  return found == kOrder.end() ? -1 : static_cast<int>(found - kOrder.begin());
+}
+
+struct SizedEffect {
+  std::string name;
+  Part part;
+  double size;
+  bool replaces_flicker;
+  Figures figures;
+};
+
+/// Draws the other parameters again where no size gives so many nats; nothing where that does not
+/// help either.
+std::optional<SizedEffect> sized(const EffectEntry& entry, const Setting& setting, double nats,
+                                 Draws& draws) {
+  constexpr int kMostTries = 20;
+  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+    const Sizable effect = entry.draw(setting, draws);
+    if (const auto size = size_for(effect, nats)) {
+      return SizedEffect{effect.name, effect.at(*size), *size, effect.replaces_flicker,
+                         effect.figures(*size)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::size_t run,
+                                Draws& draws) {
+  const auto known = catalogue();
+  const auto unknown = outside_catalogue();
+  switch (kind) {
+    case Kind::clean:
+      return {};
+    case Kind::single: {
+      if (options.only.empty()) return {known[run % kRunsOfARound]};
+      const auto found = std::ranges::find(known, options.only, &EffectEntry::name);
+      if (found == known.end()) throw std::invalid_argument("no effect is called " + options.only);
+      return {*found};
+    }
+    case Kind::pair: {
+      const EffectEntry first = known[draws.below(known.size())];
+      while (true) {
+        const EffectEntry second = known[draws.below(known.size())];
+        if (class_of(first.name) != class_of(second.name)) return {first, second};
+      }
+    }
+    case Kind::outside:
+      return {unknown[(run / kRunsOfARound * 4 + run % kRunsOfARound) % unknown.size()]};
+  }
+  return {};
+}
+
+std::string describe(const Setting& setting, const std::vector<SizedEffect>& effects) {
+  std::string text = fmt::format("{:g} Hz, white {:.4f} deg/s, white/flicker {:.1f}",
+                                 setting.rate_hz(), setting.noise.white_sigma() * kDegPerRad,
+                                 setting.noise.white_sigma() / setting.flicker_sigma_rad_s);
+  for (const SizedEffect& effect : effects) {
+    text += fmt::format(", {} of size {:.3g}", effect.name, effect.size);
+  }
+  return text;
+}
+
+simulate::Signal compose(const Setting& setting, std::vector<SizedEffect> effects) {
+  simulate::Signal signal(setting.samples, setting.period_s);
+  signal.temperature_degc = setting.temperature_degc;
+  for (double& rate : signal.rate_rad_s) rate = setting.bias_rad_s;
+  white_noise_of(setting)(signal);
+  const auto replaces = [](const SizedEffect& effect) { return effect.replaces_flicker; };
+  if (std::ranges::none_of(effects, replaces)) flicker_noise_of(setting)(signal);
+  std::ranges::stable_sort(
+      effects, {}, [](const SizedEffect& effect) { return place_in_the_sensor(effect.name); });
+  for (const SizedEffect& effect : effects) effect.part(signal);
+  return signal;
+}
+
+std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
+                                     const simulate::RandomStream& stream) {
+  Setting setting = draw_setting(options.samples, options.rate_hz, stream);
+  setting.finest_step_share = options.finest_step_share;
+  Draws draws{stream.substream("effects")};
+  const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
+  const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
+  std::vector<SizedEffect> effects;
+  for (const EffectEntry& entry : choose(kind, options, run, draws)) {
+    auto effect = sized(entry, setting, nats, draws);
+    if (!effect) return std::nullopt;
+    effects.push_back(*std::move(effect));
+  }
+  Scenario scenario{.kind = kind,
+                    .description = describe(setting, effects),
+                    .with_temperature = draws.with_probability(0.5),
+                    .signal = compose(setting, effects)};
+  const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
+  if (!(least < most)) return std::nullopt;  // a coarse quantizer has left one level
+  for (const SizedEffect& effect : effects) {
+    scenario.truth.push_back(effect.name);
+    scenario.figures[effect.name] = effect.figures;
+    scenario.with_temperature |= effect.name.starts_with("temperature");
+  }
+  return scenario;
+}
+
+}  // namespace
+
+std::string_view name(Kind kind) {
+  constexpr std::array<std::string_view, 4> kNames = {"clean", "single", "pair", "outside"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+Kind kind_of_run(std::size_t run) {
+  const std::size_t place = run % kRunsOfARound;
+  if (place < 16) return Kind::single;
+  if (place < 24) return Kind::clean;
+  return place < 28 ? Kind::pair : Kind::outside;
+}
+
+Scenario draw_scenario(const ScenarioOptions& options, std::size_t run) {
+  const auto stream = simulate::RandomStream(options.seed).substream(run);
+  // Some base noise hides an effect whatever its size: then another is drawn.
+  constexpr std::size_t kMostTries = 20;
+  for (std::size_t attempt = 0; attempt < kMostTries; ++attempt) {
+    auto scenario = try_scenario(options, run, attempt == 0 ? stream : stream.substream(attempt));
+    if (scenario) return *std::move(scenario);
+  }
+  throw std::runtime_error(
+      fmt::format("run {}: no effect could be made to cost {} nats", run, options.nats));
+}
+
+void write_recording(const Scenario& scenario, const std::filesystem::path& path) {
+  const simulate::Signal& signal = scenario.signal;
+  recording::Writer writer{path, {.axis_count = 1, .temperature = scenario.with_temperature}};
+  for (std::size_t k = 0; k < signal.size(); ++k) {
+    if (signal.missing[k]) continue;
+    writer.write({.time_ns = std::llround(signal.time_s(k) * 1e9),
+                  .rate_rad_s = {static_cast<float>(signal.rate_rad_s[k])},
+                  .temperature_degc = static_cast<float>(signal.temperature_degc[k])});
+  }
+  writer.finish();
+}
+
+}  // namespace zerorate::hidden_effect

@@ -1,0 +1,200 @@
+// Effects that change the spectrum or the mean.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/spectrum/noise_strength.hpp"
+
+namespace zerorate::hidden_effect {
+namespace {
+
+using simulate::Effect;
+
+/// Noise whose spectrum is added to that of the base.
+Sizable added_noise(const Setting& setting, std::string_view name, Spectrum unit_spectrum,
+                    std::function<Effect(double)> effect) {
+  return {.name = std::string(name),
+          .at = [&setting, effect](double size) { return part_of(setting, effect(size)); },
+          .loss_nats =
+              [&setting, unit = std::move(unit_spectrum)](double size) {
+                Spectrum truth = setting.noise.spectrum();
+                for (std::size_t k = 0; k < truth.size(); ++k) truth[k] += size * size * unit[k];
+                return setting.noise.loss_to_spectrum(truth);
+              },
+          .guess = 0.1 * setting.noise.white_sigma()};
+}
+
+/// A mean function in proportion to the size.
+Sizable added_mean(const Setting& setting, std::string_view name,
+                   std::function<Effect(double)> effect) {
+  const auto unit = std::make_shared<std::vector<double>>(
+      contrasts(alone(setting, part_of(setting, effect(1.0)))));
+  return {.name = std::string(name),
+          .at = [&setting, effect](double size) { return part_of(setting, effect(size)); },
+          .loss_nats =
+              [&setting, unit](double size) {
+                std::vector<double> scaled = *unit;
+                for (double& contrast : scaled) contrast *= size;
+                return setting.noise.loss_to_mean(scaled);
+              },
+          .guess = 10.0 / std::sqrt(setting.noise.squared_norm(*unit))};
+}
+
+}  // namespace
+
+Sizable draw_rate_random_walk(const Setting& setting, Draws& /*draws*/) {
+  const double root_period = std::sqrt(setting.period_s);
+  Sizable walk =
+      added_noise(setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
+                  [root_period](double step) -> Effect {
+                    return simulate::RateRandomWalk{step / root_period};
+                  });
+  walk.guess = 0.01 * setting.noise.white_sigma();
+  walk.figures = [root_period](double step) -> Figures {
+    return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
+  };
+  return walk;
+}
+
+Sizable draw_correlated_noise(const Setting& setting, Draws& draws) {
+  const double most = static_cast<double>(setting.samples) / 40.0;
+  const double time_constant = draws.log_uniform(2.0, most);  // samples
+  const double time_constant_s = time_constant * setting.period_s;
+  Sizable noise = added_noise(setting, "correlated_noise",
+                              gauss_markov_spectrum(setting.noise.samples(), time_constant),
+                              [time_constant_s](double sigma) -> Effect {
+                                return simulate::CorrelatedNoise{sigma, time_constant_s};
+                              });
+  noise.figures = [time_constant_s](double sigma) -> Figures {
+    return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
+  };
+  return noise;
+}
+
+Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
+  const double order =
+      draws.with_probability(0.75) ? draws.uniform(0.65, 0.95) : draws.uniform(0.2, 0.35);
+  const double white_variance = setting.noise.white_sigma() * setting.noise.white_sigma();
+  return {.name = "fractional_order",
+          .at =
+              [&setting, order](double sigma) {
+                return part_of(
+                    setting,
+                    simulate::FlickerNoise{
+                        spectrum::bias_instability(sigma * sigma, order, setting.period_s), order});
+              },
+          .loss_nats =
+              [&setting, white_variance,
+               unit = fractional_spectrum(setting.noise.samples(), order)](double sigma) {
+                Spectrum truth(unit.size());
+                for (std::size_t k = 0; k < truth.size(); ++k) {
+                  truth[k] = white_variance + sigma * sigma * unit[k];
+                }
+                return setting.noise.loss_to_spectrum(truth);
+              },
+          .guess = setting.flicker_sigma_rad_s,
+          .replaces_flicker = true,
+          .figures = [order](double) -> Figures {
+            return {{"order", order}};
+          }};
+}
+
+Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
+  // The size is the time constant in samples.
+  const auto share = [](double time_constant) { return -std::expm1(-1.0 / time_constant); };
+  return {.name = "sensor_bandwidth",
+          .at =
+              [&setting](double time_constant) {
+                const double cut_off_hz =
+                    setting.rate_hz() / (2.0 * std::numbers::pi * time_constant);
+                return part_of(setting, simulate::SensorBandwidth{cut_off_hz});
+              },
+          .loss_nats =
+              [&setting, share](double time_constant) {
+                Spectrum truth = low_pass_gain(setting.noise.samples(), share(time_constant));
+                for (std::size_t k = 0; k < truth.size(); ++k) {
+                  truth[k] *= setting.noise.spectrum()[k];
+                }
+                return setting.noise.loss_to_spectrum(truth);
+              },
+          .guess = 0.3,
+          .figures = [rate_hz = setting.rate_hz()](double time_constant) -> Figures {
+            return {{"cut_off_hz", rate_hz / (2.0 * std::numbers::pi * time_constant)}};
+          }};
+}
+
+Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
+  const double sign = draws.sign();
+  const bool curved = draws.with_probability(0.25);
+  const double lag_s =
+      draws.with_probability(0.25) ? setting.record_s() * draws.log_uniform(0.01, 0.1) : 0.0;
+  const double reference_degc = draws.uniform(20.0, 30.0);
+  // Of a curved one about half is curvature.
+  const double quadratic = curved ? sign * draws.sign() * 0.1 : 0.0;
+  Sizable mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
+    return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,
+                                      .quadratic_rad_s_per_k2 = quadratic * slope,
+                                      .reference_degc = reference_degc,
+                                      .lag_s = lag_s};
+  });
+  mean.figures = [sign, curved](double slope) -> Figures {
+    // The slope of a curved one depends on the temperature that it is told at.
+    if (curved) return {};
+    return {{"linear_dps_per_k", sign * slope * kDegPerRad}};
+  };
+  return mean;
+}
+
+Sizable draw_warm_up_transient(const Setting& setting, Draws& draws) {
+  const double sign = draws.sign();
+  const double time_constant_s = setting.record_s() * draws.log_uniform(0.02, 0.25);
+  Sizable mean = added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
+    return simulate::WarmUpTransient{sign * amplitude, time_constant_s};
+  });
+  mean.figures = [=](double amplitude) -> Figures {
+    return {{"amplitude_dps", sign * amplitude * kDegPerRad}, {"time_constant_s", time_constant_s}};
+  };
+  return mean;
+}
+
+Sizable draw_rate_ramp(const Setting& setting, Draws& draws) {
+  const double slope = draws.sign() / setting.record_s();
+  Sizable mean = added_mean(setting, "rate_ramp", [=](double rise) -> Effect {
+    return simulate::RateRamp{slope * rise};
+  });
+  mean.figures = [slope](double rise) -> Figures {
+    return {{"slope_dps_per_s", slope * rise * kDegPerRad}};
+  };
+  return mean;
+}
+
+Sizable draw_periodic_disturbance(const Setting& setting, Draws& draws) {
+  const double cycles = draws.log_uniform(15.0, 0.45 * static_cast<double>(setting.samples));
+  const double frequency_hz = cycles / setting.record_s();
+  const double phase_rad = draws.uniform(0.0, 2.0 * std::numbers::pi);
+  Sizable mean = added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
+    return simulate::PeriodicDisturbance{amplitude, frequency_hz, phase_rad};
+  });
+  mean.figures = [frequency_hz](double amplitude) -> Figures {
+    return {{"amplitude_dps", amplitude * kDegPerRad}, {"frequency_hz", frequency_hz}};
+  };
+  return mean;
+}
+
+Sizable draw_bias_jump(const Setting& setting, Draws& draws) {
+  const double sign = draws.sign();
+  const double time_s = setting.record_s() * draws.uniform(0.08, 0.92);
+  Sizable mean = added_mean(setting, "bias_jump", [=](double height) -> Effect {
+    return simulate::BiasJump{sign * height, time_s};
+  });
+  mean.figures = [=](double height) -> Figures {
+    return {{"height_dps", sign * height * kDegPerRad}, {"time_s", time_s}};
+  };
+  return mean;
+}
+
+}  // namespace zerorate::hidden_effect

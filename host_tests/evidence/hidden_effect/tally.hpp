@@ -1,0 +1,87 @@
+/// @file
+/// The answers of a campaign, counted.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host_tests/evidence/hidden_effect/answer.hpp"
+#include "host_tests/evidence/hidden_effect/scenario.hpp"
+
+namespace zerorate::hidden_effect {
+
+/// A share of runs.
+struct Rate {
+  std::size_t hits = 0;
+  std::size_t runs = 0;
+
+  void count(bool hit) {
+    ++runs;
+    if (hit) ++hits;
+  }
+  [[nodiscard]] double share() const;
+  /// The exact 95 % interval of Clopper and Pearson.
+  [[nodiscard]] double lo95() const;
+  [[nodiscard]] double hi95() const;
+};
+
+/// Whether so many hits, or fewer (more), happen less than once in a thousand campaigns of a tool
+/// whose true rate is p: what a test of few runs can assert.
+[[nodiscard]] bool is_surely_below(const Rate& rate, double p);
+[[nodiscard]] bool is_surely_above(const Rate& rate, double p);
+
+/// What the issue asks of the whole.
+struct Bar {
+  std::string what;
+  Rate rate;
+  double bar = 0.0;
+  bool at_least = true;
+
+  [[nodiscard]] bool holds() const { return at_least ? rate.share() >= bar : rate.share() <= bar; }
+};
+
+/// One row of the confusion matrix: of all recordings with the same truth.
+struct Row {
+  std::size_t runs = 0;
+  std::size_t named = 0;
+  std::size_t first_and_alone = 0;
+  std::size_t alternative = 0;
+  std::map<std::string, std::size_t> verdicts;
+  std::map<std::string, std::size_t> answers;  ///< by strongest cause, or the verdict without one
+};
+
+class Tally {
+ public:
+  explicit Tally(const ScenarioOptions& options) : options_(options) {}
+
+  void add(std::size_t run, const Scenario& scenario, const Answer& answer);
+
+  [[nodiscard]] std::vector<Bar> bars() const;
+  /// One line for each recording whose answer was not the right one.
+  [[nodiscard]] const std::vector<std::string>& misses() const { return misses_; }
+  /// How often the 95 % interval of a parameter held the truth, where its effect was named.
+  [[nodiscard]] const std::map<std::string, Rate>& coverage() const { return coverage_; }
+  /// Bars, coverage, confusion matrix and misses.
+  [[nodiscard]] std::string markdown() const;
+  [[nodiscard]] std::string json() const;
+
+ private:
+  void count_coverage(const Scenario& scenario, const Answer& answer);
+  [[nodiscard]] std::string matrix() const;
+  [[nodiscard]] std::string coverage_table() const;
+
+  ScenarioOptions options_;
+  std::map<std::string, Row> rows_;
+  Rate named_;
+  Rate first_and_alone_;
+  Rate both_named_;
+  Rate false_alarms_;
+  Rate outside_unexplained_;
+  Rate wrong_;
+  std::map<std::string, Rate> coverage_;
+  std::vector<std::string> misses_;
+};
+
+}  // namespace zerorate::hidden_effect

@@ -1,0 +1,93 @@
+// Biases that are large, that change, and that only seem to.
+
+#include <gtest/gtest.h>
+
+#include "host_tests/system/scenario/play.hpp"
+
+namespace zerorate::scenario {
+namespace {
+
+model::SensorModel gated() {
+  model::SensorModel model = lsm6dso();
+  model.gate = model::Gate{.threshold_sigma = 5.0, .longest_knock_s = 5.0};
+  return model;
+}
+
+/// Root mean square of the heading drift of the Kalman predictor about z, of the drives that begin
+/// within a span of time [deg].
+double drift_deg(const Played& played, double from_s, double to_s) {
+  double squares = 0.0;
+  double count = 0.0;
+  for (const evaluate::ReplayedDrive& drive : played.drives) {
+    const double start_s = static_cast<double>(drive.start_ns) * 1e-9;
+    if (drive.axis != kYaw || drive.predictor != app::Predictor::kalman || start_s < from_s ||
+        start_s >= to_s) {
+      continue;
+    }
+    squares += std::pow(drive.outcome.drift_rad / kDps, 2);
+    ++count;
+  }
+  return std::sqrt(squares / count);
+}
+
+double coverage(const Played& played) {
+  return played.result.scores[kYaw][static_cast<std::size_t>(app::Predictor::kalman)].coverage95();
+}
+
+TEST(BiasOf12Dps, IsAccepted) {
+  const Played played = play("bias-12dps");
+  EXPECT_LT(played.worst_dps(29.0, 270.0), kWanderDps);
+  EXPECT_EQ(played.result.samples_disagreeing, 0U);
+}
+
+TEST(ThermalBias, IsLearntWithinTheStop) {
+  const Played played = play("thermal-bias", gated());
+  EXPECT_FALSE(played.disagrees(680.0));
+  EXPECT_LT(played.worst_dps(700.0, 720.0), 0.02);
+}
+
+TEST(ColdStart, IsCoveredByAModelThatKnowsOfIt) {
+  model::SensorModel model = lsm6dso();
+  model.warm_up = model::WarmUp{.amplitude_sigma_rad_s = 0.05 * kDps, .time_constant_s = 600.0};
+  const Played extended = play("cold-start", model);
+  const Played base = play("cold-start");
+  RecordProperty("extended_mdeg", static_cast<int>(1000.0 * drift_deg(extended, 0.0, 1e9)));
+  RecordProperty("base_mdeg", static_cast<int>(1000.0 * drift_deg(base, 0.0, 1e9)));
+  EXPECT_LT(drift_deg(extended, 0.0, 1e9), drift_deg(base, 0.0, 1e9));
+  // Twenty drives at 95 %: five standard deviations.
+  EXPECT_GT(coverage(extended), 0.95 - 5.0 * std::sqrt(0.95 * 0.05 / 20.0));
+  EXPECT_GT(coverage(extended), coverage(base));
+}
+
+TEST(Temperature, HarmsLittleOnceItWasSeen) {
+  model::SensorModel model = lsm6dso();
+  model.white.angle_random_walk_rad_per_sqrt_s = simulate::kTemperatureArwDpsRtS * kDps;
+  model.flicker->bias_instability_rad_s =
+      simulate::kTemperatureBiasInstabilityDph / 3600.0 * kDps / 0.664;
+  model.temperature = model::TemperatureDrift{.reference_degc = 35.0,
+                                              .slope_sigma_rad_s_per_k = 0.03 * kDps,
+                                              .curvature_sigma_rad_s_per_k2 = 2e-4 * kDps};
+  const Played played = play("temperature", model);
+  EXPECT_LE(drift_deg(played, 0.0, 2563.0), 1.5);
+  EXPECT_LE(drift_deg(played, 2923.0, 1e9), 0.25);
+}
+
+TEST(BiasJump, IsDoubtedThenLearntWithinTheStop) {
+  const Played played = play("bias-jump", gated());
+  EXPECT_FALSE(played.disagrees(179.0));
+  EXPECT_TRUE(played.disagrees(182.0));
+  EXPECT_FALSE(played.disagrees(303.0));  // 2 min without a pulse, and it is still there
+  EXPECT_LT(played.worst_dps(315.0, 450.0), kWanderDps);
+}
+
+TEST(Knocks, AreNotLearnt) {
+  for (const model::SensorModel& model : {lsm6dso(), gated()}) {
+    const Played played = play("knocks", model);
+    EXPECT_TRUE(played.disagrees(313.0));
+    EXPECT_FALSE(played.disagrees(319.0));
+    EXPECT_LT(played.worst_dps(60.0, 1'200.0), kWanderDps);
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::scenario

@@ -1,0 +1,237 @@
+// Ten thousand short drives in which any call to the hardware may go wrong: bus, odometer,
+// data-ready, storage, power. Nothing crashes, nothing that is no number is published, and a node
+// that says that all is well knows its bias as well as it says.
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "firmware/model/node_model.hpp"
+#include "host_tests/system/scenario/faulty_world.hpp"
+#include "host_tools/lib/experiments/parallel.hpp"
+
+namespace zerorate::scenario {
+namespace {
+
+using hal::testing::Fault;
+
+/// What one drive showed.
+struct Outcome {
+  std::uint64_t messages = 0;
+  std::uint64_t healthy = 0;
+  std::uint64_t no_numbers = 0;  ///< messages with a rate, and a figure in it that is none
+  double worst_sigmas = 0.0;     ///< of the error of a bias that was called healthy
+  std::uint64_t restarts_with_memory = 0;
+};
+
+FaultyNode::Params node_params() {
+  const auto period = core::Duration::nanoseconds(std::llround(kLsm6dsoPeriod_s * 1e9));
+  const auto tick = core::Duration::milliseconds(500);
+  model::SensorModel sensor = lsm6dso();
+  sensor.turn_on = model::TurnOn{.sigma_rad_s = 0.01 * kDps};
+  const auto noise = model::make_node_model<6, 0>(sensor, period, tick);
+  return {.modes = noise.modes,
+          .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+          .unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2,
+          .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
+          .gate = {.threshold_sigma = 5.0F, .longest_knock_ticks = 20},
+          .sample_period = period};
+}
+
+/// Looks at every message of a drive.
+class Judge {
+ public:
+  explicit Judge(const std::vector<simulate::ScenarioRow>& rows) : rows_(rows) {}
+
+  void go_to(std::size_t row) { row_ = row; }
+  void count_restart_with_memory() { ++outcome_.restarts_with_memory; }
+  [[nodiscard]] const Outcome& outcome() const { return outcome_; }
+
+  void publish(const app::RateMessage& message) {
+    ++outcome_.messages;
+    if (!message.has_rate()) return;
+    const app::Health good{.calibrated = true};
+    const bool is_healthy = message.health == good;
+    outcome_.healthy += is_healthy ? 1U : 0U;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const app::AxisRate& rate = message.axes[axis];
+      const float sigma = rate.sigma.in(core::rad_per_s);
+      const float bias = rate.bias.in(core::rad_per_s);
+      const bool is_number =
+          std::isfinite(bias) && std::isfinite(rate.corrected.in(core::rad_per_s)) &&
+          !std::isnan(sigma) && (std::isfinite(sigma) || !message.health.calibrated);
+      if (!is_number) ++outcome_.no_numbers;
+      if (!is_healthy) continue;
+      const double error = double{bias} - double{rows_[row_].bias_rad_s[axis]};
+      outcome_.worst_sigmas = std::max(outcome_.worst_sigmas, std::abs(error) / double{sigma});
+    }
+  }
+
+ private:
+  const std::vector<simulate::ScenarioRow>& rows_;
+  std::size_t row_ = 0;
+  Outcome outcome_;
+};
+
+class Drive {
+ public:
+  explicit Drive(std::uint64_t number) : random_(number), rows_(random_drive(random_)) {
+    smooth_biases(rows_);
+    draw_bus_faults();
+    draw_wire_faults();
+  }
+
+  Outcome run() {
+    for (row_ = 0; row_ < rows_.size(); ++row_) {
+      const double time_s = static_cast<double>(rows_[row_].row.time_ns) * 1e-9;
+      if (time_s >= wires_.restart_s) restart();
+      odometer_.set_broken(wires_.odometer_error.is_on(time_s));
+      ready_.set_broken(wires_.data_ready_dead.is_on(time_s));
+      storage_.set_error(wires_.storage_error.is_on(time_s) ? std::optional{hal::StorageError::full}
+                                                            : std::nullopt);
+      clock_.advance_to(core::Instant::from_ns(rows_[row_].row.time_ns));
+      count_pulses(time_s);
+      measure();
+      judge_.go_to(row_);
+      loop_->poll();
+    }
+    return judge_.outcome();
+  }
+
+ private:
+  using Device = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
+  using Bus = hal::testing::FaultInjector<Device>;
+  using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<Bus>>;
+  using Loop =
+      app::NodeLoop<FaultyNode, Gyro, FaultyOdometer, FaultyPin, hal::sim::SimulatedClock, Judge>;
+
+  static const FaultyNode::Params& params() {
+    static const FaultyNode::Params params = node_params();
+    return params;
+  }
+
+  void draw_bus_faults() {
+    const auto calls = static_cast<double>(4 * rows_.size());
+    for (int faults = 0; faults < 3; ++faults) {
+      if (happens(random_, 0.5)) continue;
+      bus_.inject({.kind = static_cast<Fault::Kind>(random_() % 5),
+                   .first = static_cast<std::size_t>(uniform(random_, 0.0, calls)),
+                   .calls = happens(random_, 0.5) ? 1 : static_cast<std::size_t>(random_() % 400),
+                   .error = hal::BusError::io,
+                   .bit = static_cast<std::size_t>(random_() % 96)});
+    }
+  }
+  void draw_wire_faults() {
+    const double end_s = static_cast<double>(rows_.back().row.time_ns) * 1e-9;
+    for (Episode* const episode :
+         {&wires_.odometer_error, &wires_.odometer_bounces, &wires_.odometer_dead,
+          &wires_.data_ready_dead, &wires_.storage_error}) {
+      if (happens(random_, 0.8)) continue;
+      *episode = {.from_s = uniform(random_, 0.0, end_s), .length_s = uniform(random_, 0.1, 20.0)};
+    }
+    if (happens(random_, 0.2)) wires_.restart_s = uniform(random_, 0.0, end_s);
+  }
+
+  void count_pulses(double time_s) {
+    const std::int64_t before = row_ == 0 ? 0 : rows_[row_ - 1].row.odometer_pulses;
+    if (rows_[row_].row.odometer_pulses == before || wires_.odometer_dead.is_on(time_s)) return;
+    const int edges = wires_.odometer_bounces.is_on(time_s) ? 20 : 1;
+    for (int edge = 0; edge < edges; ++edge) {
+      odometer_.wheel().pulse(clock_.now() - core::Duration::microseconds(2000 - 100 * edge));
+    }
+  }
+  void measure() {
+    std::array<core::AngularRate, 3> rate{};
+    const double sigma = simulate::kScenarioArwDpsRtS * kDps / std::sqrt(kLsm6dsoPeriod_s);
+    std::normal_distribution<double> white{0.0, sigma};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rate[axis] =
+          core::rad_per_s(rows_[row_].true_rate_rad_s[axis] + rows_[row_].bias_rad_s[axis] +
+                          static_cast<float>(white(random_)));
+    }
+    chip_.measure(rate, core::Temperature::from_degc(25.0F));
+  }
+
+  /// The program ends with a save, and another one begins; the chip kept its power.
+  void restart() {
+    wires_.restart_s = std::numeric_limits<double>::infinity();
+    const app::Snapshot<FaultyNode> snapshot{params(), 1};
+    const app::SnapshotTime saved{.session = {'a'}, .utc_s = 1000};
+    (void)storage_.save(snapshot.of_state(node_->state(), saved));
+    node_.emplace(params());
+    std::array<std::uint8_t, app::Snapshot<FaultyNode>::kBytesOfState> record{};
+    if (const auto size = storage_.load(record)) {
+      const app::SnapshotTime now{.session = {happens(random_, 0.5) ? 'a' : 'b'}, .utc_s = 1010};
+      const auto resumed = snapshot.restore(*node_, std::span{record}.first(*size), now);
+      if (resumed) judge_.count_restart_with_memory();
+    }
+    gyro_.emplace(drivers::SpiRegisters{bus_}, kSettings);
+    loop_.emplace(*node_, *gyro_, odometer_, ready_, clock_, judge_);
+  }
+
+  static constexpr drivers::lsm6dso::Settings kSettings{
+      .rate = drivers::lsm6dso::OutputDataRate::hz_104, .mode = drivers::lsm6dso::Mode::data_ready};
+
+  Random random_;
+  std::vector<simulate::ScenarioRow> rows_;
+  WireFaults wires_;
+  hal::sim::SimulatedClock clock_;
+  hal::sim::SimulatedLsm6dso chip_{clock_};
+  Device device_{chip_};
+  Bus bus_{device_};
+  FaultyOdometer odometer_;
+  FaultyPin ready_{chip_.interrupt()};
+  hal::sim::SimulatedStorage storage_;
+  Judge judge_{rows_};
+  std::optional<FaultyNode> node_{std::in_place, params()};
+  std::optional<Gyro> gyro_{std::in_place, drivers::SpiRegisters{bus_}, kSettings};
+  std::optional<Loop> loop_{std::in_place, *node_, *gyro_, odometer_, ready_, clock_, judge_};
+  std::size_t row_ = 0;
+};
+
+std::size_t drives() {
+  const char* const wanted = std::getenv("ZERORATE_FAULT_DRIVES");
+  return wanted != nullptr ? std::stoul(wanted) : 10'000;
+}
+
+/// Of a sum of rare events that are independent: exceeded once in ten thousand campaigns.
+std::size_t poisson_quantile(double mean) {
+  double probability = std::exp(-mean);
+  double below = probability;
+  std::size_t count = 0;
+  while (1.0 - below > 1e-4) below += probability *= mean / static_cast<double>(++count);
+  return count;
+}
+
+// A bias of its own has each axis in each stop: that its error exceeds five standard deviations
+// somewhere has the probability of 5.7e-7, nine times a drive.
+TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+  std::vector<Outcome> outcomes(drives());
+  experiments::for_each_in_parallel(outcomes.size(), 0,
+                                    [&](std::size_t i) { outcomes[i] = Drive{i + 1}.run(); }, {});
+  Outcome sum;
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const Outcome& one = outcomes[i];
+    sum.messages += one.messages;
+    sum.healthy += one.healthy;
+    sum.no_numbers += one.no_numbers;
+    sum.restarts_with_memory += one.restarts_with_memory;
+    if (one.worst_sigmas <= 5.0) continue;
+    ++wrong;
+    std::printf("drive %zu: healthy, and off by %.1f standard deviations\n", i + 1,
+                one.worst_sigmas);
+  }
+  std::printf("%zu drives, %llu messages, %.1f %% of them healthy, %llu restarts with memory\n",
+              outcomes.size(), static_cast<unsigned long long>(sum.messages),
+              100.0 * static_cast<double>(sum.healthy) / static_cast<double>(sum.messages),
+              static_cast<unsigned long long>(sum.restarts_with_memory));
+  std::printf("healthy and off by more than 5 standard deviations: %zu drives\n", wrong);
+  EXPECT_EQ(sum.no_numbers, 0U);
+  EXPECT_LE(wrong, poisson_quantile(9.0 * 5.7e-7 * static_cast<double>(outcomes.size())));
+}
+
+}  // namespace
+}  // namespace zerorate::scenario

@@ -1,0 +1,125 @@
+/// @file
+/// A short drive with an LSM6DSO, in which any call to the hardware may go wrong.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "drivers/common/register_bus.hpp"
+#include "drivers/lsm6dso/driver.hpp"
+#include "firmware/app/node_loop.hpp"
+#include "firmware/app/snapshot.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/odometer.hpp"
+#include "hal/sim/spi.hpp"
+#include "hal/sim/storage.hpp"
+#include "hal/testing/fault_injector.hpp"
+#include "host_tests/system/scenario/play.hpp"
+#include "host_tools/lib/simulate/legs.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+
+namespace zerorate::scenario {
+
+using FaultyNode = app::GyroNode<6, 0>;
+using Random = std::mt19937_64;
+
+[[nodiscard]] inline double uniform(Random& random, double from, double to) {
+  return std::uniform_real_distribution<double>{from, to}(random);
+}
+[[nodiscard]] inline bool happens(Random& random, double probability) {
+  return uniform(random, 0.0, 1.0) < probability;
+}
+
+/// From a time on, for a while.
+struct Episode {
+  double from_s = std::numeric_limits<double>::infinity();
+  double length_s = 0.0;
+
+  [[nodiscard]] bool is_on(double time_s) const {
+    return time_s >= from_s && time_s < from_s + length_s;
+  }
+};
+
+/// What goes wrong with the calls that are not bus transactions.
+struct WireFaults {
+  Episode odometer_error;    ///< the call fails
+  Episode odometer_bounces;  ///< each pulse comes twenty times within 2 ms
+  Episode odometer_dead;     ///< no pulse arrives
+  Episode data_ready_dead;   ///< no edge arrives
+  Episode storage_error;     ///< nothing can be saved
+  double restart_s = std::numeric_limits<double>::infinity();  ///< the program starts anew
+};
+
+/// Passes a PulseInput on, or fails.
+class FaultyOdometer {
+ public:
+  void set_broken(bool broken) { broken_ = broken; }
+  [[nodiscard]] hal::sim::SimulatedOdometer& wheel() { return wheel_; }
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(std::span<core::Instant> stamps) {
+    if (broken_) return core::Unexpected{hal::BusError::io};
+    return wheel_.read_pulses(stamps);
+  }
+
+ private:
+  hal::sim::SimulatedOdometer wheel_;
+  bool broken_ = false;
+};
+
+/// Passes a DataReady on, or loses its edges.
+class FaultyPin {
+ public:
+  explicit FaultyPin(hal::sim::DataReadyPin& pin) : pin_(&pin) {}
+  void set_broken(bool broken) { broken_ = broken; }
+  std::optional<core::Instant> take_edge() {
+    const auto edge = pin_->take_edge();
+    return broken_ ? std::nullopt : edge;
+  }
+
+ private:
+  hal::sim::DataReadyPin* pin_;
+  bool broken_ = false;
+};
+
+inline constexpr double kLsm6dsoPeriod_s = 64.0 / 6667.0;
+
+/// Three stops and two drives between them, as they really are.
+[[nodiscard]] inline std::vector<simulate::ScenarioRow> random_drive(Random& random) {
+  std::vector<simulate::Leg> legs;
+  for (int leg = 0; leg < 5; ++leg) {
+    const bool drives = leg % 2 == 1;
+    const double turn = uniform(random, 3.0, 20.0) * (happens(random, 0.5) ? 1.0 : -1.0);
+    legs.push_back({.length_s = uniform(random, 5.0, 12.0),
+                    .speed_m_s = drives ? uniform(random, 3.0, 15.0) : 0.0,
+                    .turn_dps = drives ? turn : 0.0});
+  }
+  const simulate::VehicleMotion motion = simulate::follow(legs, kLsm6dsoPeriod_s);
+  std::vector<simulate::ScenarioRow> rows(motion.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<simulate::Effect> slow{
+        simulate::ConstantBias{.bias_rad_s = uniform(random, -1.0, 1.0) * kDps},
+        simulate::FlickerNoise{.bias_instability_rad_s =
+                                   simulate::kScenarioBiasInstabilityDph / 3600.0 * kDps}};
+    const simulate::RandomStream stream{random()};
+    const auto bias = simulate::simulate({motion.size(), kLsm6dsoPeriod_s}, slow, stream);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      rows[k].bias_rad_s[axis] = static_cast<float>(bias.rate_rad_s[k]);
+      rows[k].true_rate_rad_s[axis] = static_cast<float>(motion.rate_rad_s[k][axis]);
+    }
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].row.time_ns = std::llround(static_cast<double>(k + 1) * kLsm6dsoPeriod_s * 1e9);
+    rows[k].row.odometer_pulses = motion.odometer_pulses[k];
+  }
+  return rows;
+}
+
+}  // namespace zerorate::scenario
