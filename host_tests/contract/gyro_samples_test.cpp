@@ -31,7 +31,7 @@ class GyroSamples : public ::testing::Test {
   static constexpr std::array kModes = {Gyro::kDataReady, Gyro::kFifo};
   static constexpr bool kIsSingleAxis = Wiring::Driver::kAxes == 1;
 
-  /// What is to come out on an axis: a chip with one axis measures z and gives it on all.
+  /// Rate expected on an axis: a chip with one axis measures z and gives it on all.
   static float expected_dps(const Rates& sent, std::size_t axis) {
     return sent[kIsSingleAxis ? kZ : axis].in(deg_per_s);
   }

@@ -23,7 +23,7 @@ class GyroStart : public ::testing::Test {
   using Rig = support::GyroRig<Wiring>;
   static constexpr std::array kModes = {Gyro::kDataReady, Gyro::kFifo};
 
-  /// So many calls see every entry of the configuration once, and a few see some twice.
+  /// Enough calls to see every entry of the configuration once, and some of them twice.
   static constexpr std::size_t kCalls = Gyro::kConfigured.size() + 4;
 
   static void expect_right_rate(Rig& rig) {

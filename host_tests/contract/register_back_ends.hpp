@@ -121,7 +121,7 @@ struct InjectedSpi : SimulatedSpi {
   hal::testing::FaultInjector<decltype(SimulatedSpi::bus)> injector{bus};
 };
 
-/// The same on I2C.
+/// Back end on I2C.
 struct InjectedI2c : SimulatedI2c {
   drivers::I2cRegisters<hal::testing::FaultInjector<decltype(SimulatedI2c::bus)>> registers() {
     return drivers::I2cRegisters{injector, kDevice};
@@ -148,7 +148,7 @@ struct LinuxSpi : SimulatedSpi {
   Device device{{.device = "/dev/spidev0.0"}, hal::linux_os::KernelDouble{kernel}};
 };
 
-/// The same behind i2c-dev.
+/// Back end behind i2c-dev.
 struct LinuxI2c : SimulatedI2c {
   using Bus = hal::linux_os::I2cDevBus<hal::linux_os::KernelDouble>;
   LinuxI2c() {

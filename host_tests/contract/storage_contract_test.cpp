@@ -70,7 +70,7 @@ TYPED_TEST(StorageContract, RefusesARecordThatDoesNotFitAndKeepsTheOneBefore) {
   EXPECT_EQ(*this->load(100), 5U);
 }
 
-// What only a flash is asked: every byte that is programmed and every erasure is a step at which
+// Tests of a flash alone: every byte that is programmed and every erasure is a step at which
 // the power may be cut.
 
 using testing::CutFlash;

@@ -8,7 +8,7 @@
 
 namespace zerorate::cli {
 
-/// What a shell learns of the end of a command.
+/// Exit codes, which tell a shell how a command ended.
 enum ExitCode : int { success = 0, finding = 1, usage = 2, bad_data = 3 };
 
 /// A sub-command and what runs it once the command line is parsed.

@@ -12,7 +12,7 @@
 
 namespace zerorate::cli {
 
-/// As typed; read into evaluate::ReplayOptions by to_replay_options().
+/// Options as typed; to_replay_options() turns them into evaluate::ReplayOptions.
 struct ReplayFlags {
   std::string axis = "all";
   std::string model = "adis16405";
@@ -39,10 +39,10 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 /// Indices of the axes that --axis names in a recording with so many.
 [[nodiscard]] std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count);
 
-/// What is odd about a recording, as notes for a terminal.
+/// Prints oddities of a recording as notes for a terminal.
 void print_findings(const recording::Findings& findings);
 
-/// What the node published and what it was worth, as text for a terminal.
+/// Prints what the node published and its scores, as text for a terminal.
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes);
 
 /// Writes a text to a file, or to the standard output for "-".

@@ -9,8 +9,8 @@ namespace {
 
 using namespace zerorate;
 
-// As `zerorate export --cpp` writes it, shortened to one mode of the slow noise: a Gauss-Markov process
-// of 5 s, of 2e-5 rad/s (4 deg/h), at ticks of half a second.
+// A model as `zerorate export --cpp` writes it, with one mode of slow noise: a Gauss-Markov
+// process of 5 s, of 2e-5 rad/s (4 deg/h), at ticks of half a second.
 constexpr app::NodeParams<1, 0> kParams{
     .modes = {.tick = core::Duration::milliseconds(500),
               .is_stationary = true,

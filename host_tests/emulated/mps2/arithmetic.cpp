@@ -38,7 +38,7 @@ class Digest {
   Bits value_ = 2'166'136'261U;
 };
 
-/// What has gone wrong in somebody's floating point before.
+/// Operands that have gone wrong in somebody's floating point before.
 constexpr std::array<Bits, 36> kEdges{
     0x0000'0000, 0x0000'0001, 0x0000'0002, 0x0000'0003, 0x003F'FFFF, 0x0040'0000,
     0x007F'FFFE, 0x007F'FFFF, 0x0080'0000, 0x0080'0001, 0x00FF'FFFF, 0x0100'0000,

@@ -62,7 +62,7 @@ double by_whole_arrays(const Eigen::ArrayXd& angle, Eigen::Index m) {
   return squares.mean() / (2.0 * static_cast<double>(m * m));
 }
 
-/// The same formula fused by the compiler into one pass over the recording.
+/// One pass over the recording, into which the compiler fuses the formula.
 double by_one_pass(const Eigen::ArrayXd& angle, Eigen::Index m) {
   const Eigen::Index terms = angle.size() - 2 * m;
   return (angle.tail(terms) - 2.0 * angle.segment(m, terms) + angle.head(terms)).square().mean() /

@@ -58,7 +58,7 @@ void diagnosis(benchmark::State& state, bool with_effects) {
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  // As a test only the short ones: `--short` after the options of the library.
+  // `--short`, after the options of the library, runs only the short ones: that is the test.
   const bool is_short = argc > 1 && std::string_view(argv[1]) == "--short";
   for (const bool with_effects : {false, true}) {
     auto* family = benchmark::RegisterBenchmark(with_effects ? "with_effects" : "plain", diagnosis,

@@ -1,4 +1,4 @@
-// What one sample costs each predictor at full rate, against a textbook dense Kalman filter.
+// Cost of one sample for each predictor at full rate, against a textbook dense Kalman filter.
 //
 // The models hold the same noise: six flicker decades and the level. The dense filter is written as
 // a careful user of Eigen would: fixed sizes, no heap, noalias, the plain update of the covariance

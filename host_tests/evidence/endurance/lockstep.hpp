@@ -118,7 +118,7 @@ inline double smallest_correlation_eigenvalue(const Eigen::Matrix<double, 7, 7>&
       .eigenvalues()(0);
 }
 
-/// What became of a run; deviations of single from double precision.
+/// Result of a run: deviations of single from double precision.
 struct Lockstep {
   std::uint64_t checks = 0;
   std::uint64_t not_positive_definite = 0;

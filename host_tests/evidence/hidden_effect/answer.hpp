@@ -12,7 +12,7 @@
 
 namespace zerorate::hidden_effect {
 
-/// What the extended model was worth on data held out; NaN where there was nothing to measure.
+/// Gain of the extended model on data held out; NaN where there was nothing to measure.
 struct Gain {
   double rsse_ratio = 0.0;
   double heading_drift_ratio = 0.0;
@@ -21,7 +21,7 @@ struct Gain {
   double log_score_gain_nats_per_sample = 0.0;
 };
 
-/// What is read of the JSON of one axis.
+/// Fields read from the JSON of one axis.
 struct Answer {
   std::string verdict;
   std::vector<std::string> causes;        ///< strongest first

@@ -59,7 +59,7 @@ class BaseNoise {
   [[nodiscard]] double loss_to_spectrum(const Spectrum& truth) const;
   /// Loss where a mean function is added to the base noise. The base may take it for noise.
   [[nodiscard]] double loss_to_mean(std::span<const double> contrasts) const;
-  /// The same for a family that has a random walk as well.
+  /// Loss to a family that has a random walk as well.
   [[nodiscard]] double loss_with_walk_to_mean(std::span<const double> contrasts) const;
 
  private:

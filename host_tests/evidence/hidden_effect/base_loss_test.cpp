@@ -226,7 +226,7 @@ TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
       const auto size = size_for(effect, 40.0);
       ASSERT_TRUE(size) << entry.name;
       EXPECT_EQ(effect.name, entry.name);
-      // What is counted over the record's own path is a little rough.
+      // A loss counted over the record's own path is a little rough.
       EXPECT_NEAR(effect.loss_nats(*size), 40.0, 2.0) << entry.name;
       EXPECT_GT(effect.loss_nats(1.5 * *size), 41.0) << entry.name;
     }

@@ -32,7 +32,7 @@ class GainTally {
   [[nodiscard]] bool errs_no_more() const;
   [[nodiscard]] bool covers() const;
 
-  /// Of a table; see header().
+  /// Row of a table; see header().
   [[nodiscard]] std::string row() const;
   [[nodiscard]] static std::string header();
 

@@ -27,7 +27,8 @@ Mean contrasts_of(std::size_t samples, Function at_share) {
   return contrasts(mean);
 }
 
-/// What the deterministic effects of the catalogue can draw. Tones around the strongest line.
+/// Curves that the deterministic effects of the catalogue can draw. Tones around the strongest
+/// line.
 std::vector<Basis> explanations(const Setting& setting, const Mean& residual) {
   const std::size_t n = setting.samples;
   std::vector<Basis> all{{contrasts_of(n, [](double share) { return share; })}};

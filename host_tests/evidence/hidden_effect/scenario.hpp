@@ -31,10 +31,10 @@ struct ScenarioOptions {
   std::size_t samples = 20'000;
   double rate_hz = 0.0;  ///< of the samples; 0: drawn for each recording
   double nats = 40.0;    ///< what the best base model loses to each effect
-  /// What lies outside the catalogue is larger by this: the remainder must fail a test that holds
-  /// against the whole family of statistics.
+  /// Factor by which effects outside the catalogue are larger: the remainder must fail a test that
+  /// holds against the whole family of statistics.
   double outside_factor = 2.5;
-  /// Of effects of single recordings, only those of this name; all if empty.
+  /// Name of the only effect of single recordings to draw; all if empty.
   std::string only;
   double finest_step_share = 0.1;  ///< see Setting; 1: a quantizer costs the nats as all others do
 };

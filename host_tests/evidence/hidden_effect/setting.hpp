@@ -48,7 +48,7 @@ struct Setting {
   [[nodiscard]] double rate_hz() const { return 1.0 / period_s; }
 };
 
-/// What adds itself to a signal.
+/// Function that adds a part to a signal.
 using Part = std::function<void(simulate::Signal&)>;
 
 /// The effect with the random numbers that it has in this recording, whatever its size.
@@ -56,7 +56,7 @@ using Part = std::function<void(simulate::Signal&)>;
 [[nodiscard]] Part white_noise_of(const Setting& setting);
 [[nodiscard]] Part flicker_noise_of(const Setting& setting);
 
-/// What a part alone adds to silence, at the temperature of the setting.
+/// Signal of a part alone, at the temperature of the setting.
 [[nodiscard]] std::vector<double> alone(const Setting& setting, const Part& part);
 
 /// @param samples  of the recording

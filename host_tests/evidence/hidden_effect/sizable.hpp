@@ -26,7 +26,7 @@ struct Sizable {
   std::function<double(double size)> loss_nats;  ///< rises with the size
   double guess = 1.0;                            ///< a size from which to search
   bool replaces_flicker = false;                 ///< its noise stands for that of the base
-  /// What a diagnosis should find, as its parameters are named; those that the size determines.
+  /// Parameters that a diagnosis should find, by their names; those that the size determines.
   std::function<Figures(double size)> figures = [](double) { return Figures{}; };
 };
 
@@ -52,7 +52,7 @@ struct Sizable {
 [[nodiscard]] Sizable draw_outliers(const Setting& setting, Draws& draws);
 [[nodiscard]] Sizable draw_motion_contamination(const Setting& setting, Draws& draws);
 
-// What changes single samples: the divergence sample by sample.
+// Effects on single samples: the divergence is counted sample by sample.
 [[nodiscard]] Sizable draw_variable_noise(const Setting& setting, Draws& draws);
 [[nodiscard]] Sizable draw_quantization(const Setting& setting, Draws& draws);
 [[nodiscard]] Sizable draw_saturation(const Setting& setting, Draws& draws);

@@ -133,7 +133,7 @@ Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
   const double lag_s =
       draws.with_probability(0.25) ? setting.record_s() * draws.log_uniform(0.01, 0.1) : 0.0;
   const double reference_degc = draws.uniform(20.0, 30.0);
-  // Of a curved one about half is curvature.
+  // Curvature makes about half of a curved drift.
   const double quadratic = curved ? sign * draws.sign() * 0.1 : 0.0;
   Sizable mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
     return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,

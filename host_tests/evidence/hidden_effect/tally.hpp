@@ -32,7 +32,7 @@ struct Rate {
 [[nodiscard]] bool is_surely_below(const Rate& rate, double p);
 [[nodiscard]] bool is_surely_above(const Rate& rate, double p);
 
-/// What the issue asks of the whole.
+/// Bars that the whole campaign must meet.
 struct Bar {
   std::string what;
   Rate rate;

@@ -44,7 +44,7 @@ bool is_driving(std::size_t k) {
   return k < 600;
 }
 
-/// What the sensor is exposed to: noise, effect and, while the vehicle drives, the vehicle.
+/// Rates that the sensor is exposed to: noise, effect and, while the vehicle drives, the vehicle.
 void write_physical(const Setting& setting, const Part& effect, const std::filesystem::path& path) {
   simulate::Signal signal(kSamples, setting.period_s);
   white_noise_of(setting)(signal);

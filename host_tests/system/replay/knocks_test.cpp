@@ -141,7 +141,7 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   EXPECT_FALSE(replayed.messages[kJump + 80].health.measurement_rejected);
 }
 
-// So large a jump could be a turn of which the odometer knows nothing: it must last two minutes.
+// A jump this large could be a turn that the odometer does not know of: it must last two minutes.
 TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestTurn) {
   const ScratchFolder folder;
   constexpr std::size_t kJump = 2'000;  // at 200 s

@@ -70,7 +70,7 @@ model::SensorModel model_with_temperature() {
                                              .curvature_sigma_rad_s_per_k2 = 2e-4 * kRadPerDeg}};
 }
 
-/// Of the Kalman predictor's drives that end after `from_s` and no later than `to_s`.
+/// The Kalman predictor's drives that end after `from_s` and no later than `to_s`.
 struct Drives {
   double count = 0.0;
   double squares_deg2 = 0.0;

@@ -17,7 +17,7 @@ namespace {
 
 using hal::testing::Fault;
 
-/// What one drive showed.
+/// Outcome of one drive.
 struct Outcome {
   std::uint64_t messages = 0;
   std::uint64_t healthy = 0;
@@ -196,7 +196,7 @@ std::size_t drives() {
   return wanted != nullptr ? std::stoul(wanted) : 10'000;
 }
 
-/// Of a sum of rare events that are independent: exceeded once in ten thousand campaigns.
+/// Bound of a sum of rare independent events, exceeded once in ten thousand campaigns.
 std::size_t poisson_quantile(double mean) {
   double probability = std::exp(-mean);
   double below = probability;

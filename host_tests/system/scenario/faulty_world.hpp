@@ -49,7 +49,7 @@ struct Episode {
   }
 };
 
-/// What goes wrong with the calls that are not bus transactions.
+/// Faults of the calls that are not bus transactions.
 struct WireFaults {
   Episode odometer_error;    ///< the call fails
   Episode odometer_bounces;  ///< each pulse comes twenty times within 2 ms

@@ -50,7 +50,7 @@ TEST(Ferry, IsReportedAndNotLearnt) {
 TEST(DeadEncoder, IsReportedInTurnsWhichAreNotLearnt) {
   const Played played = play("dead-encoder");
   EXPECT_LT(first_disagreement_s(played, 600.0), 1'000.0);
-  // What enters is the first third of a degree per second of each turn.
+  // The first third of a degree per second of each turn is learnt.
   RecordProperty("worst_udps", static_cast<int>(1e6 * played.worst_dps(600.0, 1'800.0)));
   EXPECT_LT(played.worst_dps(60.0, 1'800.0), 0.15);
 }

@@ -32,8 +32,8 @@ struct PeerSensor {
   double lag_sigma_dph;
   double warm_up_dps;
   double drift_bar_deg;
-  /// What their filter with true parameters said of its bias while driving: it depends on nothing
-  /// but sensor and schedule, and so tells whether this is the sensor that they had.
+  /// Sigma that their filter with true parameters gave its bias while driving. It depends on
+  /// nothing but sensor and schedule, and so tells whether this is the sensor that they had.
   double bias_sigma_dph;
 };
 constexpr PeerSensor kA{"A", 0.005, 3.0, 0.0, 0.053, 6.1};

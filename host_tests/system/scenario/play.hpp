@@ -41,7 +41,7 @@ inline void smooth_biases(std::vector<simulate::ScenarioRow>& rows) {
   }
 }
 
-/// What the node said at each row of a scenario.
+/// Messages of the node at each row of a scenario.
 struct Played {
   simulate::ScenarioDrive drive;
   evaluate::ReplayResult result;
@@ -51,7 +51,7 @@ struct Played {
   [[nodiscard]] double time_s(std::size_t row) const {
     return static_cast<double>(drive.rows[row].row.time_ns) * 1e-9;
   }
-  /// Of the published bias about an axis [deg/s].
+  /// Error of the published bias about an axis [deg/s].
   [[nodiscard]] double error_dps(std::size_t row, std::size_t axis = kYaw) const {
     const double bias = double{messages[row].axes[axis].bias.in(core::rad_per_s)};
     return std::abs(bias - double{drive.rows[row].bias_rad_s[axis]}) / kDps;

@@ -1,4 +1,4 @@
-// What a snapshot is worth: the first drive after the engine was off, against a node that begins
+// Worth of a snapshot: the first drive after the engine was off, against a node that begins
 // from nothing. The table is printed, and stands in docs/reference/scenarios.md.
 
 #include <gtest/gtest.h>

@@ -67,7 +67,7 @@ void step_slowly(Node& node, const SlowGyro& gyro, std::size_t sample, std::size
   (void)node.step(measured);
 }
 
-/// What is left of the bias after correction [rad/s].
+/// Bias left after correction [rad/s].
 template <class Node>
 [[nodiscard]] double left_rad_s(const Node& node, const SlowGyro& gyro, std::size_t sample,
                                 std::size_t axis) {

@@ -32,7 +32,7 @@ class Drive {
   std::size_t samples_ = 0;
 };
 
-/// What a drive came to, against what was predicted.
+/// Outcome of a drive against its prediction.
 struct DriveOutcome {
   double drift_rad = 0.0;   ///< integrated corrected rate minus the true turn
   double sigma_rad = 0.0;   ///< predicted standard deviation of the drift, white noise included

@@ -47,7 +47,7 @@ struct ReplayOptions {
   core::OdometerCheck::Params odometer;
 };
 
-/// What one row of the recording became.
+/// One row of the recording after the node.
 struct ReplayedSample {
   std::uint64_t row;     ///< of the recording, from 0
   std::int64_t time_ns;  ///< as the recording has it; the node's clock is shifted

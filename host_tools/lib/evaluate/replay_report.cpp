@@ -21,7 +21,7 @@ constexpr double kDphPerDps = 3600.0;
 constexpr double k95Percent = 1.96;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// As people read it.
+/// Title for readers.
 std::string_view title(app::Predictor predictor) {
   switch (predictor) {
     case app::Predictor::kalman:

@@ -12,7 +12,7 @@
 
 namespace zerorate::evaluate {
 
-/// What the report says besides the figures of the replay.
+/// Text of the report besides the figures of the replay.
 struct ReplayReportText {
   std::string title;
   std::string lead;  ///< one paragraph; the result sentence follows it

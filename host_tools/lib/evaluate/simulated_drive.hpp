@@ -20,7 +20,7 @@ struct SimulatedDriveParams {
   double duration_s = 7200.0;
   double sample_rate_hz = 104.0;
   std::uint64_t seed = 1;
-  /// What the model does not know: added to the yaw axis.
+  /// Effects that the model does not know, added to the yaw axis.
   std::vector<simulate::Effect> hidden{};
 };
 
@@ -36,11 +36,11 @@ class SimulatedDrive {
 
   [[nodiscard]] double sample_period_s() const { return motion_.sample_period_s; }
   [[nodiscard]] std::array<float, 3> true_rate_rad_s(std::uint64_t row) const;
-  /// What the gyro would have read without any motion: bias and noise.
+  /// Rate that the gyro would have read without any motion: bias and noise.
   [[nodiscard]] std::span<const double> rest_rate_rad_s(std::size_t axis) const {
     return rest_rate_rad_s_[axis];
   }
-  /// As a recording with odometer pulses. Throws recording::Error.
+  /// Writes a recording with odometer pulses. Throws recording::Error.
   void write(const std::filesystem::path& path) const;
   /// The yaw axis as it would have been recorded with the vehicle parked for so long, or for the
   /// length of the drive. Throws recording::Error.

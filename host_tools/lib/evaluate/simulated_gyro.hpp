@@ -23,13 +23,13 @@ inline constexpr std::array kAllChips = {Chip::lsm6dso, Chip::icm42688, Chip::bm
 /// How many axes the chip has: 3, or 1, which is z and comes out on all three.
 [[nodiscard]] std::size_t axis_count(Chip chip);
 
-/// What measure() is given comes out of read(), rounded as the chip rounds.
+/// A gyro whose read() returns the rate given to measure(), rounded as the chip rounds.
 class SimulatedGyro : public drivers::AnyGyro {
  public:
   /// One conversion of the chip, at the time of its clock.
   virtual void measure(const std::array<core::AngularRate, 3>& rate,
                        core::Temperature temperature) = 0;
-  /// Of the chip's conversions; a chip without a pin never drives it.
+  /// Data-ready pin of the chip's conversions; a chip without a pin never drives it.
   virtual hal::sim::DataReadyPin& interrupt() = 0;
 };
 

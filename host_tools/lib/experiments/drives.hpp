@@ -30,7 +30,7 @@ enum class Contestant : std::uint8_t {
 };
 inline constexpr std::size_t kContestants = 6;
 
-/// What makes models of recordings.
+/// Method that makes models of recordings.
 enum class FitBy : std::uint8_t {
   characterization,  ///< white and 1/f noise by likelihood, its order free and 1/2
   diagnosis,         ///< what `zerorate diagnose` finds, and its base

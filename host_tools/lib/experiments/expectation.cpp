@@ -12,7 +12,7 @@ using Eigen::MatrixXd;
 
 Expectation expect(const Predictor& predictor, const reference::FractionalNoise& noise,
                    const Lengths& lengths) {
-  // What a linear predictor answers to each sample alone is its weights.
+  // The answers of a linear predictor to each sample alone are its weights.
   const auto n = static_cast<Index>(lengths.calibration);
   const Forecasts answers = predictor.predict(MatrixXd::Identity(n, n));
   const MatrixXd covariance = reference::error_covariance(noise, answers.bias);

@@ -59,7 +59,7 @@ std::optional<RestRecording> read_rest_recording(const fs::path& path, double hi
   return rest;
 }
 
-/// Of a variance and its standard error, the root and its.
+/// Root of a variance, with its standard error.
 Figure root(const identify::Estimate& variance) {
   const double value = std::sqrt(variance.value);
   return {value, variance.standard_error / (2.0 * value)};

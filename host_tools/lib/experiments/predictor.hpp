@@ -24,7 +24,7 @@ struct Forecasts {
   /// Standard deviation of a raw sample about its prediction under the noise model: as large as
   /// `bias`, or a single column that holds for all sets.
   Eigen::MatrixXd sigma;
-  /// The same as the method itself has it, where that differs: it takes as certain what it
+  /// Sigma as the method itself states it, where that differs: the method takes as certain what it
   /// estimated. Empty otherwise.
   Eigen::MatrixXd own_sigma;
   /// Mean normalised innovation squared of each set's calibration; empty if there is no such thing.

@@ -19,7 +19,7 @@ DecadeNoise decade_noise(const SimulationOptions& options, core::Start start) {
   return {.noise = options.noise, .decades = options.decades, .start = start};
 }
 
-/// Of each predictor that is linear.
+/// Expectation of each predictor that is linear.
 std::vector<std::optional<Expectation>> expect_all(const Predictors& predictors,
                                                    const SimulationOptions& options,
                                                    const Progress& progress) {

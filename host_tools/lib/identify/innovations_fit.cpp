@@ -202,7 +202,7 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
   return {maximum.bias_instability(), maximum.order(), source, std::nullopt};
 }
 
-/// What the record says of the order, if it says enough; else the fit of the prior.
+/// Fit with the record's own order, if the record determines it; else the fit of the prior.
 Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedFlicker>& flicker) {
   Maximum free = fitter.maximum_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;

@@ -32,7 +32,7 @@ struct FittedFlicker {
   IntervalEstimate bias_instability_rad_s;  ///< B
   IntervalEstimate order;                   ///< standard error 0 unless estimated
   OrderSource order_source = OrderSource::given;
-  /// What the record itself says of d where that was not good enough to be used.
+  /// Estimate of d from the record itself, where it was too uncertain to be used.
   std::optional<IntervalEstimate> rejected_order;
 };
 
@@ -45,7 +45,7 @@ struct InnovationsFit {
   double minus_two_log_likelihood = 0.0;
   std::size_t evaluations = 0;  ///< passes of the filter
 
-  /// As a model that the node runs; its name and sources are left to the caller.
+  /// Model that the node runs; its name and sources are left to the caller.
   [[nodiscard]] model::SensorModel model(double shortest_time_constant_s) const;
 };
 

@@ -43,7 +43,7 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
 }
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
-  // The same choice as a replay's: six flicker decades, or the largest node.
+  // A replay chooses likewise: six flicker decades, or the largest node.
   return model::fits_six_decades(model) ? run<6, 0>(model)
                                         : run<model::kMostDecaying, model::kMostRotating>(model);
 }

@@ -13,7 +13,7 @@
 
 namespace zerorate::identify {
 
-/// What a model makes of a record. With e_k the innovation and S_k its predicted variance,
+/// Likelihood of a record under a model. With e_k the innovation and S_k its predicted variance,
 ///
 ///     -2 log L = sum over k of log S_k + e_k^2 / S_k,
 ///

@@ -11,7 +11,7 @@
 namespace zerorate::identify {
 namespace {
 
-/// What the C library calls: an exception must not cross it.
+/// Function that the C library calls: an exception must not cross it.
 struct Call {
   const Objective& function;
   nlopt_opt optimiser;

@@ -18,7 +18,7 @@ namespace zerorate::identify {
 
 using TickMean = core::TickMean<recording::kMaxAxes>;
 
-/// What a node standing in the place of the recorder would have been allowed to learn from.
+/// Samples that a node in the place of the recorder would have been allowed to learn from.
 struct RestSamples {
   std::size_t axis_count = recording::kMaxAxes;
   core::Duration sample_period;  ///< the median interval

@@ -34,7 +34,7 @@ class Source {
 /// Rate frames as UDP datagrams. Throws std::invalid_argument for an address that is none.
 [[nodiscard]] std::unique_ptr<Source> listen_udp(const std::string& address, std::uint16_t port);
 
-/// The same on a Unix datagram socket, which is made, and removed at the end. A socket that nobody
+/// Listens on a Unix datagram socket, which is made, and removed at the end. A socket that nobody
 /// listens on any more is replaced.
 [[nodiscard]] std::unique_ptr<Source> listen_unix(const std::string& path);
 

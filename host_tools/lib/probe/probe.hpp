@@ -120,7 +120,7 @@ struct Bus {
   std::vector<Attempt> attempts;
 };
 
-/// What to ask.
+/// Devices to ask.
 struct Devices {
   std::vector<std::string> spi;
   std::vector<std::string> i2c;

@@ -23,7 +23,7 @@ struct AcceptedName {
   std::size_t axis_count = 0;           ///< of a rate: how many columns make the set
 };
 
-/// Of two names with the same meaning the first is the one that is written.
+/// Accepted names of columns; of two with one meaning the first is the one that is written.
 constexpr std::array kAcceptedNames = {
     AcceptedName{"t_s", Meaning::time},
     AcceptedName{"time_s", Meaning::time},

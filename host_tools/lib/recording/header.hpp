@@ -12,7 +12,7 @@
 
 namespace zerorate::recording {
 
-/// What a column of the file is read as.
+/// Meaning of a column of the file.
 enum class Meaning : std::uint8_t { time, rate, temperature, odometer, still, ignored };
 
 /// One column of the file.

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxAxes = 3;
 /// The unit of the rates in the file. In a Row they are always rad/s.
 enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
 
-/// What one unit of the file is in rad/s.
+/// Factor from a unit of the file to rad/s.
 [[nodiscard]] double rad_per_s_in(RateUnit unit);
 
 /// A number of the file in SI units: converted in double precision and rounded once.

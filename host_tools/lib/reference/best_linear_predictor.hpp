@@ -8,7 +8,7 @@
 
 namespace zerorate::reference {
 
-/// What is known about the constant b before the calibration.
+/// Prior knowledge of the constant b before the calibration.
 enum class Bias { diffuse, known };
 
 /// The best linear unbiased predictor with b estimated by generalised least squares, or with b = 0

@@ -21,7 +21,7 @@ struct Axis {
   Scale scale = Scale::linear;
 };
 
-/// What the points of a series are joined by.
+/// Style in which the points of a series are drawn.
 enum class SeriesStyle {
   line,
   steps,  ///< the value holds until the next point

@@ -164,7 +164,7 @@ std::string axis_title(const Axis& axis) {
   return axis.unit.empty() ? axis.label : fmt::format("{}, {}", axis.label, axis.unit);
 }
 
-/// What somebody who does not see the chart is told about it.
+/// Description of the chart for somebody who does not see it.
 template <class Items>
 std::string spoken(std::string_view kind, const std::string& title, const Axis& y,
                    std::string_view over, const Items& items) {

@@ -19,7 +19,7 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kPeriod_s = 1.0 / 104.0;
 constexpr std::size_t kYaw = 2;
 
-/// What is particular about the gyro of a scenario.
+/// Particulars of the gyro of a scenario.
 struct Gyro {
   std::array<double, 3> bias_dps{0.3, -0.2, 0.1};
   double arw_dps_rt_s = kScenarioArwDpsRtS;

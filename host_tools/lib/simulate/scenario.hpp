@@ -29,7 +29,7 @@ struct ScenarioDrive {
 inline constexpr double kScenarioArwDpsRtS = 0.00269;
 inline constexpr double kScenarioBiasInstabilityDph = 5.0;
 
-/// Of `temperature`, a better sensor.
+/// White noise of the scenario `temperature`, which has a better sensor.
 inline constexpr double kTemperatureArwDpsRtS = 0.005;
 inline constexpr double kTemperatureBiasInstabilityDph = 2.0;
 

@@ -20,7 +20,7 @@ struct Signal {
   std::vector<double> rate_rad_s;
   /// Samples that never arrive; their rate is kept, so that the truth stays known.
   std::vector<bool> missing;
-  /// Of each sample, where the temperature matters; empty otherwise.
+  /// Temperature of each sample where it matters; empty otherwise.
   std::vector<double> temperature_degc;
 };
 

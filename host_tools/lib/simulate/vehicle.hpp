@@ -21,7 +21,7 @@ struct VehicleParams {
   double peak_turn_rad_s = 0.4;  ///< of the sharpest turns
 };
 
-/// What happened, sample by sample.
+/// Motion of the vehicle, sample by sample.
 struct VehicleMotion {
   double sample_period_s = 0.0;
   std::vector<std::array<double, 3>> rate_rad_s;  ///< true rate about x (roll), y (pitch), z (yaw)

@@ -55,7 +55,7 @@ class Bench {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
-  /// What holds at the end of every scenario.
+  /// Checks what holds at the end of every scenario.
   ~Bench() {
     schedule->run(0.1);
     verdict.check("no rate was published that was not measured", tally().never_given == 0,

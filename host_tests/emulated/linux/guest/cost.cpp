@@ -11,7 +11,7 @@ namespace {
 /// `-icount shift=1`: each instruction takes two nanoseconds of the machine's time.
 constexpr double kInstruction_ns = 2.0;
 
-/// What a process has computed in all of its threads, in the kernel too.
+/// Instructions that all threads of a process have executed, those in the kernel included.
 double instructions_of(pid_t process) {
   double computed_ns = 0.0;
   const auto tasks = "/proc/" + std::to_string(process) + "/task";

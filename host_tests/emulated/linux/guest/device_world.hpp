@@ -21,7 +21,7 @@
 
 namespace zerorate::emulated {
 
-/// What a bus does to transactions.
+/// Faults that a bus makes in transactions.
 enum class BusFault {
   none,
   unplugged,    ///< the controller says ENODEV

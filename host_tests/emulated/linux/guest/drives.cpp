@@ -35,8 +35,8 @@ void judge_samples(Bench& bench) {
                 tally.odometer_faulty);
 }
 
-/// Of the corrected rate and of the bias, in LSB of the gyro; infinite where a message is missing.
-/// A receiver may have more than was published when the comparison began.
+/// Errors of the corrected rate and of the bias, in LSB of the gyro; infinite where a message is
+/// missing. A receiver may have more than was published when the comparison began.
 template <class Receiver>
 double largest_difference(const Messages& published, std::size_t received, Receiver rates_dps) {
   if (received < published.size()) return std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@ namespace zerorate::emulated {
 /// Stops and drives without a fault; leaves /run/recording.csv and /run/monitor.txt.
 void drive_undisturbed(DeviceWorld& world, Verdict& verdict, double seconds);
 
-/// What zerorated costs at 1 kHz.
+/// Measures the cost of zerorated at 1 kHz.
 void measure_cost(DeviceWorld& world, Verdict& verdict);
 
 /// Wrong chip, unplugged, hanging, stuck and noisy buses, a full FIFO.

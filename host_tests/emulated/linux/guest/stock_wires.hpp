@@ -30,7 +30,7 @@ class CuseBus {
 
  private:
   using Vectors = std::vector<fuse_ioctl_iovec>;
-  /// What an ioctl brought.
+  /// Answer of an ioctl.
   struct Call {
     fuse_ioctl_in in;
     std::span<const std::uint8_t> data;

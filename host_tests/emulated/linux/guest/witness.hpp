@@ -46,7 +46,7 @@ class Witness {
     if (bind(socket_.get(), address.get(), address.size) != 0) give_up(kRateSocket);
   }
 
-  /// What the world gave, in order.
+  /// Notes a rate that the world gave; in order.
   void expect(const std::array<core::AngularRate, 3>& rate) {
     given_.push_back(rate);
     lately_.push_back(rate);
@@ -124,7 +124,7 @@ class Witness {
     given_.pop_front();
   }
 
-  /// The same step function on the same samples and pulses, in this process.
+  /// Compares with the step function run on equal samples and pulses in this process.
   void compare_correction(const app::RateMessage& message) {
     while (!pulses_.empty() && pulses_.front() <= message.time) {
       node_.pulse(pulses_.front());

@@ -27,7 +27,7 @@ constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'615'385);  // 104 H
 constexpr std::size_t kDecades = 6;
 constexpr float kWhiteVariance = 2.4e-7F;
 
-// What the compiler cannot know, and what it must not leave out.
+// Inputs that the compiler cannot know, and results that it must not leave out.
 volatile std::uint32_t unknown_ticks = 6000;
 volatile float report;
 

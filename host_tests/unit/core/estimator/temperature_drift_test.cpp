@@ -95,7 +95,7 @@ class TimeVaryingFilter {
   Matrix p_ = Matrix::Zero();
 };
 
-/// What the weights do from one tick to a later one, tick by tick.
+/// Transition of the weights from one tick to a later one, tick by tick.
 Filter::Span span_over(const Modes<kLags, 0>& modes, int from, int to) {
   Filter::Span span{modes.over(static_cast<std::uint32_t>(to - from))};
   for (std::size_t i = 0; i < 2; ++i) {

@@ -117,7 +117,7 @@ TEST(SampleScreenAfterAJumpOfTheBias, LearnsFromItOnceNoRotationLastsSoLong) {
     if (k % 10 == 0) screen.begin_tick(0.0F, 0.01F, kWhite);
     if (!screen.take(30.0F)) ++refused;
   }
-  // As many steps of a twentieth as make up sixteen; single precision may round to one fewer.
+  // Steps of a twentieth that make up sixteen; single precision may round to one fewer.
   EXPECT_NEAR(refused, 16 * 20, 1);
 }
 

@@ -39,7 +39,7 @@ std::vector<RateMessage> stand(Node& node, std::int64_t from_ms, std::int64_t to
   return messages;
 }
 
-/// The same with a turn of `turn` rad/s on top and a pulse with each sample.
+/// Drives with a turn of `turn` rad/s on top and a pulse with each sample.
 std::vector<RateMessage> drive(Node& node, std::int64_t from_ms, std::int64_t to_ms,
                                float turn = 0.3F) {
   std::vector<RateMessage> messages;

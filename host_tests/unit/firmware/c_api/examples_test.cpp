@@ -20,7 +20,7 @@ using testing::moment;
 
 constexpr std::int64_t kCycle = kStopSamples + kDriveSamples;
 constexpr std::int64_t kDrives = 5;
-/// Of the gyro's white noise alone over all drives [rad].
+/// Sigma of the heading from the gyro's white noise alone, over all drives [rad].
 double white_sigma_rad() {
   const double variance = static_cast<double>(front_gyro.white_variance_rad2_s2);
   return static_cast<double>(kPeriod_s) *

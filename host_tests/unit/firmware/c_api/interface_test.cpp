@@ -309,7 +309,7 @@ TEST(HookRestored, GoesOnWithTheBiasAndAWiderInterval) {
   ASSERT_EQ(zerorate_restore(&restarted, kUtc_s + 10, record.data(), record.size()), ZERORATE_OK);
   const zerorate_rate after = feed(restarted, moment(kStopSamples));
   EXPECT_TRUE(after.health.calibrated);
-  // What it forgets in ten seconds is less than what it did not know.
+  // The loss of ten seconds is smaller than the uncertainty before.
   EXPECT_NEAR(after.bias_rad_s[0], before.bias_rad_s[0], before.sigma_rad_s[0]);
   EXPECT_GT(after.sigma_rad_s[0], before.sigma_rad_s[0]);
 }

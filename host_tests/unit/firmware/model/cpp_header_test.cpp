@@ -49,7 +49,7 @@ TEST(HeaderOfAModelOfSingleSamples, HoldsWhatTheNodeScreens) {
   EXPECT_NE(text.find(".range = {.lower_rad_s = -4.0F, .upper_rad_s = 4.0F}"), std::string::npos);
 }
 
-// What the compiler made of the header, beside what the tools compute with.
+// The header as compiled, beside the values that the tools compute with.
 TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   const auto node = make_node_model<exported::kDecayingModes, exported::kRotatingModes>(
       find_model("lsm6dso"), kSamplePeriod, kTick);

@@ -236,7 +236,7 @@ TEST(ModelFileOfAnotherSchema, IsRefused) {
             "m.toml:1:10: \"schema\": expected \"zerorate.model/1\"");
 }
 
-// What the parser of toml++ takes for granted; found by fuzzing.
+// Inputs that break what the parser of toml++ takes for granted; found by fuzzing.
 TEST(ModelFileThatTheParserDidNotExpect, IsRefusedWithItsLine) {
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\n\n[,"), "m.toml:3:1: this is not TOML");
   EXPECT_EQ(message_of("x = 1\n[\n[white]\n"), "m.toml:2:1: this is not TOML");

@@ -33,7 +33,7 @@ class FailingCalls : public FileCalls {
   }
   CallResult write(int descriptor, std::span<const std::uint8_t> bytes) override {
     if (const auto failure = change()) {
-      // What reached the medium before the cut is a part of it.
+      // Only a part reached the medium before the cut.
       (void)FileCalls::write(descriptor, bytes.first(bytes.size() / 2));
       return *failure;
     }
@@ -63,7 +63,7 @@ struct Rig {
   std::string path = (folder.path() / "state").string();
   FileStorage storage{path, calls};
 
-  /// As a program that has just been started would read it.
+  /// Loads the record as a program that has just been started does.
   core::Result<std::size_t, StorageError> load_afresh(Bytes& record) {
     FileCalls healthy;
     FileStorage fresh{path, healthy};

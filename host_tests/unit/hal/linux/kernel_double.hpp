@@ -23,7 +23,7 @@
 
 namespace zerorate::hal::linux_os {
 
-/// What the kernel was asked and what it shall answer. Shared with the back end under test.
+/// Requests to the kernel and the answers it shall give. Shared with the back end under test.
 struct KernelState {
   static constexpr int kDescriptor = 33;
 

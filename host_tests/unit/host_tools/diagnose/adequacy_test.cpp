@@ -135,7 +135,7 @@ std::vector<double> swinging_temperature() {
   return temperature;
 }
 
-/// Of a record with its temperature and a random walk, both fitted.
+/// Adequacy of a record with its temperature and a random walk, both fitted.
 Adequacy adequacy_with_temperature_and_walk(std::vector<double> values) {
   EvenSeries series = series_of(std::move(values));
   series.temperature_degc = swinging_temperature();

@@ -90,7 +90,7 @@ TEST(DiagnosisOfASquareWave, NamesNoTelegraphAsProven) {
   EXPECT_THAT(diagnosis.extended_adequacy.failures, Contains(HasSubstr("even intervals")));
 }
 
-/// What `simulated` makes without more effects.
+/// Model of what `simulated` makes without more effects.
 model::SensorModel true_model() {
   return {.white = {.angle_random_walk_rad_per_sqrt_s = 0.04 * kRadPerDeg},
           .flicker = model::Flicker{.bias_instability_rad_s = 25.0 / 3600.0 * kRadPerDeg}};

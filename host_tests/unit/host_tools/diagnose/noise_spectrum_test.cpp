@@ -130,7 +130,7 @@ TEST(SpectrumBehindALowPass, IsFittedWithItsShare) {
   EXPECT_NEAR(result.spectrum.low_pass_share, 0.4, 0.001);
 }
 
-// Of the bilinear transform with cos and sin, not with the tangent.
+// Gain by the bilinear transform with cos and sin, not with the tangent.
 double butterworth_gain(double w, double cut_off, int order) {
   const double kept = std::pow(std::sin(0.5 * cut_off) * std::cos(0.5 * w), 2 * order);
   const double lost = std::pow(std::cos(0.5 * cut_off) * std::sin(0.5 * w), 2 * order);

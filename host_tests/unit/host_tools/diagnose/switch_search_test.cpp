@@ -59,7 +59,8 @@ TEST(SwitchSearchInNoiseAlone, FindsNoPathWorthItsPrice) {
       found += search.improve({}).size() > 2 ? 1 : 0;
     }
   }
-  // Of thirty; a price of log P alone lets through what e^-1 does in a search over few places.
+  // Three of thirty: a price of log P alone lets through what e^-1 does in a search over few
+  // places.
   EXPECT_LE(found, 3);
 }
 

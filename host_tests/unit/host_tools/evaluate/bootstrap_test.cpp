@@ -34,7 +34,7 @@ double coverage_of_the_mean(double kept, std::size_t block) {
 }
 
 TEST(BootstrapOfAMean, CoversTheTruthAsOftenAsItSays) {
-  // Of 400 sets, three standard deviations; intervals of 200 draws are a little short.
+  // Three standard deviations of 400 sets; intervals of 200 draws are a little short.
   EXPECT_NEAR(coverage_of_the_mean(0.0, 1), 0.945, 3.0 * std::sqrt(0.05 * 0.95 / 400.0));
 }
 

@@ -35,7 +35,7 @@ std::set<std::string> found(const std::vector<Attempt>& attempts) {
   return names;
 }
 
-/// What the probe finds on a chip select with this device.
+/// Answer of the probe on a chip select with this device.
 template <class Device>
 std::set<std::string> found_on_spi(Device& device) {
   KernelState kernel;

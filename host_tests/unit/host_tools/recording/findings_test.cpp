@@ -14,7 +14,7 @@
 namespace zerorate::recording {
 namespace {
 
-/// What is read from a text: every row, and the findings at its end.
+/// Every row read from a text, and the findings at its end.
 struct Reading {
   std::vector<Row> rows;
   Findings findings;

@@ -104,7 +104,7 @@ TEST(ChartThatIsThinned, SaysHowManyOfItsPointsItHolds) {
   Series series{.name = "flat", .x = std::vector<double>(20'000), .y = {}};
   for (std::size_t i = 0; i < series.x.size(); ++i) series.x[i] = static_cast<double>(i);
   series.y.assign(series.x.size(), 1.0);
-  // Of a flat column the first point is also the least and the greatest: two a column are left.
+  // The first point of a flat column is also the least and the greatest: two per column are left.
   EXPECT_THAT(render(chart_of(series)), HasSubstr("2000 of 20\u202f000 points"));
   EXPECT_THAT(render(chart_of({.x = {1}, .y = {1}})), Not(HasSubstr("points:")));
 }

@@ -109,7 +109,7 @@ TEST(DeterministicEffects, HaveTheirClosedForms) {
   EXPECT_EQ(at_30(BiasJump{2.0, t + 0.1}), 0.0);
 }
 
-// Of n samples with correlation time 1/rate = 2 s, n T / 4 s count for the occupancy.
+// n T / 4 s independent samples count for the occupancy, with a correlation time of 1/rate = 2 s.
 TEST(RandomTelegraphNoise, DwellsAtItsTwoLevelsOnly) {
   constexpr std::size_t kSamples = 500'000;
   const auto rate = simulated(kSamples, 0.01, {RandomTelegraphNoise{1.0, 6.0, 3.0}}).rate_rad_s;
