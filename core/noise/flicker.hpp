@@ -10,7 +10,7 @@
 
 namespace zerorate::core {
 
-/// Flicker noise compressed to one state per decade: Keshner, "1/f noise", Proc. IEEE 70 (1982);
+/// Flicker noise compressed to one state per decade: (Keshner 1982);
 /// the paper's section IV-A names the idea. Time constants and variances come from a spectral fit
 /// (firmware/model, flicker_fit) and are plain constants on the target.
 /// @tparam N number of decades

@@ -34,7 +34,7 @@ template <std::size_t K>
 class Thermometer {
  public:
   static constexpr Duration kHold = Duration::seconds(5);
-  /// .1 K in a second, .8 K in a minute, 6 K in an hour: a car's cabin.
+  /// 0.1 K in a second, 0.8 K in a minute, 6 K in an hour: a car's cabin.
   static constexpr float kWander_k2_per_s = 0.01F;
 
   struct State {

@@ -23,7 +23,7 @@ struct FlickerFit {
 /// by non-negative least squares of the relative error on a logarithmic grid from the slowest lag's
 /// corner, 1 / (2 pi tau_max), to f = 1/2.
 ///
-/// The ripple is .94 to 1.06 for d = 1/2 as long as the quickest lag is about one tick or shorter.
+/// The ripple is 0.94 to 1.06 for d = 1/2 as long as the quickest lag is about one tick or shorter.
 /// With a much longer one the band between its corner and f = 1/2 has to be covered by that lag's
 /// flank and white noise, and the ratios say how badly.
 ///

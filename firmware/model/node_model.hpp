@@ -69,7 +69,7 @@ template <class Mode, std::size_t N>
 /// The model at its full size, unused modes being zero.
 ///
 /// The steps of a quantizer are noise of step^2 / 12, of which that share is averaged away that the
-/// white noise of a sample moves from step to step (Widrow and Kollar, Quantization Noise, 2008).
+/// white noise of a sample moves from step to step (Widrow and Kollar 2008).
 /// White noise of a sample is N^2 / sample_period and the share of the flicker fit that is white at
 /// the tick, so that the mean over a tick has N^2 / filter_tick and that share.
 /// Throws std::invalid_argument for an impossible model (see validate()), unless

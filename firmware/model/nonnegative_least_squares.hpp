@@ -7,7 +7,7 @@
 namespace zerorate::model {
 
 /// The x >= 0 that minimises |A x - b|, with columns of A of comparable length.
-/// Active-set method of Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
+/// Active-set method (Lawson and Hanson 1974, chapter 23).
 [[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A,
                                                         const Eigen::VectorXd& b);
 

@@ -32,7 +32,7 @@ struct WhiteNoise {
 struct Flicker {
   /// B in rad/s: the spectrum's square root at 2 pi nu = 1 rad/s, whatever the order. For d = 1/2
   /// it is the coefficient of IEEE Std 952, and the Allan deviation's floor is
-  /// sqrt(2 ln 2 / pi) B = .664 B.
+  /// sqrt(2 ln 2 / pi) B = 0.664 B.
   double bias_instability_rad_s = 0.0;
   /// d in (0, 1). 1/2 is 1/f noise; larger wanders farther (1 would be a random walk).
   double order = 0.5;

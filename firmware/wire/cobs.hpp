@@ -1,7 +1,7 @@
 /// @file
 /// Frames on a stream of bytes, such as a serial line: consistent overhead byte stuffing.
 ///
-/// S. Cheshire, M. Baker: Consistent Overhead Byte Stuffing, IEEE/ACM Trans. Networking 7 (1999).
+/// The method is that of Cheshire and Baker 1999.
 /// A zero byte ends a frame and stands nowhere else, so that a receiver that joins in the middle,
 /// or that missed bytes, is in step again after the next zero.
 #pragma once

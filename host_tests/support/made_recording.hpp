@@ -28,7 +28,7 @@ inline constexpr double kBiasInstabilityRadS = 20.0 / 3600.0 * kRadPerDeg;
           .flicker = model::Flicker{.bias_instability_rad_s = kBiasInstabilityRadS}};
 }
 
-/// Three axes at rest: the model's noise around biases of .3, -.2 and .1 deg/s.
+/// Three axes at rest: the model's noise around biases of 0.3, -0.2 and 0.1 deg/s.
 [[nodiscard]] inline std::vector<recording::Row> rows_at_rest(std::size_t count, double period_s,
                                                               std::uint64_t seed) {
   std::vector<recording::Row> rows(count);

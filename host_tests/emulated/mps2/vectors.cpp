@@ -54,7 +54,7 @@ class Digest {
   std::uint32_t crc_ = 0;
 };
 
-/// Integers of 32 bits: xorshift (Marsaglia, 2003).
+/// Integers of 32 bits: xorshift (Marsaglia 2003).
 class Integers {
  public:
   std::uint32_t next() {

@@ -16,7 +16,7 @@ using Spectrum = std::vector<double>;
 /// Noise of unit strength.
 [[nodiscard]] Spectrum flat_spectrum(std::size_t samples);
 /// ARFIMA(0,d,0) with unit innovations. The lowest coefficients have their exact variance in a
-/// process that is stationary in its increments, which for d = 1/2 is .77, .90, .93 .. of the
+/// process that is stationary in its increments, which for d = 1/2 is 0.77, 0.90, 0.93 .. of the
 /// density at their frequency. d = 1 is the random walk.
 [[nodiscard]] Spectrum fractional_spectrum(std::size_t samples, double order);
 /// First-order Gauss-Markov noise of unit variance.

@@ -27,7 +27,7 @@ class GainTally {
   [[nodiscard]] evaluate::BootstrapFigure mean(double Gain::*figure) const;
 
   /// The bars: a log score that is surely better (the whole interval of the median), errors not
-  /// worse by more than 1 %, and a coverage between .93 and .97.
+  /// worse by more than 1 %, and a coverage between 0.93 and 0.97.
   [[nodiscard]] bool scores_better() const;
   [[nodiscard]] bool errs_no_more() const;
   [[nodiscard]] bool covers() const;

@@ -129,7 +129,7 @@ double loss_of_skewness(double shape) {
   return sum * kStep;
 }
 
-/// Marsaglia & Tsang, "A simple method for generating gamma variables", 2000; shape above 1.
+/// Gamma variable of a shape above 1 (Marsaglia and Tsang 2000).
 double draw_gamma(double shape, Draws& draws) {
   const double d = shape - 1.0 / 3.0;
   while (true) {

@@ -144,7 +144,7 @@ TEST_F(DiagnosisOfRealRecording, NamesTheLineOnXOfTheAdis16405ThatWanders) {
   for (const char* file :
        {"adis16405_static/run1_10hz_mean.csv.gz", "adis16405_static/run2_10hz_mean.csv.gz",
         "adis16405_static/run3_10hz_mean.csv.gz"}) {
-    // data/README.md: at .54 to .57 Hz.
+    // data/README.md: at 0.54 to 0.57 Hz.
     EXPECT_THAT(line_hz(diagnosis_of(file, 0)), Optional(AllOf(Gt(0.535), Lt(0.575)))) << file;
   }
 }

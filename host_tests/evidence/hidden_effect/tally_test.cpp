@@ -42,7 +42,7 @@ TEST(Score, FindsNothingNamedInACleanRecording) {
 }
 
 TEST(RateInterval, IsThatOfClopperAndPearson) {
-  // Textbook figures: 8 of 10; none of 10 is up to 1 - .025^(1/10).
+  // Textbook figures: 8 of 10; none of 10 is up to 1 - 0.025^(1/10).
   const Rate eight{8, 10};
   EXPECT_NEAR(eight.lo95(), 0.4439, 1e-4);
   EXPECT_NEAR(eight.hi95(), 0.9748, 1e-4);

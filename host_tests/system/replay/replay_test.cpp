@@ -50,7 +50,7 @@ void expect_identical(const Replayed& a, const Replayed& b) {
 // mean with positive weights. The filter's weights may be negative, but little: twice the bound.
 void expect_same_but_for_rounding(const Replayed& chip, const Replayed& source, double lsb_dps,
                                   app::Predictor published) {
-  const double rounding = 1e-7;  // of single precision, at rates below .02 rad/s
+  const double rounding = 1e-7;  // of single precision, at rates below 0.02 rad/s
   const double lsb_rad_s = lsb_dps * testing::kRadPerDeg;
   const double bias_bound = published == app::Predictor::kalman ? lsb_rad_s : 0.5 * lsb_rad_s;
   ASSERT_EQ(chip.messages.size(), source.messages.size());

@@ -124,8 +124,8 @@ TEST(ScoresOfDrives, AreTheMeansOfTheirOutcomes) {
 
 // Simulated with the model that the node is given. Of n drives a share c is covered with a standard
 // deviation of sqrt(c (1 - c) / n); the drives of one axis share a bias error, so that n counts for
-// half. The lags follow the 1/f spectrum within .94 to 1.06, sigma within 3 %, coverage within
-// 2 phi(1.96) 1.96 .03 = .007.
+// half. The lags follow the 1/f spectrum within 0.94 to 1.06, sigma within 3 %, coverage within
+// 2 phi(1.96) 1.96 0.03 = 0.007.
 TEST(HeadingIntervalsUnderTheTrueModel, CoverNineteenOfTwentyDrives) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(60'000, 1.0, 21));

@@ -1,6 +1,6 @@
-// The temperature block through the node: 25 -> 45 -> 30 deg C within 80 minutes at .03 deg/s/K, a
+// The temperature block through the node: 25 -> 45 -> 30 deg C within 80 minutes at 0.03 deg/s/K, a
 // minute of standstill and three of driving in turn (issue: the best peer drifts 2.17 deg a drive
-// while the temperature is new, and .31 deg when it comes again).
+// while the temperature is new, and 0.31 deg when it comes again).
 
 #include <gtest/gtest.h>
 

@@ -184,7 +184,7 @@ Outcome play(const PeerSensor& sensor) {
   return outcome;
 }
 
-// 4020 drives: the coverage is known within .0035. No allowance.
+// 4020 drives: the coverage is known within 0.0035. No allowance.
 void expect_honest(const Outcome& outcome) {
   EXPECT_GE(outcome.coverage(), 0.93);
   EXPECT_LE(outcome.coverage(), 0.97);

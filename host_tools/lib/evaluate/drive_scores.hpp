@@ -57,7 +57,7 @@ class DriveScores {
   /// Share of the drives whose drift lies within 1.96 predicted standard deviations.
   [[nodiscard]] double coverage95() const;
   /// Mean predicted standard deviation over the root mean square of the drift. Honest is 1 for
-  /// drives of equal length, less if lengths differ (.7 to .8 for exponential ones).
+  /// drives of equal length, less if lengths differ (0.7 to 0.8 for exponential ones).
   [[nodiscard]] double sigma_over_rms() const;
 
  private:

@@ -54,7 +54,7 @@ struct Standing {
   /// smaller than those of the figures themselves.
   Figure ie_ratio;
   Figure rsse_ratio;
-  Figure coverage;      ///< of two sigma; .9545 if the sigma is right
+  Figure coverage;      ///< of two sigma; 0.9545 if the sigma is right
   Figure own_coverage;  ///< of two of the method's own sigma; not a number if it has no other
   Figure nis;           ///< not a number if the predictor has no innovations
 };

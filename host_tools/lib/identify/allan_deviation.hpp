@@ -45,7 +45,7 @@ struct AllanOptions {
                                                   std::span<const std::size_t> factors);
 
 /// Equivalent degrees of freedom of the overlapping Allan variance (NIST SP 1065, table 5; Howe,
-/// Allan, Barnes 1981).
+/// Allan and Barnes 1981).
 /// @param phases number of angles, one more than rates  @param factor averaging factor m
 [[nodiscard]] double equivalent_degrees_of_freedom(PowerLaw noise, std::size_t phases,
                                                    std::size_t factor);

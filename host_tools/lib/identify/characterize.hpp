@@ -69,7 +69,7 @@ struct CharacterizeOptions {
 [[nodiscard]] Characterization characterize(const RestSamples& samples,
                                             const CharacterizeOptions& options);
 
-/// The axis whose flicker noise at .01 Hz is the middle one (the higher of two): where one model
+/// The axis whose flicker noise at 0.01 Hz is the middle one (the higher of two): where one model
 /// must serve all axes, it errs least in either direction.
 [[nodiscard]] const AxisCharacterization& middle_axis(const Characterization& result);
 

@@ -25,7 +25,7 @@ enum class OrderSource {
   given,      ///< by the caller
   estimated,  ///< from the record
   prior,      ///< d = 1/2, because the record cannot tell it
-  limit,      ///< the record asks for more than .95: it drifts like a random walk, or faster
+  limit,      ///< the record asks for more than 0.95: it drifts like a random walk, or faster
 };
 
 struct FittedFlicker {
@@ -60,7 +60,7 @@ struct InnovationsFitOptions {
   /// At least one. The first begins every fit, the others that of a free order, whose likelihood
   /// may have several maxima.
   std::vector<StartValues> starts;
-  /// d in [.05, .95] where it is known; estimated otherwise.
+  /// d in [0.05, 0.95] where it is known; estimated otherwise.
   std::optional<double> order{};
   double shortest_time_constant_s = 0.5;  ///< of the decades, see model::Flicker
   double significance = 0.01;             ///< of the test for flicker noise
@@ -81,7 +81,7 @@ struct InnovationsFitOptions {
 /// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
 ///
 /// Cost: some 150 passes of the filter. Throws std::invalid_argument for fewer than 64 ticks, an
-/// order outside [.05, .95], start values that are missing or out of range, and a record that is
+/// order outside [0.05, 0.95], start values that are missing or out of range, and a record that is
 /// constant.
 [[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
                                                 const InnovationsFitOptions& options);

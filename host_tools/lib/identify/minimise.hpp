@@ -15,8 +15,8 @@ struct Minimum {
   double value;
 };
 
-/// BOBYQA (Powell, "The BOBYQA algorithm for bound constrained optimization without derivatives",
-/// 2009) by NLopt, to a hundredth of a step. An exception of the function ends it and is passed on.
+/// BOBYQA (Powell 2009) by NLopt, to a hundredth of a step. An exception of the function ends it
+/// and is passed on.
 /// @param step positive; how far each of the two or more parameters should move at first: about
 ///        the distance over which the function changes by a few units
 /// @param room how far each may move from its start at most

@@ -27,7 +27,7 @@ struct WhiteFlickerFit {
 
 struct WhiteFlickerOptions {
   std::optional<double>
-      order{};  ///< d in (0, 1) where it is known; estimated in [.05, 1] otherwise
+      order{};  ///< d in (0, 1) where it is known; estimated in [0.05, 1] otherwise
   double significance = 0.01;
 };
 
@@ -45,7 +45,7 @@ struct WhiteFlickerOptions {
                                                 const WhiteFlickerOptions& options = {});
 
 /// The variance of DCT coefficient k of a long record of noise of order d over its nominal value
-/// S(k / (2n)): 1 for d = 0 and d = 1, about 1 - .2 / k at d = 1/2.
+/// S(k / (2n)): 1 for d = 0 and d = 1, about 1 - 0.2 / k at d = 1/2.
 /// From the covariance K(u) of |omega|^(-2d), in units of the record's length:
 /// (pi k)^(2d) 2 int_0^1 K(u) [(1 - u) cos(pi k u) - sin(pi k u) / (pi k)] du.
 /// @param order in [0, 1]  @param index k >= 1

@@ -21,7 +21,7 @@ struct Autoregression {
 [[nodiscard]] Autoregression fit_least_squares(std::span<const double> values, std::size_t order);
 
 /// The mean of the data, and the coefficients by Burg's recursion on the forward and backward
-/// errors (Burg 1975; Kay, Modern Spectral Estimation, section 7.5). Always stationary, which at
+/// errors (Burg 1975; Kay 1988, section 7.5). Always stationary, which at
 /// order 120, that of the paper's [22], least squares from 1000 samples are not. Time
 /// O(values order). Throws std::invalid_argument unless values.size() > order.
 [[nodiscard]] Autoregression fit_burg(std::span<const double> values, std::size_t order);

@@ -23,8 +23,7 @@ struct DisplayWindow {
 /// Indices, ascending, of the points that draw the same picture as all points do.
 ///
 /// Of every column, evenly spaced on the axis, it keeps the first and the last point and, of each
-/// channel, the least and the greatest: the M4 aggregation of Jugel, Jerzak, Hackenbroich and
-/// Markl, "M4: A Visualization-Oriented Time Series Data Aggregation", PVLDB 7(10), 2014. The
+/// channel, the least and the greatest: the M4 aggregation (Jugel et al. 2014). The
 /// envelope is therefore exact; how many points a column held, and what a zoom would show inside
 /// it, is lost. A gap (a channel that is not finite) stays a gap unless it begins and ends within
 /// one column.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kPhiloxRounds = 10;
 
-// The finaliser of splitmix64 (Steele, Lea, Flood 2014): a bijection of 64 bits.
+// The finaliser of splitmix64 (Steele, Lea and Flood 2014): a bijection of 64 bits.
 std::uint64_t mix(std::uint64_t z) {
   z += 0x9E3779B97F4A7C15U;
   z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -32,7 +32,7 @@ double reproducible_log(double x) {
     exponent += 1.0;
   }
   const double t = (mantissa - 1.0) / (mantissa + 1.0);
-  const double square = t * t;  // at most .0295: twelve terms leave 1e-19
+  const double square = t * t;  // at most 0.0295: twelve terms leave 1e-19
   double series = 0.0;
   for (int odd = 23; odd >= 1; odd -= 2) series = series * square + 1.0 / odd;
   return exponent * 0.6931471805599453 + 2.0 * t * series;

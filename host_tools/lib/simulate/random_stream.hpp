@@ -16,8 +16,8 @@ namespace zerorate::simulate {
 [[nodiscard]] std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                                       std::array<std::uint32_t, 2> key);
 
-/// The standard normal quantile of p in (0, 1), relative error about 1e-16 (Wichura, "Algorithm
-/// AS 241", Applied Statistics 37, 1988), from +, -, *, / and the square root only: the same bits
+/// The standard normal quantile of p in (0, 1), relative error about 1e-16 (Wichura 1988,
+/// algorithm AS 241), from +, -, *, / and the square root only: the same bits
 /// on every IEEE 754 machine.
 [[nodiscard]] double normal_quantile(double p);
 

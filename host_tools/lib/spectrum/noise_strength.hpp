@@ -49,7 +49,7 @@ namespace zerorate::spectrum {
   return std::pow(2.0 * std::sin(std::numbers::pi * cycles_per_sample), -2.0 * order);
 }
 
-/// The floor of the Allan deviation of flicker noise of order 1/2, sqrt(2 ln 2 / pi) B = .664 B:
+/// The floor of the Allan deviation of flicker noise of order 1/2, sqrt(2 ln 2 / pi) B = 0.664 B:
 /// some datasheets state this figure as "bias instability".
 [[nodiscard]] inline double allan_floor(double bias_instability_rad_s) {
   return std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi) * bias_instability_rad_s;

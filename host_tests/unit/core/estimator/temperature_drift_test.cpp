@@ -173,7 +173,7 @@ TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
   filter.step(Filter::Span{modes.one_tick()}, 1.0F, 4.0F);
   Filter::Span lead{modes.over(8)};
   const float known = filter.predict(lead).variance_rad2_s2;
-  // 3 K at e = 5 K, not known: (slope + 2 e curvature) 3 K, which is 1 +- sqrt(16 + 100 .09).
+  // 3 K at e = 5 K, not known: (slope + 2 e curvature) 3 K, which is 1 +- sqrt(16 + 100 0.09).
   lead.temperature.unknown = {3.0F, 30.0F};
   const float unknown = filter.predict(lead).variance_rad2_s2;
   EXPECT_NEAR(unknown - known, 9.0F * (1.0F + 25.0F), 1e-2F);
@@ -182,7 +182,7 @@ TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
   const float wide = filter.predict_heading(none, drive).variance_rad2;
   drive.temperature.unknown = {};
   const float narrow = filter.predict_heading(none, drive).variance_rad2;
-  EXPECT_NEAR((wide - narrow) / (16.0F * 9.0F * 26.0F), 1.0F, 1e-4F);  // (8 ticks of .5 s)^2
+  EXPECT_NEAR((wide - narrow) / (16.0F * 9.0F * 26.0F), 1.0F, 1e-4F);  // (8 ticks of 0.5 s)^2
   filter.advance(lead);
   EXPECT_FLOAT_EQ(filter.state().bias_variance, unknown);
 }

@@ -150,7 +150,7 @@ TEST(CalibrationMeanDuringAWarmUp, KnowsThatItIsOff) {
     without.step(calm.one_tick(), 0.0F, 2.0F);
     with.step(warming.one_tick(), 0.0F, 2.0F);
   }
-  // From 5 s, the middle of the mean, to 50 s the transient of 30 +- 10 falls by its e^-.125 -
+  // From 5 s, the middle of the mean, to 50 s the transient of 30 +- 10 falls by its e^-0.125 -
   // e^-1.25.
   const double fall = std::exp(-0.125) - std::exp(-1.25);
   const double expected = (30.0 * 30.0 + 10.0 * 10.0) * fall * fall;

@@ -13,7 +13,7 @@ using Rates = OdometerCheck::Rates;
 constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
 constexpr std::uint32_t kSamples = 50;  ///< of a full tick
-constexpr float kSigmaRadS = 1e-3F;     ///< of a sample: of a tick .008 deg/s
+constexpr float kSigmaRadS = 1e-3F;     ///< of a sample: of a tick 0.008 deg/s
 constexpr Rates kBias{12.0F * kRadPerDeg, -0.3F * kRadPerDeg, 0.1F * kRadPerDeg};
 
 /// About z, on top of the bias.
@@ -183,7 +183,7 @@ TEST(OdometerCheckGivenATickThatLacksSamples, DoesNotJudgeIt) {
 }
 
 TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
-  constexpr float kLoud = 0.5F * kRadPerDeg;  // of a sample; 6 sigma of a difference are .6 deg/s
+  constexpr float kLoud = 0.5F * kRadPerDeg;  // of a sample; 6 sigma of a difference are 0.6 deg/s
   OdometerCheck check{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(check, kBias, 20);
   EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1000);

@@ -30,7 +30,7 @@ TEST(TemperatureTrack, HasTheMeanOfTheTickBefore) {
   Track track{kDrift};
   run(track, 0, 1'100, [](std::int64_t ms) { return 25.0F + static_cast<float>(ms) * 1e-3F; });
   EXPECT_TRUE(track.tick().is_known);
-  EXPECT_NEAR(track.tick().weights[0], 0.7F, 1e-5F);  // .5 to .9 K
+  EXPECT_NEAR(track.tick().weights[0], 0.7F, 1e-5F);  // 0.5 to 0.9 K
   EXPECT_NEAR(track.tick().weights[1], 0.49F, 1e-5F);
 }
 
@@ -65,7 +65,7 @@ TEST(TemperatureTrackWithoutReadings, KeepsTheLastOneForFiveSecondsAndThenWander
   EXPECT_EQ(track.tick().weights[0], 5.0F);
   track.lead_over(39, span);
   EXPECT_EQ(span.temperature.change[0], 0.0F);
-  // Since 1.9 s, at 21.5 s: .01 K2/s.
+  // Since 1.9 s, at 21.5 s: 0.01 K2/s.
   EXPECT_NEAR(span.temperature.unknown[0], std::sqrt(0.196F), 1e-5F);
   EXPECT_NEAR(span.temperature.unknown[1], 10.0F * std::sqrt(0.196F), 1e-4F);
 

@@ -77,7 +77,7 @@ TEST(StampsOfAChipThatIsOff, StayWithinOnePeriodOfTheTruthAndNeverRunBackwards) 
       for (const auto& [stamp, true_time] : chip.read_batch()) {
         EXPECT_GT(stamp, last);
         // A batch holds at most nine samples, and the rate is at most 3 % off: the samples of a
-        // batch move against its newest by .27 periods at most.
+        // batch move against its newest by 0.27 periods at most.
         EXPECT_LT(stamp - true_time, kPeriod * 13 / 10) << slower;
         EXPECT_LT(true_time - stamp, kPeriod * 13 / 10) << slower;
         last = stamp;

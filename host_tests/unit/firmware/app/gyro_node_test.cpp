@@ -301,7 +301,7 @@ TEST(GyroNodeWithABiasOfTwelveDegreesPerSecond, IsAsExactAsWithASmallOne) {
   stand(small, 0, 60'000, 0.0F);
   for (const Predictor which :
        {Predictor::kalman, Predictor::moving_average, Predictor::calibration_mean}) {
-    // The rates of z, three times 12 deg/s, are rounded to half of 2^-24 of .63 rad/s: 3.7e-8. A
+    // The rates of z, three times 12 deg/s, are rounded to half of 2^-24 of 0.63 rad/s: 3.7e-8. A
     // mean of rounded rates is nearer than the worst of them; the answer is rounded once more.
     const float difference = bias_of(large, which, 2) - bias_of(small, which, 2);
     EXPECT_NEAR(difference, 3.0F * twelve, 7.5e-8F);

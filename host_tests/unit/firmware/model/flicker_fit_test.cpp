@@ -60,7 +60,7 @@ Ripple measured_ripple(const Flicker& flicker, double tick_s, double octaves) {
 }
 
 TEST(FlickerFitOfOneOverF, FollowsTheSpectrumWithinSixPercent) {
-  // .94 to 1.06 to two digits; the least, .936, is at the slowest lag's corner.
+  // 0.94 to 1.06 to two digits; the least, 0.936, is at the slowest lag's corner.
   const Ripple ripple = measured_ripple(flicker_of_order(0.5), 1.0, 0.0);
   EXPECT_GT(ripple.least, 0.935);
   EXPECT_LT(ripple.greatest, 1.065);

@@ -115,7 +115,7 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_EQ(model.name, "A \"gyro\" at 25 °C");
   EXPECT_DOUBLE_EQ(model.white.angle_random_walk_rad_per_sqrt_s, 0.05 * kDeg);
   EXPECT_EQ(model.white.source, "table 1");
-  // 25.2 deg/h of Allan floor over .664.
+  // 25.2 deg/h of Allan floor over 0.664.
   EXPECT_NEAR(model.flicker->bias_instability_rad_s, 25.2 / 3600.0 * kDeg / 0.664282470268, 1e-14);
   EXPECT_EQ(model.flicker->order, 0.6);
   EXPECT_EQ(model.flicker->decades, 5);

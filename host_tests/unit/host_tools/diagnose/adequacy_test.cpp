@@ -46,7 +46,7 @@ TEST(AdequacyOfWhiteNoise, HoldsButForOneRecordInAHundred) {
   for (int run = 0; run < kRuns; ++run) {
     failures += adequacy_of(white(static_cast<std::uint64_t>(run))).holds ? 0 : 1;
   }
-  // Poisson of mean .6: more than four have a probability below 1e-3.
+  // Poisson of mean 0.6: more than four have a probability below 1e-3.
   EXPECT_LE(failures, 4);
 }
 

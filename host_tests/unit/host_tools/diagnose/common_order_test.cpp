@@ -32,7 +32,7 @@ Record axis_of(const RestNoise& noise, std::uint64_t run) {
                    0);
 }
 
-/// Flicker noise as strong as that of order 1/2 at .01 Hz.
+/// Flicker noise as strong as that of order 1/2 at 0.01 Hz.
 RestNoise of_order(double order) {
   const double pivot = 2.0 * std::numbers::pi * 0.01;
   return {.angle_random_walk_dps_per_sqrt_hz = 0.01,
@@ -58,7 +58,7 @@ TEST(OrderProfile, PeaksWhereTheFreeOrderDoes) {
     const auto offer = make_fractional_order()->examine(base);
     return Explanation(problem, {offer->part}, &base);
   }();
-  // The parabola through places .05 apart against the likelihood's own curvature.
+  // The parabola through places 0.05 apart against the likelihood's own curvature.
   EXPECT_NEAR(peak.order, free.noise().spectrum.order, 0.1 * peak.standard_error);
   EXPECT_NEAR(peak.standard_error / free.noise().errors.order, 1.0, 0.25);
   EXPECT_NEAR(peak.log_likelihood, free.log_likelihood(), 0.05);

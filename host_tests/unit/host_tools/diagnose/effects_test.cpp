@@ -36,7 +36,7 @@ void PrintTo(const Case& example, std::ostream* out) {
   *out << simulate::name(example.effect);
 }
 
-/// The white noise of a sample is .04 / sqrt(.1) = .126 deg/s.
+/// The white noise of a sample is 0.04 / sqrt(0.1) = 0.126 deg/s.
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{
       {simulate::RateRandomWalk{8e-3 * kRadPerDeg}, "coefficient_dps_per_sqrt_s", 8e-3, 0.3},

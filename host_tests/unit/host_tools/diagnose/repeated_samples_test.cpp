@@ -46,7 +46,7 @@ TEST(SamplesThatRepeatTheOneBefore, AreFoundAndCountAsLost) {
   EXPECT_TRUE(series.lost[100]);
 }
 
-// Steps of .02 sigma: neighbours are equal by chance .02 / sqrt(4 pi) of the time, 28 of 5000.
+// Steps of 0.02 sigma: neighbours are equal by chance 0.02 / sqrt(4 pi) of the time, 28 of 5000.
 TEST(SamplesThatRepeatTheOneBefore, AreFoundAmongLevelsWhereChanceIsRarer) {
   Record record = noise_record(0.02);
   EXPECT_TRUE(find_repeated_samples(record).empty());

@@ -39,7 +39,7 @@ TEST(BootstrapOfAMean, CoversTheTruthAsOftenAsItSays) {
 }
 
 TEST(BootstrapOfDependentNeighbours, NeedsBlocks) {
-  // An autoregression of .5 has a mean of three times the variance that independence would give.
+  // An autoregression of 0.5 has a mean of three times the variance that independence would give.
   EXPECT_LT(coverage_of_the_mean(0.5, 1), 0.80);
   EXPECT_GT(coverage_of_the_mean(0.5, 8), 0.85);
 }

@@ -30,9 +30,9 @@ Characterization characterize_simulated(const zerorate::testing::RestNoise& nois
 TEST(IdentificationTick, IsTheNodesUnlessTheRecordIsShortOrVeryLong) {
   const Duration period = Duration::milliseconds(10);
   EXPECT_EQ(identification_tick(Duration::seconds(10'000), period), Duration::milliseconds(500));
-  // 100 s: 200 ticks of .5 s, 800 of .125 s, 1600 of .0625 s.
+  // 100 s: 200 ticks of 0.5 s, 800 of 0.125 s, 1600 of 0.0625 s.
   EXPECT_EQ(identification_tick(Duration::seconds(100), period), Duration::microseconds(62'500));
-  // 33 h: 237,600 ticks of .5 s, 59,400 of 2 s.
+  // 33 h: 237,600 ticks of 0.5 s, 59,400 of 2 s.
   EXPECT_EQ(identification_tick(Duration::seconds(118'800), period), Duration::seconds(2));
 }
 
@@ -53,7 +53,7 @@ TEST(ModelAllanDeviation, OfOneOverFNoiseIsFlatAtTheFloorOfIeee952) {
   model::SensorModel model;
   model.flicker = model::Flicker{.bias_instability_rad_s = 1e-5};
   const double floor = std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi) * 1e-5;
-  // Between the quickest decade, .5 s, and the slowest, 50,000 s: the ripple of one pole a decade.
+  // Between the quickest decade, 0.5 s, and the slowest, 50,000 s: the ripple of one pole a decade.
   for (const double tau_s : {10.0, 37.0, 100.0, 290.0, 1000.0}) {
     EXPECT_NEAR(model_allan_deviation(model, tau_s), floor, 0.03 * floor) << tau_s;
   }
@@ -149,8 +149,8 @@ TEST(CharacterizationOfARealSensor, AgreesWithItsIndependentDescription) {
   const Characterization result =
       characterize(read_rest_samples(reader), {.recording = "run2", .axes = {0, 1, 2}});
   for (const auto& axis : result.axes) {
-    // The README of the recordings: one-sided .054 to .066 deg/s/sqrt(Hz), Allan floor .007 to
-    // .009 deg/s at 60 to 300 s (and somewhat earlier on x), PSD slope -.75 to -1.17 at low
+    // The README of the recordings: one-sided 0.054 to 0.066 deg/s/sqrt(Hz), Allan floor 0.007 to
+    // 0.009 deg/s at 60 to 300 s (and somewhat earlier on x), PSD slope -0.75 to -1.17 at low
     // frequencies, which is twice d, and some more since the slope is flattened by white noise.
     const double one_sided =
         axis.fit.angle_random_walk_rad_per_sqrt_s.value * std::sqrt(2.0) / kRadPerDeg;

@@ -94,7 +94,7 @@ TEST(InnovationsLikelihood, LeavesOutTheFirstInnovation) {
 TEST(InnovationsLikelihood, DoesNotDependOnTheBias) {
   const double without =
       InnovationsLikelihood{ticks_with_holes(), 1, kPeriod, kTick}(sample_model()).minus_two_log();
-  // 10 deg/s; a tick's rate of .17 rad/s is rounded by up to 7.5e-9 rad/s, 1e-5 of its sigma.
+  // 10 deg/s; a tick's rate of 0.17 rad/s is rounded by up to 7.5e-9 rad/s, 1e-5 of its sigma.
   const double with =
       InnovationsLikelihood{ticks_with_holes(0.17F), 1, kPeriod, kTick}(sample_model())
           .minus_two_log();

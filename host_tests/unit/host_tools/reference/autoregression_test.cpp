@@ -11,7 +11,7 @@
 namespace zerorate::reference {
 namespace {
 
-// y = 5 + 1.2 (y_1 - 5) - .5 (y_2 - 5) + 2 e: a damped oscillation.
+// y = 5 + 1.2 (y_1 - 5) - 0.5 (y_2 - 5) + 2 e: a damped oscillation.
 std::vector<double> second_order(std::size_t n) {
   std::vector<double> noise(n);
   simulate::RandomStream{11}.fill_normal(0, noise);
@@ -25,14 +25,14 @@ std::vector<double> second_order(std::size_t n) {
 TEST(Autoregression, IsRecoveredByBothFits) {
   const std::size_t n = 20'000;
   const std::vector<double> y = second_order(n);
-  // Standard error of each coefficient: sqrt((1 - .5^2) / n) (Box and Jenkins, section 7.2).
+  // Standard error of each coefficient: sqrt((1 - 0.5^2) / n) (Box and Jenkins, section 7.2).
   const double tolerance = 4.0 * std::sqrt(0.75 / static_cast<double>(n));
   for (const Autoregression& fit : {fit_least_squares(y, 2), fit_burg(y, 2)}) {
     EXPECT_NEAR(fit.coefficients(0), 1.2, tolerance);
     EXPECT_NEAR(fit.coefficients(1), -0.5, tolerance);
     // Standard error of the variance: sqrt(2 / n) of it.
     EXPECT_NEAR(fit.innovation_variance, 4.0, 4.0 * 4.0 * std::sqrt(2.0 / static_cast<double>(n)));
-    // The mean's: 2 / (1 - 1.2 + .5) / sqrt(n).
+    // The mean's: 2 / (1 - 1.2 + 0.5) / sqrt(n).
     EXPECT_NEAR(fit.mean, 5.0, 4.0 * 2.0 / 0.3 / std::sqrt(static_cast<double>(n)));
   }
 }

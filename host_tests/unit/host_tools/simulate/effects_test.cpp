@@ -59,7 +59,7 @@ TEST(FlickerNoise, StartsDifferInThePastOnly) {
   const auto zero = simulated(2000, 1.0, {FlickerNoise{1.0, 0.5, 0.0}}).rate_rad_s;
   const auto old = simulated(2000, 1.0, {FlickerNoise{1.0, 0.5, 8.0}}).rate_rad_s;
   // The past's share sum_{j>k} psi_j w_{k-j} is smooth: its step from sample to sample is of the
-  // order .2 / k, .01 as much in the late sum as in the early one.
+  // order 0.2 / k, 0.01 as much in the late sum as in the early one.
   double early = 0.0;
   double late = 0.0;
   for (std::size_t k = 1; k < 100; ++k)
@@ -191,7 +191,7 @@ TEST(VariableNoise, IsStrongestInTheMiddleOfItsSwing) {
     for (std::size_t k = first; k < first + 10'000; ++k) sum += rate[k] * rate[k];
     return sum / 10'000;
   };
-  EXPECT_LT(power(0), 0.05);                                         // pi^2 / 300 = .033
+  EXPECT_LT(power(0), 0.05);                                         // pi^2 / 300 = 0.033
   EXPECT_NEAR(power(45'000), 0.992, 5.0 * std::sqrt(2.0 / 10'000));  // 1 - pi^2 / 1200
 }
 

@@ -114,9 +114,9 @@ Estimate ratio_of_deviations(std::array<double, kRuns> a, std::array<double, kRu
   return {root, squared.standard_error / (2.0 * root)};
 }
 
-/// Share within two standard deviations of a normal distribution: .9545. A run's samples lie
-/// together inside or outside, so runs are counted, not samples. Lags within .94 to 1.06 of the
-/// spectrum leave sigma within 3 %: 2 phi(2) 2 .03 = .0065.
+/// Share within two standard deviations of a normal distribution: 0.9545. A run's samples lie
+/// together inside or outside, so runs are counted, not samples. Lags within 0.94 to 1.06 of the
+/// spectrum leave sigma within 3 %: 2 phi(2) 2 0.03 = 0.0065.
 void expect_honest_band(const Figures& figures) {
   const Estimate coverage = mean_of(figures.covered);
   EXPECT_NEAR(coverage.value, 0.9545, 4.0 * coverage.standard_error + 0.0065)
@@ -141,7 +141,7 @@ class PaperTable : public ::testing::Test {
 
 // The references are expectations without chance, from the exact covariance of the noise
 // (docs/design/paper.md, eq. 7 and 8): of the exact optimum, above which the decade filter may lie
-// by .1 % in RSSE and .5 % in IE, and of the exact suffix means of eq. 8. Four standard errors.
+// by 0.1 % in RSSE and 0.5 % in IE, and of the exact suffix means of eq. 8. Four standard errors.
 TEST_F(PaperTable, IsReproducedByTheDecadeFilterAndTheMovingAverage) {
   const auto expect_near = [](const Estimate& estimate, double reference, double approximation) {
     EXPECT_NEAR(estimate.value, reference, 4.0 * estimate.standard_error + approximation)

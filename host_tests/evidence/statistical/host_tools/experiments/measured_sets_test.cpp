@@ -11,7 +11,7 @@
 namespace zerorate::experiments {
 namespace {
 
-// The paper's real data have .990 and .915; ten runs of the sensor at hand gave .990 and .888.
+// The paper's real data have 0.990 and 0.915; ten runs of the sensor at hand gave 0.990 and 0.888.
 TEST(MeasuredTable1, AgreesWithTheReferenceAtOneHertz) {
   const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
   if (!folder) GTEST_SKIP() << "skipped: no recordings";

@@ -47,9 +47,9 @@ TEST(SimulatedTable1, AgreesWithWhatTheCovarianceExpects) {
   }
 }
 
-// References from 4000 runs of another program, whose own standard errors are .0012, .0013, .0015
-// and .0016: the expectations, which have none, lie within .003 of the first three, and of the
-// fourth to the three decimals of the paper's 139/138.
+// References from 4000 runs of another program, whose own standard errors are 0.0012, 0.0013,
+// 0.0015 and 0.0016: the expectations, which have none, lie within 0.003 of the first three, and of
+// the fourth to the three decimals of the paper's 139/138.
 TEST(SimulatedTable1, AgreesWithReferencesOfAnotherProgram) {
   const auto rsse_ratio = [](std::string_view name) {
     return expected_ratio(standing(name), &Expectation::mean_rsse);
@@ -61,8 +61,8 @@ TEST(SimulatedTable1, AgreesWithReferencesOfAnotherProgram) {
   EXPECT_NEAR(rsse_ratio("moving average"), 1.0098, 3.0 * 0.0016);
 }
 
-// The paper's full-state filter: .930 and .9855 (Table I). These are expectations, without chance;
-// rounding of the weights to single precision is below 1e-4.
+// The paper's full-state filter: 0.930 and 0.9855 (Table I). These are expectations, without
+// chance; rounding of the weights to single precision is below 1e-4.
 TEST(DecadeFilter, IsBetterThanThePapersFilterAndNextToTheOptimum) {
   const SimulatedStanding& decade = standing("decade Kalman, zero start");
   const double rsse = expected_ratio(decade, &Expectation::mean_rsse);

@@ -35,7 +35,7 @@ double coverage(const Effect& effect, const Truth& true_deviation) {
 }
 
 // The points of one run are treated as one draw, which overstates the error. The published formulas
-// are fits to within a few per cent of edf, and chi squared is itself approximate: .02 on top.
+// are fits to within a few per cent of edf, and chi squared is itself approximate: 0.02 on top.
 constexpr double kNominal = 0.9;
 const double kError = 4.0 * std::sqrt(kNominal * (1.0 - kNominal) / kRuns) + 0.02;
 

@@ -51,8 +51,8 @@ class Recovery {
   }
 
   /// Unbiased within 2 %, or within the chance of the mean (3 standard errors) where the runs are
-  /// too few to tell; coverage of .93 to .97, or within three standard deviations of a share at
-  /// .95, which are .021 of 1000 runs.
+  /// too few to tell; coverage of 0.93 to 0.97, or within three standard deviations of a share at
+  /// 0.95, which are 0.021 of 1000 runs.
   void expect_honest(const char* what) const {
     const double bias = error_ / kRuns;
     const double spread = std::sqrt(squared_error_ / kRuns - bias * bias);

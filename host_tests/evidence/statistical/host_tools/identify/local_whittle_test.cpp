@@ -36,15 +36,15 @@ Spread estimates(std::size_t runs, std::size_t frequencies, const std::vector<Ef
   return {mean, std::sqrt(squares / count - mean * mean), stated};
 }
 
-// The standard error of the mean of 1000 is .0015, that of their deviation 2.2 %: the tolerances,
-// .01 and 10 %, leave room for the estimator's own small-sample errors.
+// The standard error of the mean of 1000 is 0.0015, that of their deviation 2.2 %: the tolerances,
+// 0.01 and 10 %, leave room for the estimator's own small-sample errors.
 void expect_unbiased_with_its_stated_error(const Spread& spread) {
   EXPECT_NEAR(spread.mean, 0.5, 0.01);
   EXPECT_NEAR(spread.deviation / spread.stated_error, 1.0, 0.1);
 }
 
 TEST(LocalWhittle, IsUnbiasedWithItsStatedErrorAtOrderHalf) {
-  constexpr std::size_t kFrequencies = 139;  // n^.65
+  constexpr std::size_t kFrequencies = 139;  // n^0.65
   ASSERT_EQ(local_whittle_bandwidth(kSamples), kFrequencies);
   for (const double history : {0.0, 4.0}) {
     const Spread spread =
@@ -55,7 +55,7 @@ TEST(LocalWhittle, IsUnbiasedWithItsStatedErrorAtOrderHalf) {
   }
 }
 
-// With n^.5 the limit is 15 % too low: its relative error is about log(m) / m, because the sum of
+// With n^0.5 the limit is 15 % too low: its relative error is about log(m) / m, because the sum of
 // (log gain - mean)^2 tends to m slowly.
 TEST(LocalWhittle, StatesItsErrorWithFewFrequenciesToo) {
   constexpr std::size_t kFrequencies = 44;
@@ -64,8 +64,8 @@ TEST(LocalWhittle, StatesItsErrorWithFewFrequenciesToo) {
   EXPECT_GT(spread.stated_error * 2.0 * std::sqrt(double{kFrequencies}), 1.1);
 }
 
-// .0049 is four standard errors of the mean of 100 runs with 800 frequencies; the sample mean costs
-// another .01 towards order 1.
+// 0.0049 is four standard errors of the mean of 100 runs with 800 frequencies; the sample mean
+// costs another 0.01 towards order 1.
 TEST(LocalWhittle, FollowsTheOrder) {
   for (const double order : {-0.2, 0.0, 0.3, 0.7, 0.9}) {
     const Spread spread = estimates(100, 800, {simulate::FlickerNoise{1.0, order, 4.0}});

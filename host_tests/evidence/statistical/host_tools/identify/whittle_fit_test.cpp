@@ -43,7 +43,7 @@ struct Recovery {
     held += std::abs(estimate.value - truth) < 1.96 * estimate.standard_error ? 1.0 : 0.0;
   }
   /// Unbiased within 2 %, or within three standard errors of the mean where the runs are too few to
-  /// tell. Coverage within three standard deviations of a share of 200 at .95: .046.
+  /// tell. Coverage within three standard deviations of a share of 200 at 0.95: 0.046.
   void expect_honest(const char* what, double truth) const {
     const double of_the_mean = stated / kRuns / std::sqrt(double{kRuns});
     EXPECT_NEAR(error / kRuns, 0.0, std::max(0.02 * truth, 3.0 * of_the_mean)) << what;
@@ -83,7 +83,7 @@ TEST(WhiteFlickerFit, RecoversStrengthsWhereTheOrderIsGiven) {
   recovery[1].expect_honest("flicker noise", kFlicker);
 }
 
-// At a significance of .05, 200 clean recordings give 10 +- 3.1 alarms if the p-value is exact and
+// At a significance of 0.05, 200 clean recordings give 10 +- 3.1 alarms if the p-value is exact and
 // fewer if it is conservative: at most four standard deviations more.
 TEST(WhiteFlickerFit, InventsNoFlickerInWhiteNoise) {
   for (const std::optional<double> order : {std::optional<double>{}, std::optional<double>{0.5}}) {
