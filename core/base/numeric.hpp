@@ -97,7 +97,7 @@ namespace detail {
 /// to a damped rotation. Taylor's series on x / 2^k, then k doublings a(2x) = a(x) (2 - a(x)), in
 /// which nothing cancels. Relative error below 4e-7 for real x.
 template <class Scalar>
-[[nodiscard]] constexpr Scalar decay_share(Scalar x) {
+[[nodiscard]] constexpr Scalar one_minus_exp_neg(Scalar x) {
   if (real_part(x) >= 32.0F) {
     return Scalar{1.0F};
   }

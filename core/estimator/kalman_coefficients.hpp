@@ -50,7 +50,7 @@ struct KalmanCoefficients {
   static constexpr std::size_t kPairs = kModePairs + K / 2;
   static constexpr std::size_t kDrifts = 2 * kPairs;
   using Drifts = std::array<float, kDrifts>;
-  using Span = FilterSpan<R, C, K>;
+  using Span = FilterTransition<R, C, K>;
 
   /// The drift that holds the real part of a rotating mode; the imaginary part is the next.
   static constexpr std::size_t rotating(std::size_t i) { return 2 * (kDecayingPairs + i); }
@@ -79,8 +79,8 @@ struct KalmanCoefficients {
         bias_noise(modes.one_tick().noise()) {
     for (std::size_t i = 0; i < R; ++i) {
       const DecayingMode& mode = modes.decaying[i];
-      forgotten[i] = mode.forgetting;
-      decaying_scale[i] = -mode.forgetting;
+      forgotten[i] = mode.one_minus_phi;
+      decaying_scale[i] = -mode.one_minus_phi;
       for (std::size_t j = 0; j <= i; ++j) {
         pair_forgotten.set(i, j, forgotten[i] + forgotten[j] - forgotten[i] * forgotten[j]);
       }
@@ -89,8 +89,8 @@ struct KalmanCoefficients {
     }
     for (std::size_t i = 0; i < C; ++i) {
       const RotatingMode& mode = modes.rotating[i];
-      turned[i] = mode.forgetting;
-      rotating_scale[i] = Complex{-0.5F, -0.5F} * mode.forgetting;
+      turned[i] = mode.one_minus_phi;
+      rotating_scale[i] = Complex{-0.5F, -0.5F} * mode.one_minus_phi;
       initial_variance[rotating(i)] = initial_variance[rotating(i) + 1] =
           squared_magnitude(rotating_scale[i]) * mode.initial_variance;
     }
@@ -114,7 +114,7 @@ struct KalmanCoefficients {
   }
   /// What a drift of 1 has put on the bias, if that ends with the drift: a ramp's stays.
   [[nodiscard]] constexpr float contribution(std::size_t i) const {
-    return forgotten[i] > kSteady ? -1.0F / forgotten[i] : 0.0F;
+    return forgotten[i] > kNearlyConstant ? -1.0F / forgotten[i] : 0.0F;
   }
 
   [[nodiscard]] constexpr Drifts cross_noise_of(const Transition<R, C>& span) const {
@@ -141,10 +141,10 @@ struct KalmanCoefficients {
   /// What pair i forgets over a span.
   [[nodiscard]] static PairForgetting of_pair(const Transition<R, C>& span, std::size_t i) {
     if (i >= kModePairs) return of_constants();
-    if (i >= kDecayingPairs) return of_rotating(span.rotating[i - kDecayingPairs].forgotten);
+    if (i >= kDecayingPairs) return of_rotating(span.rotating[i - kDecayingPairs].one_minus_phi_m);
     const std::size_t second = 2 * i + 1;
-    return of_decaying(span.decaying[2 * i].forgotten,
-                       second < R ? span.decaying[second].forgotten : 0.0F);
+    return of_decaying(span.decaying[2 * i].one_minus_phi_m,
+                       second < R ? span.decaying[second].one_minus_phi_m : 0.0F);
   }
   /// The same over a tick.
   [[gnu::always_inline]] [[nodiscard]] PairForgetting of_pair(std::size_t i) const {
@@ -179,10 +179,10 @@ struct KalmanCoefficients {
   [[nodiscard]] static constexpr Drifts movement(const Span& span) {
     Drifts weight{};
     for (std::size_t i = 0; i < R; ++i) {
-      weight[i] = span.decaying[i].reach + span.decaying[i].forgotten;
+      weight[i] = span.decaying[i].sum_gain + span.decaying[i].one_minus_phi_m;
     }
     for (std::size_t i = 0; i < C; ++i) {
-      set_rotating(weight, i, span.rotating[i].reach + span.rotating[i].forgotten);
+      set_rotating(weight, i, span.rotating[i].sum_gain + span.rotating[i].one_minus_phi_m);
     }
     if constexpr (K > 0) set_temperature(weight, span.temperature.change);
     return weight;
@@ -190,10 +190,10 @@ struct KalmanCoefficients {
   /// The same for the sum of the bias over the ticks of a span: lag / alpha.
   [[nodiscard]] constexpr Drifts movement_of_sum(const Span& span) const {
     Drifts weight{};
-    for (std::size_t i = 0; i < R; ++i) weight[i] = span.decaying[i].lag / forgotten[i];
+    for (std::size_t i = 0; i < R; ++i) weight[i] = span.decaying[i].sum_lag / forgotten[i];
     for (std::size_t i = 0; i < C; ++i) {
       const Complex over_square = Complex{1.0F / squared_magnitude(turned[i])};
-      set_rotating(weight, i, span.rotating[i].lag * conjugate(turned[i]) * over_square);
+      set_rotating(weight, i, span.rotating[i].sum_lag * conjugate(turned[i]) * over_square);
     }
     if constexpr (K > 0) set_temperature(weight, span.temperature.sum);
     return weight;

@@ -38,21 +38,22 @@ class KalmanPredictor {
   /// Everything the filter remembers: plain data, may be stored and restored bit for bit.
   struct State {
     static constexpr std::uint16_t kNotMeasured = 0xFFFF;
-    std::uint16_t to_confirm = kNotMeasured;  ///< measurements that must still bear the first out
-    std::uint16_t rejected = 0;               ///< measurements since one was accepted (see Gate)
+    std::uint16_t confirmations_left =
+        kNotMeasured;              ///< measurements that must still bear the first out
+    std::uint16_t rejected = 0;    ///< measurements since one was accepted (see Gate)
     float reference_rad_s = 0.0F;  ///< the first measurement; all else is relative to it, so that a
                                    ///< large bias does not use up the mantissa
     float bias_rad_s = 0.0F;       ///< s
     float bias_variance = 0.0F;    ///< Var s [rad2/s2], if what was rejected were knocks
-    float doubt_variance = 0.0F;   ///< what they add to it, because they may be none
+    float rejection_variance = 0.0F;  ///< what they add to it, because they may be none
     Drifts drift{};            ///< w [rad/s a tick]; in the last pair slope and curvature, if any
     Drifts bias_covariance{};  ///< p = Cov(s, w)
     PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
 
-    [[nodiscard]] constexpr bool is_measured() const { return to_confirm != kNotMeasured; }
+    [[nodiscard]] constexpr bool is_measured() const { return confirmations_left != kNotMeasured; }
     /// Nothing can contradict a first measurement but those that follow it: until they have for a
     /// second, it may have been anything.
-    [[nodiscard]] constexpr bool is_confirmed() const { return to_confirm == 0; }
+    [[nodiscard]] constexpr bool is_confirmed() const { return confirmations_left == 0; }
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
@@ -77,7 +78,9 @@ class KalmanPredictor {
   }
 
   /// The bias may have changed by this much, unseen.
-  constexpr void widen(float variance_rad2_s2) { state_.bias_variance += variance_rad2_s2; }
+  constexpr void inflate_variance(float variance_rad2_s2) {
+    state_.bias_variance += variance_rad2_s2;
+  }
 
   /// The sensor was switched on again: its warm-up and its ramp begin anew, each with another
   /// amplitude or slope. What the warm-up before has put on the bias is gone, what a ramp has put
@@ -102,7 +105,7 @@ class KalmanPredictor {
       if (is_outlier && !state_.is_confirmed()) return observe_first(rate_rad_s, white_variance);
       if (is_knock(is_outlier, expected)) return expected;
     }
-    bear_out();
+    count_confirmation();
     Registers x{state_};
     const Innovation innovation = x.observe(measured, white_variance);
     x.store(state_);
@@ -113,7 +116,7 @@ class KalmanPredictor {
   constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
     if (span.ticks == 1 && is_temperature_known(span) && state_.is_measured() &&
         is_measurement(rate_rad_s, white_variance) && !coefficients_->gate.is_on()) {
-      bear_out();
+      count_confirmation();
       Registers x{state_};
       x.advance(*coefficients_, span);
       const Innovation innovation = x.observe(rate_rad_s - state_.reference_rad_s, white_variance);
@@ -136,7 +139,7 @@ class KalmanPredictor {
     const Drifts g = Coefficients::movement(lead);
     const float moved = 2.0F * dot(g, x.bias_covariance) + dot(g, times_covariance(g));
     return {x.reference_rad_s + (x.bias_rad_s + dot(g, x.drift)),
-            with_unknown(x.bias_variance + x.doubt_variance + moved, lead) + lead.noise()};
+            with_unknown(x.bias_variance + x.rejection_variance + moved, lead) + lead.noise()};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
@@ -175,7 +178,7 @@ class KalmanPredictor {
 
   constexpr Innovation observe_first(float rate_rad_s, float white_variance) {
     // A diffuse level: s is what was measured, and its error is independent of the modes.
-    state_.to_confirm = coefficients_->confirmations;
+    state_.confirmations_left = coefficients_->confirmations;
     state_.reference_rad_s = rate_rad_s;
     state_.bias_rad_s = 0.0F;
     state_.bias_variance = white_variance;
@@ -183,8 +186,8 @@ class KalmanPredictor {
     return {.accepted = true, .first = true, .variance_rad2_s2 = white_variance};
   }
 
-  constexpr void bear_out() {
-    if (!state_.is_confirmed()) --state_.to_confirm;
+  constexpr void count_confirmation() {
+    if (!state_.is_confirmed()) --state_.confirmations_left;
   }
 
   /// Puts another drift in the place of drift i, independent of all that is known.
@@ -209,13 +212,13 @@ class KalmanPredictor {
     const float square = expected.residual_rad_s * expected.residual_rad_s;
     if (is_outlier && state_.rejected < gate.longest_knock_ticks) {
       ++state_.rejected;
-      state_.doubt_variance = square * static_cast<float>(state_.rejected) /
-                              static_cast<float>(gate.longest_knock_ticks);
+      state_.rejection_variance = square * static_cast<float>(state_.rejected) /
+                                  static_cast<float>(gate.longest_knock_ticks);
       return true;
     }
     if (is_outlier) state_.bias_variance += square;  // it was a jump of about this size
     state_.rejected = 0;
-    state_.doubt_variance = 0.0F;
+    state_.rejection_variance = 0.0F;
     return false;
   }
 
@@ -360,9 +363,10 @@ class KalmanPredictor {
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
     const float sum = ticks * x.bias_rad_s + dot(g, x.drift);
-    const float variance = ticks * ticks * with_unknown(x.bias_variance + x.doubt_variance, drive) +
-                           drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
-                           dot(g, times_covariance(g));
+    const float variance =
+        ticks * ticks * with_unknown(x.bias_variance + x.rejection_variance, drive) +
+        drive.sum_variance() + 2.0F * ticks * dot(g, x.bias_covariance) +
+        dot(g, times_covariance(g));
     const float tick_s = coefficients_->tick_s;
     return {(ticks * x.reference_rad_s + sum) * tick_s, variance * tick_s * tick_s};
   }

@@ -24,12 +24,12 @@ struct WindowMode {
   float error = 0.0F;     ///< Var Re E
 
   /// A segment with the weight `w` on each tick; `before` = M before it.
-  constexpr void add(const ModeSpan<Scalar>& span, float ticks, float before, float w) {
+  constexpr void add(const ModeTransition<Scalar>& span, float ticks, float before, float w) {
     const Scalar after{before + w * ticks};
-    const Scalar kept = Scalar{1.0F} - span.forgotten;
+    const Scalar kept = Scalar{1.0F} - span.one_minus_phi_m;
     // E' = E + from_z z + after n - w N
-    const Scalar from_z =
-        Scalar{-before} * span.forgotten + Scalar{w} * (span.lag - Scalar{ticks} * span.forgotten);
+    const Scalar from_z = Scalar{-before} * span.one_minus_phi_m +
+                          Scalar{w} * (span.sum_lag - Scalar{ticks} * span.one_minus_phi_m);
     error += 2.0F * real_part(conjugate(from_z) * cross) + squared_magnitude(from_z) * variance +
              squared_magnitude(after) * span.noise -
              2.0F * w * real_part(after * conjugate(span.sum_covariance)) +
@@ -92,10 +92,10 @@ class WeightedWindow {
   [[nodiscard]] constexpr float point_variance(const Span& lead) const {
     float variance = white_ + level_.error_with(0.0F, lead.level.noise);
     for (std::size_t i = 0; i < R; ++i) {
-      variance += decaying_[i].error_with(lead.decaying[i].forgotten, lead.decaying[i].noise);
+      variance += decaying_[i].error_with(lead.decaying[i].one_minus_phi_m, lead.decaying[i].noise);
     }
     for (std::size_t i = 0; i < C; ++i) {
-      variance += rotating_[i].error_with(lead.rotating[i].forgotten, lead.rotating[i].noise);
+      variance += rotating_[i].error_with(lead.rotating[i].one_minus_phi_m, lead.rotating[i].noise);
     }
     return variance;
   }
@@ -117,12 +117,12 @@ class WeightedWindow {
  private:
   template <class Scalar>
   [[nodiscard]] static constexpr float sum_error(const detail::WindowMode<Scalar>& mode,
-                                                 const ModeSpan<Scalar>& lead,
-                                                 const ModeSpan<Scalar>& drive, float ticks) {
-    const Scalar from_z =
-        Scalar{ticks} * lead.forgotten + (Scalar{1.0F} - lead.forgotten) * drive.lag;
+                                                 const ModeTransition<Scalar>& lead,
+                                                 const ModeTransition<Scalar>& drive, float ticks) {
+    const Scalar from_z = Scalar{ticks} * lead.one_minus_phi_m +
+                          (Scalar{1.0F} - lead.one_minus_phi_m) * drive.sum_lag;
     return mode.error_with(from_z,
-                           squared_magnitude(drive.reach) * lead.noise + drive.sum_variance);
+                           squared_magnitude(drive.sum_gain) * lead.noise + drive.sum_variance);
   }
 
   detail::WindowMode<float> level_;

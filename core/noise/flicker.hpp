@@ -26,8 +26,8 @@ struct FlickerDecades {
   constexpr void contribute(Duration tick, ModeWriter<R, C>& writer) const {
     for (std::size_t i = 0; i < N; ++i) {
       const float elapsed = tick.in_seconds() / time_constant_s[i];
-      writer.add(decay_share(elapsed), variance_rad2_s2[i] * decay_share(2.0F * elapsed),
-                 variance_rad2_s2[i]);
+      writer.add(one_minus_exp_neg(elapsed),
+                 variance_rad2_s2[i] * one_minus_exp_neg(2.0F * elapsed), variance_rad2_s2[i]);
     }
   }
 };

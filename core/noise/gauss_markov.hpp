@@ -20,7 +20,7 @@ struct GaussMarkov {
   constexpr void contribute(Duration tick, ModeWriter<R, C>& writer) const {
     const float elapsed = tick.in_seconds() / time_constant_s;
     const float variance = sigma_rad_s * sigma_rad_s;
-    writer.add(decay_share(elapsed), variance * decay_share(2.0F * elapsed), variance);
+    writer.add(one_minus_exp_neg(elapsed), variance * one_minus_exp_neg(2.0F * elapsed), variance);
   }
 };
 

@@ -24,9 +24,9 @@ struct Harmonic {
     const float turns = frequency_hz * tick.in_seconds();
     const float phase = 2.0F * std::numbers::pi_v<float> * (turns - nearest_integer(turns));
     const float variance = rms_rad_s * rms_rad_s;
-    // F = exp(-elapsed + i phase), hence 1 - F = decay_share(elapsed - i phase).
-    writer.add(decay_share(Complex{elapsed, -phase}), variance * decay_share(2.0F * elapsed),
-               variance);
+    // F = exp(-elapsed + i phase), hence 1 - F = one_minus_exp_neg(elapsed - i phase).
+    writer.add(one_minus_exp_neg(Complex{elapsed, -phase}),
+               variance * one_minus_exp_neg(2.0F * elapsed), variance);
   }
 };
 

@@ -20,24 +20,25 @@ namespace zerorate::core {
 template <std::size_t R, std::size_t C>
 struct Transition {
   std::uint32_t ticks = 0;
-  ModeSpan<float> level{};  ///< never forgets: forgotten = lag = 0, reach = ticks
-  std::array<ModeSpan<float>, R> decaying{};
-  std::array<ModeSpan<Complex>, C> rotating{};
+  ModeTransition<float>
+      level{};  ///< never forgets: one_minus_phi_m = sum_lag = 0, sum_gain = ticks
+  std::array<ModeTransition<float>, R> decaying{};
+  std::array<ModeTransition<Complex>, C> rotating{};
 
   constexpr bool operator==(const Transition&) const = default;
 
   /// Variance that the whole bias gains over the span [rad2/s2].
   [[nodiscard]] constexpr float noise() const {
-    return total(&ModeSpan<float>::noise, &ModeSpan<Complex>::noise);
+    return total(&ModeTransition<float>::noise, &ModeTransition<Complex>::noise);
   }
   /// Variance that the sum of the bias over the span gains [rad2/s2 ticks2].
   [[nodiscard]] constexpr float sum_variance() const {
-    return total(&ModeSpan<float>::sum_variance, &ModeSpan<Complex>::sum_variance);
+    return total(&ModeTransition<float>::sum_variance, &ModeTransition<Complex>::sum_variance);
   }
 
  private:
-  [[nodiscard]] constexpr float total(float ModeSpan<float>::*of_decaying,
-                                      float ModeSpan<Complex>::*of_rotating) const {
+  [[nodiscard]] constexpr float total(float ModeTransition<float>::*of_decaying,
+                                      float ModeTransition<Complex>::*of_rotating) const {
     float sum = level.*of_decaying;
     for (const auto& span : decaying) sum += span.*of_decaying;
     for (const auto& span : rotating) sum += span.*of_rotating;
@@ -86,7 +87,7 @@ struct Modes {
     Transition<R, C> span;
     span.ticks = ticks;
     span.level =
-        core::over(DecayingMode{.forgetting = 0.0F, .noise_variance = walk_variance}, ticks);
+        core::over(DecayingMode{.one_minus_phi = 0.0F, .noise_variance = walk_variance}, ticks);
     for (std::size_t i = 0; i < R; ++i) span.decaying[i] = core::over(decaying[i], ticks);
     for (std::size_t i = 0; i < C; ++i) span.rotating[i] = core::over(rotating[i], ticks);
     return span;
@@ -103,7 +104,7 @@ class ModeWriter {
   template <class Scalar>
   constexpr void add(Scalar forgetting, float noise_variance, float stationary_variance) {
     const Mode<Scalar> mode{
-        .forgetting = forgetting,
+        .one_minus_phi = forgetting,
         .noise_variance = noise_variance,
         .initial_variance = modes_.start == Start::stationary ? stationary_variance : 0.0F};
     place(mode);
@@ -111,7 +112,7 @@ class ModeWriter {
   /// A decaying mode that starts apart from its stationary state, however the filter starts.
   constexpr void add_transient(float forgetting, float noise_variance, float mean, float variance) {
     if (mean != 0.0F || variance > 0.0F) modes_.is_stationary = false;
-    place(DecayingMode{.forgetting = forgetting,
+    place(DecayingMode{.one_minus_phi = forgetting,
                        .noise_variance = noise_variance,
                        .initial_variance = variance,
                        .initial_mean = mean});

@@ -21,9 +21,9 @@ struct RateRamp {
 
   template <std::size_t R, std::size_t C>
   constexpr void contribute(Duration tick, ModeWriter<R, C>& writer) const {
-    const float ticks_s = tick.in_seconds() / kSteady;
+    const float ticks_s = tick.in_seconds() / kNearlyConstant;
     const float sigma_rad_s = sigma_rad_s2 * ticks_s;
-    writer.add_transient(kSteady, 0.0F, -slope_rad_s2 * ticks_s, sigma_rad_s * sigma_rad_s);
+    writer.add_transient(kNearlyConstant, 0.0F, -slope_rad_s2 * ticks_s, sigma_rad_s * sigma_rad_s);
   }
 };
 

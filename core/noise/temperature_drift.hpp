@@ -38,7 +38,7 @@ using TemperatureBlock = std::conditional_t<(K > 0), TemperatureDrift, NoTempera
 
 /// What the temperature does over a span of ticks, as far as the bias is concerned.
 template <std::size_t K>
-struct TemperatureSpan {
+struct TemperatureTransition {
   static_assert(K == TemperatureDrift::kWeights);
   using Weights = std::array<float, K>;
 
@@ -54,11 +54,12 @@ struct TemperatureSpan {
 /// A span with what the temperature does over it.
 template <std::size_t R, std::size_t C, std::size_t K>
 struct SpanWithTemperature : Transition<R, C> {
-  TemperatureSpan<K> temperature{};
+  TemperatureTransition<K> temperature{};
 };
 
 /// What a filter is told of a span: without the block, what its modes do.
 template <std::size_t R, std::size_t C, std::size_t K>
-using FilterSpan = std::conditional_t<(K > 0), SpanWithTemperature<R, C, K>, Transition<R, C>>;
+using FilterTransition =
+    std::conditional_t<(K > 0), SpanWithTemperature<R, C, K>, Transition<R, C>>;
 
 }  // namespace zerorate::core

@@ -26,8 +26,9 @@ struct WarmUp {
     // What decays without end leaves the range of normal numbers, where processors are slow. So the
     // variance is kept from falling below this share of the first, far from all that is measured.
     constexpr float kFloor = 1e-12F;
-    writer.add_transient(decay_share(elapsed), kFloor * variance * decay_share(2.0F * elapsed),
-                         amplitude_rad_s, variance);
+    writer.add_transient(one_minus_exp_neg(elapsed),
+                         kFloor * variance * one_minus_exp_neg(2.0F * elapsed), amplitude_rad_s,
+                         variance);
   }
 };
 

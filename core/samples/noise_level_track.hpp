@@ -34,7 +34,7 @@ class NoiseLevelTrack {
   constexpr void advance(std::uint32_t ticks) {
     if (!model_->is_on()) return;
     const float kept =
-        1.0F - decay_share(model_->time_constants_per_tick * static_cast<float>(ticks));
+        1.0F - one_minus_exp_neg(model_->time_constants_per_tick * static_cast<float>(ticks));
     state_.level = 1.0F + kept * (state_.level - 1.0F);
     state_.variance = model_->variance + kept * kept * (state_.variance - model_->variance);
   }

@@ -115,9 +115,9 @@ class SampleScreen {
     float undisturbed;
     float moved;
   };
-  /// exp(-x) as 1 - decay_share(x) is exact to 1e-7 of the largest weight, which has x = 0.
+  /// exp(-x) as 1 - one_minus_exp_neg(x) is exact to 1e-7 of the largest weight, which has x = 0.
   static constexpr float weight(float prior, float narrowing, float excess) {
-    return prior * square_root(narrowing) * (1.0F - decay_share(0.5F * excess));
+    return prior * square_root(narrowing) * (1.0F - one_minus_exp_neg(0.5F * excess));
   }
   static constexpr Shares shares_of(const Forecast& next, float residual, float off,
                                     float moved_variance) {

@@ -78,10 +78,12 @@ class Standstill {
     return is_settled(now - params_.hold_back) ? Motion::still : Motion::settling;
   }
 
-  /// What was measured after this instant may already belong to the drive whose pulse came at `at`.
-  [[nodiscard]] constexpr Instant suspect_since(Instant at) const { return at - params_.hold_back; }
-  /// What was measured until this instant is calibration data, if no pulse is known by now.
-  [[nodiscard]] constexpr Instant certain_until(Instant now) const {
+  /// Time after which a measurement may already belong to the drive whose pulse came at `at`; for
+  /// HoldBackLine::discard_after().
+  [[nodiscard]] constexpr Instant discard_after(Instant at) const { return at - params_.hold_back; }
+  /// Time until which a measurement is calibration data, if no pulse is known by `now`; for
+  /// HoldBackLine::release_until().
+  [[nodiscard]] constexpr Instant release_until(Instant now) const {
     return now - params_.hold_back;
   }
 

@@ -73,9 +73,9 @@ class Thermometer {
   }
 
   /// What the temperature did from one tick to a later one.
-  [[nodiscard]] static constexpr TemperatureSpan<K> between(const TickTemperature<K>& from,
-                                                            const TickTemperature<K>& to) {
-    TemperatureSpan<K> span;
+  [[nodiscard]] static constexpr TemperatureTransition<K> between(const TickTemperature<K>& from,
+                                                                  const TickTemperature<K>& to) {
+    TemperatureTransition<K> span;
     if (from.is_known) {
       for (std::size_t i = 0; i < K; ++i) span.change[i] = to.weights[i] - from.weights[i];
     }
@@ -122,7 +122,7 @@ class Thermometer {
   }
   constexpr void follow(Duration elapsed) {
     const float share =
-        drift_.lag_s > 0.0F ? decay_share(elapsed.in_seconds() / drift_.lag_s) : 1.0F;
+        drift_.lag_s > 0.0F ? one_minus_exp_neg(elapsed.in_seconds() / drift_.lag_s) : 1.0F;
     state_.element_k += share * (state_.reading_k - state_.element_k);
   }
 

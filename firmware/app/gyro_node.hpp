@@ -19,10 +19,10 @@
 #include "core/estimator/kalman_predictor.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/monitor/innovation_monitor.hpp"
+#include "core/monitor/odometer_check.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "core/samples/tick_average.hpp"
 #include "core/standstill/hold_back_line.hpp"
-#include "core/standstill/odometer_check.hpp"
 #include "core/standstill/standstill.hpp"
 #include "core/temperature/temperature_track.hpp"
 #include "drivers/common/gyro_source.hpp"
@@ -48,9 +48,9 @@ enum class ParamsError : std::uint8_t {
 /// temperature as in core::TemperatureBlock, 0 for a node that does not look at it.
 template <std::size_t R, std::size_t C, std::size_t K = 0>
 struct NodeParams {
-  core::Modes<R, C> modes;                   ///< the slow noise at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample
-  float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
+  core::Modes<R, C> modes;                          ///< the slow noise at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample
+  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
   /// What the bias changes by while the power is off; infinite: unknown, nothing is worth keeping.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;  ///< of the Kalman predictor; off by default
@@ -81,7 +81,7 @@ class GyroNode {
   static constexpr std::size_t kHeldTicks = Capacity.held_ticks;
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<R, C, K>;
-  using Span = core::FilterSpan<R, C, K>;
+  using Span = core::FilterTransition<R, C, K>;
   using TickTemperature = core::TickTemperature<K>;
   using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
   /// A measurement that waits until it is certain that the vehicle stood.
@@ -104,7 +104,7 @@ class GyroNode {
     core::Instant newest_sample;
     bool has_sample = false;
     bool stop_open = false;            ///< measurements now belong to the stop of the last one
-    bool pulses_lost = false;          ///< not yet published
+    bool odometer_fault = false;       ///< not yet published
     std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
     Span lead;                         ///< from there to the tick being filled
     core::Standstill::State standstill;
@@ -142,16 +142,16 @@ class GyroNode {
   constexpr void pulse(core::Instant at) {
     // What is certain by now belongs to the stop that ends here; learnt later it would be taken for
     // a stop of its own, and the predictors without memory would start again from it.
-    if (learn_until(standstill_.suspect_since(at))) predict_tick();
-    held_.discard_after(standstill_.suspect_since(at));
+    if (learn_until(standstill_.discard_after(at))) predict_tick();
+    held_.discard_after(standstill_.discard_after(at));
     odometer_.pulse(at - standstill_.state().last_pulse);
     end_stop(at);
   }
 
   /// The odometer input dropped edges; that it was moving is known, but not since when: nothing
   /// that is held back is certain any more.
-  constexpr void report_lost_pulses(core::Instant now) {
-    pulses_lost_ = true;
+  constexpr void report_odometer_fault(core::Instant now) {
+    odometer_fault_ = true;
     held_.clear();
     end_stop(now);
   }
@@ -236,7 +236,7 @@ class GyroNode {
   void resume(FilterOf filter_of, TickTemperature temperature, std::uint32_t ticks) {
     ZERORATE_ASSERT(!has_sample_);
     temperature_.resume(temperature);
-    take_over(filter_of, ticks);
+    resume_filters(filter_of, ticks);
     predict_tick();
   }
 
@@ -288,7 +288,7 @@ class GyroNode {
   constexpr void take_in(const drivers::GyroSample& sample);
   constexpr void close_tick();
   template <class FilterOf>
-  [[gnu::noinline]] void take_over(FilterOf filter_of, std::uint32_t ticks);
+  [[gnu::noinline]] void resume_filters(FilterOf filter_of, std::uint32_t ticks);
   /// Not inlined: it is called at two places, and a board counts bytes.
   [[gnu::noinline]] bool learn_until(core::Instant certain);
   constexpr void learn(const HeldTick& mean);
@@ -314,7 +314,7 @@ class GyroNode {
   core::Instant newest_sample_;
   bool has_sample_ = false;
   bool stop_open_ = false;
-  bool pulses_lost_ = false;
+  bool odometer_fault_ = false;
   bool calibrated_ = false;
 };
 
@@ -370,8 +370,8 @@ template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 constexpr void GyroNode<R, C, K, Capacity>::describe(
     RateMessage& message, const std::array<core::AngularRate, kAxes>& rate) {
   message.health.calibrated = calibrated_;
-  message.health.pulses_lost = pulses_lost_;
-  pulses_lost_ = false;
+  message.health.odometer_fault = odometer_fault_;
+  odometer_fault_ = false;
   message.health.odometer_disagreement = odometer_.disagrees();
   message.health.measurement_rejected = screening_.is_disturbed();
   message.health.temperature_missing = temperature_.is_missed(message.time);
@@ -401,7 +401,7 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
   if (new_tick) {
     average_.enter(sample.time);
     screening_.begin_tick(predicted_, params_.white_variance_rad2_s2,
-                          params_.unaveraged_variance_rad2_s2);
+                          params_.measurement_floor_variance_rad2_s2);
   }
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   temperature_.take(sample.time, new_tick,
@@ -412,12 +412,12 @@ constexpr void GyroNode<R, C, K, Capacity>::take_in(const drivers::GyroSample& s
                                     sample.rate[2].in(core::rad_per_s)};
   };
   if (!standstill_.is_settled(sample.time)) {
-    if (new_tick) odometer_.drive(rate_rad_s());
+    if (new_tick) odometer_.on_driving_tick(rate_rad_s());
   } else if (sample.saturated_axes == 0 && screening_.take(rate_rad_s())) {
     average_.add(sample.time, rate_rad_s());
   }
   // Not before the next tick is judged, which with a hold-back of one tick is by a sample later.
-  const bool learnt = held_.size() > 0 && learn_until(standstill_.certain_until(sample.time) -
+  const bool learnt = held_.size() > 0 && learn_until(standstill_.release_until(sample.time) -
                                                       params_.sample_period / 2);
   if (new_tick || learnt) predict_tick();
 }
@@ -428,8 +428,8 @@ constexpr void GyroNode<R, C, K, Capacity>::close_tick() {
   const HeldTick closed{average_.close(), temperature_.tick(), screening_.squares()};
   const std::array<float, kAxes> predicted_rad_s{predicted_[0].bias_rad_s, predicted_[1].bias_rad_s,
                                                  predicted_[2].bias_rad_s};
-  odometer_.stand(closed.rate_rad_s, closed.samples,
-                  predicted_[0].is_available() ? &predicted_rad_s : nullptr);
+  odometer_.on_standing_tick(closed.rate_rad_s, closed.samples,
+                             predicted_[0].is_available() ? &predicted_rad_s : nullptr);
   if (odometer_.turns()) {
     held_.clear();
   } else {
@@ -464,7 +464,7 @@ constexpr void GyroNode<R, C, K, Capacity>::learn(const HeldTick& mean) {
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (!stop_open_) axes_[i].begin_stop();
     const float white_variance = screening_.level(i) * params_.white_variance_rad2_s2 / samples +
-                                 params_.unaveraged_variance_rad2_s2;
+                                 params_.measurement_floor_variance_rad2_s2;
     axes_[i].observe(since_last, mean.rate_rad_s[i], white_variance);
     screening_.observe(i, mean.squares, params_.white_variance_rad2_s2, samples);
   }
@@ -507,7 +507,7 @@ constexpr typename GyroNode<R, C, K, Capacity>::State GyroNode<R, C, K, Capacity
   State state{.newest_sample = newest_sample_,
               .has_sample = has_sample_,
               .stop_open = stop_open_,
-              .pulses_lost = pulses_lost_,
+              .odometer_fault = odometer_fault_,
               .measured_ticks = measured_ticks_,
               .lead = lead_,
               .standstill = standstill_.state(),
@@ -531,7 +531,7 @@ constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
   newest_sample_ = state.newest_sample;
   has_sample_ = state.has_sample;
   stop_open_ = state.stop_open;
-  pulses_lost_ = state.pulses_lost;
+  odometer_fault_ = state.odometer_fault;
   measured_ticks_ = state.measured_ticks;
   lead_ = state.lead;
   standstill_.restore(state.standstill);
@@ -552,13 +552,13 @@ constexpr void GyroNode<R, C, K, Capacity>::restore(const State& state) {
 /// Not inlined: what stands on the stack here is gone when the bias is predicted.
 template <std::size_t R, std::size_t C, std::size_t K, NodeCapacity Capacity>
 template <class FilterOf>
-void GyroNode<R, C, K, Capacity>::take_over(FilterOf filter_of, std::uint32_t ticks) {
+void GyroNode<R, C, K, Capacity>::resume_filters(FilterOf filter_of, std::uint32_t ticks) {
   const Span off{params_.modes.over(ticks)};
   for (std::size_t i = 0; i < kAxes; ++i) {
     axes_[i].kalman.restore(filter_of(i));
     axes_[i].kalman.advance(off);
     axes_[i].kalman.restart_transients();
-    axes_[i].kalman.widen(params_.turn_on_variance_rad2_s2);
+    axes_[i].kalman.inflate_variance(params_.turn_on_variance_rad2_s2);
   }
 }
 

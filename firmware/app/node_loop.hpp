@@ -79,14 +79,14 @@ class NodeLoop {
       if (!batch) {
         // Nobody knows what was missed: the vehicle counts as moving.
         ++counters_.odometer_errors;
-        node_.report_lost_pulses(now);
+        node_.report_odometer_fault(now);
         return;
       }
       for (std::size_t i = 0; i < batch->count; ++i) node_.pulse(stamps[i]);
       counters_.pulses += static_cast<std::uint32_t>(batch->count);
       if (batch->lost > 0) {
         counters_.pulses_lost += batch->lost;
-        node_.report_lost_pulses(now);
+        node_.report_odometer_fault(now);
       }
       if (batch->count < Batch) return;
     }

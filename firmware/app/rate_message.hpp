@@ -12,14 +12,15 @@
 
 namespace zerorate::app {
 
-/// The state of the node and of this sample. All false is good news but for `calibrated`.
+/// The state of the node and of this sample. Every flag is an alarm except `calibrated`.
 struct Health {
   bool calibrated = false;          ///< a bias was measured, and borne out for a second after it
   bool sample_refused = false;      ///< no rate: not finite, or beyond 1e6 rad/s
   bool time_refused = false;        ///< not after the sample before: no rate in this message
   bool saturated = false;           ///< an axis at full scale: the rate is a lower bound
   bool model_inconsistent = false;  ///< innovations larger or smaller than the model allows
-  bool pulses_lost = false;   ///< the odometer input failed or dropped edges since the last message
+  bool odometer_fault =
+      false;                  ///< the odometer input failed or dropped edges since the last message
   bool sensor_fault = false;  ///< the gyro gives no samples: no rate in this message
   /// The newest measurement of an axis was taken for a knock: not learnt from, but doubted, which
   /// widens the interval until a measurement agrees or the bias is learnt anew (see core::Gate).

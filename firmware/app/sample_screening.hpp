@@ -26,7 +26,7 @@ class SampleScreening {
   constexpr void restore(const State& /*state*/) {}
   constexpr void end_stop() {}
   constexpr void begin_tick(const std::array<core::Prediction, Axes>& /*predicted*/,
-                            float /*white_variance*/, float /*unaveraged_variance*/) {}
+                            float /*white_variance*/, float /*measurement_floor_variance*/) {}
   [[nodiscard]] constexpr bool take(const std::array<float, Axes>& /*rate_rad_s*/) { return true; }
   [[nodiscard]] constexpr bool is_saturated(
       const std::array<core::AngularRate, Axes>& /*rate*/) const {
@@ -85,11 +85,11 @@ class SampleScreening<Axes, true> {
 
   /// A tick begins, for which this is predicted.
   constexpr void begin_tick(const std::array<core::Prediction, Axes>& predicted,
-                            float white_variance, float unaveraged_variance) {
+                            float white_variance, float measurement_floor_variance) {
     if (!model_->needs_screen()) return;
     for (std::size_t i = 0; i < Axes; ++i) {
       screens_[i].begin_tick(predicted[i].bias_rad_s,
-                             predicted[i].variance_rad2_s2 + unaveraged_variance,
+                             predicted[i].variance_rad2_s2 + measurement_floor_variance,
                              levels_[i].level() * white_variance);
     }
   }

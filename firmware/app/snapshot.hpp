@@ -186,7 +186,7 @@ class Snapshot {
     }
     constexpr void add_modes(const auto& modes) {
       for (const auto& mode : modes) {
-        add(mode.forgetting);
+        add(mode.one_minus_phi);
         add(mode.noise_variance);
         add(mode.initial_variance);
         add(mode.initial_mean);
@@ -211,7 +211,7 @@ class Snapshot {
     print.add_modes(params.modes.decaying);
     print.add_modes(params.modes.rotating);
     print.add(params.white_variance_rad2_s2);
-    print.add(params.unaveraged_variance_rad2_s2);
+    print.add(params.measurement_floor_variance_rad2_s2);
     print.add(params.turn_on_variance_rad2_s2);
     if constexpr (kBytesOfTemperature > 0) {
       print.add(params.temperature.reference_degc);

@@ -54,8 +54,8 @@ Instance* instance_in(zerorate_node* storage) {
   return instance != nullptr ? std::launder(reinterpret_cast<Instance*>(storage)) : nullptr;
 }
 
-/// What no figure of a model exceeds in SI units, but for its times: no sum of squares of such
-/// figures leaves what single precision holds. NaN fails every comparison.
+/// Largest magnitude accepted for a model parameter (SI units, times excepted): no sum of squares
+/// of such parameters overflows single precision. NaN fails every comparison.
 constexpr float kLargestFigure = 1e6F;
 bool is_figure(float value) {
   return value >= -kLargestFigure && value <= kLargestFigure;
@@ -69,13 +69,13 @@ bool does_something(const auto& mode) {
 }
 
 bool is_sound(const zerorate_decaying_mode& mode) {
-  const bool forgets = mode.forgetting > 0.0F && mode.forgetting <= 1.0F;
-  return (forgets || !does_something(mode)) && is_magnitude(mode.noise_variance) &&
+  const bool decays = mode.one_minus_phi > 0.0F && mode.one_minus_phi <= 1.0F;
+  return (decays || !does_something(mode)) && is_magnitude(mode.noise_variance) &&
          is_magnitude(mode.initial_variance) && is_figure(mode.initial_mean);
 }
 bool is_sound(const zerorate_rotating_mode& mode) {
-  const float remaining_re = 1.0F - mode.forgetting.re;
-  const float remaining_im = mode.forgetting.im;
+  const float remaining_re = 1.0F - mode.one_minus_phi.re;
+  const float remaining_im = mode.one_minus_phi.im;
   return remaining_re * remaining_re + remaining_im * remaining_im <= 1.0F &&
          is_magnitude(mode.noise_variance) && is_magnitude(mode.initial_variance) &&
          is_figure(mode.initial_mean);
@@ -90,7 +90,7 @@ bool is_sound(const zerorate_model& model) {
   return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
          is_magnitude(model.walk_variance_rad2_s2) && is_magnitude(model.white_variance_rad2_s2) &&
          core::is_measurement(0.0F, model.white_variance_rad2_s2) &&
-         is_magnitude(model.unaveraged_variance_rad2_s2) &&
+         is_magnitude(model.measurement_floor_variance_rad2_s2) &&
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature);
@@ -111,13 +111,13 @@ core::Modes<kDecaying, kRotating> modes_of(const zerorate_model& model) {
   for (std::size_t i = 0; i < kDecaying; ++i) {
     const zerorate_decaying_mode& mode = model.decaying[i];
     if (!does_something(mode)) continue;
-    modes.decaying[i] = {mode.forgetting, mode.noise_variance, mode.initial_variance,
+    modes.decaying[i] = {mode.one_minus_phi, mode.noise_variance, mode.initial_variance,
                          mode.initial_mean};
   }
   for (std::size_t i = 0; i < kRotating; ++i) {
     const zerorate_rotating_mode& mode = model.rotating[i];
     if (!does_something(mode)) continue;
-    modes.rotating[i] = {{mode.forgetting.re, mode.forgetting.im},
+    modes.rotating[i] = {{mode.one_minus_phi.re, mode.one_minus_phi.im},
                          mode.noise_variance,
                          mode.initial_variance,
                          mode.initial_mean};
@@ -141,7 +141,7 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
   const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
   return {.modes = modes_of(model),
           .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-          .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
+          .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
           .turn_on_variance_rad2_s2 =
               is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
           .gate = {.threshold_sigma = model.gate_threshold_sigma,
@@ -194,7 +194,7 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .time_refused = message.health.time_refused,
                                 .saturated = message.health.saturated,
                                 .model_inconsistent = message.health.model_inconsistent,
-                                .pulses_lost = message.health.pulses_lost,
+                                .odometer_fault = message.health.odometer_fault,
                                 .measurement_rejected = message.health.measurement_rejected,
                                 .temperature_missing = message.health.temperature_missing,
                                 .odometer_disagreement = message.health.odometer_disagreement},
@@ -273,16 +273,17 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
   return ZERORATE_OK;
 }
 
-zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns) {
+zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node.report_lost_pulses(core::Instant::from_ns(now_ns));
+  instance->node.report_odometer_fault(core::Instant::from_ns(now_ns));
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
-  // Twice: a word that it moves is no wheel that turns slowly, after which a longer silence is due.
+  // Two pulses: a single one would be read as a slow wheel and lengthen the silence that is
+  // required.
   if (!stands) {
     (void)zerorate_pulse(self, time_ns);
     return zerorate_pulse(self, time_ns);

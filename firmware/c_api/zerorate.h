@@ -85,9 +85,9 @@ typedef struct zerorate_complex {
   float im;
 } zerorate_complex;
 
-/** A Gauss-Markov process at the filter's tick: x' = (1 - forgetting) x + noise. */
+/** A Gauss-Markov process at the filter's tick: x' = phi x + noise. */
 typedef struct zerorate_decaying_mode {
-  float forgetting;       /**< above 0, at most 1 */
+  float one_minus_phi;    /**< above 0, at most 1 */
   float noise_variance;   /**< a tick [rad2/s2] */
   float initial_variance; /**< [rad2/s2] */
   float initial_mean;     /**< [rad/s] */
@@ -95,10 +95,10 @@ typedef struct zerorate_decaying_mode {
 
 /** The same with a phase that turns: a periodic disturbance. */
 typedef struct zerorate_rotating_mode {
-  zerorate_complex forgetting; /**< 1 - forgetting lies in the unit circle */
-  float noise_variance;        /**< a tick [rad2/s2] */
-  float initial_variance;      /**< [rad2/s2] */
-  float initial_mean;          /**< [rad/s] */
+  zerorate_complex one_minus_phi; /**< phi lies in the unit circle */
+  float noise_variance;           /**< a tick [rad2/s2] */
+  float initial_variance;         /**< [rad2/s2] */
+  float initial_mean;             /**< [rad/s] */
 } zerorate_rotating_mode;
 
 /** What the temperature does to the bias: slope e + curvature e^2, e = temperature - reference. */
@@ -119,9 +119,9 @@ typedef struct zerorate_model {
   bool is_stationary;           /**< and no mode begins apart from it */
   float walk_variance_rad2_s2;  /**< what the level gains a tick */
   float white_variance_rad2_s2; /**< of one sample; positive */
-  float unaveraged_variance_rad2_s2; /**< of a mean, however many samples it is of */
-  float turn_on_variance_rad2_s2;    /**< or ZERORATE_UNKNOWN_VARIANCE */
-  float gate_threshold_sigma;        /**< 0: no gate */
+  float measurement_floor_variance_rad2_s2; /**< stays however many samples are averaged */
+  float turn_on_variance_rad2_s2;           /**< or ZERORATE_UNKNOWN_VARIANCE */
+  float gate_threshold_sigma;               /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
@@ -135,14 +135,14 @@ typedef struct zerorate_config {
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
 } zerorate_config;
 
-/** All false is good news but for `calibrated`. */
+/** Every flag is an alarm except `calibrated`. */
 typedef struct zerorate_health {
   bool calibrated;            /**< a bias was measured, and borne out for a second after it */
   bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
   bool time_refused;          /**< not after the sample before: no rate */
   bool saturated;             /**< an axis at full scale: the rate is a lower bound */
   bool model_inconsistent;    /**< innovations larger or smaller than the model allows */
-  bool pulses_lost;           /**< zerorate_pulses_lost() since the last sample */
+  bool odometer_fault;        /**< pulses were lost since the last sample */
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
@@ -193,8 +193,11 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
  */
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 
-/** The odometer input dropped pulses: it moves, and it is not known since when. */
-zerorate_result zerorate_pulses_lost(zerorate_node* self, int64_t now_ns);
+/**
+ * The odometer input failed or dropped pulses: the vehicle moves, and nobody knows since when. The
+ * next sample's health says so.
+ */
+zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns);
 
 /**
  * The vehicle's own word that it stands, instead of pulses: call it before every sample, or as

@@ -37,7 +37,7 @@ std::string modes(std::string_view name, const Modes& modes) {
   std::string text;
   for (const auto& mode : modes) {
     if (!detail::is_active(mode)) continue;
-    text += "        {.forgetting = " + literal(mode.forgetting) +
+    text += "        {.one_minus_phi = " + literal(mode.one_minus_phi) +
             ", .noise_variance = " + literal(mode.noise_variance) +
             ", .initial_variance = " + literal(mode.initial_variance) +
             ", .initial_mean = " + literal(mode.initial_mean) + "},\n";
@@ -69,7 +69,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
     throw std::invalid_argument("the name \"" + std::string{name} +
                                 "\" cannot name a constant in C; expected letters, digits and _");
   }
-  const auto node = make_node_model<kHookDecaying, kHookRotating, kHookWeights>(
+  const auto node = make_node_model<kCApiDecaying, kCApiRotating, kCApiWeights>(
       model, sample_period, filter_tick);
   if (node.samples.is_on()) {
     throw std::invalid_argument(
@@ -97,7 +97,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          field("is_stationary", node.modes.is_stationary) +
          field("walk_variance_rad2_s2", node.modes.walk_variance) +
          field("white_variance_rad2_s2", node.white_variance_rad2_s2) +
-         field("unaveraged_variance_rad2_s2", node.unaveraged_variance_rad2_s2) +
+         field("measurement_floor_variance_rad2_s2", node.measurement_floor_variance_rad2_s2) +
          field("turn_on_variance_rad2_s2", turn_on(node.turn_on_variance_rad2_s2)) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +

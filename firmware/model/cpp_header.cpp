@@ -18,7 +18,7 @@ std::string modes(const std::string& name, const Mode* first, std::size_t count)
   if (count == 0) return {};
   std::string text = "              ." + name + " = {{\n";
   for (std::size_t i = 0; i < count; ++i) {
-    text += "                  {.forgetting = " + literal(first[i].forgetting) +
+    text += "                  {.one_minus_phi = " + literal(first[i].one_minus_phi) +
             ", .noise_variance = " + literal(first[i].noise_variance) +
             ", .initial_variance = " + literal(first[i].initial_variance) +
             ", .initial_mean = " + literal(first[i].initial_mean) + "},\n";
@@ -109,9 +109,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          modes("rotating", node.modes.rotating.data(), rotating) +
          "    },\n"
          "    .white_variance_rad2_s2 = " +
-         literal(node.white_variance_rad2_s2) +
-         ",\n    .unaveraged_variance_rad2_s2 = " + literal(node.unaveraged_variance_rad2_s2) +
-         turn_on(node.turn_on_variance_rad2_s2) +
+         literal(node.white_variance_rad2_s2) + ",\n    .measurement_floor_variance_rad2_s2 = " +
+         literal(node.measurement_floor_variance_rad2_s2) + turn_on(node.turn_on_variance_rad2_s2) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature(node.temperature) + samples(node.samples) +

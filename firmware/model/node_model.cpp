@@ -159,7 +159,7 @@ core::SampleModel samples_of(const SensorModel& model, double sample_s, double t
 /// Variance of a quantizer's error that noise of standard deviation sigma does not average away:
 /// the mean error of a rate x is sum over k of step / (pi k) exp(-2 (pi k sigma / step)^2)
 /// sin(2 pi k x / step), here squared and averaged over x.
-double unaveraged_variance(double step, double sigma) {
+double measurement_floor_variance(double step, double sigma) {
   using std::numbers::pi;
   double variance = 0.0;
   for (int k = 1; k <= 1000; ++k) {
@@ -209,10 +209,10 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
   double white_variance = white_variance_of_tick * tick_s / seconds(sample_period);
   if (model.quantization) {
     const double step = model.quantization->step_rad_s;
-    const double unaveraged = unaveraged_variance(step, arw / std::sqrt(seconds(sample_period)));
+    const double floor = measurement_floor_variance(step, arw / std::sqrt(seconds(sample_period)));
     node.quantization_step_rad_s = single(step);
-    node.unaveraged_variance_rad2_s2 = single_or_zero(unaveraged);
-    white_variance += std::max(step * step / 12.0 - unaveraged, 0.0);
+    node.measurement_floor_variance_rad2_s2 = single_or_zero(floor);
+    white_variance += std::max(step * step / 12.0 - floor, 0.0);
   }
   node.white_variance_rad2_s2 = single(white_variance);
   if (model.gate) {

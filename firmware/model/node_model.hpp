@@ -28,9 +28,9 @@ inline constexpr std::size_t kMostTemperature = core::TemperatureDrift::kWeights
 /// The noise of one axis as the node needs it.
 template <std::size_t R, std::size_t C>
 struct NodeModel {
-  core::Modes<R, C> modes;                   ///< the slow noise, at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;       ///< of one sensor sample, r in S(f) = r + ...
-  float unaveraged_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
+  core::Modes<R, C> modes;                          ///< the slow noise, at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample, r in S(f) = r + ...
+  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
   /// What the bias changes by while the power is off; infinite where the model does not say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
@@ -42,7 +42,7 @@ struct NodeModel {
 
   /// Of the mean of a tick's samples.
   [[nodiscard]] constexpr float measurement_variance(float count) const {
-    return white_variance_rad2_s2 / count + unaveraged_variance_rad2_s2;
+    return white_variance_rad2_s2 / count + measurement_floor_variance_rad2_s2;
   }
 };
 
@@ -106,7 +106,7 @@ template <std::size_t R, std::size_t C, std::size_t K = 0>
   std::copy_n(full.modes.decaying.begin(), decaying, fitting.modes.decaying.begin());
   std::copy_n(full.modes.rotating.begin(), rotating, fitting.modes.rotating.begin());
   fitting.white_variance_rad2_s2 = full.white_variance_rad2_s2;
-  fitting.unaveraged_variance_rad2_s2 = full.unaveraged_variance_rad2_s2;
+  fitting.measurement_floor_variance_rad2_s2 = full.measurement_floor_variance_rad2_s2;
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.gate = full.gate;
   fitting.temperature = full.temperature;

@@ -24,7 +24,7 @@ inline constexpr std::array<HealthBit, 10> kHealthBits{{
     {"time_refused", &app::Health::time_refused},
     {"saturated", &app::Health::saturated},
     {"model_inconsistent", &app::Health::model_inconsistent},
-    {"odometer_fault", &app::Health::pulses_lost},
+    {"odometer_fault", &app::Health::odometer_fault},
     {"sensor_fault", &app::Health::sensor_fault},
     {"measurement_rejected", &app::Health::measurement_rejected},
     {"temperature_missing", &app::Health::temperature_missing},

@@ -20,7 +20,8 @@ zerorate_model good_model(FuzzedDataProvider& input) {
   model.is_stationary = true;
   model.white_variance_rad2_s2 = 1e-6F;
   model.turn_on_variance_rad2_s2 = 1e-8F;
-  model.decaying[0] = {.forgetting = 0.01F, .noise_variance = 1e-12F, .initial_variance = 5e-11F};
+  model.decaying[0] = {
+      .one_minus_phi = 0.01F, .noise_variance = 1e-12F, .initial_variance = 5e-11F};
   if (input.ConsumeBool()) {
     model.gate_threshold_sigma = 4.0F;
     model.gate_longest_knock_ticks = 20;
@@ -38,15 +39,15 @@ zerorate_model some_model(FuzzedDataProvider& input) {
   zerorate_model model = good_model(input);
   const std::array figures{&model.walk_variance_rad2_s2,
                            &model.white_variance_rad2_s2,
-                           &model.unaveraged_variance_rad2_s2,
+                           &model.measurement_floor_variance_rad2_s2,
                            &model.turn_on_variance_rad2_s2,
                            &model.gate_threshold_sigma,
-                           &model.decaying[0].forgetting,
+                           &model.decaying[0].one_minus_phi,
                            &model.decaying[0].noise_variance,
                            &model.decaying[0].initial_variance,
                            &model.decaying[0].initial_mean,
-                           &model.rotating[0].forgetting.re,
-                           &model.rotating[0].forgetting.im,
+                           &model.rotating[0].one_minus_phi.re,
+                           &model.rotating[0].one_minus_phi.im,
                            &model.rotating[0].noise_variance,
                            &model.rotating[0].initial_variance,
                            &model.rotating[0].initial_mean,
@@ -153,7 +154,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         (void)zerorate_pulse(&node, now_ns);
         break;
       case 1:
-        (void)zerorate_pulses_lost(&node, now_ns);
+        (void)zerorate_report_odometer_fault(&node, now_ns);
         break;
       case 2:
         (void)zerorate_zero_velocity(&node, now_ns, input.ConsumeBool());

@@ -27,11 +27,11 @@ Eigen::MatrixXd bias_covariance(const core::Modes<R, C>& modes, int n) {
     }
   };
   for (const auto& mode : modes.decaying) {
-    add_mode(1.0 - double{mode.forgetting}, double{mode.noise_variance},
+    add_mode(1.0 - double{mode.one_minus_phi}, double{mode.noise_variance},
              double{mode.initial_variance});
   }
   for (const auto& mode : modes.rotating) {
-    add_mode({1.0 - double{mode.forgetting.re}, -double{mode.forgetting.im}},
+    add_mode({1.0 - double{mode.one_minus_phi.re}, -double{mode.one_minus_phi.im}},
              double{mode.noise_variance}, double{mode.initial_variance});
   }
   add_mode(1.0, double{modes.walk_variance}, 0.0);

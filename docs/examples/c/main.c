@@ -15,7 +15,7 @@ static const zerorate_model kModel = {
     .is_stationary = true,
     .white_variance_rad2_s2 = 2.4e-7F,
     .turn_on_variance_rad2_s2 = ZERORATE_UNKNOWN_VARIANCE,
-    .decaying = {{.forgetting = 0.0951626F, .noise_variance = 7.25e-11F, .initial_variance = 4e-10F}},
+    .decaying = {{.one_minus_phi = 0.0951626F, .noise_variance = 7.25e-11F, .initial_variance = 4e-10F}},
 };
 
 static zerorate_node gyro;

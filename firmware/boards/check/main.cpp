@@ -53,7 +53,7 @@ void exercise_base() {
   if (!rate) return;
   report = (*rate * elapsed).in(core::deg);
   report = core::square_root(rate->in(core::deg_per_h));
-  report = core::decay_share(elapsed.in_seconds());
+  report = core::one_minus_exp_neg(elapsed.in_seconds());
 }
 
 constexpr auto kTick = core::Duration::milliseconds(10);

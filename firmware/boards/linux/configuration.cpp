@@ -188,7 +188,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
   });
   params.modes = noise.modes;
   params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
-  params.unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2;
+  params.measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2;
   params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
   params.gate = noise.gate;
   params.temperature = noise.temperature;

@@ -99,7 +99,7 @@ std::uint32_t numerics() {
   for (int i = 0; i < 3000; ++i) {
     const float x = std::bit_cast<float>(integers.next() & 0x7F7F'FFFFU);
     digest.add(core::square_root(x));
-    digest.add(core::decay_share(core::is_finite(x) && x < 100.0F ? x : 1.0F));
+    digest.add(core::one_minus_exp_neg(core::is_finite(x) && x < 100.0F ? x : 1.0F));
     if (core::is_finite_positive(x)) digest.add(core::natural_log(x));
     const std::int64_t factor = integers.next();
     digest.add(core::to_float(factor * static_cast<std::int64_t>(integers.next() >> 1U)));

@@ -44,7 +44,7 @@ class DenseFilter {
     p_(0, 0) = 1e6F;
     for (std::size_t i = 0; i < modes.decaying.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i) + 1;
-      f_(row, row) = 1.0F - modes.decaying[i].forgetting;
+      f_(row, row) = 1.0F - modes.decaying[i].one_minus_phi;
       q_(row, row) = modes.decaying[i].noise_variance;
       p_(row, row) = modes.decaying[i].initial_variance;
     }

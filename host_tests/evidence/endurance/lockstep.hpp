@@ -48,7 +48,7 @@ class DoubleFilter {
   DoubleFilter(const Decades& modes, double first_variance) {
     for (std::size_t i = 0; i < kDecades; ++i) {
       const auto row = static_cast<Eigen::Index>(i) + 1;
-      phi_(row) = 1.0 - double{modes.decaying[i].forgetting};
+      phi_(row) = 1.0 - double{modes.decaying[i].one_minus_phi};
       q_(row) = double{modes.decaying[i].noise_variance};
       const double variance = double{modes.decaying[i].initial_variance};
       p_(row, row) = variance;

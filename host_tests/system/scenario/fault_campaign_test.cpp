@@ -34,7 +34,7 @@ FaultyNode::Params node_params() {
   const auto noise = model::make_node_model<6, 0>(sensor, period, tick);
   return {.modes = noise.modes,
           .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-          .unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2,
+          .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
           .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
           .gate = {.threshold_sigma = 5.0F, .longest_knock_ticks = 20},
           .sample_period = period};

@@ -24,7 +24,7 @@ template <class Node, std::size_t R>
   const auto noise = model::make_node_model<R, 0>(model, period, period);
   return {.modes = noise.modes,
           .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-          .unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2,
+          .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
           .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
           .sample_period = period};
 }

@@ -51,7 +51,7 @@ class Node {
       return;
     }
     screen_.begin_tick(predicted.bias_rad_s,
-                       predicted.variance_rad2_s2 + node_.unaveraged_variance_rad2_s2,
+                       predicted.variance_rad2_s2 + node_.measurement_floor_variance_rad2_s2,
                        white_variance());
     double sum = 0.0;
     float learnt = 0.0F;
@@ -76,7 +76,8 @@ class Node {
     float of_sample = white_variance();
     if (model.outliers.is_on()) of_sample += model.outliers.variance_in_sums();
     if (model.motion.is_on()) of_sample += model.motion.variance_in_sums();
-    return double{of_sample / static_cast<float>(samples) + node_.unaveraged_variance_rad2_s2};
+    return double{of_sample / static_cast<float>(samples) +
+                  node_.measurement_floor_variance_rad2_s2};
   }
   /// Of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
@@ -95,7 +96,7 @@ class Node {
     temperature_.measure(temperature_.tick(), since_last);
     measured_ticks_ = tick + 1;
     return filter_.step(since_last, rate_rad_s,
-                        white_variance() / samples + node_.unaveraged_variance_rad2_s2);
+                        white_variance() / samples + node_.measurement_floor_variance_rad2_s2);
   }
 
   const NodeModel& node_;
@@ -143,7 +144,7 @@ double log_density(const core::Innovation& innovation) {
 /// At an end of the range a tenth of the noise: as a histogram tells it.
 Scale scale_of(const NodeModel& model, double level_step_rad_s) {
   const double step = double{model.quantization_step_rad_s};
-  const double of_means = double{model.unaveraged_variance_rad2_s2};
+  const double of_means = double{model.measurement_floor_variance_rad2_s2};
   return {.step_rad_s = step,
           .unknown_step_rad_s = level_step_rad_s,
           .rounding_variance = std::max(step * step / 12.0 - of_means, 0.0),

@@ -135,15 +135,16 @@ class Run {
                                            const ReplayResult& result) {
     const auto model =
         model::make_node_model<R, C, K>(options.model, result.sample_period, result.filter_tick);
-    typename Node::Params params{.modes = model.modes,
-                                 .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-                                 .unaveraged_variance_rad2_s2 = model.unaveraged_variance_rad2_s2,
-                                 .gate = model.gate,
-                                 .samples = model.samples,
-                                 .sample_period = result.sample_period,
-                                 .standstill = options.standstill,
-                                 .odometer = options.odometer,
-                                 .published = options.published};
+    typename Node::Params params{
+        .modes = model.modes,
+        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+        .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
+        .gate = model.gate,
+        .samples = model.samples,
+        .sample_period = result.sample_period,
+        .standstill = options.standstill,
+        .odometer = options.odometer,
+        .published = options.published};
     if constexpr (K > 0) params.temperature = model.temperature;
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {

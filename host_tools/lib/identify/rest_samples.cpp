@@ -51,7 +51,7 @@ class RestFilter {
     if (pulses == 0) return;
     standstill_.pulse(at);
     if (pulses > 1) standstill_.pulse(at);
-    while (!samples_.time.empty() && samples_.time.back() > standstill_.suspect_since(at)) {
+    while (!samples_.time.empty() && samples_.time.back() > standstill_.discard_after(at)) {
       samples_.time.pop_back();
       samples_.rate_rad_s.pop_back();
       if (columns_.temperature) samples_.temperature_degc.pop_back();

@@ -93,7 +93,7 @@ class Witness {
     const app::Health& health = frame.message.health;
     ++tally_.frames;
     tally_.faulty += health.sensor_fault ? 1 : 0;
-    tally_.odometer_faulty += health.pulses_lost ? 1 : 0;
+    tally_.odometer_faulty += health.odometer_fault ? 1 : 0;
     tally_.inconsistent += health.model_inconsistent ? 1 : 0;
     tally_.still += frame.message.motion == core::Motion::still ? 1 : 0;
     if (!frame.message.has_rate()) return;

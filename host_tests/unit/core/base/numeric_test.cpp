@@ -42,9 +42,9 @@ TEST(DecayShare, IsOneMinusExpToSinglePrecisionOverTwelveDecades) {
   for (double x = 1e-9; x < 1e3; x *= 1.07) {
     const auto arg = static_cast<float>(x);
     const double exact = -std::expm1(-static_cast<double>(arg));
-    EXPECT_NEAR(static_cast<double>(decay_share(arg)) / exact, 1.0, 4e-7) << x;
+    EXPECT_NEAR(static_cast<double>(one_minus_exp_neg(arg)) / exact, 1.0, 4e-7) << x;
   }
-  EXPECT_EQ(decay_share(0.0F), 0.0F);
+  EXPECT_EQ(one_minus_exp_neg(0.0F), 0.0F);
 }
 
 TEST(ToFloat, RoundsLikeTheProcessor) {

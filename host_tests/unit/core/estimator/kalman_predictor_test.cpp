@@ -38,14 +38,14 @@ class DenseFilter {
     h_(0) = 1.0;
     Eigen::Index i = 1;
     for (const auto& mode : modes.decaying) {
-      f_(i, i) = 1.0 - double{mode.forgetting};
+      f_(i, i) = 1.0 - double{mode.one_minus_phi};
       q_(i, i) = double{mode.noise_variance};
       p_(i, i) = double{mode.initial_variance};
       h_(i++) = 1.0;
     }
     for (const auto& mode : modes.rotating) {
-      const double re = 1.0 - double{mode.forgetting.re};
-      const double im = -double{mode.forgetting.im};
+      const double re = 1.0 - double{mode.one_minus_phi.re};
+      const double im = -double{mode.one_minus_phi.im};
       f_.block<2, 2>(i, i) << re, -im, im, re;
       q_(i, i) = q_(i + 1, i + 1) = double{mode.noise_variance};
       p_(i, i) = p_(i + 1, i + 1) = double{mode.initial_variance};
@@ -86,15 +86,15 @@ class SimulatedSensor {
     double sum = level_;
     for (std::size_t i = 0; i < R; ++i) {
       const auto& mode = modes_.decaying[i];
-      z_[i] = (1.0 - double{mode.forgetting}) * z_[i] +
+      z_[i] = (1.0 - double{mode.one_minus_phi}) * z_[i] +
               std::sqrt(double{mode.noise_variance}) * normal_(random_);
       sum += z_[i];
     }
     for (std::size_t i = 0; i < C; ++i) {
       const auto& mode = modes_.rotating[i];
       const double s = std::sqrt(double{mode.noise_variance});
-      const std::complex<double> factor{1.0 - double{mode.forgetting.re},
-                                        -double{mode.forgetting.im}};
+      const std::complex<double> factor{1.0 - double{mode.one_minus_phi.re},
+                                        -double{mode.one_minus_phi.im}};
       u_[i] = factor * u_[i] + std::complex<double>{s * normal_(random_), s * normal_(random_)};
       sum += u_[i].real();
     }

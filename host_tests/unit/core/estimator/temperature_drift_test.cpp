@@ -26,7 +26,7 @@ constexpr TemperatureDrift kDrift{.reference_degc = 30.0F,
                                   .curvature_sigma_rad_s_per_k2 = 0.3F};
 constexpr double kWhiteVariance = 4.0;
 using Filter = KalmanPredictor<kLags, 0, 2>;
-using Weights = TemperatureSpan<2>::Weights;
+using Weights = TemperatureTransition<2>::Weights;
 
 /// Above the reference: a warm-up, and the sun now and then.
 double excess_k(int tick) {

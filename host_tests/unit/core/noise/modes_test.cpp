@@ -50,15 +50,16 @@ std::complex<double> as_double(float x) {
 }
 
 template <class Scalar>
-void expect_equal(const ModeSpan<Scalar>& span, const SteppedMode& oracle, std::uint32_t ticks) {
+void expect_equal(const ModeTransition<Scalar>& span, const SteppedMode& oracle,
+                  std::uint32_t ticks) {
   // Float accuracy: 24 bits, and about as many roundings as there are doublings.
   const double tolerance = 6e-8 * (8.0 + 6.0 * std::log2(static_cast<double>(ticks)));
   const auto near = [&](std::complex<double> a, std::complex<double> b, const char* what) {
     EXPECT_LE(std::abs(a - b), tolerance * std::abs(b) + 1e-30) << what << " over " << ticks;
   };
-  near(as_double(span.forgotten), 1.0 - oracle.kept, "forgotten");
-  near(as_double(span.reach), oracle.reach, "reach");
-  near(as_double(span.lag), static_cast<double>(ticks) - oracle.reach, "lag");
+  near(as_double(span.one_minus_phi_m), 1.0 - oracle.kept, "forgotten");
+  near(as_double(span.sum_gain), oracle.reach, "reach");
+  near(as_double(span.sum_lag), static_cast<double>(ticks) - oracle.reach, "lag");
   near(double{span.noise}, oracle.noise, "noise");
   near(as_double(span.sum_covariance), oracle.sum_covariance, "sum covariance");
   near(double{span.sum_variance}, oracle.sum_variance, "sum variance");
@@ -69,8 +70,8 @@ TEST(TransitionOverAGap, EqualsSteppingForEveryBlock) {
   SteppedMode level{1.0, double{modes.walk_variance}};
   std::vector<SteppedMode> decaying;
   for (const auto& m : modes.decaying)
-    decaying.emplace_back(1.0 - double{m.forgetting}, double{m.noise_variance});
-  SteppedMode rotating{1.0 - as_double(modes.rotating[0].forgetting),
+    decaying.emplace_back(1.0 - double{m.one_minus_phi}, double{m.noise_variance});
+  SteppedMode rotating{1.0 - as_double(modes.rotating[0].one_minus_phi),
                        double{modes.rotating[0].noise_variance}};
   std::uint32_t ticks = 0;
   for (const std::uint32_t stop : {1U, 2U, 3U, 7U, 64U, 1000U, 4095U, 100'003U}) {
@@ -119,7 +120,7 @@ TEST(Harmonic, TurnsAtItsFrequencyAndIsAliasedAboveNyquist) {
     const auto modes = compose(
         kTick, Start::zero,
         Harmonic{.rms_rad_s = 1.0F, .frequency_hz = frequency_hz, .coherence_time_s = 1e3F});
-    return 1.0 - as_double(modes.rotating[0].forgetting);
+    return 1.0 - as_double(modes.rotating[0].one_minus_phi);
   };
   EXPECT_NEAR(std::arg(factor(1.25F)), 2.0 * M_PI * 0.125, 1e-6);
   EXPECT_NEAR(std::arg(factor(10.0F + 1.25F)), 2.0 * M_PI * 0.125, 1e-5);

@@ -30,7 +30,7 @@ TEST(StandstillAfterAPulse, CountsFromThatPulse) {
   standstill.pulse(at_ms(5000));
   EXPECT_EQ(standstill.motion(at_ms(5999)), Motion::moving);
   EXPECT_TRUE(standstill.is_settled(at_ms(6000)));
-  EXPECT_EQ(standstill.suspect_since(at_ms(5000)), at_ms(4500));
+  EXPECT_EQ(standstill.discard_after(at_ms(5000)), at_ms(4500));
 }
 
 TEST(StandstillGivenALatePulse, KeepsTheNewest) {

@@ -153,11 +153,11 @@ TEST(GyroNodeWithLostPulses, ForgetsAllThatIsHeldAndSaysSoOnce) {
   Node node{params};
   stand(node, 0, 20'000);
   const std::uint32_t learnt = node.measured_ticks();
-  node.report_lost_pulses(at_ms(21'000));
+  node.report_odometer_fault(at_ms(21'000));
   const RateMessage first = node.step(noisy_sample(at_ms(21'000), kBias));
   EXPECT_EQ(first.motion, core::Motion::moving);
-  EXPECT_TRUE(first.health.pulses_lost);
-  EXPECT_FALSE(node.step(noisy_sample(at_ms(21'010), kBias)).health.pulses_lost);
+  EXPECT_TRUE(first.health.odometer_fault);
+  EXPECT_FALSE(node.step(noisy_sample(at_ms(21'010), kBias)).health.odometer_fault);
   EXPECT_EQ(node.measured_ticks(), learnt);
   EXPECT_EQ(node.state().held.size(), 0U);
 }

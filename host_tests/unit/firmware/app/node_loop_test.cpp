@@ -278,7 +278,7 @@ TEST(NodeLoopWithPulses, HandsThemAllToTheNodeAndCountsThem) {
   EXPECT_EQ(rig.counters().pulses, 40U);
   EXPECT_EQ(rig.counters().pulses_lost, 0U);
   EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
-  EXPECT_FALSE(rig.published.messages.back().health.pulses_lost);
+  EXPECT_FALSE(rig.published.messages.back().health.odometer_fault);
 }
 
 TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulsesAndCountsAsMoving) {
@@ -289,7 +289,7 @@ TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulsesAndCountsAsMoving) {
   rig.sample();
   EXPECT_EQ(rig.counters().pulses, 64U);
   EXPECT_EQ(rig.counters().pulses_lost, 6U);
-  EXPECT_TRUE(rig.published.messages.back().health.pulses_lost);
+  EXPECT_TRUE(rig.published.messages.back().health.odometer_fault);
   EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
 }
 
@@ -304,7 +304,7 @@ TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {
   EXPECT_EQ(rig.counters().odometer_errors - errors_before, 300U);
   EXPECT_EQ(rig.node.measured_ticks(), learnt);
   EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
-  EXPECT_TRUE(rig.published.messages.back().health.pulses_lost);
+  EXPECT_TRUE(rig.published.messages.back().health.odometer_fault);
   rig.odometer.fails = false;
   rig.samples(500);
   EXPECT_GT(rig.node.measured_ticks(), learnt);

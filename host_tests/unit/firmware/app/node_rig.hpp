@@ -71,7 +71,7 @@ inline void expect_same(const core::CalibrationMean<4, 0>::State& a,
 
 inline void expect_same(const core::KalmanPredictor<4, 0>::State& a,
                         const core::KalmanPredictor<4, 0>::State& b) {
-  EXPECT_EQ(a.to_confirm, b.to_confirm);
+  EXPECT_EQ(a.confirmations_left, b.confirmations_left);
   EXPECT_EQ(a.reference_rad_s, b.reference_rad_s);
   EXPECT_EQ(a.bias_rad_s, b.bias_rad_s);
   EXPECT_EQ(a.bias_variance, b.bias_variance);
@@ -135,7 +135,7 @@ inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_EQ(a.newest_sample, b.newest_sample);
   EXPECT_EQ(a.has_sample, b.has_sample);
   EXPECT_EQ(a.stop_open, b.stop_open);
-  EXPECT_EQ(a.pulses_lost, b.pulses_lost);
+  EXPECT_EQ(a.odometer_fault, b.odometer_fault);
   EXPECT_EQ(a.measured_ticks, b.measured_ticks);
   EXPECT_EQ(a.lead, b.lead);
   EXPECT_EQ(a.standstill.last_pulse, b.standstill.last_pulse);

@@ -44,17 +44,18 @@ Record save(const zerorate_node& node, std::int64_t utc_s = kUtc_s) {
   return record;
 }
 
-TEST(HookOverThreeStopsAndDrives, IsTheNodeBitForBit) {
-  using Node = app::GyroNode<model::kHookDecaying, model::kHookRotating, model::kHookWeights>;
+TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
+  using Node = app::GyroNode<model::kCApiDecaying, model::kCApiRotating, model::kCApiWeights>;
   const auto period = core::Duration::nanoseconds(kPeriod_ns);
   const auto noise =
-      model::make_node_model<model::kHookDecaying, model::kHookRotating, model::kHookWeights>(
+      model::make_node_model<model::kCApiDecaying, model::kCApiRotating, model::kCApiWeights>(
           model::find_model("lsm6dso"), period, core::Duration::milliseconds(500));
-  const Node::Params params{.modes = noise.modes,
-                            .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-                            .unaveraged_variance_rad2_s2 = noise.unaveraged_variance_rad2_s2,
-                            .gate = noise.gate,
-                            .sample_period = period};
+  const Node::Params params{
+      .modes = noise.modes,
+      .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+      .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
+      .gate = noise.gate,
+      .sample_period = period};
   Node expected{params};
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
@@ -79,7 +80,7 @@ TEST(HookOverThreeStopsAndDrives, IsTheNodeBitForBit) {
   }
 }
 
-TEST(HookWithPulses, IsTheSameAsWithTheVehiclesWord) {
+TEST(CInterfaceWithPulses, IsTheSameAsWithTheVehiclesWord) {
   zerorate_node told;
   zerorate_node counting;
   ASSERT_EQ(zerorate_init(&told, &front_gyro, nullptr), ZERORATE_OK);
@@ -97,7 +98,7 @@ TEST(HookWithPulses, IsTheSameAsWithTheVehiclesWord) {
   }
 }
 
-TEST(HookInstances, DoNotKnowOfEachOther) {
+TEST(CInterfaceInstances, DoNotKnowOfEachOther) {
   zerorate_node alone;
   zerorate_node first;
   zerorate_node second;
@@ -113,7 +114,7 @@ TEST(HookInstances, DoNotKnowOfEachOther) {
             feed(first, moment(kStopSamples)).bias_rad_s[0]);
 }
 
-TEST(HookWhileItRuns, AllocatesNothing) {
+TEST(CInterfaceWhileItRuns, AllocatesNothing) {
   zerorate_node node;
   const support::AllocationCounter counter;
   stand(node);
@@ -121,14 +122,14 @@ TEST(HookWhileItRuns, AllocatesNothing) {
   EXPECT_EQ(counter.count(), 0U);
 }
 
-TEST(HookBeforeInit, AnswersThatItIsNotInitialised) {
+TEST(CInterfaceBeforeInit, AnswersThatItIsNotInitialised) {
   static zerorate_node node;  // zeros
   zerorate_rate rate{};
   zerorate_heading_error heading{};
   Record record{};
   const zerorate_measurement measured{};
   EXPECT_EQ(zerorate_pulse(&node, 0), ZERORATE_NOT_INITIALISED);
-  EXPECT_EQ(zerorate_pulses_lost(&node, 0), ZERORATE_NOT_INITIALISED);
+  EXPECT_EQ(zerorate_report_odometer_fault(&node, 0), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_zero_velocity(&node, 0, true), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, &heading), ZERORATE_NOT_INITIALISED);
@@ -137,7 +138,7 @@ TEST(HookBeforeInit, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_pulse(nullptr, 0), ZERORATE_NOT_INITIALISED);
 }
 
-TEST(HookThatWasMoved, AnswersThatItIsNotInitialised) {
+TEST(CInterfaceThatWasMoved, AnswersThatItIsNotInitialised) {
   auto original = std::make_unique<zerorate_node>();
   stand(*original);
   zerorate_node copy;
@@ -145,7 +146,7 @@ TEST(HookThatWasMoved, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_pulse(&copy, 0), ZERORATE_NOT_INITIALISED);
 }
 
-TEST(HookWithNullPointers, RefusesThem) {
+TEST(CInterfaceWithNullPointers, RefusesThem) {
   zerorate_node node;
   stand(node);
   zerorate_rate rate{};
@@ -161,21 +162,21 @@ TEST(HookWithNullPointers, RefusesThem) {
   EXPECT_EQ(zerorate_init(&node, nullptr, nullptr), ZERORATE_BAD_ARGUMENT);
 }
 
-TEST(HookWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
+TEST(CInterfaceWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
   const std::vector<std::pair<zerorate_result, std::function<void(zerorate_model&)>>> defects = {
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 0.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = kNan; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.walk_variance_rad2_s2 = -1e-9F; }},
-      {ZERORATE_BAD_MODEL, [](auto& m) { m.unaveraged_variance_rad2_s2 = kNan; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.measurement_floor_variance_rad2_s2 = kNan; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.turn_on_variance_rad2_s2 = -0.5F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.gate_threshold_sigma = kNan; }},
-      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].forgetting = 1.5F; }},
-      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].forgetting = 0.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].one_minus_phi = 1.5F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].one_minus_phi = 0.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].noise_variance = kNan; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.decaying[0].initial_mean = kNan; }},
       {ZERORATE_BAD_MODEL,
        [](auto& m) {
-         m.rotating[0].forgetting = {2.5F, 0.0F};
+         m.rotating[0].one_minus_phi = {2.5F, 0.0F};
        }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.rotating[0].initial_variance = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.slope_sigma_rad_s_per_k = -1.0F; }},
@@ -195,7 +196,7 @@ TEST(HookWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
   }
 }
 
-TEST(HookWithTimesThatCannotBe, RefusesThem) {
+TEST(CInterfaceWithTimesThatCannotBe, RefusesThem) {
   zerorate_node node;
   zerorate_config config = zerorate_default_config();
   config.settle_ns = -1;
@@ -208,7 +209,7 @@ TEST(HookWithTimesThatCannotBe, RefusesThem) {
   EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_TIMES);
 }
 
-TEST(HookAskedForAHeadingBeyondItsClock, RefusesIt) {
+TEST(CInterfaceAskedForAHeadingBeyondItsClock, RefusesIt) {
   zerorate_model model = front_gyro;
   model.sample_period_ns = model.tick_ns = 3'600'000'000'000;
   zerorate_node node;
@@ -218,7 +219,7 @@ TEST(HookAskedForAHeadingBeyondItsClock, RefusesIt) {
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 2'000'000, &error), ZERORATE_BAD_ARGUMENT);
 }
 
-TEST(HookFedWithATimeThatNoClockShows, RefusesIt) {
+TEST(CInterfaceFedWithATimeThatNoClockShows, RefusesIt) {
   constexpr std::int64_t kCentury_ns = 3'155'760'000'000'000'000;
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
@@ -227,12 +228,12 @@ TEST(HookFedWithATimeThatNoClockShows, RefusesIt) {
     const zerorate_measurement measured{.time_ns = time_ns};
     EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_BAD_ARGUMENT);
     EXPECT_EQ(zerorate_pulse(&node, time_ns), ZERORATE_BAD_ARGUMENT);
-    EXPECT_EQ(zerorate_pulses_lost(&node, time_ns), ZERORATE_BAD_ARGUMENT);
+    EXPECT_EQ(zerorate_report_odometer_fault(&node, time_ns), ZERORATE_BAD_ARGUMENT);
     EXPECT_EQ(zerorate_zero_velocity(&node, time_ns, true), ZERORATE_BAD_ARGUMENT);
   }
 }
 
-TEST(HookWithBadSamples, FlagsThemAndChangesNothing) {
+TEST(CInterfaceWithBadSamples, FlagsThemAndChangesNothing) {
   zerorate_node node;
   stand(node);
   const Moment last = moment(kStopSamples);
@@ -255,7 +256,7 @@ TEST(HookWithBadSamples, FlagsThemAndChangesNothing) {
 }
 
 // 1 mrad/s a degree, known to a percent: ten degrees more move the bias by 10 mrad/s at once.
-TEST(HookWithATemperature, FollowsItAndSaysWhereThereIsNone) {
+TEST(CInterfaceWithATemperature, FollowsItAndSaysWhereThereIsNone) {
   zerorate_model model = front_gyro;
   model.temperature = {
       .reference_degc = 25.0F, .slope_rad_s_per_k = 1e-3F, .slope_sigma_rad_s_per_k = 1e-5F};
@@ -278,15 +279,15 @@ TEST(HookWithATemperature, FollowsItAndSaysWhereThereIsNone) {
   EXPECT_TRUE(rate.health.temperature_missing);
 }
 
-TEST(HookWhoseInputLostPulses, SaysSoOnce) {
+TEST(CInterfaceWhoseInputLostPulses, SaysSoOnce) {
   zerorate_node node;
   stand(node);
-  ASSERT_EQ(zerorate_pulses_lost(&node, kStopSamples * kPeriod_ns), ZERORATE_OK);
-  EXPECT_TRUE(feed(node, moment(kStopSamples)).health.pulses_lost);
-  EXPECT_FALSE(feed(node, moment(kStopSamples + 1)).health.pulses_lost);
+  ASSERT_EQ(zerorate_report_odometer_fault(&node, kStopSamples * kPeriod_ns), ZERORATE_OK);
+  EXPECT_TRUE(feed(node, moment(kStopSamples)).health.odometer_fault);
+  EXPECT_FALSE(feed(node, moment(kStopSamples + 1)).health.odometer_fault);
 }
 
-TEST(HookAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
+TEST(CInterfaceAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
   zerorate_node node;
   zerorate_heading_error minute{};
   zerorate_heading_error hour{};
@@ -299,7 +300,7 @@ TEST(HookAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
   EXPECT_GT(hour.sigma_rad, 60.0F * minute.sigma_rad);  // the bias does not stay where it is
 }
 
-TEST(HookRestored, GoesOnWithTheBiasAndAWiderInterval) {
+TEST(CInterfaceRestored, GoesOnWithTheBiasAndAWiderInterval) {
   zerorate_node node;
   stand(node);
   const zerorate_rate before = feed(node, moment(kStopSamples));
@@ -314,7 +315,7 @@ TEST(HookRestored, GoesOnWithTheBiasAndAWiderInterval) {
   EXPECT_GT(after.sigma_rad_s[0], before.sigma_rad_s[0]);
 }
 
-TEST(HookOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
+TEST(CInterfaceOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
   zerorate_node node;
   stand(node);
   const Record good = save(node);
@@ -347,7 +348,7 @@ TEST(HookOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
   EXPECT_EQ(refusal(save(unknown), good.size(), other, 0), ZERORATE_SNAPSHOT_NOT_USABLE);
 }
 
-TEST(HookSaving, NeedsRoomAndAStop) {
+TEST(CInterfaceSaving, NeedsRoomAndAStop) {
   zerorate_node node;
   Record record{};
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);

@@ -17,8 +17,8 @@ namespace {
 constexpr auto kSamplePeriod = core::Duration::milliseconds(10);
 constexpr auto kTick = core::Duration::milliseconds(500);
 // The PC and the vehicle agree on what a model may hold, though neither room includes the other.
-static_assert(kHookDecaying == ZERORATE_DECAYING_MODES);
-static_assert(kHookRotating == ZERORATE_ROTATING_MODES);
+static_assert(kCApiDecaying == ZERORATE_DECAYING_MODES);
+static_assert(kCApiRotating == ZERORATE_ROTATING_MODES);
 
 TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/c_api/examples/front_gyro.h");
@@ -29,7 +29,7 @@ TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
 }
 
 TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
-  const auto node = make_node_model<kHookDecaying, kHookRotating, kHookWeights>(
+  const auto node = make_node_model<kCApiDecaying, kCApiRotating, kCApiWeights>(
       find_model("lsm6dso"), kSamplePeriod, kTick);
   EXPECT_EQ(front_gyro.sample_period_ns, kSamplePeriod.ns());
   EXPECT_EQ(front_gyro.tick_ns, kTick.ns());
@@ -40,7 +40,7 @@ TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
   std::size_t used = 0;
   for (const auto& mode : node.modes.decaying) {
     if (mode.noise_variance == 0.0F) continue;
-    EXPECT_EQ(front_gyro.decaying[used].forgetting, mode.forgetting);
+    EXPECT_EQ(front_gyro.decaying[used].one_minus_phi, mode.one_minus_phi);
     EXPECT_EQ(front_gyro.decaying[used].noise_variance, mode.noise_variance);
     EXPECT_EQ(front_gyro.decaying[used].initial_variance, mode.initial_variance);
     ++used;

@@ -55,7 +55,7 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
       find_model("lsm6dso"), kSamplePeriod, kTick);
   const auto& params = exported::kNodeParams;
   EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
-  EXPECT_EQ(params.unaveraged_variance_rad2_s2, node.unaveraged_variance_rad2_s2);
+  EXPECT_EQ(params.measurement_floor_variance_rad2_s2, node.measurement_floor_variance_rad2_s2);
   EXPECT_EQ(params.gate.threshold_sigma, node.gate.threshold_sigma);
   EXPECT_EQ(params.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
   EXPECT_EQ(params.modes.is_stationary, node.modes.is_stationary);
@@ -64,7 +64,7 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   EXPECT_EQ(params.modes.start, node.modes.start);
   EXPECT_EQ(params.modes.walk_variance, node.modes.walk_variance);
   for (std::size_t i = 0; i < exported::kDecayingModes; ++i) {
-    EXPECT_EQ(params.modes.decaying[i].forgetting, node.modes.decaying[i].forgetting);
+    EXPECT_EQ(params.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
     EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
     EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
     EXPECT_EQ(params.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);

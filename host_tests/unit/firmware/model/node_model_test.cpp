@@ -65,11 +65,11 @@ double believed_spectrum(const NodeModel<R, C>& node, double nu_hz) {
   per_tick += static_cast<double>(node.modes.walk_variance) * gain(1.0, w);
   for (const auto& mode : node.modes.decaying) {
     per_tick += static_cast<double>(mode.noise_variance) *
-                gain(1.0 - static_cast<double>(mode.forgetting), w);
+                gain(1.0 - static_cast<double>(mode.one_minus_phi), w);
   }
   for (const auto& mode : node.modes.rotating) {
-    const Complex factor(1.0 - static_cast<double>(mode.forgetting.re),
-                         -static_cast<double>(mode.forgetting.im));
+    const Complex factor(1.0 - static_cast<double>(mode.one_minus_phi.re),
+                         -static_cast<double>(mode.one_minus_phi.im));
     per_tick += static_cast<double>(mode.noise_variance) *
                 (gain(factor, w) + gain(std::conj(factor), w)) / 2.0;
   }
@@ -148,7 +148,7 @@ TEST(NodeModelOfTransients, StartsApartFromItsStationaryState) {
   const auto node = make_node_model<8, 0>(model, kSample, kTick);
   EXPECT_FALSE(node.modes.is_stationary);
   EXPECT_FLOAT_EQ(node.modes.decaying[6].initial_mean, 1e-3F);
-  EXPECT_NEAR(node.modes.decaying[6].forgetting, 0.2F / 600.0F, 1e-7F);
+  EXPECT_NEAR(node.modes.decaying[6].one_minus_phi, 0.2F / 600.0F, 1e-7F);
   EXPECT_GT(node.modes.decaying[7].initial_variance, 0.0F);
 }
 

@@ -148,7 +148,7 @@ TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
     EXPECT_EQ(reading.raw("TimeRefused") == 1, health.time_refused);
     EXPECT_EQ(reading.raw("Saturated") == 1, health.saturated);
     EXPECT_EQ(reading.raw("ModelInconsistent") == 1, health.model_inconsistent);
-    EXPECT_EQ(reading.raw("OdometerFault") == 1, health.pulses_lost);
+    EXPECT_EQ(reading.raw("OdometerFault") == 1, health.odometer_fault);
     EXPECT_EQ(reading.raw("SensorFault") == 1, health.sensor_fault);
     EXPECT_EQ(reading.raw("MeasurementRejected") == 1, health.measurement_rejected);
     EXPECT_EQ(reading.raw("TemperatureMissing") == 1, health.temperature_missing);

@@ -190,12 +190,12 @@ TEST(NodeServiceWhoseOdometerFails, NeverClaimsStandstillMeanwhile) {
   rig.hardware.odometer_fails = true;
   rig.run(208);
   EXPECT_EQ(rig.latest().motion, core::Motion::moving);
-  EXPECT_TRUE(rig.latest().health.pulses_lost);
+  EXPECT_TRUE(rig.latest().health.odometer_fault);
   EXPECT_TRUE(was_logged("odometer: cannot be read"));
   rig.hardware.odometer_fails = false;
   rig.run(520);
   EXPECT_EQ(rig.latest().motion, core::Motion::still);
-  EXPECT_FALSE(rig.latest().health.pulses_lost);
+  EXPECT_FALSE(rig.latest().health.odometer_fault);
 }
 
 TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {

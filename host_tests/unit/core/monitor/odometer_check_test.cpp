@@ -1,4 +1,4 @@
-#include "core/standstill/odometer_check.hpp"
+#include "core/monitor/odometer_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,13 +26,13 @@ OdometerCheck make_check(const OdometerCheck::Params& params = {}, Duration tick
 }
 
 void stand(OdometerCheck& check, const Rates& mean, int ticks, const Rates* predicted = nullptr) {
-  for (int i = 0; i < ticks; ++i) check.stand(mean, kSamples, predicted);
+  for (int i = 0; i < ticks; ++i) check.on_standing_tick(mean, kSamples, predicted);
 }
 
 /// Ticks until turns() is as wanted, 1000 if it never is.
 int ticks_until(OdometerCheck& check, const Rates& mean, bool turns) {
   for (int ticks = 1; ticks < 1000; ++ticks) {
-    check.stand(mean, kSamples, &kBias);
+    check.on_standing_tick(mean, kSamples, &kBias);
     if (check.turns() == turns) return ticks;
   }
   return 1000;
@@ -90,15 +90,15 @@ TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
 
 TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
   OdometerCheck check = make_check();
-  check.drive(kBias);
+  check.on_driving_tick(kBias);
   stand(check, turning(1.3F), 1, &kBias);
   EXPECT_TRUE(check.disagrees());
   EXPECT_EQ(ticks_until(check, turning(1.3F), false), 10);  // 5 s: nothing is refused for its level
-  check.drive(kBias);
+  check.on_driving_tick(kBias);
   stand(check, turning(0.2F), 1, &kBias);
   EXPECT_FALSE(check.disagrees());
   OdometerCheck fresh = make_check();  // of a node that has learnt nothing yet
-  fresh.drive(kBias);
+  fresh.on_driving_tick(kBias);
   stand(fresh, turning(50.0F), 1);
   EXPECT_FALSE(fresh.disagrees());
 }
@@ -108,7 +108,7 @@ TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBeforeWhereNothingIsPred
   OdometerCheck check = make_check();
   stand(check, kBias, 4);
   check.pulse(Duration::seconds(1));
-  for (int k = 0; k < 20; ++k) check.drive(turning(13.0F));
+  for (int k = 0; k < 20; ++k) check.on_driving_tick(turning(13.0F));
   stand(check, turning(13.0F), 9);
   EXPECT_TRUE(check.turns());
   stand(check, turning(13.0F), 2);  // 5 s: no bend
@@ -128,17 +128,17 @@ TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
   for (int tick = 0; tick <= 240; ++tick) {
     EXPECT_FALSE(check.disagrees()) << tick;
     const float noise = 2.0F * kSigmaRadS * (tick % 2 == 0 ? 1.0F : -1.0F);
-    check.drive({kBias[0] + noise, kBias[1], kBias[2] - noise});
+    check.on_driving_tick({kBias[0] + noise, kBias[1], kBias[2] - noise});
   }
   EXPECT_TRUE(check.disagrees());
   EXPECT_FALSE(check.turns());  // nothing keeps a stop from being learnt from
-  check.drive(turning(2.0F));
+  check.on_driving_tick(turning(2.0F));
   EXPECT_FALSE(check.disagrees());
 }
 
 TEST(OdometerCheckGivenPulsesAtRest, IsSilentWhereNobodyWantsToKnow) {
   OdometerCheck check = make_check({.longest_straight = {}});
-  for (int tick = 0; tick < 70'000; ++tick) check.drive(kBias);
+  for (int tick = 0; tick < 70'000; ++tick) check.on_driving_tick(kBias);
   EXPECT_FALSE(check.disagrees());
 }
 
@@ -152,7 +152,7 @@ TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
   check.pulse(Duration::microseconds(100));
   for (int tick = 0; tick < 4; ++tick) {
     EXPECT_TRUE(check.disagrees());
-    check.drive(turning(static_cast<float>(tick)));
+    check.on_driving_tick(turning(static_cast<float>(tick)));
   }
   EXPECT_FALSE(check.disagrees());
 }
@@ -168,8 +168,8 @@ TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
         sum +=
             std::sqrt(2.0F) * 2.0F * std::sin(2.0F * 3.14159265F * 0.225F * static_cast<float>(k));
       }
-      check.stand(turning(sum / static_cast<float>(samples)), static_cast<std::uint32_t>(samples),
-                  &kBias);
+      check.on_standing_tick(turning(sum / static_cast<float>(samples)),
+                             static_cast<std::uint32_t>(samples), &kBias);
       ASSERT_FALSE(check.disagrees()) << tick_ms << " ms, tick " << tick;
     }
   }
@@ -178,7 +178,7 @@ TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
 TEST(OdometerCheckGivenATickThatLacksSamples, DoesNotJudgeIt) {
   OdometerCheck check = make_check();
   stand(check, kBias, 20);
-  check.stand(turning(5.0F), kSamples / 2, &kBias);
+  check.on_standing_tick(turning(5.0F), kSamples / 2, &kBias);
   EXPECT_FALSE(check.disagrees());
 }
 

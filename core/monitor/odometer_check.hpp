@@ -30,30 +30,30 @@ class OdometerCheck {
   using Rates = std::array<float, kAxes>;
 
   struct Params {
-    /// A change by more is a turn. Larger: rougher engines and louder gyros are borne; smaller:
-    /// slower turns are noticed. Never below six standard deviations of a window. Default
+    /// A change by more is a turn. Larger values tolerate rougher engines and noisier gyros;
+    /// smaller values detect slower turns. Never below six standard deviations of a window. Default
     /// 0.3 deg/s; infinite: no turn is ever noticed.
     float turn_rad_s = 0.3F * kRadPerDeg;
     /// A rate that has stayed changed for so long, or for four times as long as the one before it,
     /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
     /// Default 2 min.
     Duration longest_turn = Duration::seconds(120);
-    /// Never sooner than this; but so soon where a stop begins with another bias than predicted.
-    /// Default 5 s.
+    /// Shortest time before a changed level is accepted; used as it is where a stop begins away
+    /// from the predicted bias. Default 5 s.
     Duration longest_bend = Duration::seconds(5);
     /// No vehicle drives for so long without any rotation that exceeds the noise. Default 2 min; 0:
     /// pulses are never doubted for that.
     Duration longest_straight = Duration::seconds(120);
-    /// Between two pulses of a wheel that turns there is more. Default 0.2 ms: a pulse each 2 cm at
-    /// 100 m/s.
+    /// Pulses closer together than this cannot come from a turning wheel. Default 0.2 ms: a pulse
+    /// each 2 cm at 100 m/s.
     Duration shortest_pulse = Duration::microseconds(200);
   };
 
   static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
   struct State {
-    Rates level_rad_s{};  ///< of late; while moving, one sample
-    /// Before it changed; as long as nothing is known no number, and so far from none.
+    Rates level_rad_s{};  ///< recent level of the rate; while moving, the newest sample
+    /// Level before the last change. NaN while unknown, so that it differs from every level.
     Rates trusted_rad_s{kUnknown, kUnknown, kUnknown};
     Rates sum_rad_s{};               ///< of the window being filled
     std::uint16_t steady_ticks = 0;  ///< since the level changed
@@ -71,18 +71,19 @@ class OdometerCheck {
         longest_turn_(ticks_in(params.longest_turn, tick)),
         longest_bend_(ticks_in(params.longest_bend, tick)),
         longest_straight_(ticks_in(params.longest_straight, tick)),
-        back_(a_few(kBackFor, tick)),
-        bounced_(a_few(kBouncedFor, tick)),
-        window_(a_few(kWindow, tick)),
-        full_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
+        back_(ticks_clamped_to_u8(kBackFor, tick)),
+        bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
+        window_(ticks_clamped_to_u8(kWindow, tick)),
+        fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
     // Of a difference: six standard deviations are no noise, four may be, once in a while.
-    constexpr float kSurely = 2.0F * 6.0F * 6.0F;
-    constexpr float kProbably = 2.0F * 4.0F * 4.0F;
-    const auto samples = static_cast<float>(static_cast<std::uint32_t>(window_) * full_ + 1U);
-    const float noise = kSurely * white_variance_rad2_s2 / samples;
+    constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
+    constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
+    const auto samples =
+        static_cast<float>(static_cast<std::uint32_t>(window_) * fewest_samples_ + 1U);
+    const float noise = kSixSigmaOfDifference2 * white_variance_rad2_s2 / samples;
     const float turn = params.turn_rad_s * params.turn_rad_s;
     turn_rad2_s2_ = turn > noise ? turn : noise;
-    noise_rad2_s2_ = kProbably * white_variance_rad2_s2;
+    noise_rad2_s2_ = kFourSigmaOfDifference2 * white_variance_rad2_s2;
     const float window_s = tick.in_seconds() * static_cast<float>(window_);
     follow_ = window_s / (window_s + kFollow_s);
   }
@@ -105,13 +106,13 @@ class OdometerCheck {
   }
 
   /// A tick begins while the vehicle moves.
-  constexpr void drive(const Rates& sample_rad_s) {
+  constexpr void on_driving_tick(const Rates& sample_rad_s) {
     count_down();
     if (state_.stands && !state_.turns) state_.trusted_rad_s = state_.level_rad_s;
     if (state_.stands || !is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
-      begin_at(sample_rad_s);
+      restart_level(sample_rad_s);
     } else {
-      grow(1);
+      age_level(1);
     }
     clear_window();
     state_.stands = false;
@@ -120,10 +121,10 @@ class OdometerCheck {
   /// A tick of standstill is over.
   /// @param samples in it: one that lacks many is not judged
   /// @param predicted_rad_s the bias, or nullptr if none is known
-  constexpr void stand(const Rates& mean_rad_s, std::uint32_t samples,
-                       const Rates* predicted_rad_s) {
+  constexpr void on_standing_tick(const Rates& mean_rad_s, std::uint32_t samples,
+                                  const Rates* predicted_rad_s) {
     count_down();
-    if (samples < full_) return;
+    if (samples < fewest_samples_) return;
     for (std::size_t i = 0; i < kAxes; ++i) state_.sum_rad_s[i] += mean_rad_s[i];
     if (++state_.window_ticks < window_) return;
     Rates mean{};
@@ -131,7 +132,7 @@ class OdometerCheck {
       mean[i] = state_.sum_rad_s[i] / static_cast<float>(window_);
     }
     clear_window();
-    judge(mean, predicted_rad_s);
+    compare_window(mean, predicted_rad_s);
   }
 
  private:
@@ -147,14 +148,14 @@ class OdometerCheck {
     return ticks > 0 && ticks < kNever ? static_cast<std::uint16_t>(ticks) : kNever;
   }
   /// At least one, and as many as eight bits hold.
-  static constexpr std::uint8_t a_few(Duration duration, Duration tick) {
+  static constexpr std::uint8_t ticks_clamped_to_u8(Duration duration, Duration tick) {
     const std::int64_t ticks = duration / tick;
     if (ticks < 1) return 1;
     return ticks < 0xFF ? static_cast<std::uint8_t>(ticks) : std::uint8_t{0xFF};
   }
 
-  static constexpr std::uint16_t between(std::uint16_t least, std::uint32_t ticks,
-                                         std::uint16_t most) {
+  static constexpr std::uint16_t clamp_ticks(std::uint16_t least, std::uint32_t ticks,
+                                             std::uint16_t most) {
     if (ticks >= most) return most;
     return ticks < least ? least : static_cast<std::uint16_t>(ticks);
   }
@@ -167,9 +168,9 @@ class OdometerCheck {
     return true;
   }
 
-  constexpr void judge(const Rates& mean, const Rates* predicted) {
+  constexpr void compare_window(const Rates& mean, const Rates* predicted) {
     if (!state_.stands) {
-      begin_at(mean);
+      restart_level(mean);
       state_.stands = true;
       if (predicted != nullptr) state_.trusted_rad_s = *predicted;
       state_.turns = !is_near(mean, state_.trusted_rad_s, turn_rad2_s2_);
@@ -177,37 +178,37 @@ class OdometerCheck {
       return;
     }
     if (is_near(mean, state_.level_rad_s, turn_rad2_s2_)) {
-      stay(mean);
+      track_level(mean);
     } else {
-      change_to(mean);
+      start_change(mean);
     }
   }
 
-  constexpr void stay(const Rates& mean) {
+  constexpr void track_level(const Rates& mean) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       state_.level_rad_s[i] += follow_ * (mean[i] - state_.level_rad_s[i]);
     }
-    grow(window_);
+    age_level(window_);
     const bool is_back = state_.steady_ticks >= back_ &&
                          is_near(state_.level_rad_s, state_.trusted_rad_s, turn_rad2_s2_);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }
 
-  constexpr void change_to(const Rates& mean) {
+  constexpr void start_change(const Rates& mean) {
     if (!state_.turns) {
       state_.turns = true;
       state_.trusted_rad_s = state_.level_rad_s;
-      state_.needed_ticks = between(longest_bend_, 4U * state_.steady_ticks, longest_turn_);
+      state_.needed_ticks = clamp_ticks(longest_bend_, 4U * state_.steady_ticks, longest_turn_);
     }
-    begin_at(mean);
+    restart_level(mean);
   }
 
-  constexpr void begin_at(const Rates& rate) {
+  constexpr void restart_level(const Rates& rate) {
     state_.level_rad_s = rate;
     state_.steady_ticks = 0;
     clear_window();
   }
-  constexpr void grow(std::uint16_t ticks) {
+  constexpr void age_level(std::uint16_t ticks) {
     const auto room = static_cast<std::uint16_t>(kNever - 1U - state_.steady_ticks);
     state_.steady_ticks =
         static_cast<std::uint16_t>(state_.steady_ticks + (ticks < room ? ticks : room));
@@ -227,7 +228,7 @@ class OdometerCheck {
   std::uint8_t back_;
   std::uint8_t bounced_;
   std::uint8_t window_;
-  std::uint32_t full_;  ///< samples that make a tick worth judging
+  std::uint32_t fewest_samples_;  ///< samples that make a tick worth judging
   float turn_rad2_s2_ = 0.0F;
   float noise_rad2_s2_ = 0.0F;
   float follow_ = 0.0F;
