@@ -21,7 +21,7 @@ namespace zerorate::core {
 /// - `predict_heading(lead, drive)`: the integral of the bias over the ticks of `drive`, which
 ///   begins `lead` after the newest measurement.
 template <class P>
-concept BiasPredictor = requires(P predictor, const P& settled, const typename P::Span& span,
+concept BiasPredictor = requires(P predictor, const P& settled, const typename P::Transition& span,
                                  float rate_rad_s, float variance_rad2_s2) {
   typename P::State;
   typename P::Coefficients;

@@ -8,16 +8,16 @@
 
 #include "core/estimator/prediction.hpp"
 #include "core/estimator/weighted_window.hpp"
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
 
 /// Cost: observe 6 operations, bias one division, an interval about 2 log2(count) compositions.
-template <std::size_t R, std::size_t C>
+template <ModelShape Shape>
 class CalibrationMean {
  public:
-  using Coefficients = Modes<R, C>;
-  using Span = Transition<R, C>;
+  using Coefficients = ModesOf<Shape>;
+  using Transition = TransitionOf<Shape>;
 
   struct State {
     bool restart = true;           ///< the next measurement is the first of a stop
@@ -27,11 +27,13 @@ class CalibrationMean {
     float sum_rad_s = 0.0F;        ///< of the deviations from it
     float lost_rad_s = 0.0F;       ///< what the sum rounded off (Kahan), given back next time
     float white_variance_sum = 0.0F;
+
+    constexpr bool operator==(const State&) const = default;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
   /// @param modes the noise that the intervals are computed under; must outlive the predictor
-  constexpr explicit CalibrationMean(const Modes<R, C>& modes) : modes_(&modes) {}
+  constexpr explicit CalibrationMean(const ModesOf<Shape>& modes) : modes_(&modes) {}
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
@@ -39,7 +41,7 @@ class CalibrationMean {
   /// The next measurement starts a new mean; until then the old one stands.
   constexpr void begin_stop() { state_.restart = true; }
 
-  constexpr void advance(const Span& span) { state_.age += span.ticks; }
+  constexpr void advance(const Transition& span) { state_.age += span.ticks; }
 
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
@@ -59,20 +61,20 @@ class CalibrationMean {
   }
 
   /// advance() and observe() in one.
-  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+  constexpr Innovation step(const Transition& span, float rate_rad_s, float white_variance) {
     advance(span);
     return observe(rate_rad_s, white_variance);
   }
 
-  [[nodiscard]] constexpr float bias_rad_s(const Span& /*lead*/) const { return mean(); }
+  [[nodiscard]] constexpr float bias_rad_s(const Transition& /*lead*/) const { return mean(); }
 
-  [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
+  [[nodiscard]] constexpr Prediction predict(const Transition& lead) const {
     if (state_.count == 0) return {};
     return {mean(), window(1.0F / count()).point_variance(lead)};
   }
 
-  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
-                                                            const Span& drive) const {
+  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Transition& lead,
+                                                            const Transition& drive) const {
     if (state_.count == 0) return {};
     const auto ticks = static_cast<float>(drive.ticks);
     const float tick_s = modes_->tick.in_seconds();
@@ -85,14 +87,17 @@ class CalibrationMean {
   [[nodiscard]] constexpr float mean() const {
     return state_.count == 0 ? 0.0F : state_.reference_rad_s + state_.sum_rad_s / count();
   }
-  [[nodiscard]] constexpr WeightedWindow<R, C> window(float weight) const {
-    WeightedWindow<R, C> window{*modes_, state_.age - state_.count};
+  [[nodiscard]] constexpr WeightedWindow<Shape> window(float weight) const {
+    WeightedWindow<Shape> window{*modes_, state_.age - state_.count};
     window.add(modes_->over(state_.count), weight, state_.white_variance_sum / count());
     return window;
   }
 
-  const Modes<R, C>* modes_;
+  const ModesOf<Shape>* modes_;
   State state_{};
 };
+
+template <std::size_t R, std::size_t C>
+CalibrationMean(const Modes<R, C>&) -> CalibrationMean<ModelShape{.decaying = R, .rotating = C}>;
 
 }  // namespace zerorate::core

@@ -9,7 +9,7 @@
 
 #include "core/estimator/gate.hpp"
 #include "core/estimator/pair_covariance.hpp"
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
 
 namespace zerorate::core {
@@ -42,15 +42,18 @@ struct PairForgetting {
 ///
 /// With K = TemperatureDrift::kWeights the last pair is no drift but slope and curvature:
 /// constants, which move the bias by the changes of their weights.
-template <std::size_t R, std::size_t C, std::size_t K = 0>
+template <ModelShape Shape>
 struct KalmanCoefficients {
-  static_assert(K == 0 || K == TemperatureDrift::kWeights);
-  static constexpr std::size_t kDecayingPairs = (R + 1) / 2;
-  static constexpr std::size_t kModePairs = kDecayingPairs + C;
-  static constexpr std::size_t kPairs = kModePairs + K / 2;
+  static constexpr std::size_t kDecaying = Shape.decaying;
+  static constexpr std::size_t kRotating = Shape.rotating;
+  static constexpr std::size_t kWeights = Shape.temperature_weights;
+  static_assert(kWeights == 0 || kWeights == TemperatureDrift::kWeights);
+  static constexpr std::size_t kDecayingPairs = (kDecaying + 1) / 2;
+  static constexpr std::size_t kModePairs = kDecayingPairs + kRotating;
+  static constexpr std::size_t kPairs = kModePairs + kWeights / 2;
   static constexpr std::size_t kDrifts = 2 * kPairs;
   using Drifts = std::array<float, kDrifts>;
-  using Span = FilterTransition<R, C, K>;
+  using Transition = FilterTransition<Shape>;
 
   /// The drift that holds the real part of a rotating mode; the imaginary part is the next.
   static constexpr std::size_t rotating(std::size_t i) { return 2 * (kDecayingPairs + i); }
@@ -66,18 +69,19 @@ struct KalmanCoefficients {
   Drifts initial_variance{};
   Drifts initial_mean{};
   Drifts forgotten{};                             ///< alpha of the decaying modes
-  std::array<Complex, C> turned{};                ///< alpha of the rotating modes
+  std::array<Complex, kRotating> turned{};        ///< alpha of the rotating modes
   PairCovariance<kDecayingPairs> pair_forgotten;  ///< 1 - (1 - alpha_i)(1 - alpha_j)
-  std::array<float, R> decaying_scale{};          ///< beta
-  std::array<Complex, C> rotating_scale{};
+  std::array<float, kDecaying> decaying_scale{};  ///< beta
+  std::array<Complex, kRotating> rotating_scale{};
 
-  constexpr explicit KalmanCoefficients(const Modes<R, C>& modes, const Gate& innovation_gate = {},
-                                        const TemperatureBlock<K>& temperature = {})
+  constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
+                                        const Gate& innovation_gate = {},
+                                        const TemperatureBlock<kWeights>& temperature = {})
       : tick_s(modes.tick.in_seconds()),
         gate(innovation_gate),
         confirmations(confirmations_at(modes.tick)),
         bias_noise(modes.one_tick().noise()) {
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i) {
       const DecayingMode& mode = modes.decaying[i];
       forgotten[i] = mode.one_minus_phi;
       decaying_scale[i] = -mode.one_minus_phi;
@@ -87,14 +91,14 @@ struct KalmanCoefficients {
       initial_variance[i] = decaying_scale[i] * decaying_scale[i] * mode.initial_variance;
       initial_mean[i] = decaying_scale[i] * mode.initial_mean;
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < kRotating; ++i) {
       const RotatingMode& mode = modes.rotating[i];
       turned[i] = mode.one_minus_phi;
       rotating_scale[i] = Complex{-0.5F, -0.5F} * mode.one_minus_phi;
       initial_variance[rotating(i)] = initial_variance[rotating(i) + 1] =
           squared_magnitude(rotating_scale[i]) * mode.initial_variance;
     }
-    if constexpr (K > 0) {
+    if constexpr (kWeights > 0) {
       initial_mean[kTemperature] = temperature.slope_rad_s_per_k;
       initial_mean[kTemperature + 1] = temperature.curvature_rad_s_per_k2;
       initial_variance[kTemperature] =
@@ -102,7 +106,7 @@ struct KalmanCoefficients {
       initial_variance[kTemperature + 1] =
           temperature.curvature_sigma_rad_s_per_k2 * temperature.curvature_sigma_rad_s_per_k2;
     }
-    const Transition<R, C> tick = modes.one_tick();
+    const TransitionOf<Shape> tick = modes.one_tick();
     cross_noise = cross_noise_of(tick);
     drift_noise = drift_noise_of(tick);
   }
@@ -117,21 +121,22 @@ struct KalmanCoefficients {
     return forgotten[i] > kNearlyConstant ? -1.0F / forgotten[i] : 0.0F;
   }
 
-  [[nodiscard]] constexpr Drifts cross_noise_of(const Transition<R, C>& span) const {
+  [[nodiscard]] constexpr Drifts cross_noise_of(const TransitionOf<Shape>& span) const {
     Drifts noise{};
-    for (std::size_t i = 0; i < R; ++i) noise[i] = decaying_scale[i] * span.decaying[i].noise;
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i)
+      noise[i] = decaying_scale[i] * span.decaying[i].noise;
+    for (std::size_t i = 0; i < kRotating; ++i) {
       noise[rotating(i)] = rotating_scale[i].re * span.rotating[i].noise;
       noise[rotating(i) + 1] = rotating_scale[i].im * span.rotating[i].noise;
     }
     return noise;
   }
-  [[nodiscard]] constexpr Drifts drift_noise_of(const Transition<R, C>& span) const {
+  [[nodiscard]] constexpr Drifts drift_noise_of(const TransitionOf<Shape>& span) const {
     Drifts noise{};
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i) {
       noise[i] = decaying_scale[i] * decaying_scale[i] * span.decaying[i].noise;
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < kRotating; ++i) {
       noise[rotating(i)] = noise[rotating(i) + 1] =
           squared_magnitude(rotating_scale[i]) * span.rotating[i].noise;
     }
@@ -139,12 +144,12 @@ struct KalmanCoefficients {
   }
 
   /// What pair i forgets over a span.
-  [[nodiscard]] static PairForgetting of_pair(const Transition<R, C>& span, std::size_t i) {
+  [[nodiscard]] static PairForgetting of_pair(const TransitionOf<Shape>& span, std::size_t i) {
     if (i >= kModePairs) return of_constants();
     if (i >= kDecayingPairs) return of_rotating(span.rotating[i - kDecayingPairs].one_minus_phi_m);
     const std::size_t second = 2 * i + 1;
     return of_decaying(span.decaying[2 * i].one_minus_phi_m,
-                       second < R ? span.decaying[second].one_minus_phi_m : 0.0F);
+                       second < kDecaying ? span.decaying[second].one_minus_phi_m : 0.0F);
   }
   /// The same over a tick.
   [[gnu::always_inline]] [[nodiscard]] PairForgetting of_pair(std::size_t i) const {
@@ -176,26 +181,26 @@ struct KalmanCoefficients {
 
   /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick;
   /// and by each constant: the change of its weight.
-  [[nodiscard]] static constexpr Drifts movement(const Span& span) {
+  [[nodiscard]] static constexpr Drifts movement(const Transition& span) {
     Drifts weight{};
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i) {
       weight[i] = span.decaying[i].sum_gain + span.decaying[i].one_minus_phi_m;
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < kRotating; ++i) {
       set_rotating(weight, i, span.rotating[i].sum_gain + span.rotating[i].one_minus_phi_m);
     }
-    if constexpr (K > 0) set_temperature(weight, span.temperature.change);
+    if constexpr (kWeights > 0) set_temperature(weight, span.temperature.change);
     return weight;
   }
   /// The same for the sum of the bias over the ticks of a span: lag / alpha.
-  [[nodiscard]] constexpr Drifts movement_of_sum(const Span& span) const {
+  [[nodiscard]] constexpr Drifts movement_of_sum(const Transition& span) const {
     Drifts weight{};
-    for (std::size_t i = 0; i < R; ++i) weight[i] = span.decaying[i].sum_lag / forgotten[i];
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i) weight[i] = span.decaying[i].sum_lag / forgotten[i];
+    for (std::size_t i = 0; i < kRotating; ++i) {
       const Complex over_square = Complex{1.0F / squared_magnitude(turned[i])};
       set_rotating(weight, i, span.rotating[i].sum_lag * conjugate(turned[i]) * over_square);
     }
-    if constexpr (K > 0) set_temperature(weight, span.temperature.sum);
+    if constexpr (kWeights > 0) set_temperature(weight, span.temperature.sum);
     return weight;
   }
 
@@ -215,8 +220,9 @@ struct KalmanCoefficients {
 
   [[gnu::always_inline]] static PairForgetting of_constants() { return {all(0.0F), all(0.0F)}; }
 
-  static constexpr void set_temperature(Drifts& weight, const std::array<float, K>& of_constants) {
-    for (std::size_t i = 0; i < K; ++i) weight[kTemperature + i] = of_constants[i];
+  static constexpr void set_temperature(Drifts& weight,
+                                        const std::array<float, kWeights>& of_constants) {
+    for (std::size_t i = 0; i < kWeights; ++i) weight[kTemperature + i] = of_constants[i];
   }
 
   /// The bias moves by Re((1 - j) share w).
@@ -226,5 +232,9 @@ struct KalmanCoefficients {
     weight[rotating(i) + 1] = -factor.im;
   }
 };
+
+template <std::size_t R, std::size_t C>
+KalmanCoefficients(const Modes<R, C>&, const Gate& = {})
+    -> KalmanCoefficients<ModelShape{.decaying = R, .rotating = C}>;
 
 }  // namespace zerorate::core

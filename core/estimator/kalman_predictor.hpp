@@ -12,7 +12,7 @@
 #include "core/estimator/kalman_coefficients.hpp"
 #include "core/estimator/pair_covariance.hpp"
 #include "core/estimator/prediction.hpp"
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
 
@@ -27,11 +27,13 @@ namespace zerorate::core {
 ///
 /// Cost of a tick and its measurement at R = 6, C = 0: 207 floating-point operations and one
 /// division (docs/reference/benchmarks.md); no square root. Not re-entrant; one instance per axis.
-template <std::size_t R, std::size_t C, std::size_t K = 0>
+template <ModelShape Shape>
 class KalmanPredictor {
  public:
-  using Coefficients = KalmanCoefficients<R, C, K>;
-  using Span = typename Coefficients::Span;
+  static constexpr std::size_t kDecaying = Shape.decaying;
+  static constexpr std::size_t kWeights = Shape.temperature_weights;
+  using Coefficients = KalmanCoefficients<Shape>;
+  using Transition = typename Coefficients::Transition;
   using Drifts = typename Coefficients::Drifts;
   static constexpr std::size_t kPairs = Coefficients::kPairs;
 
@@ -50,6 +52,7 @@ class KalmanPredictor {
     Drifts bias_covariance{};  ///< p = Cov(s, w)
     PairCovariance<kPairs> covariance{};  ///< W = Cov(w)
 
+    constexpr bool operator==(const State&) const = default;
     [[nodiscard]] constexpr bool is_measured() const { return confirmations_left != kNotMeasured; }
     /// Nothing can contradict a first measurement but those that follow it: until they have for a
     /// second, it may have been anything.
@@ -73,7 +76,7 @@ class KalmanPredictor {
   /// The filter remembers across stops: nothing to do.
   constexpr void begin_stop() {}
 
-  constexpr void advance(const Span& span) {
+  constexpr void advance(const Transition& span) {
     if (span.ticks > 0) advance_by(span);
   }
 
@@ -87,7 +90,7 @@ class KalmanPredictor {
   /// on it stays. docs/design/kalman-predictor.md, eq. 9b.
   constexpr void restart_transients() {
     const Coefficients& a = *coefficients_;
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < kDecaying; ++i) {
       if (a.is_transient(i)) restart(i, a.initial_mean[i], a.initial_variance[i]);
     }
   }
@@ -113,7 +116,7 @@ class KalmanPredictor {
   }
 
   /// advance() and observe() in one, which for a single tick without a gate is much quicker.
-  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+  constexpr Innovation step(const Transition& span, float rate_rad_s, float white_variance) {
     if (span.ticks == 1 && is_temperature_known(span) && state_.is_measured() &&
         is_measurement(rate_rad_s, white_variance) && !coefficients_->gate.is_on()) {
       count_confirmation();
@@ -127,13 +130,13 @@ class KalmanPredictor {
     return observe(rate_rad_s, white_variance);
   }
 
-  [[nodiscard]] constexpr float bias_rad_s(const Span& lead) const {
+  [[nodiscard]] constexpr float bias_rad_s(const Transition& lead) const {
     if (!state_.is_measured()) return 0.0F;
     return state_.reference_rad_s +
            (state_.bias_rad_s + dot(Coefficients::movement(lead), state_.drift));
   }
 
-  [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
+  [[nodiscard]] constexpr Prediction predict(const Transition& lead) const {
     if (!state_.is_measured()) return {};
     const State& x = state_;
     const Drifts g = Coefficients::movement(lead);
@@ -142,8 +145,8 @@ class KalmanPredictor {
             with_unknown(x.bias_variance + x.rejection_variance + moved, lead) + lead.noise()};
   }
 
-  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
-                                                            const Span& drive) const {
+  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Transition& lead,
+                                                            const Transition& drive) const {
     if (!state_.is_measured()) return {};
     KalmanPredictor at_start = *this;
     at_start.advance(lead);
@@ -155,18 +158,18 @@ class KalmanPredictor {
   using Blocks = std::array<Block, kPairs>;
   static_assert(kPairs > 0);
 
-  [[nodiscard]] static constexpr bool is_temperature_known(const Span& span) {
-    if constexpr (K > 0) return span.temperature.is_known();
+  [[nodiscard]] static constexpr bool is_temperature_known(const Transition& span) {
+    if constexpr (kWeights > 0) return span.temperature.is_known();
     return true;
   }
   /// A variance of the bias, and what the bias may have done because the temperature was not known:
   /// the expectation of the square of (unknown change of the weights)' (constants).
-  [[nodiscard]] constexpr float with_unknown(float variance, const Span& span) const {
-    if constexpr (K > 0) {
+  [[nodiscard]] constexpr float with_unknown(float variance, const Transition& span) const {
+    if constexpr (kWeights > 0) {
       const auto& u = span.temperature.unknown;
       constexpr std::size_t kFirst = Coefficients::kTemperature;
-      for (std::size_t i = 0; i < K; ++i) {
-        for (std::size_t j = 0; j < K; ++j) {
+      for (std::size_t i = 0; i < kWeights; ++i) {
+        for (std::size_t j = 0; j < kWeights; ++j) {
           variance += u[i] * u[j] *
                       (state_.drift[kFirst + i] * state_.drift[kFirst + j] +
                        state_.covariance(kFirst + i, kFirst + j));
@@ -255,7 +258,7 @@ class KalmanPredictor {
     /// One tick: s' = s + 1'w, v' = v + 1'(2 p + W 1) + Q, p' = F (p + W 1) + cross noise,
     /// W' = F W F' + noise. For the constants of the temperature the change of their weights stands
     /// in the place of 1.
-    [[gnu::always_inline]] void advance(const Coefficients& a, const Span& span) {
+    [[gnu::always_inline]] void advance(const Coefficients& a, const Transition& span) {
       Blocks moved;  // W 1
       unrolled<kPairs>([&](auto i)
                            __attribute__((always_inline)) { moved[i] = row_sums(i, span); });
@@ -302,7 +305,7 @@ class KalmanPredictor {
 
     /// The row sums of the covariance that belong to pair i, in both rows.
     template <class Index>
-    [[gnu::always_inline]] Block row_sums(Index i, const Span& span) const {
+    [[gnu::always_inline]] Block row_sums(Index i, const Transition& span) const {
       Block columns = by_row(i, covariance[below(i, i)], span);
       unrolled<kPairs>([&](auto j) __attribute__((always_inline)) {
         if constexpr (j < i) {
@@ -312,17 +315,18 @@ class KalmanPredictor {
       });
       return columns + rows_exchanged(columns);
     }
-    [[gnu::always_inline]] static float sum(const Blocks& of_rows, const Span& span) {
+    [[gnu::always_inline]] static float sum(const Blocks& of_rows, const Transition& span) {
       Block total = of_rows[0];
       unrolled<kModePairs - 1>([&](auto i) __attribute__((always_inline)) {
         total = total + of_rows[i + 1];
       });
-      if constexpr (K > 0) total = total + of_rows[kModePairs] * rows(&span.temperature.change[0]);
+      if constexpr (kWeights > 0)
+        total = total + of_rows[kModePairs] * rows(&span.temperature.change[0]);
       return sum_of_row(total);
     }
     /// The rows of pair j, each by what it moves the bias.
     template <class Index>
-    [[gnu::always_inline]] static Block by_row(Index /*j*/, Block block, const Span& span) {
+    [[gnu::always_inline]] static Block by_row(Index /*j*/, Block block, const Transition& span) {
       if constexpr (Index::value < kModePairs) {
         return block;
       } else {
@@ -332,7 +336,7 @@ class KalmanPredictor {
   };
 
   /// Any span: every drift moves the bias by a weight of its own.
-  constexpr void advance_by(const Span& span) {
+  constexpr void advance_by(const Transition& span) {
     State& x = state_;
     const Coefficients& a = *coefficients_;
     const Drifts g = Coefficients::movement(span);
@@ -358,7 +362,7 @@ class KalmanPredictor {
   }
 
   /// The sum of the bias over a drive that begins now, with its variance.
-  [[nodiscard]] constexpr HeadingPrediction integrate(const Span& drive) const {
+  [[nodiscard]] constexpr HeadingPrediction integrate(const Transition& drive) const {
     const State& x = state_;
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
@@ -389,6 +393,6 @@ class KalmanPredictor {
 };
 
 /// The promise of the product page: six decades and the bias fit into 192 bytes an axis.
-static_assert(sizeof(KalmanPredictor<6, 0>::State) <= 192);
+static_assert(sizeof(KalmanPredictor<ModelShape{.decaying = 6}>::State) <= 192);
 
 }  // namespace zerorate::core

@@ -11,7 +11,7 @@
 #include "core/estimator/prediction.hpp"
 #include "core/estimator/suffix_sums.hpp"
 #include "core/estimator/weighted_window.hpp"
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
 
@@ -19,11 +19,11 @@ namespace zerorate::core {
 /// Cost: observe 2 additions on average, bias one addition per block, at most 328; an interval
 /// about 2 log2(count) compositions, a heading interval one composition per block.
 /// @tparam Levels of SuffixSums: fewer save memory and shorten the stop of which all is remembered
-template <std::size_t R, std::size_t C, std::size_t Levels = 22>
+template <ModelShape Shape, std::size_t Levels = 22>
 class MovingAverage {
  public:
-  using Coefficients = Modes<R, C>;
-  using Span = Transition<R, C>;
+  using Coefficients = ModesOf<Shape>;
+  using Transition = TransitionOf<Shape>;
 
   struct State {
     bool restart = true;           ///< the next measurement is the first of a stop
@@ -31,12 +31,14 @@ class MovingAverage {
     std::uint32_t age = 0;         ///< ticks from the start to the newest measurement
     float reference_rad_s = 0.0F;  ///< the stop's first measurement
     float white_variance_sum = 0.0F;
+
+    constexpr bool operator==(const State&) const = default;
   };
   static_assert(std::is_trivially_copyable_v<State>);
   static_assert(sizeof(State) <= 1536);
 
   /// @param modes the noise that the intervals are computed under; must outlive the predictor
-  constexpr explicit MovingAverage(const Modes<R, C>& modes) : modes_(&modes) {}
+  constexpr explicit MovingAverage(const ModesOf<Shape>& modes) : modes_(&modes) {}
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
@@ -44,7 +46,7 @@ class MovingAverage {
   /// The next measurement starts a new average; until then the old one stands.
   constexpr void begin_stop() { state_.restart = true; }
 
-  constexpr void advance(const Span& span) { state_.age += span.ticks; }
+  constexpr void advance(const Transition& span) { state_.age += span.ticks; }
 
   constexpr Innovation observe(float rate_rad_s, float white_variance) {
     if (!is_measurement(rate_rad_s, white_variance)) return {};
@@ -64,32 +66,32 @@ class MovingAverage {
   }
 
   /// advance() and observe() in one.
-  constexpr Innovation step(const Span& span, float rate_rad_s, float white_variance) {
+  constexpr Innovation step(const Transition& span, float rate_rad_s, float white_variance) {
     advance(span);
     return observe(rate_rad_s, white_variance);
   }
 
-  [[nodiscard]] constexpr float bias_rad_s(const Span& lead) const {
+  [[nodiscard]] constexpr float bias_rad_s(const Transition& lead) const {
     return state_.sums.count() == 0 ? 0.0F : mean_of_newest(window_length(lead));
   }
 
-  [[nodiscard]] constexpr Prediction predict(const Span& lead) const {
+  [[nodiscard]] constexpr Prediction predict(const Transition& lead) const {
     if (state_.sums.count() == 0) return {};
     const std::uint32_t length = window_length(lead);
-    WeightedWindow<R, C> window{*modes_, state_.age - length};
+    WeightedWindow<Shape> window{*modes_, state_.age - length};
     window.add(length == lead.ticks ? lead : modes_->over(length),
                1.0F / static_cast<float>(length), white_variance());
     return {mean_of_newest(length), window.point_variance(lead)};
   }
 
-  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Span& lead,
-                                                            const Span& drive) const {
+  [[nodiscard]] constexpr HeadingPrediction predict_heading(const Transition& lead,
+                                                            const Transition& drive) const {
     if (state_.sums.count() == 0) return {};
     const DriveWeights weights{state_.sums, lead.ticks, drive.ticks};
-    WeightedWindow<R, C> window{*modes_, state_.age - state_.sums.count()};
+    WeightedWindow<Shape> window{*modes_, state_.age - state_.sums.count()};
     float sum = 0.0F;
     std::uint32_t newer = state_.sums.count();
-    Span segment{};
+    Transition segment{};
     state_.sums.for_each_oldest_first([&](std::uint32_t size, float block_sum) {
       newer -= size;
       const float weight = weights.of_block(newer, size);
@@ -150,7 +152,7 @@ class MovingAverage {
     float scale_ = 1.0F;
   };
 
-  [[nodiscard]] constexpr std::uint32_t window_length(const Span& lead) const {
+  [[nodiscard]] constexpr std::uint32_t window_length(const Transition& lead) const {
     return std::clamp(lead.ticks, std::uint32_t{1}, state_.sums.count());
   }
   [[nodiscard]] constexpr float mean_of_newest(std::uint32_t length) const {
@@ -160,8 +162,11 @@ class MovingAverage {
     return state_.white_variance_sum / static_cast<float>(state_.sums.count());
   }
 
-  const Modes<R, C>* modes_;
+  const ModesOf<Shape>* modes_;
   State state_{};
 };
+
+template <std::size_t R, std::size_t C>
+MovingAverage(const Modes<R, C>&) -> MovingAverage<ModelShape{.decaying = R, .rotating = C}>;
 
 }  // namespace zerorate::core

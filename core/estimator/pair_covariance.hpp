@@ -63,6 +63,8 @@ class PairCovariance {
     store_lanes(block, &packed_[first(i, j)]);
   }
 
+  constexpr bool operator==(const PairCovariance&) const = default;
+
  private:
   static constexpr std::size_t first(std::size_t pair, std::size_t other) {
     return 4 * (pair * (pair + 1) / 2 + other);

@@ -74,7 +74,7 @@ class SuffixSums {
   template <class Visitor>
   constexpr void for_each_newest_first(Visitor visit) const {
     for (std::size_t i = exact_used_; i-- > 0;) {
-      if (!visit(1U, exact_[(oldest_exact_ + i) % kExact])) return;
+      if (!visit(1U, exact(i))) return;
     }
     for (std::size_t level = 0; level < Levels; ++level) {
       for (std::size_t i = used_[level]; i-- > 0;) {
@@ -92,11 +92,31 @@ class SuffixSums {
       }
     }
     for (std::size_t i = 0; i < exact_used_; ++i) {
-      visit(1U, exact_[(oldest_exact_ + i) % kExact]);
+      visit(1U, exact(i));
     }
   }
 
+  /// Whether both hold the same blocks, wherever in their rings.
+  constexpr bool operator==(const SuffixSums& other) const {
+    if (count_ != other.count_ || swallowed_ != other.swallowed_ || used_ != other.used_ ||
+        exact_used_ != other.exact_used_) {
+      return false;
+    }
+    for (std::size_t level = 0; level < Levels; ++level) {
+      for (std::size_t i = 0; i < used_[level]; ++i) {
+        if (block(level, i) != other.block(level, i)) return false;
+      }
+    }
+    for (std::size_t i = 0; i < exact_used_; ++i) {
+      if (exact(i) != other.exact(i)) return false;
+    }
+    return true;
+  }
+
  private:
+  [[nodiscard]] constexpr float exact(std::size_t i) const {
+    return exact_[(oldest_exact_ + i) % kExact];
+  }
   [[nodiscard]] constexpr float block(std::size_t level, std::size_t i) const {
     return blocks_[level][(oldest_[level] + i) % kPerLevel];
   }

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
 
@@ -50,38 +50,39 @@ struct WindowMode {
 
 /// Collects the variance of [weighted mean of a window] - [bias after it]. Segments are added from
 /// the oldest tick to the newest; each costs about 30 R + 100 C operations.
-template <std::size_t R, std::size_t C>
+template <ModelShape Shape>
 class WeightedWindow {
  public:
-  using Span = Transition<R, C>;
+  using Transition = TransitionOf<Shape>;
 
   /// @param age ticks from the start of the sensor's noise (Modes::initial_variance) to the window
-  constexpr WeightedWindow(const Modes<R, C>& modes, std::uint32_t age) {
-    for (std::size_t i = 0; i < R; ++i) {
+  constexpr WeightedWindow(const ModesOf<Shape>& modes, std::uint32_t age) {
+    for (std::size_t i = 0; i < Shape.decaying; ++i) {
       // A mean does not know what is expected of a transient: that is error too.
       const float mean = modes.decaying[i].initial_mean;
       decaying_[i].variance = modes.decaying[i].initial_variance + mean * mean;
     }
-    for (std::size_t i = 0; i < C; ++i) rotating_[i].variance = modes.rotating[i].initial_variance;
+    for (std::size_t i = 0; i < Shape.rotating; ++i)
+      rotating_[i].variance = modes.rotating[i].initial_variance;
     if (modes.is_stationary) return;  // age changes nothing
-    const Span before = modes.over(age);
-    for (std::size_t i = 0; i < R; ++i) {
+    const Transition before = modes.over(age);
+    for (std::size_t i = 0; i < Shape.decaying; ++i) {
       decaying_[i].variance = variance_after(before.decaying[i], decaying_[i].variance);
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < Shape.rotating; ++i) {
       rotating_[i].variance = variance_after(before.rotating[i], rotating_[i].variance);
     }
   }
 
   /// @param weight of each tick of the segment
   /// @param white_variance of the measurement of one tick [rad2/s2]
-  constexpr void add(const Span& segment, float weight, float white_variance) {
+  constexpr void add(const Transition& segment, float weight, float white_variance) {
     const auto ticks = static_cast<float>(segment.ticks);
     level_.add(segment.level, ticks, total_weight_, weight);
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < Shape.decaying; ++i) {
       decaying_[i].add(segment.decaying[i], ticks, total_weight_, weight);
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < Shape.rotating; ++i) {
       rotating_[i].add(segment.rotating[i], ticks, total_weight_, weight);
     }
     total_weight_ += weight * ticks;
@@ -89,12 +90,12 @@ class WeightedWindow {
   }
 
   /// Error variance of the window's mean as the bias `lead` after it; the weights sum to 1.
-  [[nodiscard]] constexpr float point_variance(const Span& lead) const {
+  [[nodiscard]] constexpr float point_variance(const Transition& lead) const {
     float variance = white_ + level_.error_with(0.0F, lead.level.noise);
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < Shape.decaying; ++i) {
       variance += decaying_[i].error_with(lead.decaying[i].one_minus_phi_m, lead.decaying[i].noise);
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < Shape.rotating; ++i) {
       variance += rotating_[i].error_with(lead.rotating[i].one_minus_phi_m, lead.rotating[i].noise);
     }
     return variance;
@@ -102,13 +103,14 @@ class WeightedWindow {
 
   /// Error variance of the window's weighted sum as the sum of the bias over `drive`, which begins
   /// `lead` after the window; the weights sum to drive.ticks. [rad2/s2 ticks2]
-  [[nodiscard]] constexpr float sum_variance(const Span& lead, const Span& drive) const {
+  [[nodiscard]] constexpr float sum_variance(const Transition& lead,
+                                             const Transition& drive) const {
     const auto ticks = static_cast<float>(drive.ticks);
     float variance = white_ + sum_error(level_, lead.level, drive.level, ticks);
-    for (std::size_t i = 0; i < R; ++i) {
+    for (std::size_t i = 0; i < Shape.decaying; ++i) {
       variance += sum_error(decaying_[i], lead.decaying[i], drive.decaying[i], ticks);
     }
-    for (std::size_t i = 0; i < C; ++i) {
+    for (std::size_t i = 0; i < Shape.rotating; ++i) {
       variance += sum_error(rotating_[i], lead.rotating[i], drive.rotating[i], ticks);
     }
     return variance;
@@ -126,8 +128,8 @@ class WeightedWindow {
   }
 
   detail::WindowMode<float> level_;
-  std::array<detail::WindowMode<float>, R> decaying_{};
-  std::array<detail::WindowMode<Complex>, C> rotating_{};
+  std::array<detail::WindowMode<float>, Shape.decaying> decaying_{};
+  std::array<detail::WindowMode<Complex>, Shape.rotating> rotating_{};
   float total_weight_ = 0.0F;
   float white_ = 0.0F;
 };

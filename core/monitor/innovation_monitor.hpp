@@ -23,6 +23,8 @@ class InnovationMonitor {
     float mean_normalised_squared = 1.0F;
     std::uint16_t count = 0;
     bool is_consistent = true;
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   static constexpr std::uint16_t kMemory = 256;

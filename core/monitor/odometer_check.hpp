@@ -49,12 +49,9 @@ class OdometerCheck {
     Duration shortest_pulse = Duration::microseconds(200);
   };
 
-  static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
   struct State {
-    Rates level_rad_s{};  ///< recent level of the rate; while moving, the newest sample
-    /// Level before the last change. NaN while unknown, so that it differs from every level.
-    Rates trusted_rad_s{kUnknown, kUnknown, kUnknown};
+    Rates level_rad_s{};             ///< recent level of the rate; while moving, the newest sample
+    Rates trusted_rad_s{};           ///< level before the last change, if there was one
     Rates sum_rad_s{};               ///< of the window being filled
     std::uint16_t steady_ticks = 0;  ///< since the level changed
     std::uint16_t needed_ticks = 0;  ///< of them, until a changed level is believed
@@ -62,6 +59,9 @@ class OdometerCheck {
     std::uint8_t bounced_ticks = 0;  ///< since the newest bounce, counted down
     bool stands = false;             ///< the level is that of a stop
     bool turns = false;
+    bool has_trusted = false;  ///< without a trusted level none counts as changed
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   /// @param white_variance_rad2_s2 of one sample
@@ -108,7 +108,7 @@ class OdometerCheck {
   /// A tick begins while the vehicle moves.
   constexpr void on_driving_tick(const Rates& sample_rad_s) {
     count_down();
-    if (state_.stands && !state_.turns) state_.trusted_rad_s = state_.level_rad_s;
+    if (state_.stands && !state_.turns) trust(state_.level_rad_s);
     if (state_.stands || !is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
       restart_level(sample_rad_s);
     } else {
@@ -168,12 +168,20 @@ class OdometerCheck {
     return true;
   }
 
+  constexpr void trust(const Rates& level) {
+    state_.trusted_rad_s = level;
+    state_.has_trusted = true;
+  }
+  [[nodiscard]] constexpr bool is_near_trusted(const Rates& rate) const {
+    return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, turn_rad2_s2_);
+  }
+
   constexpr void compare_window(const Rates& mean, const Rates* predicted) {
     if (!state_.stands) {
       restart_level(mean);
       state_.stands = true;
-      if (predicted != nullptr) state_.trusted_rad_s = *predicted;
-      state_.turns = !is_near(mean, state_.trusted_rad_s, turn_rad2_s2_);
+      if (predicted != nullptr) trust(*predicted);
+      state_.turns = !is_near_trusted(mean);
       state_.needed_ticks = longest_bend_;
       return;
     }
@@ -189,15 +197,14 @@ class OdometerCheck {
       state_.level_rad_s[i] += follow_ * (mean[i] - state_.level_rad_s[i]);
     }
     age_level(window_);
-    const bool is_back = state_.steady_ticks >= back_ &&
-                         is_near(state_.level_rad_s, state_.trusted_rad_s, turn_rad2_s2_);
+    const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }
 
   constexpr void start_change(const Rates& mean) {
     if (!state_.turns) {
       state_.turns = true;
-      state_.trusted_rad_s = state_.level_rad_s;
+      trust(state_.level_rad_s);
       state_.needed_ticks = clamp_ticks(longest_bend_, 4U * state_.steady_ticks, longest_turn_);
     }
     restart_level(mean);

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
 
@@ -48,18 +48,22 @@ struct TemperatureTransition {
   /// weights then change together, and the mean of that is zero.
   Weights unknown{};
 
+  constexpr bool operator==(const TemperatureTransition&) const = default;
+
   [[nodiscard]] constexpr bool is_known() const { return unknown[0] == 0.0F; }
 };
 
-/// A span with what the temperature does over it.
-template <std::size_t R, std::size_t C, std::size_t K>
-struct SpanWithTemperature : Transition<R, C> {
-  TemperatureTransition<K> temperature{};
+/// Transition with what the temperature does over it.
+template <ModelShape Shape>
+struct TransitionWithTemperature : TransitionOf<Shape> {
+  TemperatureTransition<Shape.temperature_weights> temperature{};
+
+  constexpr bool operator==(const TransitionWithTemperature&) const = default;
 };
 
 /// What a filter is told of a span: without the block, what its modes do.
-template <std::size_t R, std::size_t C, std::size_t K>
-using FilterTransition =
-    std::conditional_t<(K > 0), SpanWithTemperature<R, C, K>, Transition<R, C>>;
+template <ModelShape Shape>
+using FilterTransition = std::conditional_t<(Shape.temperature_weights > 0),
+                                            TransitionWithTemperature<Shape>, TransitionOf<Shape>>;
 
 }  // namespace zerorate::core

@@ -20,6 +20,8 @@ class NoiseLevelTrack {
   struct State {
     float level = 1.0F;
     float variance = 0.0F;
+
+    constexpr bool operator==(const State&) const = default;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 

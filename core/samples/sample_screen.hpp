@@ -37,6 +37,8 @@ class SampleScreen {
     float variance = std::numeric_limits<float>::infinity();  ///< infinite: nothing is expected
     float white_variance = 1.0F;                              ///< of a sample of this tick
     float squares_rad2_s2 = 0.0F;  ///< of the samples learnt from: of residuals, as of white noise
+
+    constexpr bool operator==(const State&) const = default;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 

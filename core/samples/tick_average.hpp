@@ -17,6 +17,8 @@ struct TickMean {
   std::uint32_t samples = 0;
   Instant end;  ///< of the newest sample
   std::array<float, Axes> rate_rad_s{};
+
+  constexpr bool operator==(const TickMean&) const = default;
 };
 
 /// Sorts time-stamped samples into ticks of equal length, so that the filter may run slower than
@@ -36,6 +38,8 @@ class TickAverage {
     Instant end;
     std::array<float, Axes> first_rad_s{};  ///< the tick's first sample: the sum is relative to it
     std::array<float, Axes> sum_rad_s{};
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   constexpr TickAverage(Duration tick, Duration sample_period)

@@ -29,7 +29,7 @@ class HoldBackLine {
   /// @return how many
   constexpr std::size_t discard_after(Instant since) {
     std::size_t discarded = 0;
-    while (used_ > 0 && items_[(oldest_ + used_ - 1U) % Capacity].end > since) {
+    while (used_ > 0 && item(used_ - 1U).end > since) {
       --used_;
       ++discarded;
     }
@@ -41,14 +41,27 @@ class HoldBackLine {
   /// Calls take(item), oldest first, for every item that ends no later than `until`.
   template <class Take>
   constexpr void release_until(Instant until, Take take) {
-    while (used_ > 0 && items_[oldest_].end <= until) {
-      take(items_[oldest_]);
+    while (used_ > 0 && item(0).end <= until) {
+      take(item(0));
       oldest_ = static_cast<std::uint16_t>((oldest_ + 1U) % Capacity);
       --used_;
     }
   }
 
+  /// Whether both hold the same items, wherever in their rings.
+  constexpr bool operator==(const HoldBackLine& other) const {
+    if (used_ != other.used_) return false;
+    for (std::size_t i = 0; i < used_; ++i) {
+      if (!(item(i) == other.item(i))) return false;
+    }
+    return true;
+  }
+
  private:
+  [[nodiscard]] constexpr const Item& item(std::size_t i) const {
+    return items_[(oldest_ + i) % Capacity];
+  }
+
   std::array<Item, Capacity> items_{};
   std::uint16_t oldest_ = 0;
   std::uint16_t used_ = 0;

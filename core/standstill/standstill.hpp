@@ -45,6 +45,8 @@ class Standstill {
     Instant last_pulse;  ///< or the start: until the settle time has passed nothing is known
     Duration silence;    ///< that must follow it, if longer than the settle time
     bool started = false;
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   constexpr explicit Standstill(const Params& params) : params_(params) {}

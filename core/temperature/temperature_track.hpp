@@ -23,6 +23,8 @@ class TemperatureTrack {
     Tick measured;               ///< of the newest measurement
     std::array<float, K> sum{};  ///< of the changes since then, over the ticks
     std::uint32_t summed_ticks = 0;
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   constexpr explicit TemperatureTrack(const TemperatureDrift& drift) : thermometer_(drift) {}
@@ -98,7 +100,9 @@ template <>
 class TemperatureTrack<0> {
  public:
   using Tick = TickTemperature<0>;
-  struct State {};
+  struct State {
+    constexpr bool operator==(const State&) const = default;
+  };
   constexpr explicit TemperatureTrack(NoTemperatureDrift /*drift*/) {}
   [[nodiscard]] constexpr State state() const { return {}; }
   constexpr void restore(State /*state*/) {}

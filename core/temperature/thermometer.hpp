@@ -19,9 +19,13 @@ struct TickTemperature {
   Instant at;                      ///< where the tick began
   bool is_known = false;
   Instant unknown_since;  ///< the last reading, or the start; only where it is not known
+
+  constexpr bool operator==(const TickTemperature&) const = default;
 };
 template <>
-struct TickTemperature<0> {};
+struct TickTemperature<0> {
+  constexpr bool operator==(const TickTemperature&) const = default;
+};
 
 /// Makes weights of temperature readings. Those of a tick are known when it begins, so that they
 /// are the same when it is predicted and when it is learnt from: the mean of the readings of the
@@ -46,6 +50,8 @@ class Thermometer {
     float element_k = 0.0F;  ///< the sensing element, behind it
     float sum_k = 0.0F;      ///< of the readings of this tick
     std::uint32_t count = 0;
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   constexpr explicit Thermometer(const TemperatureDrift& drift) : drift_(drift) {}

@@ -18,8 +18,12 @@ namespace zerorate::app {
 template <std::size_t Axes, bool HasRoom>
 class SampleScreening {
  public:
-  struct Squares {};
-  struct State {};
+  struct Squares {
+    constexpr bool operator==(const Squares&) const = default;
+  };
+  struct State {
+    constexpr bool operator==(const State&) const = default;
+  };
 
   constexpr explicit SampleScreening(const core::SampleModel& /*model*/) {}
   [[nodiscard]] constexpr State state() const { return {}; }
@@ -47,11 +51,15 @@ class SampleScreening<Axes, true> {
   /// Of the samples of a tick that were learnt from; see core::SampleScreen::squares_rad2_s2().
   struct Squares {
     std::array<float, Axes> rad2_s2{};
+
+    constexpr bool operator==(const Squares&) const = default;
   };
   struct State {
     bool disturbed = false;
     std::array<core::SampleScreen::State, Axes> screens;
     std::array<core::NoiseLevelTrack::State, Axes> levels;
+
+    constexpr bool operator==(const State&) const = default;
   };
 
   constexpr explicit SampleScreening(const core::SampleModel& model)

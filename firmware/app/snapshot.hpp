@@ -75,7 +75,7 @@ class Snapshot {
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
-  static constexpr std::uint16_t kLayout = 2;
+  static constexpr std::uint16_t kLayout = 3;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + kBytesOfTemperature + 4;

@@ -16,13 +16,12 @@
 namespace zerorate::c_api {
 namespace {
 
-constexpr std::size_t kDecaying = ZERORATE_DECAYING_MODES;
-constexpr std::size_t kRotating = ZERORATE_ROTATING_MODES;
-constexpr std::size_t kWeights = core::TemperatureDrift::kWeights;
-using Node = app::GyroNode<kDecaying, kRotating, kWeights,
-                           app::NodeCapacity{.held_ticks = 16, .average_levels = 12}>;
+constexpr core::ModelShape kShape{.decaying = ZERORATE_DECAYING_MODES,
+                                  .rotating = ZERORATE_ROTATING_MODES,
+                                  .temperature_weights = core::TemperatureDrift::kWeights};
+using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_levels = 12}>;
 using Snapshot = app::Snapshot<Node>;
-using Modes = core::Modes<kDecaying, kRotating>;
+using Modes = core::ModesOf<kShape>;
 
 /// What the caller's storage holds.
 struct Instance {
@@ -103,18 +102,18 @@ bool are_sound_times(const zerorate_model& model, const zerorate_config& config)
          kLongest_ns;
 }
 
-core::Modes<kDecaying, kRotating> modes_of(const zerorate_model& model) {
+core::ModesOf<kShape> modes_of(const zerorate_model& model) {
   Modes modes{.tick = core::Duration::nanoseconds(model.tick_ns),
               .start = model.starts_stationary ? core::Start::stationary : core::Start::zero,
               .is_stationary = model.is_stationary,
               .walk_variance = model.walk_variance_rad2_s2};
-  for (std::size_t i = 0; i < kDecaying; ++i) {
+  for (std::size_t i = 0; i < kShape.decaying; ++i) {
     const zerorate_decaying_mode& mode = model.decaying[i];
     if (!does_something(mode)) continue;
     modes.decaying[i] = {mode.one_minus_phi, mode.noise_variance, mode.initial_variance,
                          mode.initial_mean};
   }
-  for (std::size_t i = 0; i < kRotating; ++i) {
+  for (std::size_t i = 0; i < kShape.rotating; ++i) {
     const zerorate_rotating_mode& mode = model.rotating[i];
     if (!does_something(mode)) continue;
     modes.rotating[i] = {{mode.one_minus_phi.re, mode.one_minus_phi.im},

@@ -69,8 +69,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
     throw std::invalid_argument("the name \"" + std::string{name} +
                                 "\" cannot name a constant in C; expected letters, digits and _");
   }
-  const auto node = make_node_model<kCApiDecaying, kCApiRotating, kCApiWeights>(
-      model, sample_period, filter_tick);
+  const auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
   if (node.samples.is_on()) {
     throw std::invalid_argument(
         "the model \"" + model.name +

@@ -13,9 +13,8 @@
 namespace zerorate::model {
 
 /// The modes that a node behind the C interface has room for.
-inline constexpr std::size_t kCApiDecaying = 7;
-inline constexpr std::size_t kCApiRotating = 1;
-inline constexpr std::size_t kCApiWeights = core::TemperatureDrift::kWeights;
+inline constexpr core::ModelShape kCApiShape{
+    .decaying = 7, .rotating = 1, .temperature_weights = core::TemperatureDrift::kWeights};
 
 /// A header that defines `static const zerorate_model NAME`. Every number is the shortest decimal
 /// from which the compiler makes the same bits.

@@ -77,23 +77,17 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ".\n"
          "/// Made by `zerorate export --cpp`; change the model and make it again.\n"
          "#pragma once\n\n"
-         "#include <cstddef>\n\n"
          "#include \"core/base/time.hpp\"\n"
-         "#include \"core/noise/modes.hpp\"\n"
-         "#include \"firmware/app/gyro_node.hpp\"\n\n"
+         "#include \"core/noise/model_shape.hpp\"\n"
+         "#include \"firmware/app/node_params.hpp\"\n\n"
          "namespace zerorate::exported {\n\n"
-         "inline constexpr std::size_t kDecayingModes = " +
-         std::to_string(decaying) +
-         ";\n"
-         "inline constexpr std::size_t kRotatingModes = " +
-         std::to_string(rotating) +
-         ";\n"
-         "inline constexpr std::size_t kTemperatureWeights = " +
-         std::to_string(node.temperature.is_on() ? kMostTemperature : 0) +
-         ";\n\n"
          "// clang-format off\n"
-         "inline constexpr app::NodeParams<kDecayingModes, kRotatingModes, kTemperatureWeights> "
-         "kNodeParams{\n"
+         "inline constexpr core::ModelShape kModelShape{.decaying = " +
+         std::to_string(decaying) + ", .rotating = " + std::to_string(rotating) +
+         ", .temperature_weights = " +
+         std::to_string(node.temperature.is_on() ? kLargestShape.temperature_weights : 0) +
+         "};\n\n"
+         "inline constexpr app::NodeParams<kModelShape> kNodeParams{\n"
          "    .modes = {.tick = " +
          nanoseconds(filter_tick) +
          ",\n"

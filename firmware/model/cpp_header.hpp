@@ -9,9 +9,9 @@
 
 namespace zerorate::model {
 
-/// A header that defines the constants of namespace zerorate::exported: `kDecayingModes`,
-/// `kRotatingModes`, `kTemperatureWeights` and `kNodeParams`, an app::NodeParams with exactly the
-/// modes that the model needs and the default times of standstill. Every number is the shortest
+/// A header that defines the constants of namespace zerorate::exported: `kModelShape` and
+/// `kNodeParams`, an app::NodeParams with exactly the modes that the model needs and the default
+/// times of standstill. Every number is the shortest
 /// decimal from which the compiler makes the same bits. Throws what make_full_node_model() throws.
 [[nodiscard]] std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
                                             core::Duration filter_tick);

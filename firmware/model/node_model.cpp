@@ -55,7 +55,7 @@ Decades decades_of(const FlickerFit& fit) {
 }
 
 /// Squares of single-precision numbers may still overflow.
-void require_finite(const core::Modes<kMostDecaying, kMostRotating>& modes) {
+void require_finite(const core::ModesOf<kLargestShape>& modes) {
   bool finite = core::is_finite(modes.walk_variance);
   for (const auto& mode : modes.decaying) {
     finite = finite && core::is_finite(mode.noise_variance) &&
@@ -176,9 +176,9 @@ bool fits_six_decades(const SensorModel& model) {
          !model.rate_ramp && !model.temperature && (!model.flicker || model.flicker->decades <= 6);
 }
 
-NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& model,
-                                                             core::Duration sample_period,
-                                                             core::Duration filter_tick) {
+NodeModel<kLargestShape> make_full_node_model(const SensorModel& model,
+                                              core::Duration sample_period,
+                                              core::Duration filter_tick) {
   validate(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(
@@ -193,10 +193,10 @@ NodeModel<kMostDecaying, kMostRotating> make_full_node_model(const SensorModel& 
     decades = decades_of(fit);
     white_variance_of_tick += fit.white_variance_rad2_s2;
   }
-  NodeModel<kMostDecaying, kMostRotating> node;
+  NodeModel<kLargestShape> node;
   const auto markovs = blocks_of<core::GaussMarkov, kMostGaussMarkov, GaussMarkov>(
       model.gauss_markov, "gauss_markov");
-  const auto lines = blocks_of<core::Harmonic, kMostRotating, Harmonic>(model.harmonic, "harmonic");
+  const auto lines = blocks_of<core::Harmonic, kMostLines, Harmonic>(model.harmonic, "harmonic");
   node.modes = std::apply(
       [&](const auto&... blocks) {
         return core::compose(filter_tick, model.node.start, decades,

@@ -11,7 +11,7 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
-#include "core/noise/modes.hpp"
+#include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "core/samples/sample_model.hpp"
 #include "firmware/model/sensor_model.hpp"
@@ -21,14 +21,16 @@ namespace zerorate::model {
 /// What no model exceeds.
 inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
-inline constexpr std::size_t kMostDecaying = kMostDecades + kMostGaussMarkov + 2;  // warm-up, ramp
-inline constexpr std::size_t kMostRotating = 2;
-inline constexpr std::size_t kMostTemperature = core::TemperatureDrift::kWeights;
+inline constexpr std::size_t kMostLines = 2;
+inline constexpr core::ModelShape kLargestShape{
+    .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
+    .rotating = kMostLines,
+    .temperature_weights = core::TemperatureDrift::kWeights};
 
 /// The noise of one axis as the node needs it.
-template <std::size_t R, std::size_t C>
+template <core::ModelShape Shape>
 struct NodeModel {
-  core::Modes<R, C> modes;                          ///< the slow noise, at the filter's tick
+  core::ModesOf<Shape> modes;                       ///< the slow noise, at the filter's tick
   float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample, r in S(f) = r + ...
   float measurement_floor_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
   /// What the bias changes by while the power is off; infinite where the model does not say.
@@ -75,30 +77,30 @@ template <class Mode, std::size_t N>
 /// Throws std::invalid_argument for an impossible model (see validate()), unless
 /// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
 /// nothing white is left (a filter needs some: it never trusts a single sample completely).
-[[nodiscard]] NodeModel<kMostDecaying, kMostRotating> make_full_node_model(
-    const SensorModel& model, core::Duration sample_period, core::Duration filter_tick);
+[[nodiscard]] NodeModel<kLargestShape> make_full_node_model(const SensorModel& model,
+                                                            core::Duration sample_period,
+                                                            core::Duration filter_tick);
 
-/// The same in a node with R decaying and C rotating modes and K weights of the temperature. Lags
-/// that the flicker fit gave no weight take no place. Also throws std::invalid_argument where the
-/// model needs more.
-template <std::size_t R, std::size_t C, std::size_t K = 0>
-[[nodiscard]] NodeModel<R, C> make_node_model(const SensorModel& model,
-                                              core::Duration sample_period,
-                                              core::Duration filter_tick) {
+/// Makes the model of a node of this shape. Lags that the flicker fit gave no weight take no place.
+/// Also throws std::invalid_argument where the model needs more.
+template <core::ModelShape Shape>
+[[nodiscard]] NodeModel<Shape> make_node_model(const SensorModel& model,
+                                               core::Duration sample_period,
+                                               core::Duration filter_tick) {
   auto full = make_full_node_model(model, sample_period, filter_tick);
   const std::size_t decaying = detail::move_active_to_front(full.modes.decaying);
   const std::size_t rotating = detail::move_active_to_front(full.modes.rotating);
-  if (decaying > R || rotating > C) {
-    throw std::invalid_argument("the model \"" + model.name + "\" needs " +
-                                std::to_string(decaying) + " decaying and " +
-                                std::to_string(rotating) + " rotating modes; this node has " +
-                                std::to_string(R) + " and " + std::to_string(C));
+  if (decaying > Shape.decaying || rotating > Shape.rotating) {
+    throw std::invalid_argument(
+        "the model \"" + model.name + "\" needs " + std::to_string(decaying) + " decaying and " +
+        std::to_string(rotating) + " rotating modes; this node has " +
+        std::to_string(Shape.decaying) + " and " + std::to_string(Shape.rotating));
   }
-  if (full.temperature.is_on() && K == 0) {
+  if (full.temperature.is_on() && Shape.temperature_weights == 0) {
     throw std::invalid_argument("the model \"" + model.name +
                                 "\" follows the temperature; this node does not");
   }
-  NodeModel<R, C> fitting;
+  NodeModel<Shape> fitting;
   fitting.modes.tick = full.modes.tick;
   fitting.modes.start = full.modes.start;
   fitting.modes.is_stationary = full.modes.is_stationary;

@@ -15,7 +15,7 @@
 namespace {
 
 using namespace zerorate;
-using Node = app::GyroNode<4, 0>;
+using Node = app::GyroNode<core::ModelShape{.decaying = 4}>;
 using Snapshot = app::Snapshot<Node>;
 
 constexpr core::Duration kTick = core::Duration::milliseconds(100);

@@ -11,18 +11,19 @@ using namespace zerorate;
 
 // A model as `zerorate export --cpp` writes it, with one mode of slow noise: a Gauss-Markov
 // process of 5 s, of 2e-5 rad/s (4 deg/h), at ticks of half a second.
-constexpr app::NodeParams<1, 0> kParams{.modes = {.tick = core::Duration::milliseconds(500),
-                                                  .is_stationary = true,
-                                                  .decaying = {{{.one_minus_phi = 0.0951626F,
-                                                                 .noise_variance = 7.25e-11F,
-                                                                 .initial_variance = 4e-10F}}}},
-                                        .white_variance_rad2_s2 = 2.4e-7F,
-                                        .sample_period = core::Duration::milliseconds(10)};
+constexpr app::NodeParams<core::ModelShape{.decaying = 1}> kParams{
+    .modes = {.tick = core::Duration::milliseconds(500),
+              .is_stationary = true,
+              .decaying = {{{.one_minus_phi = 0.0951626F,
+                             .noise_variance = 7.25e-11F,
+                             .initial_variance = 4e-10F}}}},
+    .white_variance_rad2_s2 = 2.4e-7F,
+    .sample_period = core::Duration::milliseconds(10)};
 
 }  // namespace
 
 int main() {
-  app::GyroNode<1, 0> node{kParams};
+  app::GyroNode<core::ModelShape{.decaying = 1}> node{kParams};
   app::RateMessage newest;
   for (int i = 0; i < 60'000; ++i) {
     drivers::GyroSample sample;

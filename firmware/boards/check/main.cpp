@@ -58,8 +58,10 @@ void exercise_base() {
 
 constexpr auto kTick = core::Duration::milliseconds(10);
 
+constexpr core::ModelShape kShape{.decaying = 7, .rotating = 1};
+
 /// A sensor with every noise block that there is; the figures are of no importance.
-core::Modes<7, 1> sensor_noise() {
+core::ModesOf<kShape> sensor_noise() {
   const float sigma_rad_s = gyro_deg_per_s * core::kRadPerDeg;
   core::FlickerDecades<4> flicker;
   flicker.time_constant_s = {1.0F, 10.0F, 100.0F, 1e3F};
@@ -73,14 +75,14 @@ core::Modes<7, 1> sensor_noise() {
 }
 
 // Static, as in firmware: estimators and spans are never put on the stack.
-constinit core::Modes<7, 1> noise{.tick = kTick};
-constinit core::Transition<7, 1> tick;
-constinit core::Transition<7, 1> drive;
-constexpr core::KalmanCoefficients<7, 1> kNoNoise{core::Modes<7, 1>{.tick = kTick}};
-constinit core::KalmanCoefficients<7, 1> coefficients{kNoNoise};
-constinit core::KalmanPredictor<7, 1> kalman{kNoNoise};
-constinit core::MovingAverage<7, 1> moving_average{noise};
-constinit core::CalibrationMean<7, 1> calibration_mean{noise};
+constinit core::ModesOf<kShape> noise{.tick = kTick};
+constinit core::TransitionOf<kShape> tick;
+constinit core::TransitionOf<kShape> drive;
+constexpr core::KalmanCoefficients<kShape> kNoNoise{core::ModesOf<kShape>{.tick = kTick}};
+constinit core::KalmanCoefficients<kShape> coefficients{kNoNoise};
+constinit core::KalmanPredictor<kShape> kalman{kNoNoise};
+constinit core::MovingAverage<kShape> moving_average{noise};
+constinit core::CalibrationMean<kShape> calibration_mean{noise};
 
 /// One stop and the drive after it. Not inlined: each predictor shows its own stack frames.
 template <core::BiasPredictor Predictor>
@@ -97,9 +99,9 @@ void exercise_estimators() {
   noise = sensor_noise();
   tick = noise.one_tick();
   drive = noise.over(static_cast<std::uint32_t>(clock_ns));
-  coefficients = core::KalmanCoefficients<7, 1>{
+  coefficients = core::KalmanCoefficients<kShape>{
       noise, core::Gate{.threshold_sigma = 5.0F, .longest_knock_ticks = 10}};
-  kalman = core::KalmanPredictor<7, 1>{coefficients};
+  kalman = core::KalmanPredictor<kShape>{coefficients};
   exercise(kalman);
   exercise(moving_average);
   exercise(calibration_mean);
@@ -133,7 +135,7 @@ struct SomeSink {
   }
 };
 
-using Node = app::GyroNode<7, 1>;
+using Node = app::GyroNode<kShape>;
 using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<SomeSpi>>;
 
 constinit SomeClock clock;

@@ -183,8 +183,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
                       .standstill = filter.standstill,
                       .published = filter.published};
   const auto noise = at_key(root, "model", [&] {
-    return model::make_node_model<model::kMostDecaying, model::kMostRotating,
-                                  model::kMostTemperature>(sensor, period, tick);
+    return model::make_node_model<model::kLargestShape>(sensor, period, tick);
   });
   params.modes = noise.modes;
   params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;

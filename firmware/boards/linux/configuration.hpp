@@ -20,8 +20,7 @@ inline constexpr std::string_view kConfigurationSchema = "zerorate.daemon/1";
 inline constexpr const char* kConfigurationFile = "/etc/zerorate/zerorated.toml";
 
 /// Large enough for every model that a file can hold.
-using Node = app::GyroNode<model::kMostDecaying, model::kMostRotating, model::kMostTemperature,
-                           app::NodeCapacity{.screens_samples = true}>;
+using Node = app::GyroNode<model::kLargestShape, app::NodeCapacity{.screens_samples = true}>;
 
 /// JSON lines, to a file or, with "-", to the standard output.
 struct JsonSettings {

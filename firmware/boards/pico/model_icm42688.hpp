@@ -3,20 +3,16 @@
 /// Made by `zerorate export --cpp`; change the model and make it again.
 #pragma once
 
-#include <cstddef>
-
 #include "core/base/time.hpp"
-#include "core/noise/modes.hpp"
-#include "firmware/app/gyro_node.hpp"
+#include "core/noise/model_shape.hpp"
+#include "firmware/app/node_params.hpp"
 
 namespace zerorate::exported {
 
-inline constexpr std::size_t kDecayingModes = 6;
-inline constexpr std::size_t kRotatingModes = 0;
-inline constexpr std::size_t kTemperatureWeights = 0;
-
 // clang-format off
-inline constexpr app::NodeParams<kDecayingModes, kRotatingModes, kTemperatureWeights> kNodeParams{
+inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0};
+
+inline constexpr app::NodeParams<kModelShape> kNodeParams{
     .modes = {.tick = core::Duration::nanoseconds(500000000),
               .start = core::Start::stationary,
               .is_stationary = true,

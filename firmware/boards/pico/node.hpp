@@ -13,8 +13,7 @@ namespace zerorate::pico {
 inline constexpr bool kScreens = exported::kNodeParams.samples.is_on();
 inline constexpr app::NodeCapacity kNodeCapacity{
     .held_ticks = kScreens ? 4 : 8, .average_levels = 12, .screens_samples = kScreens};
-using Node = app::GyroNode<exported::kDecayingModes, exported::kRotatingModes,
-                           exported::kTemperatureWeights, kNodeCapacity>;
+using Node = app::GyroNode<exported::kModelShape, kNodeCapacity>;
 static_assert(Node::check(exported::kNodeParams).has_value());
 
 }  // namespace zerorate::pico

@@ -92,6 +92,7 @@ auto noise_of_every_kind() {
 using Noise = decltype(noise_of_every_kind());
 constexpr std::size_t kDecaying = std::tuple_size_v<decltype(Noise::decaying)>;
 constexpr std::size_t kRotating = std::tuple_size_v<decltype(Noise::rotating)>;
+constexpr core::ModelShape kShape{.decaying = kDecaying, .rotating = kRotating};
 
 std::uint32_t numerics() {
   Digest digest;
@@ -152,26 +153,27 @@ std::uint32_t answers_of(const Source& source) {
 }
 
 std::uint32_t kalman() {
-  static core::KalmanCoefficients<kDecaying, kRotating> coefficients{noise_of_every_kind()};
-  return answers_of<core::KalmanPredictor<kDecaying, kRotating>>(coefficients);
+  static core::KalmanCoefficients<kShape> coefficients{noise_of_every_kind()};
+  return answers_of<core::KalmanPredictor<kShape>>(coefficients);
 }
 std::uint32_t gated_kalman() {
-  static core::KalmanCoefficients<kDecaying, kRotating> coefficients{
+  static core::KalmanCoefficients<kShape> coefficients{
       noise_of_every_kind(), core::Gate{.threshold_sigma = 4.0F, .longest_knock_ticks = 5}};
-  return answers_of<core::KalmanPredictor<kDecaying, kRotating>>(coefficients);
+  return answers_of<core::KalmanPredictor<kShape>>(coefficients);
 }
 std::uint32_t moving_average() {
   static const Noise noise = noise_of_every_kind();
-  return answers_of<core::MovingAverage<kDecaying, kRotating, 8>>(noise);
+  return answers_of<core::MovingAverage<kShape, 8>>(noise);
 }
 std::uint32_t calibration_mean() {
   static const Noise noise = noise_of_every_kind();
-  return answers_of<core::CalibrationMean<kDecaying, kRotating>>(noise);
+  return answers_of<core::CalibrationMean<kShape>>(noise);
 }
 
 /// The frames of a node over stops and drives, at 104 Hz.
 std::uint32_t node_frames() {
-  using Node = app::GyroNode<4, 0, 0, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
+  using Node = app::GyroNode<core::ModelShape{.decaying = 4},
+                             app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
   const float sigma = sigma_rad_s;
   static Node::Params params;
   params = {.white_variance_rad2_s2 = 2.4e-7F,

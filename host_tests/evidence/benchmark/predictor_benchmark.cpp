@@ -137,9 +137,11 @@ constexpr const char* kDenseJoseph = "dense_7_states_joseph";
 
 BENCHMARK(dense_sample<&DenseFilter::update>)->Name(kDense);
 BENCHMARK(dense_sample<&DenseFilter::update_joseph>)->Name(kDenseJoseph);
-BENCHMARK(predictor_sample<core::KalmanPredictor<6, 0>>)->Name("kalman");
-BENCHMARK(predictor_sample<core::MovingAverage<6, 0>>)->Name("moving_average");
-BENCHMARK(predictor_sample<core::CalibrationMean<6, 0>>)->Name("calibration_mean");
+BENCHMARK(predictor_sample<core::KalmanPredictor<core::ModelShape{.decaying = 6}>>)->Name("kalman");
+BENCHMARK(predictor_sample<core::MovingAverage<core::ModelShape{.decaying = 6}>>)
+    ->Name("moving_average");
+BENCHMARK(predictor_sample<core::CalibrationMean<core::ModelShape{.decaying = 6}>>)
+    ->Name("calibration_mean");
 
 /// The usual table; remembers the least time of each benchmark for the ratios.
 class RatioReporter : public benchmark::ConsoleReporter {

@@ -91,7 +91,7 @@ class DoubleFilter {
 
 /// The covariance of (bias, drifts) that the filter under test holds: (bias, z), scaled.
 inline Eigen::Matrix<double, 7, 7> covariance_of(
-    const core::KalmanPredictor<kDecades, 0>::State& state) {
+    const core::KalmanPredictor<core::ModelShape{.decaying = kDecades}>::State& state) {
   Eigen::Matrix<double, 7, 7> p;
   p(0, 0) = double{state.bias_variance};
   for (std::size_t i = 0; i < kDecades; ++i) {

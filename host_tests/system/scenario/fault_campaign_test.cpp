@@ -31,7 +31,7 @@ FaultyNode::Params node_params() {
   const auto tick = core::Duration::milliseconds(500);
   model::SensorModel sensor = lsm6dso();
   sensor.turn_on = model::TurnOn{.sigma_rad_s = 0.01 * kDps};
-  const auto noise = model::make_node_model<6, 0>(sensor, period, tick);
+  const auto noise = model::make_node_model<core::ModelShape{.decaying = 6}>(sensor, period, tick);
   return {.modes = noise.modes,
           .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
           .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,

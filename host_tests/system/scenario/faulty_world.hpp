@@ -29,7 +29,7 @@
 
 namespace zerorate::scenario {
 
-using FaultyNode = app::GyroNode<6, 0>;
+using FaultyNode = app::GyroNode<core::ModelShape{.decaying = 6}>;
 using Random = std::mt19937_64;
 
 [[nodiscard]] inline double uniform(Random& random, double from, double to) {

@@ -56,7 +56,8 @@ std::vector<simulate::Effect> effects_of(const PeerSensor& sensor) {
 
 /// The sensor itself: its lags, and the warm-up if the node is to know of it.
 template <std::size_t R>
-typename app::GyroNode<R, 0>::Params params_of(const PeerSensor& sensor) {
+typename app::GyroNode<core::ModelShape{.decaying = R}>::Params params_of(
+    const PeerSensor& sensor) {
   constexpr auto kPeriod = core::Duration::milliseconds(500);
   const double lag_sigma = sensor.lag_sigma_dph / 3600.0 * kRadPerDeg;
   core::FlickerDecades<6> lags;
@@ -65,7 +66,7 @@ typename app::GyroNode<R, 0>::Params params_of(const PeerSensor& sensor) {
     lags.variance_rad2_s2[i] = static_cast<float>(lag_sigma * lag_sigma);
   }
   const double arw = sensor.arw_dps_rt_s * kRadPerDeg;
-  typename app::GyroNode<R, 0>::Params params{
+  typename app::GyroNode<core::ModelShape{.decaying = R}>::Params params{
       .white_variance_rad2_s2 = static_cast<float>(arw * arw / kSlowPeriod_s),
       .sample_period = kPeriod};
   if constexpr (R == 6) {
@@ -170,7 +171,7 @@ void add_run(const typename Node::Params& params, const SlowGyro& gyro, Outcome&
 /// @tparam R modes of the node: 7 with the warm-up
 template <std::size_t R>
 Outcome play(const PeerSensor& sensor) {
-  using Node = app::GyroNode<R, 0>;
+  using Node = app::GyroNode<core::ModelShape{.decaying = R}>;
   const auto params = params_of<R>(sensor);
   Outcome outcome;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {

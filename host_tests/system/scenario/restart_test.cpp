@@ -16,7 +16,7 @@
 namespace zerorate::scenario {
 namespace {
 
-using Node = app::GyroNode<6, 0>;
+using Node = app::GyroNode<core::ModelShape{.decaying = 6}>;
 
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 constexpr double kTurnOnSigmaRadS = 10.0 / 3600.0 * kRadPerDeg;

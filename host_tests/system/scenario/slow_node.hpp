@@ -21,7 +21,7 @@ inline constexpr double kSlowPeriod_s = 0.5;
 template <class Node, std::size_t R>
 [[nodiscard]] typename Node::Params slow_params(const model::SensorModel& model) {
   const auto period = core::Duration::milliseconds(500);
-  const auto noise = model::make_node_model<R, 0>(model, period, period);
+  const auto noise = model::make_node_model<core::ModelShape{.decaying = R}>(model, period, period);
   return {.modes = noise.modes,
           .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
           .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,

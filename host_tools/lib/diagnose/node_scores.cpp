@@ -15,12 +15,9 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr std::size_t kDecaying = model::kMostDecaying;
-constexpr std::size_t kRotating = model::kMostRotating;
-constexpr std::size_t kTemperature = model::kMostTemperature;
-using Filter = core::KalmanPredictor<kDecaying, kRotating, kTemperature>;
-using Noise = core::Transition<kDecaying, kRotating>;
-using NodeModel = model::NodeModel<kDecaying, kRotating>;
+using Filter = core::KalmanPredictor<model::kLargestShape>;
+using Noise = core::TransitionOf<model::kLargestShape>;
+using NodeModel = model::NodeModel<model::kLargestShape>;
 
 /// The filter at a tick; what is between the ticks that it measures is a gap.
 class Node {
@@ -81,9 +78,9 @@ class Node {
   }
   /// Of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
-    Filter::Span drive{node_.modes.over(lead_.ticks)};
+    Filter::Transition drive{node_.modes.over(lead_.ticks)};
     temperature_.over_drive(lead_, lead_.ticks, drive);
-    const Filter::Span none{node_.modes.over(0)};
+    const Filter::Transition none{node_.modes.over(0)};
     return double{filter_.predict_heading(none, drive).sigma_rad()};
   }
 
@@ -92,7 +89,7 @@ class Node {
     return level_.level() * node_.white_variance_rad2_s2;
   }
   core::Innovation measure(std::uint32_t tick, float rate_rad_s, float samples) {
-    Filter::Span since_last = lead_;
+    Filter::Transition since_last = lead_;
     temperature_.measure(temperature_.tick(), since_last);
     measured_ticks_ = tick + 1;
     return filter_.step(since_last, rate_rad_s,
@@ -104,10 +101,10 @@ class Node {
   Noise one_tick_;  ///< the span of nearly all steps
   Filter::Coefficients coefficients_;
   Filter filter_{coefficients_};
-  core::TemperatureTrack<kTemperature> temperature_;
+  core::TemperatureTrack<model::kLargestShape.temperature_weights> temperature_;
   core::SampleScreen screen_{node_.samples};
   core::NoiseLevelTrack level_{node_.samples.level};
-  Filter::Span lead_{};               ///< from the newest measurement to the tick entered last
+  Filter::Transition lead_{};         ///< from the newest measurement to the tick entered last
   std::uint32_t measured_ticks_ = 0;  ///< up to and with the newest measurement
   std::uint32_t level_ticks_ = 0;     ///< up to and with the tick entered last
 };

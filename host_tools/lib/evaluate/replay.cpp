@@ -83,10 +83,10 @@ std::string_view explain(app::ParamsError error) {
 }
 
 /// The replay of one recording through one node type.
-template <std::size_t R, std::size_t C, std::size_t K>
+template <core::ModelShape Shape>
 class Run {
  public:
-  using Node = app::GyroNode<R, C, K, app::NodeCapacity{.screens_samples = true}>;
+  using Node = app::GyroNode<Shape, app::NodeCapacity{.screens_samples = true}>;
 
   Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
       const ReplayObserver& observer, ReplayResult& result)
@@ -134,7 +134,7 @@ class Run {
   static typename Node::Params make_params(const ReplayOptions& options,
                                            const ReplayResult& result) {
     const auto model =
-        model::make_node_model<R, C, K>(options.model, result.sample_period, result.filter_tick);
+        model::make_node_model<Shape>(options.model, result.sample_period, result.filter_tick);
     typename Node::Params params{
         .modes = model.modes,
         .white_variance_rad2_s2 = model.white_variance_rad2_s2,
@@ -145,7 +145,7 @@ class Run {
         .standstill = options.standstill,
         .odometer = options.odometer,
         .published = options.published};
-    if constexpr (K > 0) params.temperature = model.temperature;
+    if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
       throw std::invalid_argument(std::string(explain(checked.error())));
@@ -255,12 +255,12 @@ class Run {
   bool biases_stale_ = true;
 };
 
-template <std::size_t R, std::size_t C, std::size_t K>
+template <core::ModelShape Shape>
 void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
          const ReplayObserver& observer, ReplayResult& result) {
   // The node is some kilobytes: kept off the stack, as firmware keeps it static.
-  const auto run = std::make_unique<Run<R, C, K>>(rows, reader, options, observer, result);
-  using Node = typename Run<R, C, K>::Node;
+  const auto run = std::make_unique<Run<Shape>>(rows, reader, options, observer, result);
+  using Node = typename Run<Shape>::Node;
   if (options.through == Through::chip) {
     run->to_the_end(
         ChipFeed<Node>{run->node(), options.chip, run->start(), options.has_data_ready});
@@ -298,10 +298,9 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
   if (model::fits_six_decades(options.model)) {
-    run<6, 0, 0>(rows, reader, options, observer, result);
+    run<core::ModelShape{.decaying = 6}>(rows, reader, options, observer, result);
   } else {
-    run<model::kMostDecaying, model::kMostRotating, model::kMostTemperature>(rows, reader, options,
-                                                                             observer, result);
+    run<model::kLargestShape>(rows, reader, options, observer, result);
   }
   return result;
 }

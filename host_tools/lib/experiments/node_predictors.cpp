@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr std::size_t kMostDecades = 8;
-using Node = model::NodeModel<kMostDecades, 0>;
+using Node = model::NodeModel<core::ModelShape{.decaying = kMostDecades}>;
 using Span = core::Transition<kMostDecades, 0>;
 
 /// The node's filter never trusts a sample completely. Where neither the noise nor the fit of the
@@ -40,7 +40,7 @@ Node make_node(const DecadeNoise& decades) {
                                 .shortest_time_constant_s = period_s},
       .node = {.start = decades.start}};
   const auto tick = core::Duration::nanoseconds(std::llround(period_s * 1e9));
-  return model::make_node_model<kMostDecades, 0>(sensor, tick, tick);
+  return model::make_node_model<core::ModelShape{.decaying = kMostDecades}>(sensor, tick, tick);
 }
 
 /// Predictor P of the core, as the node feeds it: one tick a sample.
@@ -110,19 +110,21 @@ class OnNode : public Predictor {
 
 std::unique_ptr<Predictor> make_decade_kalman(std::string name, const DecadeNoise& noise,
                                               const Lengths& lengths) {
-  return std::make_unique<OnNode<core::KalmanPredictor<kMostDecades, 0>>>(
+  return std::make_unique<
+      OnNode<core::KalmanPredictor<core::ModelShape{.decaying = kMostDecades}>>>(
       std::move(name), make_node(noise), lengths);
 }
 
 std::unique_ptr<Predictor> make_moving_average(std::string name, const DecadeNoise& noise,
                                                const Lengths& lengths) {
-  return std::make_unique<OnNode<core::MovingAverage<kMostDecades, 0>>>(std::move(name),
-                                                                        make_node(noise), lengths);
+  return std::make_unique<OnNode<core::MovingAverage<core::ModelShape{.decaying = kMostDecades}>>>(
+      std::move(name), make_node(noise), lengths);
 }
 
 std::unique_ptr<Predictor> make_calibration_mean(std::string name, const DecadeNoise& noise,
                                                  const Lengths& lengths) {
-  return std::make_unique<OnNode<core::CalibrationMean<kMostDecades, 0>>>(
+  return std::make_unique<
+      OnNode<core::CalibrationMean<core::ModelShape{.decaying = kMostDecades}>>>(
       std::move(name), make_node(noise), lengths);
 }
 

@@ -7,6 +7,12 @@
 #include "firmware/model/node_model.hpp"
 
 namespace zerorate::identify {
+namespace {
+
+constexpr core::ModelShape kLargestWithoutTemperature{.decaying = model::kLargestShape.decaying,
+                                                      .rotating = model::kLargestShape.rotating};
+
+}  // namespace
 
 InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, std::size_t axis,
                                              core::Duration sample_period, core::Duration tick)
@@ -21,12 +27,12 @@ InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, st
   }
 }
 
-template <std::size_t R, std::size_t C>
+template <core::ModelShape Shape>
 Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
-  const auto node = model::make_node_model<R, C>(model, sample_period_, tick_);
+  const auto node = model::make_node_model<Shape>(model, sample_period_, tick_);
   const auto one_tick = node.modes.one_tick();
-  const core::KalmanCoefficients<R, C> coefficients{node.modes, node.gate};
-  core::KalmanPredictor<R, C> filter{coefficients};
+  const core::KalmanCoefficients<Shape> coefficients{node.modes, node.gate};
+  core::KalmanPredictor<Shape> filter{coefficients};
   Likelihood likelihood;
   for (const Measurement& measurement : measurements_) {
     const core::Innovation innovation =
@@ -44,8 +50,8 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
   // A replay chooses likewise: six flicker decades, or the largest node.
-  return model::fits_six_decades(model) ? run<6, 0>(model)
-                                        : run<model::kMostDecaying, model::kMostRotating>(model);
+  return model::fits_six_decades(model) ? run<core::ModelShape{.decaying = 6}>(model)
+                                        : run<kLargestWithoutTemperature>(model);
 }
 
 }  // namespace zerorate::identify

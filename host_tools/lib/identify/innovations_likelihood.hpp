@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/noise/model_shape.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
@@ -52,7 +53,7 @@ class InnovationsLikelihood {
     float samples;
     float rate_rad_s;
   };
-  template <std::size_t R, std::size_t C>
+  template <core::ModelShape Shape>
   [[nodiscard]] Likelihood run(const model::SensorModel& model) const;
 
   std::vector<Measurement> measurements_;

@@ -25,6 +25,7 @@ using hal::mps2::SysTick;
 constexpr auto kTick = core::Duration::milliseconds(100);
 constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'615'385);  // 104 Hz
 constexpr std::size_t kDecades = 6;
+constexpr core::ModelShape kShape{.decaying = kDecades};
 constexpr float kWhiteVariance = 2.4e-7F;
 
 // Inputs that the compiler cannot know, and results that it must not leave out.
@@ -35,7 +36,7 @@ constexpr auto kModes = core::compose(
     kTick, core::Start::stationary,
     core::FlickerDecades<kDecades>{.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F, 1e3F, 1e4F},
                                    .variance_rad2_s2 = {1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F}});
-constexpr core::KalmanCoefficients<kDecades, 0> kCoefficients{kModes};
+constexpr core::KalmanCoefficients<kShape> kCoefficients{kModes};
 
 std::uint32_t random_state = 1;
 float noisy_rate_rad_s() {
@@ -86,9 +87,9 @@ void count_predictor(Predictor& predictor, const char* step, const char* gap, co
                        mean_hundredths(4, [&] { report = predictor.predict(span).sigma_rad_s(); }));
 }
 
-constinit core::KalmanPredictor<kDecades, 0> kalman{kCoefficients};
-constinit core::MovingAverage<kDecades, 0, 8> moving_average{kModes};
-constinit core::CalibrationMean<kDecades, 0> calibration_mean{kModes};
+constinit core::KalmanPredictor<kShape> kalman{kCoefficients};
+constinit core::MovingAverage<kShape, 8> moving_average{kModes};
+constinit core::CalibrationMean<kShape> calibration_mean{kModes};
 
 void count_predictors() {
   count_predictor(kalman, "kalman_step", "kalman_gap", "kalman_predict");
@@ -104,10 +105,9 @@ void count_predictors() {
 }
 
 constinit core::TickAverage<3> average{kTick, kSamplePeriod};
-constinit std::array<core::KalmanPredictor<kDecades, 0>, 3> filters{
-    core::KalmanPredictor<kDecades, 0>{kCoefficients},
-    core::KalmanPredictor<kDecades, 0>{kCoefficients},
-    core::KalmanPredictor<kDecades, 0>{kCoefficients}};
+constinit std::array<core::KalmanPredictor<kShape>, 3> filters{
+    core::KalmanPredictor<kShape>{kCoefficients}, core::KalmanPredictor<kShape>{kCoefficients},
+    core::KalmanPredictor<kShape>{kCoefficients}};
 
 /// Samples at 104 Hz averaged into ticks at 10 Hz, and a predict and update of each axis a tick.
 void filter_a_sample(const core::Transition<kDecades, 0>& tick, core::Instant at,
@@ -138,7 +138,7 @@ void count_front_end() {
   emulated::write_line("averaged_sample_of_three_axes", mean_hundredths(1040, prepare, one));
 }
 
-using Node = app::GyroNode<kDecades, 0, 0, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
+using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
 constexpr Node::Params kParams{.modes = kModes,
                                .white_variance_rad2_s2 = kWhiteVariance,
                                .sample_period = kSamplePeriod,

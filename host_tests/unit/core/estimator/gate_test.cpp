@@ -27,8 +27,8 @@ class SettledFilter : public ::testing::Test {
   [[nodiscard]] Prediction predicted() const { return filter.predict(modes.one_tick()); }
 
   Modes<6, 0> modes = compose(kTick, Start::stationary, testing::flicker_like<6>(kTick, 0.5));
-  KalmanCoefficients<6, 0> coefficients{modes, kGate};
-  KalmanPredictor<6, 0> filter{coefficients};
+  KalmanCoefficients<ModelShape{.decaying = 6}> coefficients{modes, kGate};
+  KalmanPredictor<ModelShape{.decaying = 6}> filter{coefficients};
 
  private:
   std::mt19937 random_{4};
@@ -79,7 +79,7 @@ TEST_F(SettledFilter, IsNotLockedOutByAJumpOfAnySize) {
 class FreshFilter : public SettledFilter {
  protected:
   FreshFilter() {
-    filter = KalmanPredictor<6, 0>{coefficients};
+    filter = KalmanPredictor<ModelShape{.decaying = 6}>{coefficients};
     feed(-700.0F);
   }
 };
@@ -105,7 +105,7 @@ TEST_F(FreshFilter, BeginsAnewFromAMeasurementThatContradictsTheFirst) {
 TEST(FilterOfSlowTicks, IsConfirmedByASecondMeasurement) {
   constexpr Duration kMinute = Duration::seconds(60);
   const auto modes = compose(kMinute, Start::stationary, testing::flicker_like<6>(kMinute, 60.0));
-  const KalmanCoefficients<6, 0> coefficients{modes};
+  const KalmanCoefficients<ModelShape{.decaying = 6}> coefficients{modes};
   KalmanPredictor filter{coefficients};
   EXPECT_FALSE(filter.state().is_measured());
   filter.step(modes.one_tick(), 1.0F, kWhiteVariance);
@@ -117,8 +117,8 @@ TEST(FilterOfSlowTicks, IsConfirmedByASecondMeasurement) {
 
 TEST(GateThatIsNeverPassed, ChangesNothing) {
   const auto modes = compose(kTick, Start::stationary, testing::flicker_like<6>(kTick, 0.5));
-  const KalmanCoefficients<6, 0> open{modes};
-  const KalmanCoefficients<6, 0> gated{
+  const KalmanCoefficients<ModelShape{.decaying = 6}> open{modes};
+  const KalmanCoefficients<ModelShape{.decaying = 6}> gated{
       modes, Gate{.threshold_sigma = 50.0F, .longest_knock_ticks = kLongestKnock}};
   KalmanPredictor free{open};
   KalmanPredictor guarded{gated};

@@ -18,8 +18,8 @@ namespace {
 using testing::flicker_like;
 using testing::mixed_modes;
 
-static_assert(BiasPredictor<KalmanPredictor<6, 0>>);
-static_assert(BiasPredictor<KalmanPredictor<5, 1>>);
+static_assert(BiasPredictor<KalmanPredictor<ModelShape{.decaying = 6}>>);
+static_assert(BiasPredictor<KalmanPredictor<ModelShape{.decaying = 5, .rotating = 1}>>);
 
 /// The oracle: a textbook Kalman filter in double, states (b, z), dense matrices, Joseph's form,
 /// h = ones; b starts with a huge variance.

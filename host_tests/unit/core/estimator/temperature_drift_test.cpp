@@ -25,7 +25,7 @@ constexpr TemperatureDrift kDrift{.reference_degc = 30.0F,
                                   .curvature_rad_s_per_k2 = -0.1F,
                                   .curvature_sigma_rad_s_per_k2 = 0.3F};
 constexpr double kWhiteVariance = 4.0;
-using Filter = KalmanPredictor<kLags, 0, 2>;
+using Filter = KalmanPredictor<ModelShape{.decaying = kLags, .temperature_weights = 2}>;
 using Weights = TemperatureTransition<2>::Weights;
 
 /// Above the reference: a warm-up, and the sun now and then.
@@ -96,8 +96,8 @@ class TimeVaryingFilter {
 };
 
 /// Transition of the weights from one tick to a later one, tick by tick.
-Filter::Span span_over(const Modes<kLags, 0>& modes, int from, int to) {
-  Filter::Span span{modes.over(static_cast<std::uint32_t>(to - from))};
+Filter::Transition span_over(const Modes<kLags, 0>& modes, int from, int to) {
+  Filter::Transition span{modes.over(static_cast<std::uint32_t>(to - from))};
   for (std::size_t i = 0; i < 2; ++i) {
     for (int tick = from + 1; tick <= to; ++tick) {
       span.temperature.change[i] = weights_at(tick)[i] - weights_at(from)[i];
@@ -109,7 +109,8 @@ Filter::Span span_over(const Modes<kLags, 0>& modes, int from, int to) {
 
 TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTemperature) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<kLags, 0, 2> coefficients{modes, {}, kDrift};
+  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
+      modes, {}, kDrift};
   Filter filter{coefficients};
   TimeVaryingFilter oracle;
   std::mt19937_64 random{5};
@@ -126,8 +127,8 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTempe
       oracle.observe(double{y});
       measured = k;
     } else if (k % 300 == 299 && k > 300) {
-      const HeadingPrediction heading =
-          filter.predict_heading(Filter::Span{modes.over(0)}, span_over(modes, driving_since, k));
+      const HeadingPrediction heading = filter.predict_heading(Filter::Transition{modes.over(0)},
+                                                               span_over(modes, driving_since, k));
       ASSERT_EQ(driving_since, measured);
       EXPECT_NEAR(double{heading.angle_rad}, oracle.angle(), 2e-3 * oracle.angle_sigma()) << k;
       EXPECT_NEAR(double{heading.sigma_rad()} / oracle.angle_sigma(), 1.0, 1e-3) << k;
@@ -149,18 +150,19 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTempe
 
 TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasTheBitsOfOneWithoutTemperature) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<kLags, 0, 2> with{modes, {}, kDrift};
-  const KalmanCoefficients<kLags, 0> without{modes};
+  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> with{
+      modes, {}, kDrift};
+  const KalmanCoefficients<ModelShape{.decaying = kLags}> without{modes};
   Filter followed{with};
-  KalmanPredictor<kLags, 0> plain{without};
+  KalmanPredictor<ModelShape{.decaying = kLags}> plain{without};
   std::mt19937_64 random{6};
   std::normal_distribution<float> noise;
   for (int k = 0; k < 500; ++k) {
     const float y = noise(random);
-    followed.step(Filter::Span{modes.one_tick()}, y, 4.0F);
+    followed.step(Filter::Transition{modes.one_tick()}, y, 4.0F);
     plain.step(modes.one_tick(), y, 4.0F);
   }
-  const Prediction a = followed.predict(Filter::Span{modes.over(40)});
+  const Prediction a = followed.predict(Filter::Transition{modes.over(40)});
   const Prediction b = plain.predict(modes.over(40));
   EXPECT_EQ(a.bias_rad_s, b.bias_rad_s);
   EXPECT_EQ(a.variance_rad2_s2, b.variance_rad2_s2);
@@ -168,17 +170,18 @@ TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasTheBitsOfOneWithoutTempera
 
 TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<kLags, 0, 2> coefficients{modes, {}, kDrift};
+  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
+      modes, {}, kDrift};
   Filter filter{coefficients};
-  filter.step(Filter::Span{modes.one_tick()}, 1.0F, 4.0F);
-  Filter::Span lead{modes.over(8)};
+  filter.step(Filter::Transition{modes.one_tick()}, 1.0F, 4.0F);
+  Filter::Transition lead{modes.over(8)};
   const float known = filter.predict(lead).variance_rad2_s2;
   // 3 K at e = 5 K, not known: (slope + 2 e curvature) 3 K, which is 1 +- sqrt(16 + 100 0.09).
   lead.temperature.unknown = {3.0F, 30.0F};
   const float unknown = filter.predict(lead).variance_rad2_s2;
   EXPECT_NEAR(unknown - known, 9.0F * (1.0F + 25.0F), 1e-2F);
-  const Filter::Span none{modes.over(0)};
-  Filter::Span drive = lead;
+  const Filter::Transition none{modes.over(0)};
+  Filter::Transition drive = lead;
   const float wide = filter.predict_heading(none, drive).variance_rad2;
   drive.temperature.unknown = {};
   const float narrow = filter.predict_heading(none, drive).variance_rad2;

@@ -17,8 +17,8 @@ namespace {
 
 using testing::mixed_modes;
 
-static_assert(BiasPredictor<CalibrationMean<6, 0>>);
-static_assert(BiasPredictor<MovingAverage<5, 1>>);
+static_assert(BiasPredictor<CalibrationMean<ModelShape{.decaying = 6}>>);
+static_assert(BiasPredictor<MovingAverage<ModelShape{.decaying = 5, .rotating = 1}>>);
 
 constexpr double kWhite = 2.0;
 
@@ -97,14 +97,18 @@ void expect_intervals_of(Start start, Weights weights, double heading_tolerance)
 }
 
 TEST(CalibrationMean, HasTheIntervalsOfTheExplicitCovariance) {
-  expect_intervals_of<CalibrationMean<5, 1>>(Start::stationary, mean_weights, 1e-4);
-  expect_intervals_of<CalibrationMean<5, 1>>(Start::zero, mean_weights, 1e-4);
+  expect_intervals_of<CalibrationMean<ModelShape{.decaying = 5, .rotating = 1}>>(
+      Start::stationary, mean_weights, 1e-4);
+  expect_intervals_of<CalibrationMean<ModelShape{.decaying = 5, .rotating = 1}>>(
+      Start::zero, mean_weights, 1e-4);
 }
 
 TEST(MovingAverage, HasTheIntervalsOfTheExplicitCovariance) {
   // The heading's weights are taken block by block: 2 % is what that may cost.
-  expect_intervals_of<MovingAverage<5, 1>>(Start::stationary, moving_average_weights, 2e-2);
-  expect_intervals_of<MovingAverage<5, 1>>(Start::zero, moving_average_weights, 2e-2);
+  expect_intervals_of<MovingAverage<ModelShape{.decaying = 5, .rotating = 1}>>(
+      Start::stationary, moving_average_weights, 2e-2);
+  expect_intervals_of<MovingAverage<ModelShape{.decaying = 5, .rotating = 1}>>(
+      Start::zero, moving_average_weights, 2e-2);
 }
 
 TEST(WindowPredictorsAtANewStop, StartAgain) {

@@ -12,7 +12,8 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr TemperatureDrift kDrift{.reference_degc = 25.0F, .slope_sigma_rad_s_per_k = 1.0F};
 using Track = TemperatureTrack<2>;
-using Span = SpanWithTemperature<1, 0, 2>;
+using TemperedTransition =
+    TransitionWithTemperature<ModelShape{.decaying = 1, .temperature_weights = 2}>;
 
 constexpr Instant at_ms(std::int64_t ms) {
   return Instant::from_ns(ms * 1'000'000);
@@ -55,7 +56,7 @@ TEST(TemperatureTrackWithoutReadings, KeepsTheLastOneForFiveSecondsAndThenWander
   Track track{kDrift};
   const auto lost = [](std::int64_t ms) { return ms < 2'000 ? 30.0F : kNan; };
   run(track, 0, 2'100, lost);
-  Span span{};
+  TemperedTransition span{};
   track.measure(track.tick(), span);
   run(track, 2'100, 6'600, lost);
   EXPECT_FALSE(track.is_missed(at_ms(6'900)));
@@ -79,7 +80,7 @@ TEST(TemperatureTrackWithoutReadings, KeepsTheLastOneForFiveSecondsAndThenWander
 TEST(TemperatureTrackThatMeasuredWithoutReadings, ClaimsNoChangeFromThere) {
   Track track{kDrift};
   run(track, 0, 10'100, [](std::int64_t ms) { return ms < 1'000 ? 30.0F : kNan; });
-  Span span{};
+  TemperedTransition span{};
   track.measure(track.tick(), span);
   run(track, 10'100, 14'600, [](std::int64_t) { return 40.0F; });
   track.measure(track.tick(), span);
@@ -100,7 +101,7 @@ TEST(TemperatureTrackOverADrive, SumsTheChangesTickByTick) {
   Track track{kDrift};
   const auto rising = [](std::int64_t ms) { return 25.0F + static_cast<float>(ms / 500); };
   run(track, 0, 1'000, rising);
-  Span lead{};
+  TemperedTransition lead{};
   track.measure(track.tick(), lead);  // at 500 ms, of the tick before: 0 K
   for (std::uint32_t ticks = 1; ticks <= 10; ++ticks) {
     const std::int64_t ms = 500 + 500 * std::int64_t{ticks};
@@ -110,7 +111,7 @@ TEST(TemperatureTrackOverADrive, SumsTheChangesTickByTick) {
   EXPECT_NEAR(lead.temperature.change[0], 10.0F, 1e-5F);
   EXPECT_NEAR(lead.temperature.sum[0], 55.0F, 1e-4F);
   lead.ticks = 10;
-  Span drive{};
+  TemperedTransition drive{};
   drive.ticks = 14;  // four of them are still to come
   Track::over_drive(lead, 10, drive);
   EXPECT_NEAR(drive.temperature.sum[0], 55.0F + 40.0F, 1e-3F);

@@ -4,10 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <vector>
 
-#include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 
 namespace zerorate::app {
@@ -15,40 +12,16 @@ namespace {
 
 using core::Duration;
 using testing::at_ms;
+using testing::bias_of;
+using testing::drive;
 using testing::expect_same;
-using testing::kSamplePeriod;
+using testing::kBias;
 using testing::kWhiteSigmaRadS;
 using testing::Node;
 using testing::node_params;
 using testing::noisy_sample;
 using testing::sample_at;
-
-constexpr float kBias = 0.01F;
-
-float bias_of(const Node& node, Predictor which, std::size_t axis = 0) {
-  return node.bias(which, axis).in(core::rad_per_s);
-}
-
-/// Noisy samples every 10 ms in [from, to); returns the messages.
-std::vector<RateMessage> stand(Node& node, std::int64_t from_ms, std::int64_t to_ms,
-                               float bias = kBias) {
-  std::vector<RateMessage> messages;
-  for (std::int64_t ms = from_ms; ms < to_ms; ms += 10) {
-    messages.push_back(node.step(noisy_sample(at_ms(ms), bias)));
-  }
-  return messages;
-}
-
-/// Drives with a turn of `turn` rad/s on top and a pulse with each sample.
-std::vector<RateMessage> drive(Node& node, std::int64_t from_ms, std::int64_t to_ms,
-                               float turn = 0.3F) {
-  std::vector<RateMessage> messages;
-  for (std::int64_t ms = from_ms; ms < to_ms; ms += 10) {
-    node.pulse(at_ms(ms));
-    messages.push_back(node.step(noisy_sample(at_ms(ms), kBias + turn)));
-  }
-  return messages;
-}
+using testing::stand;
 
 // Every offset of the pulse against the ticks and the samples, the exact coincidences among them.
 TEST(GyroNodeAtTheFirstPulse, KeepsTheMeanOfTheWholeStop) {
@@ -159,57 +132,7 @@ TEST(GyroNodeWithLostPulses, ForgetsAllThatIsHeldAndSaysSoOnce) {
   EXPECT_TRUE(first.health.odometer_fault);
   EXPECT_FALSE(node.step(noisy_sample(at_ms(21'010), kBias)).health.odometer_fault);
   EXPECT_EQ(node.measured_ticks(), learnt);
-  EXPECT_EQ(node.state().held.size(), 0U);
-}
-
-/// Samples that a node must refuse, after one at 20 s.
-struct Refused {
-  const char* name;
-  drivers::GyroSample sample;
-  Health health;
-};
-
-std::vector<Refused> refused_samples() {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  auto one_axis = sample_at(at_ms(20'010), kBias);
-  one_axis.rate[2] = core::rad_per_s(kNaN);
-  const Health no_rate{.calibrated = true, .sample_refused = true};
-  const Health no_time{.calibrated = true, .time_refused = true};
-  return {{"nan", sample_at(at_ms(20'010), kNaN), no_rate},
-          {"nan on one axis", one_axis, no_rate},
-          {"faster than anything", sample_at(at_ms(20'010), -1.1e6F), no_rate},
-          {"infinite", sample_at(at_ms(20'010), kInfinity), no_rate},
-          {"minus infinite", sample_at(at_ms(20'010), -kInfinity), no_rate},
-          {"duplicate stamp", sample_at(at_ms(20'000), kBias), no_time},
-          {"backwards", sample_at(at_ms(19'990), kBias), no_time},
-          {"before the first", sample_at(at_ms(-5'000), kBias), no_time},
-          {"beyond the counter", sample_at(at_ms(1'000'000'000'000), kBias), no_time}};
-}
-
-TEST(GyroNodeGivenABadSample, RefusesItFlagsItAndStaysAsItWas) {
-  const auto params = node_params();
-  for (const Refused& refused : refused_samples()) {
-    SCOPED_TRACE(refused.name);
-    Node node{params};
-    stand(node, 0, 20'010);
-    const Node::State before = node.state();
-    const RateMessage message = node.step(refused.sample);
-    EXPECT_EQ(message.health, refused.health);
-    EXPECT_FALSE(message.has_rate());
-    expect_same(node.state(), before);
-  }
-}
-
-TEST(GyroNodeGivenBadSamplesInBetween, GoesOnAsIfTheyHadNotBeen) {
-  const auto params = node_params();
-  Node disturbed{params};
-  Node clean{params};
-  stand(disturbed, 0, 20'010);
-  stand(clean, 0, 20'010);
-  for (const Refused& refused : refused_samples()) (void)disturbed.step(refused.sample);
-  EXPECT_EQ(stand(disturbed, 20'010, 30'000), stand(clean, 20'010, 30'000));
-  expect_same(disturbed.state(), clean.state());
+  EXPECT_EQ(node.state().learning.held.size(), 0U);
 }
 
 TEST(GyroNodeAtPowerUp, LearnsNothingOfTenWildSamples) {
@@ -238,58 +161,6 @@ TEST(GyroNodeAfterAGapOfAnHour, KeepsItsBiasWithAWiderIntervalAndLearnsOn) {
   const std::uint32_t learnt = node.measured_ticks();
   EXPECT_LT(stand(node, kLater + 10, kLater + 60'000).back().axes[0].sigma, after.axes[0].sigma);
   EXPECT_GT(node.measured_ticks(), learnt);
-}
-
-/// A minute and a half with two stops and two drives.
-RateMessage at_step(Node& node, std::int64_t ms) {
-  const bool moves = (ms >= 20'000 && ms < 40'000) || ms >= 70'000;
-  if (moves) node.pulse(at_ms(ms));
-  return node.step(noisy_sample(at_ms(ms), kBias + (moves ? 0.2F : 0.0F)));
-}
-
-TEST(GyroNodeRestoredFromItsState, EqualsTheUninterruptedRunBitForBit) {
-  const auto params = node_params();
-  // In the settle time, in a stop, in a hold-back, at a tick's edge, in a drive, in the next stop.
-  for (const std::int64_t cut : {500, 10'040, 19'800, 19'990, 20'000, 30'000, 40'500, 60'100}) {
-    SCOPED_TRACE(cut);
-    Node whole{params};
-    Node first{params};
-    std::int64_t ms = 0;
-    for (; ms < cut; ms += 10) EXPECT_EQ(at_step(whole, ms), at_step(first, ms));
-    Node second{params};
-    second.restore(first.state());
-    for (; ms < 90'000; ms += 10) ASSERT_EQ(at_step(whole, ms), at_step(second, ms));
-    expect_same(whole.state(), second.state());
-  }
-}
-
-TEST(GyroNodeRestoredBetweenPulseAndSample, EqualsTheUninterruptedRunBitForBit) {
-  const auto params = node_params();
-  Node whole{params};
-  stand(whole, 0, 20'000);
-  whole.pulse(at_ms(20'000));
-  Node second{params};
-  second.restore(whole.state());
-  EXPECT_EQ(drive(whole, 20'000, 40'000), drive(second, 20'000, 40'000));
-  expect_same(whole.state(), second.state());
-}
-
-TEST(GyroNodeFedTwiceWithTheSame, SaysTheSameTwice) {
-  const auto params = node_params();
-  Node one{params};
-  Node two{params};
-  for (std::int64_t ms = 0; ms < 90'000; ms += 10) ASSERT_EQ(at_step(one, ms), at_step(two, ms));
-  expect_same(one.state(), two.state());
-}
-
-TEST(GyroNodeOverAWholeDrive, NeverAllocates) {
-  const auto params = node_params();
-  Node node{params};
-  const support::AllocationCounter allocations;
-  for (std::int64_t ms = 0; ms < 90'000; ms += 10) (void)at_step(node, ms);
-  node.restore(node.state());
-  (void)node.predict_heading(Predictor::moving_average, 0, at_ms(70'000), at_ms(90'000));
-  EXPECT_EQ(allocations.count(), 0U);
 }
 
 TEST(GyroNodeWithABiasOfTwelveDegreesPerSecond, IsAsExactAsWithASmallOne) {
@@ -337,196 +208,6 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
   EXPECT_EQ(thin_mean.count, full_mean.count);
   EXPECT_FLOAT_EQ(thin_mean.white_variance_sum, 2.0F * full_mean.white_variance_sum);
   EXPECT_NEAR(bias_of(thin, Predictor::kalman), kBias, 5.0F * kWhiteSigmaRadS / std::sqrt(2900.F));
-}
-
-TEST(GyroNodeWithoutTemperature, IsTheSame) {
-  const auto params = node_params();
-  Node with{params};
-  Node without{params};
-  for (std::int64_t ms = 0; ms < 20'000; ms += 10) {
-    auto sample = noisy_sample(at_ms(ms), kBias);
-    const RateMessage cold = without.step(sample);
-    sample.has_temperature = true;
-    sample.temperature = core::Temperature::from_degc(60.0F);
-    ASSERT_EQ(with.step(sample), cold);
-  }
-}
-
-/// A node that follows the temperature, from the one of node_params().
-GyroNode<4, 0, 2>::Params warm_params() {
-  const auto plain = node_params();
-  GyroNode<4, 0, 2>::Params params{.modes = plain.modes,
-                                   .white_variance_rad2_s2 = plain.white_variance_rad2_s2,
-                                   .sample_period = plain.sample_period};
-  params.temperature = {.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F};
-  return params;
-}
-
-/// In minutes of standstill and of driving in turn; the temperature rises by a kelvin a minute, the
-/// bias of x, y and z by 1, 2 and 3 times 1e-3 rad/s/K.
-drivers::GyroSample warming_sample(std::int64_t ms) {
-  constexpr float kSlope = 1e-3F;
-  const float excess = static_cast<float>(ms) / 60'000.0F - 10.0F;
-  auto sample = noisy_sample(at_ms(ms), kBias + kSlope * excess);
-  sample.has_temperature = true;
-  sample.temperature = core::Temperature::from_degc(30.0F + excess);
-  return sample;
-}
-RateMessage warming_step(GyroNode<4, 0, 2>& node, std::int64_t ms) {
-  if (ms / 60'000 % 2 == 1) node.pulse(at_ms(ms));
-  return node.step(warming_sample(ms));
-}
-
-TEST(GyroNodeThatFollowsTheTemperature, LearnsTheSlopeAcrossStops) {
-  const auto params = warm_params();
-  GyroNode<4, 0, 2> node{params};
-  std::int64_t ms = 0;
-  for (; ms < 600'000; ms += 10) (void)warming_step(node, ms);
-  // At the end of the sixth drive, a minute and a kelvin after it was measured.
-  const RateMessage message = warming_step(node, ms - 10 + 60'000);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<float>(i + 1);
-    const float truth = axis * (kBias + 1e-3F * (static_cast<float>(ms + 59'990) / 6e4F - 10.0F));
-    const float error = message.axes[i].bias.in(core::rad_per_s)-truth;
-    EXPECT_LT(std::abs(error), 1e-4F * axis);
-    EXPECT_LT(std::abs(error), 4.0F * message.axes[i].sigma.in(core::rad_per_s));
-  }
-  EXPECT_FALSE(message.health.temperature_missing);
-}
-
-TEST(GyroNodeThatFollowsTheTemperature, RestoredGoesOnBitForBit) {
-  const auto params = warm_params();
-  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
-    GyroNode<4, 0, 2> whole{params};
-    std::int64_t ms = 0;
-    for (; ms < cut; ms += 10) (void)warming_step(whole, ms);
-    GyroNode<4, 0, 2> second{params};
-    second.restore(whole.state());
-    for (; ms < 240'000; ms += 10) ASSERT_EQ(warming_step(whole, ms), warming_step(second, ms));
-  }
-}
-
-TEST(GyroNodeWhoseThermometerFallsSilent, SaysSoAndWidensItsInterval) {
-  const auto params = warm_params();
-  GyroNode<4, 0, 2> node{params};
-  std::int64_t ms = 0;
-  for (; ms < 60'000; ms += 10) (void)warming_step(node, ms);
-  float sigma = 0.0F;
-  for (; ms < 90'000; ms += 10) {
-    auto sample = warming_sample(ms);
-    sample.has_temperature = false;
-    node.pulse(at_ms(ms));
-    const RateMessage message = node.step(sample);
-    EXPECT_EQ(message.health.temperature_missing, ms > 64'990) << ms;
-    if (ms == 64'000) sigma = message.axes[0].sigma.in(core::rad_per_s);
-    if (ms == 89'990) {
-      EXPECT_GT(message.axes[0].sigma.in(core::rad_per_s), 2.0F * sigma);
-    }
-  }
-}
-
-/// A node that looks at single samples: one in a thousand is wild.
-using ScreeningNode = GyroNode<4, 0, 0, NodeCapacity{.screens_samples = true}>;
-ScreeningNode::Params screening_params() {
-  auto params = node_params();
-  params.samples.outliers = {.probability = 1e-3F,
-                             .variance_rad2_s2 = 1e4F * kWhiteSigmaRadS * kWhiteSigmaRadS};
-  return params;
-}
-
-/// From 10 s on every 50th sample is off by 200 standard deviations on y.
-bool is_wild(std::int64_t ms) {
-  return ms > 10'000 && ms % 500 == 250;
-}
-drivers::GyroSample sometimes_wild_sample(std::int64_t ms) {
-  auto sample = noisy_sample(at_ms(ms), kBias);
-  if (is_wild(ms)) sample.rate[1] = sample.rate[1] + core::rad_per_s(200.0F * kWhiteSigmaRadS);
-  return sample;
-}
-
-TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnesAndSaysSo) {
-  const auto params = screening_params();
-  ScreeningNode node{params};
-  RateMessage message;
-  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
-    message = node.step(sometimes_wild_sample(ms));
-    EXPECT_EQ(message.health.measurement_rejected, is_wild(ms)) << ms;
-  }
-  // 4 sigma off on average, had they been learnt from.
-  EXPECT_NEAR(message.axes[1].bias.in(core::rad_per_s), 2.0F * kBias,
-              4.0F * message.axes[1].sigma.in(core::rad_per_s));
-}
-
-TEST(GyroNodeThatScreensSamples, RestoredGoesOnBitForBit) {
-  auto params = screening_params();
-  params.samples.level = {.variance = 0.1F, .time_constants_per_tick = 1e-2F};
-  params.samples.motion = {
-      .begin_probability = 1e-3F, .end_probability = 0.1F, .variance_rad2_s2 = 1e-4F};
-  for (const std::int64_t cut : {30'050, 30'260, 45'000}) {
-    ScreeningNode whole{params};
-    std::int64_t ms = 0;
-    for (; ms < cut; ms += 10) (void)whole.step(sometimes_wild_sample(ms));
-    ScreeningNode second{params};
-    second.restore(whole.state());
-    for (; ms < 60'000; ms += 10) {
-      ASSERT_EQ(whole.step(sometimes_wild_sample(ms)), second.step(sometimes_wild_sample(ms)));
-    }
-  }
-}
-
-TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
-  auto params = screening_params();
-  params.samples = {};
-  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
-  for (auto& mode : params.modes.decaying) {  // as good as none, so that the mean is all
-    mode.noise_variance *= 1e-6F;
-    mode.initial_variance *= 1e-6F;
-  }
-  ScreeningNode quiet{params};
-  ScreeningNode loud{params};
-  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
-    const auto sample = noisy_sample(at_ms(ms), 0.0F);
-    (void)quiet.step(sample);
-    auto twice = sample;
-    for (auto& rate : twice.rate) rate = rate + rate;
-    (void)loud.step(twice);
-  }
-  // The bias has been the same throughout: its sigma is that of the mean, in proportion to the
-  // noise.
-  const float ratio = loud.predict(Predictor::kalman, 0).sigma_rad_s() /
-                      quiet.predict(Predictor::kalman, 0).sigma_rad_s();
-  EXPECT_NEAR(ratio, 2.0F, 0.1F);
-}
-
-TEST(GyroNodeThatKnowsItsRange, SaysWhenASampleIsAtItsEnd) {
-  auto params = node_params();
-  params.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};
-  ScreeningNode node{params};
-  EXPECT_FALSE(node.step(sample_at(at_ms(0), 0.3F)).health.saturated);  // z: 0.9
-  EXPECT_TRUE(node.step(sample_at(at_ms(10), 0.4F)).health.saturated);
-}
-
-TEST(GyroNodeWithoutRoomForSamples, RefusesAModelOfThem) {
-  const auto params = screening_params();
-  EXPECT_EQ(Node::check(params).error(), ParamsError::no_room_for_samples);
-  EXPECT_TRUE(ScreeningNode::check(params).has_value());
-}
-
-TEST(GyroNodeThatScreensNothing, GivesTheBitsOfOneWithoutRoomForIt) {
-  const auto params = node_params();
-  Node plain{params};
-  ScreeningNode roomy{params};
-  for (std::int64_t ms = 0; ms < 20'000; ms += 10) {
-    const auto sample = sometimes_wild_sample(ms);
-    ASSERT_EQ(plain.step(sample), roomy.step(sample));
-  }
-}
-
-TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
-  static_assert(sizeof(GyroNode<4, 0>::HeldTick) == sizeof(core::TickMean<3>));
-  static_assert(std::is_empty_v<core::TemperatureTrack<0>>);
-  static_assert(sizeof(core::KalmanPredictor<6, 0, 0>::State) <= 192);
-  EXPECT_LT(sizeof(GyroNode<4, 0>), sizeof(GyroNode<4, 0, 2>));
 }
 
 TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
@@ -581,42 +262,6 @@ TEST(GyroNodeWhoseSensorIsLouderThanItsModel, SaysThatTheModelIsInconsistent) {
   params.white_variance_rad2_s2 *= 0.25F;
   Node deceived{params};
   EXPECT_TRUE(stand(deceived, 0, 60'000).back().health.model_inconsistent);
-}
-
-TEST(GyroNodeParams, AreCheckedOneByOne) {
-  EXPECT_TRUE(Node::check(node_params()).has_value());
-  const auto error = [](auto spoil) {
-    auto params = node_params();
-    spoil(params);
-    const auto checked = Node::check(params);
-    EXPECT_FALSE(checked.has_value());
-    return checked.error();
-  };
-  using Params = Node::Params;
-  EXPECT_EQ(error([](Params& p) { p.modes.tick = Duration{}; }), ParamsError::tick_not_positive);
-  EXPECT_EQ(error([](Params& p) { p.sample_period = Duration{}; }), ParamsError::tick_not_positive);
-  EXPECT_EQ(error([](Params& p) { p.sample_period = p.modes.tick * 2; }),
-            ParamsError::tick_shorter_than_sample);
-  for (const float variance : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(),
-                               std::numeric_limits<float>::infinity()}) {
-    EXPECT_EQ(error([&](Params& p) { p.white_variance_rad2_s2 = variance; }),
-              ParamsError::white_variance_not_positive);
-  }
-  EXPECT_EQ(error([](Params& p) { p.standstill.settle = Duration::nanoseconds(-1); }),
-            ParamsError::negative_time);
-  EXPECT_EQ(error([](Params& p) { p.standstill.hold_back = Duration::nanoseconds(-1); }),
-            ParamsError::negative_time);
-  EXPECT_EQ(error([](Params& p) { p.standstill.hold_back = p.modes.tick * 63; }),
-            ParamsError::hold_back_too_long);
-}
-
-TEST(GyroNodeWithTheLongestHoldBack, NeverOverfillsItsLine) {
-  auto params = node_params();
-  params.standstill.hold_back = Duration::nanoseconds((params.modes.tick * 63).ns() - 1);
-  ASSERT_TRUE(Node::check(params).has_value());
-  Node node{params};
-  stand(node, 0, 30'000);
-  EXPECT_GT(node.measured_ticks(), 0U);
 }
 
 }  // namespace

@@ -89,8 +89,8 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
                             after(kPause_s), again);
     EXPECT_EQ(*resumption, Resumption::aged);
     // The oracle: the same node, asked without a stop between, over the same time.
-    core::KalmanCoefficients<4, 0> coefficients{learnt.params.modes};
-    core::KalmanPredictor<4, 0> oracle{coefficients};
+    core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
+    core::KalmanPredictor<core::ModelShape{.decaying = 4}> oracle{coefficients};
     oracle.restore(learnt.node.filter(1));
     const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =

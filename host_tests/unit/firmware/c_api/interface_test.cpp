@@ -45,11 +45,10 @@ Record save(const zerorate_node& node, std::int64_t utc_s = kUtc_s) {
 }
 
 TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
-  using Node = app::GyroNode<model::kCApiDecaying, model::kCApiRotating, model::kCApiWeights>;
+  using Node = app::GyroNode<model::kCApiShape>;
   const auto period = core::Duration::nanoseconds(kPeriod_ns);
-  const auto noise =
-      model::make_node_model<model::kCApiDecaying, model::kCApiRotating, model::kCApiWeights>(
-          model::find_model("lsm6dso"), period, core::Duration::milliseconds(500));
+  const auto noise = model::make_node_model<model::kCApiShape>(model::find_model("lsm6dso"), period,
+                                                               core::Duration::milliseconds(500));
   const Node::Params params{
       .modes = noise.modes,
       .white_variance_rad2_s2 = noise.white_variance_rad2_s2,

@@ -17,8 +17,8 @@ namespace {
 constexpr auto kSamplePeriod = core::Duration::milliseconds(10);
 constexpr auto kTick = core::Duration::milliseconds(500);
 // The PC and the vehicle agree on what a model may hold, though neither room includes the other.
-static_assert(kCApiDecaying == ZERORATE_DECAYING_MODES);
-static_assert(kCApiRotating == ZERORATE_ROTATING_MODES);
+static_assert(kCApiShape.decaying == ZERORATE_DECAYING_MODES);
+static_assert(kCApiShape.rotating == ZERORATE_ROTATING_MODES);
 
 TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/c_api/examples/front_gyro.h");
@@ -29,8 +29,7 @@ TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
 }
 
 TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
-  const auto node = make_node_model<kCApiDecaying, kCApiRotating, kCApiWeights>(
-      find_model("lsm6dso"), kSamplePeriod, kTick);
+  const auto node = make_node_model<kCApiShape>(find_model("lsm6dso"), kSamplePeriod, kTick);
   EXPECT_EQ(front_gyro.sample_period_ns, kSamplePeriod.ns());
   EXPECT_EQ(front_gyro.tick_ns, kTick.ns());
   EXPECT_EQ(front_gyro.white_variance_rad2_s2, node.white_variance_rad2_s2);

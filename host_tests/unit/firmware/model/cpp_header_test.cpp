@@ -51,8 +51,8 @@ TEST(HeaderOfAModelOfSingleSamples, HoldsWhatTheNodeScreens) {
 
 // The header as compiled, beside the values that the tools compute with.
 TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
-  const auto node = make_node_model<exported::kDecayingModes, exported::kRotatingModes>(
-      find_model("lsm6dso"), kSamplePeriod, kTick);
+  const auto node =
+      make_node_model<exported::kModelShape>(find_model("lsm6dso"), kSamplePeriod, kTick);
   const auto& params = exported::kNodeParams;
   EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
   EXPECT_EQ(params.measurement_floor_variance_rad2_s2, node.measurement_floor_variance_rad2_s2);
@@ -63,7 +63,7 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   EXPECT_EQ(params.modes.tick, kTick);
   EXPECT_EQ(params.modes.start, node.modes.start);
   EXPECT_EQ(params.modes.walk_variance, node.modes.walk_variance);
-  for (std::size_t i = 0; i < exported::kDecayingModes; ++i) {
+  for (std::size_t i = 0; i < exported::kModelShape.decaying; ++i) {
     EXPECT_EQ(params.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
     EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
     EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
@@ -76,7 +76,7 @@ TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {
   model.name = "two\nlines \\";
   model.harmonic.push_back({.rms_rad_s = 1e-4, .frequency_hz = 0.3, .coherence_time_s = 10.0});
   const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
-  EXPECT_NE(text.find("kRotatingModes = 1;"), std::string::npos);
+  EXPECT_NE(text.find(".rotating = 1,"), std::string::npos);
   EXPECT_NE(text.find(".rotating = {{"), std::string::npos);
   EXPECT_NE(text.find("/// Sensor model: two lines  ."), std::string::npos);
 }
@@ -88,14 +88,14 @@ TEST(HeaderOfAModelWithGateWarmUpAndTemperature, HoldsAll) {
       WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
   model.temperature = TemperatureDrift{.reference_degc = 25.0, .slope_sigma_rad_s_per_k = 0.5};
   const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
-  EXPECT_NE(text.find("kTemperatureWeights = 2;"), std::string::npos);
+  EXPECT_NE(text.find(".temperature_weights = 2}"), std::string::npos);
   EXPECT_NE(text.find(".temperature = {.reference_degc = 25.0F, .slope_rad_s_per_k = 0.0F, "
                       ".slope_sigma_rad_s_per_k = 0.5F,"),
             std::string::npos);
   EXPECT_NE(text.find(".gate = {.threshold_sigma = 4.5F, .longest_knock_ticks = 6}"),
             std::string::npos);
   EXPECT_NE(text.find(".initial_mean = 0.25F"), std::string::npos);
-  EXPECT_NE(text.find("kDecayingModes = 7;"), std::string::npos);
+  EXPECT_NE(text.find("kModelShape{.decaying = 7,"), std::string::npos);
 }
 
 }  // namespace

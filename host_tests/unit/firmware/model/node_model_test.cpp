@@ -17,6 +17,7 @@ namespace {
 using core::Duration;
 constexpr double kPi = std::numbers::pi;
 constexpr Duration kSample = Duration::milliseconds(10);
+constexpr core::ModelShape kSixDecades{.decaying = 6};
 constexpr Duration kTick = Duration::milliseconds(200);
 constexpr double kTickS = 0.2;
 constexpr double kSampleS = 0.01;
@@ -54,8 +55,8 @@ double physical_spectrum(const SensorModel& model, double nu_hz) {
 }
 
 /// The spectrum of what the node's filter believes in, from its coefficients.
-template <std::size_t R, std::size_t C>
-double believed_spectrum(const NodeModel<R, C>& node, double nu_hz) {
+template <core::ModelShape Shape>
+double believed_spectrum(const NodeModel<Shape>& node, double nu_hz) {
   using Complex = std::complex<double>;
   const double w = 2.0 * kPi * nu_hz * kTickS;
   const auto gain = [](Complex factor, double at) {
@@ -77,7 +78,7 @@ double believed_spectrum(const NodeModel<R, C>& node, double nu_hz) {
 }
 
 void expect_same_spectrum(const SensorModel& model, double lowest_hz, double tolerance) {
-  const auto node = make_node_model<kMostDecaying, kMostRotating>(model, kSample, kTick);
+  const auto node = make_node_model<kLargestShape>(model, kSample, kTick);
   // Sampling folds and a tick's mean smooths: compare well below the tick's 2.5 Hz.
   for (double nu = lowest_hz; nu < 0.08; nu *= 1.1) {
     EXPECT_NEAR(believed_spectrum(node, nu) / physical_spectrum(model, nu), 1.0, tolerance)
@@ -86,7 +87,7 @@ void expect_same_spectrum(const SensorModel& model, double lowest_hz, double tol
 }
 
 TEST(NodeModelOfWhiteNoise, HasItsVariancePerSample) {
-  const auto node = make_node_model<0, 0>(white_only(1e-3), kSample, kTick);
+  const auto node = make_node_model<core::ModelShape{}>(white_only(1e-3), kSample, kTick);
   EXPECT_FLOAT_EQ(node.white_variance_rad2_s2, 1e-6F / 0.01F);
   EXPECT_EQ(node.modes.tick, kTick);
 }
@@ -119,7 +120,7 @@ TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
     const double sigma = sigma_in_steps * kStep;
     SensorModel model = white_only(sigma * std::sqrt(kSampleS));
     model.quantization = Quantization{.step_rad_s = kStep};
-    const auto node = make_node_model<0, 0>(model, kSample, kTick);
+    const auto node = make_node_model<core::ModelShape{}>(model, kSample, kTick);
     // The mean of 20 quantized samples about its rate, over all rates within a step.
     std::normal_distribution<double> white(0.0, sigma);
     double squares = 0.0;
@@ -140,12 +141,12 @@ TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
 TEST(NodeModelOfTransients, StartsApartFromItsStationaryState) {
   SensorModel model = find_model("adis16405");
   EXPECT_TRUE(fits_six_decades(model));
-  EXPECT_TRUE((make_node_model<6, 0>(model, kSample, kTick)).modes.is_stationary);
+  EXPECT_TRUE((make_node_model<kSixDecades>(model, kSample, kTick)).modes.is_stationary);
   model.warm_up =
       WarmUp{.amplitude_rad_s = 1e-3, .amplitude_sigma_rad_s = 0.0, .time_constant_s = 600.0};
   model.rate_ramp = RateRamp{.slope_rad_s2 = 0.0, .slope_sigma_rad_s2 = 1e-8};
   EXPECT_FALSE(fits_six_decades(model));
-  const auto node = make_node_model<8, 0>(model, kSample, kTick);
+  const auto node = make_node_model<core::ModelShape{.decaying = 8}>(model, kSample, kTick);
   EXPECT_FALSE(node.modes.is_stationary);
   EXPECT_FLOAT_EQ(node.modes.decaying[6].initial_mean, 1e-3F);
   EXPECT_NEAR(node.modes.decaying[6].one_minus_phi, 0.2F / 600.0F, 1e-7F);
@@ -155,16 +156,17 @@ TEST(NodeModelOfTransients, StartsApartFromItsStationaryState) {
 TEST(NodeModelOfAGate, CountsTheLongestKnockInTicks) {
   SensorModel model = find_model("adis16405");
   model.gate = Gate{.threshold_sigma = 4.5, .longest_knock_s = 3.1};
-  const auto node = make_node_model<6, 0>(model, kSample, kTick);
+  const auto node = make_node_model<kSixDecades>(model, kSample, kTick);
   EXPECT_EQ(node.gate.threshold_sigma, 4.5F);
   EXPECT_EQ(node.gate.longest_knock_ticks, 16);
-  EXPECT_FALSE((make_node_model<6, 0>(find_model("adis16405"), kSample, kTick)).gate.is_on());
+  EXPECT_FALSE(
+      (make_node_model<kSixDecades>(find_model("adis16405"), kSample, kTick)).gate.is_on());
 }
 
 TEST(NodeModelOfTheCatalogue, FitsANodeOfSixDecades) {
   for (const CatalogueEntry& entry : catalogue()) {
     const SensorModel model = find_model(entry.name);
-    const auto node = make_node_model<6, 0>(model, kSample, Duration::milliseconds(100));
+    const auto node = make_node_model<kSixDecades>(model, kSample, Duration::milliseconds(100));
     EXPECT_GT(node.white_variance_rad2_s2, 0.0F) << entry.name;
     EXPECT_EQ(node.modes.start, model.node.start);
   }
@@ -172,9 +174,9 @@ TEST(NodeModelOfTheCatalogue, FitsANodeOfSixDecades) {
 
 TEST(NodeModelThatStartsAtZero, HasNoInitialVariance) {
   SensorModel model = find_model("adis16405");
-  const auto stationary = make_node_model<6, 0>(model, kSample, kTick);
+  const auto stationary = make_node_model<kSixDecades>(model, kSample, kTick);
   model.node.start = core::Start::zero;
-  const auto zero = make_node_model<6, 0>(model, kSample, kTick);
+  const auto zero = make_node_model<kSixDecades>(model, kSample, kTick);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(zero.modes.decaying[i].initial_variance, 0.0F);
     EXPECT_EQ(zero.modes.decaying[i].noise_variance, stationary.modes.decaying[i].noise_variance);
@@ -185,9 +187,9 @@ TEST(NodeModelThatStartsAtZero, HasNoInitialVariance) {
 TEST(NodeModelTooLargeForTheNode, IsRefusedWithBothSizes) {
   SensorModel model = find_model("adis16405");
   model.gauss_markov = {{.sigma_rad_s = 1e-4, .time_constant_s = 50.0}};
-  EXPECT_NO_THROW((void)(make_node_model<7, 0>(model, kSample, kTick)));
+  EXPECT_NO_THROW((void)(make_node_model<core::ModelShape{.decaying = 7}>(model, kSample, kTick)));
   try {
-    (void)make_node_model<6, 0>(model, kSample, kTick);
+    (void)make_node_model<kSixDecades>(model, kSample, kTick);
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
@@ -200,10 +202,12 @@ TEST(NodeModelThatFollowsTheTemperature, NeedsANodeThatDoes) {
   SensorModel model = find_model("adis16405");
   model.temperature = TemperatureDrift{.reference_degc = 30.0, .slope_sigma_rad_s_per_k = 1e-3};
   EXPECT_FALSE(fits_six_decades(model));
-  const auto node = make_node_model<6, 0, kMostTemperature>(model, kSample, kTick);
+  const auto node = make_node_model<core::ModelShape{
+      .decaying = 6, .temperature_weights = kLargestShape.temperature_weights}>(model, kSample,
+                                                                                kTick);
   EXPECT_EQ(node.temperature.reference_degc, 30.0F);
   EXPECT_EQ(node.temperature.slope_sigma_rad_s_per_k, 1e-3F);
-  EXPECT_THROW((void)(make_node_model<6, 0>(model, kSample, kTick)), std::invalid_argument);
+  EXPECT_THROW((void)(make_node_model<kSixDecades>(model, kSample, kTick)), std::invalid_argument);
 }
 
 TEST(NodeModelOfImpossibleInput, IsRefused) {

@@ -42,7 +42,7 @@ std::vector<TickMean> ticks_with_holes(float bias_rad_s = 0.0F) {
 
 /// The density of all differences from the first tick, from their covariance matrix.
 double dense_minus_two_log(const std::vector<TickMean>& ticks, const model::SensorModel& model) {
-  const auto node = model::make_node_model<6, 0>(model, kPeriod, kTick);
+  const auto node = model::make_node_model<core::ModelShape{.decaying = 6}>(model, kPeriod, kTick);
   const Eigen::MatrixXd bias =
       zerorate::testing::bias_covariance(node.modes, static_cast<int>(ticks.back().tick) + 1);
   const auto size = static_cast<Eigen::Index>(ticks.size());

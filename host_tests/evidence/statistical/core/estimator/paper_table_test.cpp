@@ -129,9 +129,9 @@ class PaperTable : public ::testing::Test {
     const SensorNoise sensor = paper_noise();
     for (std::size_t i = 0; i < kRuns; ++i) {
       const std::vector<double> noise = noise_of_run(i);
-      run<KalmanPredictor<kDecades, 0>>(kalman, i, noise, sensor);
-      run<MovingAverage<kDecades, 0>>(average, i, noise, sensor);
-      run<CalibrationMean<kDecades, 0>>(mean, i, noise, sensor);
+      run<KalmanPredictor<ModelShape{.decaying = kDecades}>>(kalman, i, noise, sensor);
+      run<MovingAverage<ModelShape{.decaying = kDecades}>>(average, i, noise, sensor);
+      run<CalibrationMean<ModelShape{.decaying = kDecades}>>(mean, i, noise, sensor);
     }
   }
   Figures kalman;

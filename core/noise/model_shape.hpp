@@ -1,0 +1,26 @@
+/// @file
+/// How many states of each kind a filter has.
+#pragma once
+
+#include <cstddef>
+
+#include "core/noise/modes.hpp"
+
+namespace zerorate::core {
+
+/// States of a filter beside the bias itself. A constant of the program: memory and time follow
+/// from it.
+struct ModelShape {
+  std::size_t decaying = 0;             ///< first-order Gauss-Markov modes
+  std::size_t rotating = 0;             ///< damped oscillations, two states each
+  std::size_t temperature_weights = 0;  ///< TemperatureDrift::kWeights; 0: no temperature
+
+  constexpr bool operator==(const ModelShape&) const = default;
+};
+
+template <ModelShape Shape>
+using ModesOf = Modes<Shape.decaying, Shape.rotating>;
+template <ModelShape Shape>
+using TransitionOf = Transition<Shape.decaying, Shape.rotating>;
+
+}  // namespace zerorate::core

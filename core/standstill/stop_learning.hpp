@@ -1,0 +1,180 @@
+/// @file
+/// Which measurements may be learnt from: samples and odometer pulses in, certain ticks out.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/monitor/odometer_check.hpp"
+#include "core/samples/tick_average.hpp"
+#include "core/standstill/hold_back_line.hpp"
+#include "core/standstill/standstill.hpp"
+
+namespace zerorate::core {
+
+/// Averages the samples of a standstill over ticks, holds the ticks back, and releases those that
+/// certainly belong to the standstill:
+///
+///     sample ---> averaged ---> held back ---> released
+///        |           |             |
+///        |           |             +-- dropped: a pulse follows within the hold-back (the newest
+///        |           |                 ticks), or a turn without pulses (all ticks)
+///        |           +-- dropped: a pulse comes before the tick is over
+///        +-- dropped: less than the settle time after a pulse
+///
+/// @tparam Item what is held of a tick: a TickMean<3> and what else belongs to the measurement
+/// @tparam Capacity ticks that are held at most
+template <class Item, std::size_t Capacity>
+class StopLearning {
+ public:
+  static constexpr std::size_t kAxes = OdometerCheck::kAxes;
+  using Rates = OdometerCheck::Rates;
+  using HoldBack = HoldBackLine<Item, Capacity>;
+
+  struct State {
+    Instant newest_sample;
+    bool has_sample = false;
+    bool stop_is_open = false;  ///< the next tick belongs to the stop of the one released last
+    Standstill::State standstill;
+    OdometerCheck::State odometer;
+    typename TickAverage<kAxes>::State average;
+    HoldBack held;
+
+    constexpr bool operator==(const State&) const = default;
+  };
+
+  /// @param white_variance_rad2_s2 of one sample
+  constexpr StopLearning(const Standstill::Params& standstill,
+                         const OdometerCheck::Params& odometer, Duration tick,
+                         Duration sample_period, float white_variance_rad2_s2)
+      : half_sample_(sample_period / 2),
+        standstill_(standstill),
+        odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
+        average_(tick, sample_period) {}
+
+  [[nodiscard]] constexpr State state() const {
+    return {newest_sample_,    has_sample_,      stop_is_open_, standstill_.state(),
+            odometer_.state(), average_.state(), held_};
+  }
+  constexpr void restore(const State& state) {
+    newest_sample_ = state.newest_sample;
+    has_sample_ = state.has_sample;
+    stop_is_open_ = state.stop_is_open;
+    standstill_.restore(state.standstill);
+    odometer_.restore(state.odometer);
+    average_.restore(state.average);
+    held_ = state.held;
+  }
+
+  /// An odometer pulse; before the sample that is not older.
+  /// @param learn see release_at(): the ticks that are certain already are released now, because
+  ///        after the pulse they would count as a new stop
+  /// @return whether there were any
+  template <class Learn>
+  constexpr bool pulse(Instant at, Learn learn) {
+    const bool learnt = release_until(standstill_.discard_after(at), learn);
+    held_.discard_after(standstill_.discard_after(at));
+    odometer_.pulse(at - standstill_.state().last_pulse);
+    end_stop(at);
+    return learnt;
+  }
+
+  /// The vehicle moves, and nobody knows since when: no tick that is held is certain any more.
+  constexpr void report_odometer_fault(Instant now) {
+    held_.clear();
+    end_stop(now);
+  }
+
+  [[nodiscard]] constexpr bool has_sample() const { return has_sample_; }
+  /// False for a time that is not after the newest sample, or that no tick can be given.
+  [[nodiscard]] constexpr bool can_take(Instant at) const {
+    return !(has_sample_ && at <= newest_sample_) && average_.can_take(at);
+  }
+
+  /// A sample arrives. For each: begin_sample(), close_tick() and enter_tick() if it begins a tick,
+  /// add(), release_at().
+  /// @return whether it begins a tick
+  constexpr bool begin_sample(Instant at) {
+    const bool begins_tick = !has_sample_ || average_.is_over_at(at);
+    newest_sample_ = at;
+    has_sample_ = true;
+    standstill_.start(at);
+    return begins_tick;
+  }
+
+  /// Queues the tick that is over; on a rotation without pulses drops it and the whole queue.
+  /// @param predicted_rad_s the bias, or nullptr if none is known
+  /// @param rest what an Item holds beside the mean
+  template <class... Rest>
+  constexpr void close_tick(const Rates* predicted_rad_s, const Rest&... rest) {
+    if (average_.is_empty()) return;
+    const Item closed{average_.close(), rest...};
+    odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
+    if (odometer_.turns()) {
+      held_.clear();
+    } else {
+      held_.push(closed);
+    }
+  }
+  constexpr void enter_tick(Instant at) { average_.enter(at); }
+
+  /// Adds the sample to the tick being filled, if the vehicle stands.
+  /// @param is_usable asked for each sample at standstill: whether it may be learnt from
+  template <class IsUsable>
+  constexpr void add(Instant at, bool begins_tick, const Rates& rate_rad_s, IsUsable is_usable) {
+    if (!standstill_.is_settled(at)) {
+      if (begins_tick) odometer_.on_driving_tick(rate_rad_s);
+    } else if (is_usable()) {
+      average_.add(at, rate_rad_s);
+    }
+  }
+
+  /// Calls learn(item, begins_stop) for each tick that is certain by the newest sample, oldest
+  /// first. After close_tick(): with a hold-back of one tick this is a sample later.
+  /// @return whether there were any
+  template <class Learn>
+  constexpr bool release_at(Instant now, Learn learn) {
+    return held_.size() > 0 && release_until(standstill_.release_until(now) - half_sample_, learn);
+  }
+
+  /// Never still while the vehicle turns without pulses: nothing is learnt then.
+  [[nodiscard]] constexpr Motion motion() const {
+    const Motion motion = standstill_.motion(newest_sample_);
+    return motion == Motion::still && odometer_.turns() ? Motion::settling : motion;
+  }
+  [[nodiscard]] constexpr bool odometer_disagrees() const { return odometer_.disagrees(); }
+  /// The tick being filled, counted from the first one.
+  [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
+  [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
+
+ private:
+  /// Not inlined: it is called at two places, and a board counts bytes.
+  template <class Learn>
+  [[gnu::noinline]] constexpr bool release_until(Instant certain, Learn learn) {
+    const std::size_t held = held_.size();
+    held_.release_until(certain, [&](const Item& item) {
+      learn(item, !stop_is_open_);
+      stop_is_open_ = true;
+    });
+    return held_.size() < held;
+  }
+
+  constexpr void end_stop(Instant pulse) {
+    standstill_.pulse(pulse);
+    average_.clear();
+    stop_is_open_ = false;
+  }
+
+  Duration half_sample_;
+  Instant newest_sample_;
+  bool has_sample_ = false;
+  bool stop_is_open_ = false;
+  Standstill standstill_;
+  OdometerCheck odometer_;
+  TickAverage<kAxes> average_;
+  HoldBack held_;
+};
+
+}  // namespace zerorate::core

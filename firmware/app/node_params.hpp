@@ -1,0 +1,94 @@
+/// @file
+/// What a node is built from.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "core/estimator/gate.hpp"
+#include "core/estimator/prediction.hpp"
+#include "core/monitor/odometer_check.hpp"
+#include "core/noise/model_shape.hpp"
+#include "core/noise/temperature_drift.hpp"
+#include "core/samples/sample_model.hpp"
+#include "core/standstill/standstill.hpp"
+
+namespace zerorate::app {
+
+using core::ModelShape;
+
+enum class Predictor : std::uint8_t { kalman, moving_average, calibration_mean };
+inline constexpr std::size_t kPredictors = 3;
+
+/// Why parameters cannot be used.
+enum class ParamsError : std::uint8_t {
+  tick_not_positive,
+  tick_shorter_than_sample,
+  white_variance_not_positive,
+  negative_time,
+  no_room_for_samples,  ///< a model of single samples, and NodeCapacity::screens_samples is false
+  hold_back_too_long,   ///< more than NodeCapacity::held_ticks: slow the filter or shorten it
+};
+
+/// Parameters of a node: the model of its sensor, and how it learns.
+template <ModelShape Shape>
+struct NodeParams {
+  core::ModesOf<Shape> modes;                       ///< slow noise at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample
+  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< stays however many samples are averaged
+  /// Variance of the change of the bias while the power is off; infinite: unknown, nothing is worth
+  /// keeping.
+  float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  core::Gate gate;  ///< of the Kalman predictor; off by default
+  /// What the Kalman predictor knows of the temperature.
+  [[no_unique_address]] core::TemperatureBlock<Shape.temperature_weights> temperature{};
+  core::SampleModel samples{};   ///< of single samples; off by default
+  core::Duration sample_period;  ///< nominal; the stamps of the samples decide
+  core::Standstill::Params standstill;
+  core::OdometerCheck::Params odometer;
+  Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
+};
+
+/// How much a node remembers, for boards that count bytes. The results are the same as long as
+/// nothing is beyond it.
+struct NodeCapacity {
+  std::size_t held_ticks = 64;      ///< of the hold-back line, 32 bytes each
+  std::size_t average_levels = 22;  ///< of core::SuffixSums, 50 bytes each on every axis
+  /// Room for NodeParams::samples: 60 bytes an axis, and 12 for each held tick.
+  bool screens_samples = false;
+};
+
+/// Whether a node of this capacity can be built from these parameters.
+template <ModelShape Shape>
+[[nodiscard]] constexpr core::Result<void, ParamsError> check(const NodeParams<Shape>& params,
+                                                              const NodeCapacity& capacity) {
+  using core::Unexpected;
+  constexpr core::Duration kZero;
+  if (params.modes.tick <= kZero || params.sample_period <= kZero) {
+    return Unexpected{ParamsError::tick_not_positive};
+  }
+  if (params.modes.tick < params.sample_period) {
+    return Unexpected{ParamsError::tick_shorter_than_sample};
+  }
+  if (!core::is_measurement(0.0F, params.white_variance_rad2_s2)) {
+    return Unexpected{ParamsError::white_variance_not_positive};
+  }
+  if (!capacity.screens_samples && params.samples.is_on()) {
+    return Unexpected{ParamsError::no_room_for_samples};
+  }
+  if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||
+      params.standstill.slowest < kZero) {
+    return Unexpected{ParamsError::negative_time};
+  }
+  // The line holds every tick that has not ended a hold-back ago: those and the one being closed.
+  if (params.standstill.hold_back / params.modes.tick + 2 >
+      static_cast<std::int64_t>(capacity.held_ticks)) {
+    return Unexpected{ParamsError::hold_back_too_long};
+  }
+  return {};
+}
+
+}  // namespace zerorate::app
