@@ -42,5 +42,5 @@ pico_mutant(interrupts-from-flash hal/rp2040/flash_chip.cpp
 pico_mutant(no-write-enable hal/rp2040/flash_chip.cpp "exchange(kWriteEnable)" "exchange(kReadStatus)")
 
 # No mistake: what the stack needs is proved for this image too, and reached by it (stack.test.mjs).
-pico_mutant(moving-average-published firmware/app/gyro_node.hpp
+pico_mutant(moving-average-published firmware/app/node_params.hpp
   "published = Predictor::kalman;" "published = Predictor::moving_average;")
