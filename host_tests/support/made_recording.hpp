@@ -39,7 +39,7 @@ inline constexpr double kBiasInstabilityRadS = 20.0 / 3600.0 * kRadPerDeg;
         simulate::WhiteNoise{.angle_random_walk_rad_rt_s = kArwRadRtS},
         simulate::FlickerNoise{.bias_instability_rad_s = kBiasInstabilityRadS}};
     const auto signal = simulate::simulate(simulate::Signal{count, period_s}, effects,
-                                           simulate::RandomStream{seed, axis});
+                                           random::RandomStream{seed, axis});
     for (std::size_t k = 0; k < count; ++k) {
       rows[k].rate_rad_s[axis] = static_cast<float>(signal.rate_rad_s[k]);
     }

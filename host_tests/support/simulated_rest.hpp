@@ -32,7 +32,7 @@ inline simulate::Signal simulate_rest(const RestNoise& noise, std::size_t sample
         simulate::FlickerNoise{noise.bias_instability_dph / 3600.0 * kRadPerDeg, noise.order});
   }
   return simulate::simulate(simulate::Signal(samples, period_s), effects,
-                            simulate::RandomStream(kSeed, run));
+                            random::RandomStream(kSeed, run));
 }
 
 /// One axis; missing samples are left out.

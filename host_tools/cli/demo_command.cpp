@@ -11,8 +11,8 @@
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/diagnosis_report.hpp"
-#include "host_tools/lib/diagnose/diagnosis_words.hpp"
+#include "host_tools/lib/diagnose/presentation/report.hpp"
+#include "host_tools/lib/diagnose/presentation/words.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 #include "host_tools/lib/evaluate/simulated_drive.hpp"
@@ -101,7 +101,7 @@ ExitCode run_simulated(Options& options) {
        .duration_s = options.hours * 3600.0,
        .seed = options.seed,
        .hidden = {evaluate::draw_hidden_effect(
-           replay_options.model, simulate::RandomStream(options.seed).substream("hidden"))}});
+           replay_options.model, random::RandomStream(options.seed).substream("hidden"))}});
   drive.write(recording);
   fmt::print("Replaying {} through the simulated chip, its driver and the node ...\n\n",
              std::filesystem::absolute(recording).string());

@@ -12,9 +12,9 @@
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/diagnosis_json.hpp"
-#include "host_tools/lib/diagnose/diagnosis_report.hpp"
-#include "host_tools/lib/diagnose/diagnosis_words.hpp"
+#include "host_tools/lib/diagnose/presentation/json.hpp"
+#include "host_tools/lib/diagnose/presentation/report.hpp"
+#include "host_tools/lib/diagnose/presentation/words.hpp"
 
 namespace zerorate::cli {
 namespace {

@@ -13,7 +13,7 @@ namespace zerorate::cli {
 namespace {
 
 using experiments::Presentation;
-using experiments::Progress;
+using parallel::Progress;
 
 struct Options {
   std::string experiment;

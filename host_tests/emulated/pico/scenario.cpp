@@ -33,7 +33,7 @@ double temperature_degc(double time_s) {
   return 40.0 - 15.0 * std::exp(-time_s / 200.0);
 }
 
-simulate::Signal sensor_axis(std::size_t samples, const simulate::RandomStream& stream) {
+simulate::Signal sensor_axis(std::size_t samples, const random::RandomStream& stream) {
   simulate::Signal signal(samples, kSamplePeriodS);
   for (std::size_t k = 0; k < samples; ++k) {
     signal.temperature_degc.push_back(temperature_degc(signal.time_s(k)));
@@ -49,7 +49,7 @@ simulate::Signal sensor_axis(std::size_t samples, const simulate::RandomStream& 
 }  // namespace
 
 Scenario make_drive(double duration_s, std::uint64_t seed) {
-  const simulate::RandomStream stream(seed);
+  const random::RandomStream stream(seed);
   const simulate::VehicleParams params{.duration_s = duration_s,
                                        .mean_stop_s = 15.0,
                                        .mean_drive_s = 30.0,

@@ -26,7 +26,7 @@ const std::vector<double>& recording() {
     const std::vector<zerorate::simulate::Effect> effects{
         zerorate::simulate::WhiteNoise{1.0}, zerorate::simulate::FlickerNoise{0.3, 0.5, 0.0}};
     return zerorate::simulate::simulate(zerorate::simulate::Signal(kSamples, 1.0), effects,
-                                        zerorate::simulate::RandomStream(20120416))
+                                        zerorate::random::RandomStream(20120416))
         .rate_rad_s;
   }();
   return rate;

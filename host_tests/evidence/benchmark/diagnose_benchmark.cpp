@@ -24,7 +24,7 @@ diagnose::Record record_of_length(std::size_t samples, bool with_effects) {
     const std::vector<simulate::Effect> effects{
         simulate::PeriodicDisturbance{.amplitude_rad_s = 1e-3, .frequency_hz = 7.3},
         simulate::RateRandomWalk{.rate_random_walk_rad_s_rt_s = 5e-5}};
-    signal = simulate::simulate(std::move(signal), effects, simulate::RandomStream(3));
+    signal = simulate::simulate(std::move(signal), effects, random::RandomStream(3));
   }
   return diagnose::record_of(testing::rest_samples_of(signal), 0);
 }

@@ -171,7 +171,7 @@ double log_likelihood_of_two_levels(const std::vector<double>& y, double height,
 
 TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
   constexpr std::size_t kLength = 4000;
-  const simulate::RandomStream stream(7);
+  const random::RandomStream stream(7);
   Setting setting{.samples = kLength,
                   .period_s = 1.0,
                   .noise = BaseNoise(kLength, 1.0, 1e-6),
@@ -217,7 +217,7 @@ TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
 }
 
 TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
-  const simulate::RandomStream stream(11);
+  const random::RandomStream stream(11);
   const Setting setting = draw_setting(20'000, 0.0, stream);
   Draws draws{stream.substream("effects")};
   for (const auto entries : {catalogue(), outside_catalogue()}) {

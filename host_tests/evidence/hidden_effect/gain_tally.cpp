@@ -20,8 +20,8 @@ double median_of(std::vector<double> values) {
 
 }  // namespace
 
-evaluate::BootstrapFigure GainTally::median(double Gain::*figure) const {
-  return evaluate::bootstrap(
+statistics::BootstrapFigure GainTally::median(double Gain::*figure) const {
+  return statistics::bootstrap(
       gains_.size(),
       [&](const std::vector<std::size_t>& drawn) {
         std::vector<double> values;
@@ -29,18 +29,18 @@ evaluate::BootstrapFigure GainTally::median(double Gain::*figure) const {
         for (const std::size_t i : drawn) values.push_back(gains_[i].*figure);
         return values.empty() ? std::nan("") : median_of(std::move(values));
       },
-      simulate::RandomStream(seed_));
+      random::RandomStream(seed_));
 }
 
-evaluate::BootstrapFigure GainTally::mean(double Gain::*figure) const {
-  return evaluate::bootstrap(
+statistics::BootstrapFigure GainTally::mean(double Gain::*figure) const {
+  return statistics::bootstrap(
       gains_.size(),
       [&](const std::vector<std::size_t>& drawn) {
         double sum = 0.0;
         for (const std::size_t i : drawn) sum += gains_[i].*figure;
         return sum / static_cast<double>(drawn.size());
       },
-      simulate::RandomStream(seed_));
+      random::RandomStream(seed_));
 }
 
 bool GainTally::scores_better() const {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tests/evidence/hidden_effect/answer.hpp"
-#include "host_tools/lib/evaluate/bootstrap.hpp"
+#include "host_tools/lib/statistics/bootstrap.hpp"
 
 namespace zerorate::hidden_effect {
 
@@ -22,9 +22,9 @@ class GainTally {
   [[nodiscard]] std::size_t size() const { return gains_.size(); }
 
   /// Median over the recordings, and its interval by drawing recordings.
-  [[nodiscard]] evaluate::BootstrapFigure median(double Gain::*figure) const;
+  [[nodiscard]] statistics::BootstrapFigure median(double Gain::*figure) const;
   /// Mean over the recordings; of coverages that over all drives, for each recording has as many.
-  [[nodiscard]] evaluate::BootstrapFigure mean(double Gain::*figure) const;
+  [[nodiscard]] statistics::BootstrapFigure mean(double Gain::*figure) const;
 
   /// The bars: a log score that is surely better (the whole interval of the median), errors not
   /// worse by more than 1 %, and a coverage between 0.93 and 0.97.

@@ -110,7 +110,7 @@ simulate::Signal compose(const Setting& setting, std::vector<SizedEffect> effect
 }
 
 std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
-                                     const simulate::RandomStream& stream) {
+                                     const random::RandomStream& stream) {
   Setting setting = draw_setting(options.samples, options.rate_hz, stream);
   setting.finest_step_share = options.finest_step_share;
   Draws draws{stream.substream("effects")};
@@ -151,7 +151,7 @@ Kind kind_of_run(std::size_t run) {
 }
 
 Scenario draw_scenario(const ScenarioOptions& options, std::size_t run) {
-  const auto stream = simulate::RandomStream(options.seed).substream(run);
+  const auto stream = random::RandomStream(options.seed).substream(run);
   // Some base noise hides an effect whatever its size: then another is drawn.
   constexpr std::size_t kMostTries = 20;
   for (std::size_t attempt = 0; attempt < kMostTries; ++attempt) {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::hidden_effect {
 

@@ -60,7 +60,7 @@ std::vector<double> alone(const Setting& setting, const Part& part) {
   return std::move(signal.rate_rad_s);
 }
 
-Setting draw_setting(std::size_t samples, double rate_hz, const simulate::RandomStream& stream) {
+Setting draw_setting(std::size_t samples, double rate_hz, const random::RandomStream& stream) {
   Draws draws{stream.substream("setting")};
   const double drawn_hz = std::round(draws.log_uniform(1.0, 200.0));
   const double white_sigma = draws.log_uniform(0.005, 0.2) * kRadPerDeg;

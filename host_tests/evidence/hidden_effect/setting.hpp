@@ -16,7 +16,7 @@ namespace zerorate::hidden_effect {
 /// Random choices, one after the other.
 class Draws {
  public:
-  explicit Draws(const simulate::RandomStream& stream) : stream_(stream) {}
+  explicit Draws(const random::RandomStream& stream) : stream_(stream) {}
 
   double uniform(double lo, double hi) { return lo + (hi - lo) * stream_.uniform(next_++); }
   double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }
@@ -28,7 +28,7 @@ class Draws {
   }
 
  private:
-  simulate::RandomStream stream_;
+  random::RandomStream stream_;
   std::int64_t next_ = 0;
 };
 
@@ -41,7 +41,7 @@ struct Setting {
   double bias_rad_s = 0.0;
   std::vector<double> temperature_degc;  ///< smooth, over a few kelvin
   std::vector<double> slow_rad_s;  ///< the bias and the 1/f noise that this recording will have
-  simulate::RandomStream stream;
+  random::RandomStream stream;
   double finest_step_share = 0.1;  ///< of a quantizer, of the step that costs what is asked for
 
   [[nodiscard]] double record_s() const { return static_cast<double>(samples) * period_s; }
@@ -62,6 +62,6 @@ using Part = std::function<void(simulate::Signal&)>;
 /// @param samples  of the recording
 /// @param rate_hz  of its samples; 0: drawn
 [[nodiscard]] Setting draw_setting(std::size_t samples, double rate_hz,
-                                   const simulate::RandomStream& stream);
+                                   const random::RandomStream& stream);
 
 }  // namespace zerorate::hidden_effect

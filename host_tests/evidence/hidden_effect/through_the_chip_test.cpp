@@ -27,7 +27,7 @@ constexpr std::size_t kYaw = 2;
 Setting chip_setting() {
   const double white = 0.03 * kRadPerDeg;
   const double flicker = white / 6.0;
-  const simulate::RandomStream stream(31);
+  const random::RandomStream stream(31);
   Setting setting{.samples = kSamples,
                   .period_s = 0.1,
                   .noise = BaseNoise(kSamples, white, flicker),

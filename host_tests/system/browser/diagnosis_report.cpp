@@ -8,7 +8,7 @@
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/diagnosis_report.hpp"
+#include "host_tools/lib/diagnose/presentation/report.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -19,7 +19,7 @@ report::Report diagnosis_report() {
       simulate::WarmUpTransient{.amplitude_rad_s = 2e-3, .time_constant_s = 150.0},
       simulate::Outliers{.sigma_rad_s = 0.03, .probability = 1e-3}};
   const simulate::Signal signal = simulate::simulate(testing::simulate_rest({}, kSamples, 0.1, 1),
-                                                     effects, simulate::RandomStream(1));
+                                                     effects, random::RandomStream(1));
   const std::vector diagnoses{diagnose(record_of(testing::rest_samples_of(signal), 0))};
   return make_report(diagnoses, {.title = "Diagnosis of rest.csv.gz",
                                  .recording = "rest.csv.gz",

@@ -46,7 +46,7 @@ std::vector<recording::Row> stops_and_drives(std::uint64_t seed) {
 
 /// A door slams: 5 deg/s for a second, somewhere in every tenth stop.
 void add_knocks(std::vector<recording::Row>& rows, std::uint64_t seed) {
-  const simulate::RandomStream random{seed, 77};
+  const random::RandomStream random{seed, 77};
   std::size_t begin = 0;
   for (std::int64_t stop = 0; begin < rows.size(); ++stop) {
     while (begin < rows.size() && !rows[begin].still) ++begin;

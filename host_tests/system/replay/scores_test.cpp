@@ -21,7 +21,7 @@ using zerorate::testing::ScratchFolder;
 /// The phases of a schedule in plain code: exponential lengths, stops first.
 std::vector<bool> moving_by_hand(const ScheduleParams& schedule, std::size_t rows,
                                  double period_s) {
-  const simulate::RandomStream random{schedule.seed};
+  const random::RandomStream random{schedule.seed};
   std::vector<bool> moving(rows);
   double end_s = 0.0;
   bool moves = true;

@@ -45,8 +45,8 @@ std::vector<recording::Row> rows_of_the_scenario(std::uint64_t seed) {
       simulate::WhiteNoise{.angle_random_walk_rad_rt_s = kArwRadRtS},
       simulate::FlickerNoise{.bias_instability_rad_s = kBiasInstabilityRadS},
       simulate::TemperatureDrift{.linear_rad_s_per_k = kSlopeRadSK}};
-  const auto noisy = simulate::simulate(std::move(signal), effects, simulate::RandomStream{seed});
-  const simulate::RandomStream thermometer{seed, 1};
+  const auto noisy = simulate::simulate(std::move(signal), effects, random::RandomStream{seed});
+  const random::RandomStream thermometer{seed, 1};
   std::vector<recording::Row> rows(count);
   for (std::size_t k = 0; k < count; ++k) {
     const double t_s = noisy.time_s(k);

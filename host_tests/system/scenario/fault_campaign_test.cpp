@@ -10,7 +10,7 @@
 
 #include "firmware/model/node_model.hpp"
 #include "host_tests/system/scenario/faulty_world.hpp"
-#include "host_tools/lib/experiments/parallel.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::scenario {
 namespace {
@@ -209,8 +209,8 @@ std::size_t poisson_quantile(double mean) {
 // somewhere has the probability of 5.7e-7, nine times a drive.
 TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
   std::vector<Outcome> outcomes(drives());
-  experiments::for_each_in_parallel(outcomes.size(), 0,
-                                    [&](std::size_t i) { outcomes[i] = Drive{i + 1}.run(); }, {});
+  parallel::for_each(outcomes.size(), 0, [&](std::size_t i) { outcomes[i] = Drive{i + 1}.run(); },
+                     {});
   Outcome sum;
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {

@@ -108,7 +108,7 @@ inline constexpr double kLsm6dsoPeriod_s = 64.0 / 6667.0;
         simulate::ConstantBias{.bias_rad_s = uniform(random, -1.0, 1.0) * kDps},
         simulate::FlickerNoise{.bias_instability_rad_s =
                                    simulate::kScenarioBiasInstabilityDph / 3600.0 * kDps}};
-    const simulate::RandomStream stream{random()};
+    const random::RandomStream stream{random()};
     const auto bias = simulate::simulate({motion.size(), kLsm6dsoPeriod_s}, slow, stream);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       rows[k].bias_rad_s[axis] = static_cast<float>(bias.rate_rad_s[k]);

@@ -176,7 +176,7 @@ Outcome play(const PeerSensor& sensor) {
   Outcome outcome;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
     const SlowGyro gyro{2 * kMinute * kCycles, sensor.arw_dps_rt_s * kRadPerDeg, seed,
-                        [&](const simulate::RandomStream&) { return effects_of(sensor); }};
+                        [&](const random::RandomStream&) { return effects_of(sensor); }};
     add_run<Node>(params, gyro, outcome);
   }
   std::printf("%s%s: drift %.4f deg, coverage %.3f, mean sigma / rms %.3f, bias sigma %.2f deg/h\n",

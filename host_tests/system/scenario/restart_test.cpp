@@ -39,7 +39,7 @@ SlowGyro simulate_gyro(const model::SensorModel& model, std::size_t off, std::si
                        std::uint64_t seed) {
   return {
       kFirstRun + off + samples, model.white.angle_random_walk_rad_per_sqrt_s, seed,
-      [&](const simulate::RandomStream& stream) {
+      [&](const random::RandomStream& stream) {
         const double change = kTurnOnSigmaRadS * stream.substream("on").normal(0);
         return std::vector<simulate::Effect>{
             simulate::ConstantBias{.bias_rad_s = 0.3 * kRadPerDeg},

@@ -41,7 +41,7 @@ struct SlowGyro {
     const std::vector<simulate::Effect> white{
         simulate::WhiteNoise{.angle_random_walk_rad_rt_s = arw_rad_rt_s}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const simulate::RandomStream stream{seed, axis};
+      const random::RandomStream stream{seed, axis};
       const std::vector<simulate::Effect> slow = effects(stream);
       bias_rad_s[axis] = simulate::simulate(empty, slow, stream).rate_rad_s;
       measured_rad_s[axis] = simulate::simulate(empty, white, stream).rate_rad_s;

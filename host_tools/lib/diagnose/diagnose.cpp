@@ -11,15 +11,15 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/common_order.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
-#include "host_tools/lib/diagnose/even_series.hpp"
-#include "host_tools/lib/diagnose/gain.hpp"
-#include "host_tools/lib/diagnose/given_model.hpp"
-#include "host_tools/lib/diagnose/models.hpp"
-#include "host_tools/lib/diagnose/selection.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
+#include "host_tools/lib/diagnose/record/even_series.hpp"
+#include "host_tools/lib/diagnose/selection/common_order.hpp"
+#include "host_tools/lib/diagnose/selection/given_model.hpp"
+#include "host_tools/lib/diagnose/selection/model_export.hpp"
+#include "host_tools/lib/diagnose/selection/selection.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/diagnose/diagnosis.hpp"
-#include "host_tools/lib/diagnose/record.hpp"
+#include "host_tools/lib/diagnose/record/record.hpp"
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "host_tools/lib/identify/allan_deviation.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -29,8 +29,7 @@ struct Band {
 
 /// Bounds that `rows` of them together keep with 95 %: each at 1 - .05 / rows.
 double quantile_of_family(std::size_t rows) {
-  return simulate::normal_quantile(1.0 -
-                                   0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
+  return random::normal_quantile(1.0 - 0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
 }
 
 /// DCT coefficients of the mean functions of a hypothesis.
@@ -112,8 +111,7 @@ std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& 
   const auto runs =
       std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
                  kFewestSimulations, kMostSimulations);
-  const simulate::RandomStream stream =
-      simulate::RandomStream(problem.seed()).substream("envelope");
+  const random::RandomStream stream = random::RandomStream(problem.seed()).substream("envelope");
   std::vector<double> normal(n);
   for (std::size_t run = 0; run < runs; ++run) {
     stream.substream(run).fill_normal(0, normal);

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "host_tools/lib/diagnose/diagnosis.hpp"
-#include "host_tools/lib/diagnose/explanation.hpp"
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/base/time.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::evaluate {
 
@@ -33,7 +33,7 @@ class Schedule {
   [[nodiscard]] core::Duration next_length();
 
   ScheduleParams params_;
-  simulate::RandomStream stream_;
+  random::RandomStream stream_;
   std::int64_t draws_ = 0;
   core::Instant phase_end_;
   bool moving_ = false;

@@ -30,7 +30,7 @@ std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double
 }  // namespace
 
 simulate::Effect draw_hidden_effect(const model::SensorModel& model,
-                                    const simulate::RandomStream& stream) {
+                                    const random::RandomStream& stream) {
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   const double slow = model.flicker ? model.flicker->bias_instability_rad_s : 0.03 * arw;
   const double sign = stream.uniform(1) < 0.5 ? -1.0 : 1.0;
@@ -84,7 +84,7 @@ void SimulatedDrive::write_parked(const std::filesystem::path& path, double dura
 }
 
 SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
-  const simulate::RandomStream stream{params.seed};
+  const random::RandomStream stream{params.seed};
   const double period_s = 1.0 / params.sample_rate_hz;
   auto motion = simulate::simulate_vehicle({.duration_s = params.duration_s}, period_s, stream);
   std::array<std::vector<double>, 3> rest;

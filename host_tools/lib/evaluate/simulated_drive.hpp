@@ -27,7 +27,7 @@ struct SimulatedDriveParams {
 /// An effect that the model lacks, large enough to be found in half an hour at rest: a warm-up, a
 /// line, a jump, telegraph noise or outliers, as the stream draws it.
 [[nodiscard]] simulate::Effect draw_hidden_effect(const model::SensorModel& model,
-                                                  const simulate::RandomStream& stream);
+                                                  const random::RandomStream& stream);
 
 class SimulatedDrive {
  public:

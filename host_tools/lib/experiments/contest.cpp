@@ -78,7 +78,7 @@ Figure deviation_ratio(const VectorXd& a, const VectorXd& b) {
 }  // namespace
 
 Scores run_contest(const Predictors& predictors, const Lengths& lengths, std::size_t sets,
-                   const SetSource& source, unsigned threads, const Progress& progress) {
+                   const SetSource& source, unsigned threads, const parallel::Progress& progress) {
   Scores scores(predictors.size(), std::vector<Score>(sets));
   const auto calibration = static_cast<Index>(lengths.calibration);
   const auto prediction = static_cast<Index>(lengths.prediction);
@@ -94,7 +94,7 @@ Scores run_contest(const Predictors& predictors, const Lengths& lengths, std::si
                   std::span{scores[p]}.subspan(first, count));
     }
   };
-  for_each_in_parallel((sets + kSetsInBlock - 1) / kSetsInBlock, threads, work, progress);
+  parallel::for_each((sets + kSetsInBlock - 1) / kSetsInBlock, threads, work, progress);
   return scores;
 }
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/experiments/parallel.hpp"
 #include "host_tools/lib/experiments/predictor.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::experiments {
 
@@ -35,7 +35,7 @@ using SetSource = std::function<void(std::size_t first, Eigen::MatrixXd& block)>
 /// the number of threads.
 [[nodiscard]] Scores run_contest(const Predictors& predictors, const Lengths& lengths,
                                  std::size_t sets, const SetSource& source, unsigned threads,
-                                 const Progress& progress);
+                                 const parallel::Progress& progress);
 
 /// A figure and its standard error.
 struct Figure {

@@ -12,8 +12,8 @@
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/experiments/exponential_means.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/reader.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -150,7 +150,7 @@ class Contest {
   Contest(const std::vector<fs::path>& paths, const DriveContestOptions& options)
       : paths_(paths), options_(options), fits_(paths.size()) {}
 
-  DriveContest run(const Progress& progress) {
+  DriveContest run(const parallel::Progress& progress) {
     fit_all();
     replay_all(progress);
     return standings();
@@ -168,8 +168,8 @@ class Contest {
   [[nodiscard]] std::size_t schedules() const { return options_.schedules.size(); }
 
   void fit_all() {
-    for_each_in_parallel(paths_.size(), options_.threads,
-                         [&](std::size_t i) { fits_[i] = fit(paths_[i], options_.fit_by); }, {});
+    parallel::for_each(paths_.size(), options_.threads,
+                       [&](std::size_t i) { fits_[i] = fit(paths_[i], options_.fit_by); }, {});
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) clusters_.push_back({i, axis});
     }
@@ -196,10 +196,10 @@ class Contest {
     return lent;
   }
 
-  void replay_all(const Progress& progress) {
+  void replay_all(const parallel::Progress& progress) {
     const std::size_t runs = schedules() * options_.seeds;
     std::vector<std::vector<AxisSums>> outcomes(paths_.size() * runs);
-    for_each_in_parallel(
+    parallel::for_each(
         outcomes.size(), options_.threads,
         [&](std::size_t i) {
           evaluate::ScheduleParams schedule = options_.schedules[i % runs / options_.seeds];
@@ -357,9 +357,9 @@ class Contest {
     return sums;
   }
 
-  [[nodiscard]] BootstrapFigure over_clusters(const evaluate::Statistic& statistic) const {
-    return evaluate::bootstrap(clusters_.size(), statistic,
-                               simulate::RandomStream{options_.first_seed});
+  [[nodiscard]] BootstrapFigure over_clusters(const statistics::Statistic& statistic) const {
+    return statistics::bootstrap(clusters_.size(), statistic,
+                                 random::RandomStream{options_.first_seed});
   }
 
   [[nodiscard]] DriveStanding standing(const Results& own, const Results& yardstick,
@@ -434,7 +434,8 @@ std::string_view name(Contestant contestant, FitBy fit_by) {
 }
 
 DriveContest run_drive_contest(const std::vector<fs::path>& recordings,
-                               const DriveContestOptions& options, const Progress& progress) {
+                               const DriveContestOptions& options,
+                               const parallel::Progress& progress) {
   return Contest{recordings, options}.run(progress);
 }
 

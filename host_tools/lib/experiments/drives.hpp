@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/evaluate/bootstrap.hpp"
 #include "host_tools/lib/evaluate/schedule.hpp"
-#include "host_tools/lib/experiments/parallel.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
+#include "host_tools/lib/statistics/bootstrap.hpp"
 
 namespace zerorate::experiments {
 
@@ -57,7 +57,7 @@ struct DriveContestOptions {
   unsigned threads = 0;                    ///< 0: as many as the machine has
 };
 
-using evaluate::BootstrapFigure;
+using statistics::BootstrapFigure;
 
 /// One contestant under one schedule, or under all of them. The bootstrap draws recording-axes, not
 /// drives, because the drives of one axis share its fit and its weather.
@@ -95,6 +95,6 @@ struct DriveContest {
 /// no drive was made.
 [[nodiscard]] DriveContest run_drive_contest(const std::vector<std::filesystem::path>& recordings,
                                              const DriveContestOptions& options,
-                                             const Progress& progress);
+                                             const parallel::Progress& progress);
 
 }  // namespace zerorate::experiments

@@ -27,7 +27,7 @@ AllanCurve simulated_curve(std::string name, const std::vector<simulate::Effect>
                            std::uint64_t seed) {
   constexpr std::size_t kSamples = 1'000'000;
   auto signal = simulate::simulate(simulate::Signal(kSamples, 1.0), effects,
-                                   simulate::RandomStream{seed}.substream(name));
+                                   random::RandomStream{seed}.substream(name));
   return allan_curve(std::move(name), std::move(signal.rate_rad_s), 1.0, kDphPerRadS);
 }
 

@@ -189,7 +189,7 @@ Predictors measured_predictors(const FittedNoise& fit, const MeasuredOptions& op
 
 std::vector<MeasuredTable> measure_table1(const std::vector<RestRecording>& recordings,
                                           const MeasuredOptions& options,
-                                          const Progress& progress) {
+                                          const parallel::Progress& progress) {
   std::map<long, std::vector<const RestRecording*>> rates;
   for (const RestRecording& recording : recordings) {
     rates[rate_key(recording.sample_period_s)].push_back(&recording);
@@ -205,7 +205,7 @@ std::vector<MeasuredTable> measure_table1(const std::vector<RestRecording>& reco
       }
     }
   }
-  for_each_in_parallel(
+  parallel::for_each(
       pieces.size(), options.threads,
       [&](std::size_t i) {
         if (pieces[i].noise.flicker.value > 0.0) run_piece(pieces[i], options);

@@ -57,7 +57,7 @@ struct MeasuredOptions {
 /// sets.
 [[nodiscard]] std::vector<MeasuredTable> measure_table1(
     const std::vector<RestRecording>& recordings, const MeasuredOptions& options,
-    const Progress& progress);
+    const parallel::Progress& progress);
 
 /// Fits one axis. Throws std::invalid_argument for what cannot be fitted (see fit_white_flicker).
 [[nodiscard]] FittedNoise fit_noise(const RestRecording& recording, std::size_t axis);

@@ -4,7 +4,7 @@
 
 #include "host_tools/lib/experiments/node_predictors.hpp"
 #include "host_tools/lib/experiments/reference_predictors.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 
 namespace zerorate::experiments {
@@ -22,19 +22,19 @@ DecadeNoise decade_noise(const SimulationOptions& options, core::Start start) {
 /// Expectation of each predictor that is linear.
 std::vector<std::optional<Expectation>> expect_all(const Predictors& predictors,
                                                    const SimulationOptions& options,
-                                                   const Progress& progress) {
+                                                   const parallel::Progress& progress) {
   std::vector<std::optional<Expectation>> expected(predictors.size());
   const auto work = [&](std::size_t i) {
     if (predictors[i]->is_linear()) {
       expected[i] = expect(*predictors[i], options.noise, options.lengths);
     }
   };
-  for_each_in_parallel(predictors.size(), options.threads, work, progress);
+  parallel::for_each(predictors.size(), options.threads, work, progress);
   return expected;
 }
 
 /// The share of a progress that one part of the work takes.
-Progress part_of(const Progress& progress, double from, double to) {
+parallel::Progress part_of(const parallel::Progress& progress, double from, double to) {
   if (!progress) return {};
   return [&progress, from, to](double share) { progress(from + (to - from) * share); };
 }
@@ -42,7 +42,7 @@ Progress part_of(const Progress& progress, double from, double to) {
 }  // namespace
 
 SetSource simulated_sets(const FractionalNoise& noise, std::uint64_t seed) {
-  const simulate::RandomStream stream{seed};  // each set has a substream of its own
+  const random::RandomStream stream{seed};  // each set has a substream of its own
   return [noise, stream](std::size_t first, MatrixXd& block) {
     const auto samples = static_cast<std::size_t>(block.rows());
     std::vector<double> white(samples);
@@ -84,7 +84,7 @@ Predictors simulated_predictors(const SimulationOptions& options) {
 }
 
 std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
-                                               const Progress& progress) {
+                                               const parallel::Progress& progress) {
   Predictors predictors = simulated_predictors(options);
   predictors.insert(predictors.begin() + 2, make_optimum("optimum, b known", options.noise,
                                                          reference::Bias::known, options.lengths));
@@ -107,7 +107,7 @@ std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
 
 std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
                                           const SimulationOptions& options,
-                                          const Progress& progress) {
+                                          const parallel::Progress& progress) {
   std::vector<OrderStanding> standings;
   for (const double order : orders) {
     SimulationOptions own = options;

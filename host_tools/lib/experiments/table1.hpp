@@ -40,7 +40,7 @@ struct SimulatedStanding {
 /// lets all predictors run on them. The last standing is the calibration mean's, the yardstick.
 /// About 20 s on two cores for 1000 runs of 1000 + 1000 samples.
 [[nodiscard]] std::vector<SimulatedStanding> simulate_table1(const SimulationOptions& options,
-                                                             const Progress& progress);
+                                                             const parallel::Progress& progress);
 
 /// The decade filter against the optimum of the same order.
 struct OrderStanding {
@@ -54,6 +54,6 @@ struct OrderStanding {
 /// The future work "possibly with different choices of d" of the paper's section VI.
 [[nodiscard]] std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
                                                         const SimulationOptions& options,
-                                                        const Progress& progress);
+                                                        const parallel::Progress& progress);
 
 }  // namespace zerorate::experiments

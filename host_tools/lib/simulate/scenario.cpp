@@ -45,7 +45,7 @@ ScenarioDrive record(const VehicleMotion& motion, const Gyro& gyro, std::uint64_
   drive.columns.temperature = static_cast<bool>(gyro.temperature_degc);
   drive.rows.resize(motion.size());
   const Signal empty = signal_of(motion, gyro);
-  const RandomStream stream{seed};
+  const random::RandomStream stream{seed};
   const double floor_rad_s = gyro.bias_instability_dph / 3600.0 * kRadPerDeg;
   const double flicker_rad_s = floor_rad_s / std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -65,7 +65,7 @@ ScenarioDrive record(const VehicleMotion& motion, const Gyro& gyro, std::uint64_
       row.row.rate_rad_s[axis] = static_cast<float>(rate + bias.rate_rad_s[k] + fast.rate_rad_s[k]);
     }
   }
-  const RandomStream thermometer = stream.substream("thermometer");
+  const random::RandomStream thermometer = stream.substream("thermometer");
   for (std::size_t k = 0; k < motion.size(); ++k) {
     recording::Row& row = drive.rows[k].row;
     row.time_ns = std::llround(empty.time_s(k) * 1e9);
@@ -102,7 +102,7 @@ double time_s(const ScenarioRow& row) {
 
 VehicleMotion town(double duration_s, std::uint64_t seed) {
   return simulate_vehicle({.duration_s = duration_s, .mean_stop_s = 30.0, .mean_drive_s = 90.0},
-                          kPeriod_s, RandomStream{seed});
+                          kPeriod_s, random::RandomStream{seed});
 }
 
 ScenarioDrive city(std::uint64_t seed) {
@@ -115,7 +115,7 @@ ScenarioDrive motorway(std::uint64_t seed) {
                              .mean_drive_s = 900.0,
                              .cruise_speed_m_s = 33.0,
                              .peak_turn_rad_s = 0.05};
-  return record(simulate_vehicle(params, kPeriod_s, RandomStream{seed}), {}, seed);
+  return record(simulate_vehicle(params, kPeriod_s, random::RandomStream{seed}), {}, seed);
 }
 
 /// A pulse every three seconds, and a turn too slow to be told from a bias within a stop.
@@ -257,7 +257,7 @@ ScenarioDrive knocks(std::uint64_t seed) {
 
 ScenarioDrive wild_start(std::uint64_t seed) {
   ScenarioDrive drive = record(stops_and_drives(2, 30.0, 30.0), {}, seed);
-  const RandomStream wild = RandomStream{seed}.substream("wild");
+  const random::RandomStream wild = random::RandomStream{seed}.substream("wild");
   for (std::size_t k = 0; k < 10; ++k) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double share = wild.uniform(static_cast<std::int64_t>(3 * k + axis)) - 0.5;
@@ -270,7 +270,7 @@ ScenarioDrive wild_start(std::uint64_t seed) {
 /// Every twentieth sample is lost, five seconds of each minute, and once a whole minute.
 ScenarioDrive gaps(std::uint64_t seed) {
   ScenarioDrive drive = city(seed);
-  const RandomStream lost = RandomStream{seed}.substream("lost");
+  const random::RandomStream lost = random::RandomStream{seed}.substream("lost");
   std::erase_if(drive.rows, [&](const ScenarioRow& row) {
     const double t_s = time_s(row);
     return lost.uniform(row.row.time_ns) < 0.05 || std::fmod(t_s, 60.0) >= 55.0 ||

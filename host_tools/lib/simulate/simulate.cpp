@@ -9,11 +9,12 @@ std::string_view name(const Effect& effect) {
   return std::visit([](const auto& part) { return part.kName; }, effect);
 }
 
-Signal simulate(Signal signal, std::span<const Effect> effects, const RandomStream& stream) {
+Signal simulate(Signal signal, std::span<const Effect> effects,
+                const random::RandomStream& stream) {
   std::map<std::string_view, std::uint64_t> occurrences;
   for (const Effect& effect : effects) {
     const std::uint64_t occurrence = occurrences[name(effect)]++;
-    const RandomStream own = stream.substream(name(effect)).substream(occurrence);
+    const random::RandomStream own = stream.substream(name(effect)).substream(occurrence);
     std::visit([&](const auto& part) { part.apply(signal, own); }, effect);
   }
   return signal;

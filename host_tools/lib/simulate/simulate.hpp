@@ -4,13 +4,14 @@
 ///     const std::vector<Effect> effects{
 ///         WhiteNoise{.angle_random_walk_rad_rt_s = 1e-4},
 ///         FlickerNoise{.bias_instability_rad_s = 3e-5, .order = 0.5}};
-///     const Signal signal = simulate(Signal(100'000, 0.01), effects, RandomStream(seed));
+///     const Signal signal = simulate(Signal(100'000, 0.01), effects, random::RandomStream(seed));
 #pragma once
 
 #include <span>
 #include <string_view>
 #include <variant>
 
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/simulate/effects/bias_jump.hpp"
 #include "host_tools/lib/simulate/effects/constant_bias.hpp"
 #include "host_tools/lib/simulate/effects/correlated_noise.hpp"
@@ -25,17 +26,16 @@
 #include "host_tools/lib/simulate/effects/rate_random_walk.hpp"
 #include "host_tools/lib/simulate/effects/saturation.hpp"
 #include "host_tools/lib/simulate/effects/sensor_bandwidth.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 #include "host_tools/lib/simulate/effects/temperature_drift.hpp"
 #include "host_tools/lib/simulate/effects/variable_noise.hpp"
 #include "host_tools/lib/simulate/effects/warm_up_transient.hpp"
 #include "host_tools/lib/simulate/effects/white_noise.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
 
 namespace zerorate::simulate {
 
 /// One part of a simulated sensor: physical parameters in SI, a kName, and
-/// `void apply(Signal&, const RandomStream&) const`, which adds the effect to the signal.
+/// `void apply(Signal&, const random::RandomStream&) const`, which adds the effect to the signal.
 using Effect =
     std::variant<BiasJump, ConstantBias, CorrelatedNoise, DroppedSamples, FlickerNoise,
                  MotionContamination, Outliers, PeriodicDisturbance, Quantization,
@@ -48,6 +48,6 @@ using Effect =
 /// quantization) comes last, as in the sensor. Each effect draws from a stream that depends on the
 /// seed, its name and its occurrence only, so that adding an effect leaves the others as they were.
 [[nodiscard]] Signal simulate(Signal signal, std::span<const Effect> effects,
-                              const RandomStream& stream);
+                              const random::RandomStream& stream);
 
 }  // namespace zerorate::simulate

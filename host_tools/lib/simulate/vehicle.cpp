@@ -12,12 +12,12 @@ constexpr double kAcceleration = 1.8;  // m/s2, brisk town driving
 /// Draws one after another from an addressable stream.
 class Draws {
  public:
-  explicit Draws(const RandomStream& stream) : stream_(stream) {}
+  explicit Draws(const random::RandomStream& stream) : stream_(stream) {}
   double uniform(double from, double to) { return from + (to - from) * stream_.uniform(next_++); }
   double exponential(double mean) { return -mean * std::log(stream_.uniform(next_++)); }
 
  private:
-  RandomStream stream_;
+  random::RandomStream stream_;
   std::int64_t next_ = 0;
 };
 
@@ -81,7 +81,7 @@ class SimulatedDrive {
 }  // namespace
 
 VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
-                               const RandomStream& stream) {
+                               const random::RandomStream& stream) {
   Draws draws(stream.substream("vehicle"));
   VehicleMotion motion{.sample_period_s = sample_period_s, .rate_rad_s = {}, .odometer_pulses = {}};
   // A trip begins with some time at the kerb.

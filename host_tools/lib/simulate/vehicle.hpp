@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::simulate {
 
@@ -33,6 +33,6 @@ struct VehicleMotion {
 /// Drives accelerate, cruise with turns and brake; the body rocks for about a second after each
 /// stop, which is why a node waits for a settle time.
 [[nodiscard]] VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
-                                             const RandomStream& stream);
+                                             const random::RandomStream& stream);
 
 }  // namespace zerorate::simulate

@@ -13,7 +13,7 @@
 #include "core/base/units.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "host_tests/support/sample_modes.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::app::testing {
 
@@ -50,7 +50,7 @@ inline constexpr float kWhiteSigmaRadS = 1e-3F;
                                                       std::uint64_t seed = 1) {
   drivers::GyroSample sample = sample_at(time, bias_rad_s);
   for (std::size_t i = 0; i < 3; ++i) {
-    const simulate::RandomStream noise{seed, i};
+    const random::RandomStream noise{seed, i};
     sample.rate[i] = sample.rate[i] +
                      core::rad_per_s(kWhiteSigmaRadS * static_cast<float>(noise.normal(time.ns())));
   }

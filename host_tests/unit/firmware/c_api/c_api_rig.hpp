@@ -8,7 +8,7 @@
 
 #include "firmware/c_api/examples/front_gyro.h"
 #include "firmware/c_api/zerorate.h"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::c_api::testing {
 
@@ -31,7 +31,7 @@ inline Moment moment(std::int64_t k, std::uint64_t seed = 1) {
              .stands = k % (kStopSamples + kDriveSamples) < kStopSamples};
   const double sigma = std::sqrt(static_cast<double>(front_gyro.white_variance_rad2_s2));
   for (std::size_t i = 0; i < kBias.size(); ++i) {
-    const double noise = sigma * simulate::RandomStream{seed, i}.normal(k);
+    const double noise = sigma * random::RandomStream{seed, i}.normal(k);
     now.measured.rate_rad_s[i] = kBias[i] + static_cast<float>(noise);
   }
   if (!now.stands) now.measured.rate_rad_s[2] += kTurn_rad_s;

@@ -8,10 +8,11 @@
 #include <numbers>
 #include <span>
 
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -30,7 +31,7 @@ EvenSeries series_of(std::vector<double> values) {
 
 std::vector<double> white(std::uint64_t run) {
   std::vector<double> values(kSamples);
-  simulate::RandomStream(3, run).fill_normal(0, values);
+  random::RandomStream(3, run).fill_normal(0, values);
   return values;
 }
 
@@ -177,9 +178,9 @@ TEST(AdequacyOfATrueWalkBesideTemperature, DoesNotFailByHysteresis) {
 }
 
 TEST(Tails, AgreeWithTables) {
-  EXPECT_NEAR(std::exp(log_normal_tails(1.959964)), 0.05, 1e-6);
-  EXPECT_NEAR(std::exp(log_chi_squared_tail(18.307, 10.0)), 0.05, 1e-5);
-  EXPECT_NEAR(std::exp(log_poisson_tail(3.0, 1.0)), 1.0 - 2.5 * std::exp(-1.0), 1e-9);
+  EXPECT_NEAR(std::exp(statistics::log_normal_tails(1.959964)), 0.05, 1e-6);
+  EXPECT_NEAR(std::exp(statistics::log_chi_squared_tail(18.307, 10.0)), 0.05, 1e-5);
+  EXPECT_NEAR(std::exp(statistics::log_poisson_tail(3.0, 1.0)), 1.0 - 2.5 * std::exp(-1.0), 1e-9);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/common_order.hpp"
+#include "host_tools/lib/diagnose/selection/common_order.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::diagnose {

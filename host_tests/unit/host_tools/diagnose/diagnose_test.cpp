@@ -27,7 +27,7 @@ Record simulated(std::vector<simulate::Effect> more, std::uint64_t run) {
                                         simulate::FlickerNoise{25.0 / 3600.0 * kRadPerDeg, 0.5}};
   effects.insert(effects.end(), more.begin(), more.end());
   const simulate::Signal signal = simulate::simulate(simulate::Signal(kSamples, kPeriod), effects,
-                                                     simulate::RandomStream(7, run));
+                                                     random::RandomStream(7, run));
   return record_of(zerorate::testing::rest_samples_of(signal), 0);
 }
 

@@ -8,9 +8,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host_tools/lib/diagnose/diagnosis_json.hpp"
-#include "host_tools/lib/diagnose/diagnosis_report.hpp"
-#include "host_tools/lib/diagnose/diagnosis_words.hpp"
+#include "host_tools/lib/diagnose/presentation/json.hpp"
+#include "host_tools/lib/diagnose/presentation/report.hpp"
+#include "host_tools/lib/diagnose/presentation/words.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/explanation.hpp"
-#include "host_tools/lib/diagnose/selection.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
+#include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::diagnose {
@@ -65,7 +65,7 @@ TEST_P(StrongEffect, IsTheFirstCauseAndItsFigureIsRight) {
       simulate::ConstantBias{0.3 * kRadPerDeg}, simulate::WhiteNoise{0.04 * kRadPerDeg},
       simulate::FlickerNoise{15.0 / 3600.0 * kRadPerDeg, 0.5}, example.effect};
   const simulate::Signal signal =
-      simulate::simulate(simulate::Signal(kSamples, kPeriod), effects, simulate::RandomStream(5));
+      simulate::simulate(simulate::Signal(kSamples, kPeriod), effects, random::RandomStream(5));
   const Diagnosis diagnosis =
       diagnose(record_of(zerorate::testing::rest_samples_of(signal), 0), {.holdout = 0.0});
 
@@ -94,7 +94,7 @@ TEST(LineWhosePhaseWanders, IsAPeriodicDisturbanceWithItsWidth) {
   constexpr double kWhite = 0.1 * kRadPerDeg;
   EvenSeries series{.period_s = kPeriod, .rate_rad_s = std::vector<double>(2 * kSamples)};
   series.lost.resize(series.rate_rad_s.size());
-  const simulate::RandomStream noise(23);
+  const random::RandomStream noise(23);
   const std::complex<double> turn =
       std::polar(std::exp(-kPeriod / kCoherence), 2.0 * std::numbers::pi * kFrequency * kPeriod);
   const double driven = kRms * std::sqrt(1.0 - std::norm(turn));
@@ -129,7 +129,7 @@ TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
   for (const std::uint64_t run : {1U, 2U, 3U, 4U}) {
     EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
     series.lost.resize(kLength);
-    simulate::RandomStream(17, run).fill_normal(0, series.rate_rad_s);
+    random::RandomStream(17, run).fill_normal(0, series.rate_rad_s);
     const Problem problem(series, 1);
     const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
     EXPECT_TRUE(!offer || offer->surprise_nats < kLeastSurprise) << run;
@@ -145,7 +145,7 @@ TEST(VariableNoiseInPlainWhiteNoise, IsAsSurprisingAsItSaysNoOftenerThanThat) {
   for (std::uint64_t run = 0; run < kRuns; ++run) {
     EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
     series.lost.resize(kLength);
-    simulate::RandomStream(29, run).fill_normal(0, series.rate_rad_s);
+    random::RandomStream(29, run).fill_normal(0, series.rate_rad_s);
     const Problem problem(series, 1);
     const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
     if (offer && offer->surprise_nats > kNats) ++count;
@@ -159,7 +159,7 @@ TEST(OutliersInPlainWhiteNoise, AreNotFoundWhereManyValuesAreLost) {
   constexpr std::size_t kLength = 20'000;
   EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
   series.lost.resize(kLength);
-  simulate::RandomStream(19).fill_normal(0, series.rate_rad_s);
+  random::RandomStream(19).fill_normal(0, series.rate_rad_s);
   for (std::size_t k = 50; k < kLength; k += 70) {
     for (std::size_t i = 0; i < 7; ++i) series.lost[k + i] = true;
   }

@@ -1,11 +1,11 @@
-#include "host_tools/lib/diagnose/even_series.hpp"
+#include "host_tools/lib/diagnose/record/even_series.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -80,7 +80,7 @@ TEST(SeriesOfAJitteryRecord, LosesNothing) {
 TEST(LossesOfAVeryJitteryRecord, AreOnlyWhatIsMissing) {
   Record record = steady(20'000, 0.01);
   std::vector<double> off(record.size());
-  simulate::RandomStream(8).fill_normal(0, off);
+  random::RandomStream(8).fill_normal(0, off);
   for (std::size_t k = 0; k < record.size(); ++k) {
     record.time_s[k] += 0.002 * std::clamp(off[k], -2.4, 2.4);
   }
@@ -94,7 +94,7 @@ TEST(LossesOfAVeryJitteryRecord, AreOnlyWhatIsMissing) {
 TEST(LossesOfBatches, AreGapsAndNoShare) {
   Record record{.axis = "rate", .sample_period_s = 0.002};
   std::vector<double> off(20'000);
-  simulate::RandomStream(8).fill_normal(0, off);
+  random::RandomStream(8).fill_normal(0, off);
   double time_s = 0.0;
   for (std::size_t k = 0; k < off.size(); ++k) {
     time_s += 0.002 + 0.0005 * std::clamp(off[k], -3.0, 3.0) + (k % 10 == 9 ? 0.08 : 0.0);

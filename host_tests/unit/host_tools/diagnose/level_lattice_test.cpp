@@ -1,17 +1,17 @@
-#include "host_tools/lib/diagnose/level_lattice.hpp"
+#include "host_tools/lib/diagnose/record/level_lattice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
 std::vector<double> normal_values(std::size_t size) {
   std::vector<double> values(size);
-  simulate::RandomStream(11).fill_normal(0, values);
+  random::RandomStream(11).fill_normal(0, values);
   return values;
 }
 

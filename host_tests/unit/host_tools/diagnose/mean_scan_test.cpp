@@ -1,18 +1,19 @@
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
 EvenSeries noise_of(std::size_t size) {
   EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(size)};
-  simulate::RandomStream(5).fill_normal(0, series.rate_rad_s);
+  random::RandomStream(5).fill_normal(0, series.rate_rad_s);
   series.lost.resize(size);
   return series;
 }

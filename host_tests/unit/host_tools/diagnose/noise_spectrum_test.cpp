@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/noise_spectrum.hpp"
+#include "host_tools/lib/diagnose/hypothesis/noise_spectrum.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "host_tools/lib/diagnose/repeated_samples.hpp"
+#include "host_tools/lib/diagnose/record/repeated_samples.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/lib/diagnose/even_series.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/diagnose/record/even_series.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::size_t kSize = 5000;
 
 /// White noise of unit size on levels so far apart; 0: on none.
 Record noise_record(double step) {
-  const simulate::RandomStream noise{11};
+  const random::RandomStream noise{11};
   Record record{.axis = "rate", .sample_period_s = 0.01};
   for (std::size_t k = 0; k < kSize; ++k) {
     const double value = noise.normal(static_cast<std::int64_t>(k));

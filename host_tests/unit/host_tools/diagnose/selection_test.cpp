@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/selection.hpp"
+#include "host_tools/lib/diagnose/selection/selection.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host_tests/support/simulated_rest.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::diagnose {
@@ -44,7 +44,7 @@ EvenSeries simulated(const std::vector<simulate::Effect>& more, std::uint64_t ru
   effects.insert(effects.end(), more.begin(), more.end());
   simulate::Signal signal(kSamples, 1.0);
   signal.temperature_degc = swinging_temperature();
-  signal = simulate::simulate(std::move(signal), effects, simulate::RandomStream(31, run));
+  signal = simulate::simulate(std::move(signal), effects, random::RandomStream(31, run));
   EvenSeries series{.period_s = signal.sample_period_s,
                     .rate_rad_s = std::move(signal.rate_rad_s),
                     .temperature_degc = std::move(signal.temperature_degc)};

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -25,7 +25,7 @@ std::vector<double> density_of(double flicker_variance) {
 
 std::vector<double> draw(const std::vector<double>& density, std::uint64_t run) {
   std::vector<double> coefficients(density.size());
-  simulate::RandomStream(11, run).fill_normal(0, coefficients);
+  random::RandomStream(11, run).fill_normal(0, coefficients);
   for (std::size_t k = 0; k < density.size(); ++k) coefficients[k] *= std::sqrt(density[k]);
   return coefficients;
 }

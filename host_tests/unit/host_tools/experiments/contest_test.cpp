@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "host_tools/lib/experiments/node_predictors.hpp"
-#include "host_tools/lib/experiments/parallel.hpp"
 #include "host_tools/lib/experiments/table1.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -28,16 +28,15 @@ MatrixXd weights(const Predictor& predictor) {
 TEST(ForEachInParallel, DoesEachPieceOnceAndReportsTheWhole) {
   std::vector<std::atomic<int>> calls(100);
   double share = 0.0;
-  for_each_in_parallel(
+  parallel::for_each(
       calls.size(), 4, [&](std::size_t i) { ++calls[i]; }, [&](double s) { share = s; });
   for (const auto& count : calls) EXPECT_EQ(count, 1);
   EXPECT_EQ(share, 1.0);
 }
 
 TEST(ForEachInParallel, PassesAnExceptionOn) {
-  EXPECT_THROW(
-      for_each_in_parallel(10, 2, [](std::size_t) { throw std::runtime_error("one"); }, {}),
-      std::runtime_error);
+  EXPECT_THROW(parallel::for_each(10, 2, [](std::size_t) { throw std::runtime_error("one"); }, {}),
+               std::runtime_error);
 }
 
 // In fixed memory the node forms the suffix means of eq. 8 from blocks, see core/estimator; as
@@ -119,7 +118,7 @@ TEST(ControlledRatio, IsSharperThanTheRatioAndHoldsTheTruth) {
   constexpr std::size_t kSets = 2000;
   constexpr double kTrueRatio = 0.8;
   std::vector<double> normal(2 * kSets);
-  simulate::RandomStream{1}.fill_normal(0, normal);
+  random::RandomStream{1}.fill_normal(0, normal);
   std::vector<Score> scores(kSets);
   std::vector<Score> yardstick(kSets);
   for (std::size_t i = 0; i < kSets; ++i) {

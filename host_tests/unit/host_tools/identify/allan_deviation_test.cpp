@@ -11,8 +11,8 @@
 namespace zerorate::identify {
 namespace {
 
+using random::RandomStream;
 using simulate::Effect;
-using simulate::RandomStream;
 using simulate::Signal;
 
 // Half the mean square difference of neighbouring averages, every average summed anew.
@@ -32,7 +32,8 @@ double by_definition(const std::vector<double>& rate, std::size_t m) {
 }
 
 std::vector<double> noise(std::size_t samples, std::vector<Effect> effects) {
-  return simulate::simulate(Signal(samples, 1.0), effects, RandomStream(20120416)).rate_rad_s;
+  return simulate::simulate(Signal(samples, 1.0), effects, random::RandomStream(20120416))
+      .rate_rad_s;
 }
 
 TEST(AllanVariance, EqualsTheDefinitionDespiteAHugeBias) {

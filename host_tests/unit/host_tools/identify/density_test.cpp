@@ -16,7 +16,7 @@ constexpr double kSamplePeriod = 0.02;
 
 std::vector<double> noise(std::size_t samples, const std::vector<simulate::Effect>& effects) {
   return simulate::simulate(simulate::Signal(samples, kSamplePeriod), effects,
-                            simulate::RandomStream(20120416))
+                            random::RandomStream(20120416))
       .rate_rad_s;
 }
 

@@ -85,7 +85,7 @@ TEST(InnovationsFitOfAShortRecord, KeepsThePriorOrderAndTellsTheOther) {
 
 TEST(InnovationsFitOfARamp, SaysThatTheOrderIsAtItsLimit) {
   simulate::Signal signal = simulate_rest({.bias_instability_dph = 0.0}, 50'000, kPeriod, 5);
-  simulate::RateRamp{1e-6}.apply(signal, simulate::RandomStream(1));
+  simulate::RateRamp{1e-6}.apply(signal, random::RandomStream(1));
   const InnovationsFit fit = fit_of(signal, {.starts = {kStart}});
   ASSERT_TRUE(fit.flicker.has_value());
   EXPECT_EQ(fit.flicker->order_source, OrderSource::limit);

@@ -11,7 +11,7 @@
 
 #include "firmware/model/node_model.hpp"
 #include "host_tests/support/dense_noise.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -28,7 +28,7 @@ model::SensorModel sample_model() {
 
 /// Ticks with holes and with few samples; rates of about the size that the model expects.
 std::vector<TickMean> ticks_with_holes(float bias_rad_s = 0.0F) {
-  const simulate::RandomStream stream(3);
+  const random::RandomStream stream(3);
   std::vector<TickMean> ticks;
   std::uint32_t tick = 2;
   for (std::int64_t k = 0; k < 60; ++k) {
@@ -103,7 +103,7 @@ TEST(InnovationsLikelihood, DoesNotDependOnTheBias) {
 
 TEST(InnovationsLikelihood, IsLargestNearTheModelThatMadeTheRecord) {
   // White noise of 5 samples a tick: the variance of a tick is N^2 / tick.
-  const simulate::RandomStream stream(4);
+  const random::RandomStream stream(4);
   std::vector<TickMean> ticks;
   const double sigma = 7e-4 / std::sqrt(0.5);
   for (std::uint32_t k = 0; k < 2000; ++k) {

@@ -14,8 +14,7 @@ namespace {
 
 std::vector<double> flicker(std::size_t samples) {
   const std::vector<simulate::Effect> effects{simulate::FlickerNoise{1.0}};
-  return simulate::simulate(simulate::Signal(samples, 1.0), effects,
-                            simulate::RandomStream(20120416))
+  return simulate::simulate(simulate::Signal(samples, 1.0), effects, random::RandomStream(20120416))
       .rate_rad_s;
 }
 

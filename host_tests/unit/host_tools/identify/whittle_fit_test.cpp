@@ -14,7 +14,7 @@ namespace zerorate::identify {
 namespace {
 
 std::vector<double> noise(const std::vector<simulate::Effect>& effects) {
-  return simulate::simulate(simulate::Signal(5000, 1.0), effects, simulate::RandomStream(20120416))
+  return simulate::simulate(simulate::Signal(5000, 1.0), effects, random::RandomStream(20120416))
       .rate_rad_s;
 }
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::reference {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 // y = 5 + 1.2 (y_1 - 5) - 0.5 (y_2 - 5) + 2 e: a damped oscillation.
 std::vector<double> second_order(std::size_t n) {
   std::vector<double> noise(n);
-  simulate::RandomStream{11}.fill_normal(0, noise);
+  random::RandomStream{11}.fill_normal(0, noise);
   std::vector<double> y(n, 5.0);
   for (std::size_t k = 2; k < n; ++k) {
     y[k] = 5.0 + 1.2 * (y[k - 1] - 5.0) - 0.5 * (y[k - 2] - 5.0) + 2.0 * noise[k];

@@ -4,10 +4,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/reference/best_linear_predictor.hpp"
 #include "host_tools/lib/reference/full_state_filter.hpp"
 #include "host_tools/lib/reference/plug_in_predictor.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
 
 namespace zerorate::reference {
 namespace {
@@ -25,7 +25,7 @@ constexpr FractionalNoise kWithWhite{
 // Any numbers do: the predictors are linear, and their agreement is an identity.
 VectorXd any_data() {
   VectorXd data(kSamples);
-  simulate::RandomStream{3}.fill_normal(0, {data.data(), kSamples});
+  random::RandomStream{3}.fill_normal(0, {data.data(), kSamples});
   return data.array() + 17.0;
 }
 

@@ -12,7 +12,7 @@ namespace zerorate::simulate {
 namespace {
 
 Signal simulated(std::size_t samples, double period_s, std::vector<Effect> effects) {
-  return simulate(Signal(samples, period_s), effects, RandomStream(20120416));
+  return simulate(Signal(samples, period_s), effects, random::RandomStream(20120416));
 }
 
 double mean_of(const std::vector<double>& values) {
@@ -128,7 +128,7 @@ TEST(TemperatureDrift, FollowsTheTemperatureWithItsLag) {
   signal.temperature_degc.assign(1000, 35.0);
   signal.temperature_degc[0] = 25.0;
   const std::vector<Effect> effects{TemperatureDrift{0.01, 0.001, 25.0, 5.0}};
-  const Signal drifted = simulate(signal, effects, RandomStream(1));
+  const Signal drifted = simulate(signal, effects, random::RandomStream(1));
   const double excess = 10.0 * (1.0 - std::exp(-0.1 * 300 / 5.0));
   EXPECT_EQ(drifted.rate_rad_s[0], 0.0);
   EXPECT_NEAR(drifted.rate_rad_s[300], 0.01 * excess + 0.001 * excess * excess, 1e-13);

@@ -5,14 +5,6 @@
 #include <iterator>
 
 namespace zerorate::diagnose {
-Remainder::Remainder(const Explanation& hypothesis)
-    : explanation(&hypothesis), values(hypothesis.whitened()) {
-  for (const Part& part : hypothesis.parts()) {
-    for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
-      values[k] /= double{part.relative_sigma[k]};
-    }
-  }
-}
 
 Adequacy examine_adequacy(const Explanation& explanation) {
   const Remainder remainder(explanation);

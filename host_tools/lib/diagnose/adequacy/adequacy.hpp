@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/diagnose/diagnosis.hpp"
-#include "host_tools/lib/diagnose/explanation.hpp"
+#include "host_tools/lib/diagnose/hypothesis/standardised_residual.hpp"
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {
 
@@ -19,14 +19,6 @@ inline constexpr double kFamilyError = 0.01;
 struct Test {
   std::string words;  ///< what is odd if it fails, e.g. "the noise is skewed"
   double log_p = 0.0;
-};
-
-/// What is left of a record under a hypothesis.
-struct Remainder {
-  explicit Remainder(const Explanation& explanation);
-
-  const Explanation* explanation;
-  std::vector<double> values;  ///< whitened and divided by the relative sigma: independent, N(0, 1)
 };
 
 using Tests = std::vector<Test>;

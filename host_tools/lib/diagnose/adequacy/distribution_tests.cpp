@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -73,14 +73,15 @@ Test asymmetry(const std::vector<double>& u, std::size_t lag) {
   double sum = 0.0;
   for (std::size_t k = lag; k < u.size(); ++k) sum += u[k] * u[k - lag] * (u[k] - u[k - lag]);
   return {"rises and falls of the rate differ in shape",
-          log_normal_tails(sum / std::sqrt(6.0 * static_cast<double>(u.size())))};
+          statistics::log_normal_tails(sum / std::sqrt(6.0 * static_cast<double>(u.size())))};
 }
 
 Test farthest(const std::vector<double>& u) {
   double most = 0.0;
   for (const double v : u) most = std::max(most, std::abs(v));
   return {fmt::format("the farthest value is {:.1f} sigma off", most),
-          log_of_smallest(log_normal_tails(most), static_cast<double>(u.size()))};
+          statistics::log_of_smallest(statistics::log_normal_tails(most),
+                                      static_cast<double>(u.size()))};
 }
 
 }  // namespace
@@ -97,11 +98,11 @@ Tests test_distribution(const Remainder& remainder) {
         static_cast<double>(length) * remainder.explanation->problem().period_s();
     tests.push_back(
         {fmt::format("over {:.3g} s the noise is skewed ({:+.3f})", scale_s, moments.skewness),
-         log_normal_tails(normal_of_skewness(moments))});
+         statistics::log_normal_tails(normal_of_skewness(moments))});
     tests.push_back({fmt::format("over {:.3g} s the tails of the noise are not normal (excess "
                                  "kurtosis {:+.3f})",
                                  scale_s, moments.kurtosis - 3.0),
-                     log_normal_tails(normal_of_kurtosis(moments))});
+                     statistics::log_normal_tails(normal_of_kurtosis(moments))});
   }
   return tests;
 }

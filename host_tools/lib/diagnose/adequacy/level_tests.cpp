@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -48,7 +48,7 @@ Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
     places += 1.0;
     // What the neighbours hold is an estimate itself, of at least a half.
     const double mean = (around + 3.0 * std::sqrt(around)) / (2.0 * double{kNeighbours});
-    const double log_p = log_poisson_tail(levels[i].count - 1.0, mean);
+    const double log_p = statistics::log_poisson_tail(levels[i].count - 1.0, mean);
     if (log_p >= least) continue;
     least = log_p;
     at = levels[i].value;
@@ -56,7 +56,7 @@ Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
   if (places == 0.0) return {};
   return {{fmt::format("the value {:.6g} deg/s occurs far more often than its neighbours",
                        (at + problem.median_rad_s()) * kDegPerRad),
-           log_of_smallest(least, places)}};
+           statistics::log_of_smallest(least, places)}};
 }
 
 /// The probability of each of the levels within reach of a predicted value, whose error is normal,
@@ -171,7 +171,7 @@ Tests test_lattice(const Explanation& explanation, const LevelLattice& lattice, 
   return {
       {fmt::format("the value {:.6g} deg/s occurs {} often than its neighbours let expect",
                    (value + problem.median_rad_s()) * kDegPerRad, farthest > 0.0 ? "more" : "less"),
-       log_of_smallest(log_normal_tails(farthest), places)}};
+       statistics::log_of_smallest(statistics::log_normal_tails(farthest), places)}};
 }
 
 }  // namespace

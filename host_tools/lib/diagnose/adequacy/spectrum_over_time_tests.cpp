@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -64,7 +64,8 @@ Patches patches_of(const Remainder& remainder, std::size_t stretches, std::size_
     for (std::size_t b = 0; b < bands; ++b) {
       double power = 0.0;
       for (std::size_t j = b * width; j < (b + 1) * width; ++j) power += spectrogram.at(s, j);
-      const double z = normal_of_chi_squared(2.0 * power, 2.0 * static_cast<double>(width));
+      const double z =
+          statistics::normal_of_chi_squared(2.0 * power, 2.0 * static_cast<double>(width));
       sum += z * z;
       if (std::abs(z) <= most) continue;
       most = std::abs(z);
@@ -73,8 +74,8 @@ Patches patches_of(const Remainder& remainder, std::size_t stretches, std::size_
   }
   const auto patches = static_cast<double>(stretches * bands);
   const Problem& problem = remainder.explanation->problem();
-  return {.log_p = log_chi_squared_tail(sum, patches),
-          .log_p_of_one = log_of_smallest(log_normal_tails(most), patches),
+  return {.log_p = statistics::log_chi_squared_tail(sum, patches),
+          .log_p_of_one = statistics::log_of_smallest(statistics::log_normal_tails(most), patches),
           .time_s = problem.series().time_s((2 * at + 1) * problem.size() / (2 * stretches))};
 }
 
@@ -86,7 +87,8 @@ void test_patches(const Remainder& remainder, Tests& tests) {
   const Patches& clearer = fine.log_p_of_one < coarse.log_p_of_one ? fine : coarse;
   tests.push_back(
       {fmt::format("the spectrum changes over time, most near {:.4g} s", clearer.time_s),
-       log_of_smallest(std::min({coarse.log_p, fine.log_p, clearer.log_p_of_one}), 2.0 * kGrids)});
+       statistics::log_of_smallest(std::min({coarse.log_p, fine.log_p, clearer.log_p_of_one}),
+                                   2.0 * kGrids)});
 }
 
 /// A tone whose frequency moves at a constant rate. Each stretch is turned back at the rate before
@@ -114,7 +116,8 @@ class MovingTone {
         sum_along(fine);
     }
     const double freedom = 2.0 * static_cast<double>(stretches_);
-    return log_of_smallest(log_chi_squared_tail(2.0 * most_, freedom), lines_);
+    return statistics::log_of_smallest(statistics::log_chi_squared_tail(2.0 * most_, freedom),
+                                       lines_);
   }
 
  private:
@@ -182,7 +185,7 @@ Test moving_tone(const std::vector<double>& values) {
       places += 1.0;
     }
   }
-  return {"a tone moves through the spectrum", log_of_smallest(least, places)};
+  return {"a tone moves through the spectrum", statistics::log_of_smallest(least, places)};
 }
 
 /// Sums of `values` over each of `blocks`, turned back by an angle a value.

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -33,7 +34,7 @@ void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
                                  "expected power",
                                  frequency_hz(problem, static_cast<double>(first)),
                                  frequency_hz(problem, static_cast<double>(end)), sum / freedom),
-                     log_chi_squared_tails(sum, freedom)});
+                     statistics::log_chi_squared_tails(sum, freedom)});
     first = end;
   }
 }
@@ -50,7 +51,7 @@ Test strongest_line(const Explanation& explanation, const std::vector<double>& s
   }
   return {fmt::format("a line stands out at {:.4g} Hz",
                       frequency_hz(explanation.problem(), static_cast<double>(at) + 0.5)),
-          log_of_smallest(-0.5 * most, static_cast<double>(sums.size()))};
+          statistics::log_of_smallest(-0.5 * most, static_cast<double>(sums.size()))};
 }
 
 /// A line that wanders, or a resonance, fills more: windows of all widths, each against what lies
@@ -79,7 +80,7 @@ Test strongest_hump(const Explanation& explanation, const std::vector<double>& s
         boost::math::ibetac(0.5 * static_cast<double>(width), static_cast<double>(beside), share);
     const std::size_t places = sums.size() / step;
     const double log_p =
-        log_of_smallest(std::log(std::max(p, 1e-290)), static_cast<double>(places));
+        statistics::log_of_smallest(std::log(std::max(p, 1e-290)), static_cast<double>(places));
     widths += 1.0;
     if (log_p >= least) continue;
     least = log_p;
@@ -90,7 +91,7 @@ Test strongest_hump(const Explanation& explanation, const std::vector<double>& s
   return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the power "
                       "beside it",
                       from, to, times),
-          log_of_smallest(least, widths)};
+          statistics::log_of_smallest(least, widths)};
 }
 
 /// Not a line whose phase wanders, which has no columns.
@@ -119,7 +120,7 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
     if (freedom == 0.0) continue;
     tests.push_back(
         {fmt::format("the tone at {:.4g} Hz has harmonics: it is no sine", part.shape.front()),
-         log_chi_squared_tail(2.0 * gain, freedom)});
+         statistics::log_chi_squared_tail(2.0 * gain, freedom)});
   }
 }
 
@@ -142,7 +143,8 @@ void test_steadiness(const Explanation& explanation, Tests& tests) {
     }
     tests.push_back(
         {fmt::format("the tone at {:.4g} Hz changes over the record", part.shape.front()),
-         log_chi_squared_tail(2.0 * scan.gain(columns), static_cast<double>(columns.size()))});
+         statistics::log_chi_squared_tail(2.0 * scan.gain(columns),
+                                          static_cast<double>(columns.size()))});
   }
 }
 

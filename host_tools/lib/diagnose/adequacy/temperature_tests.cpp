@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/diagnose/hypothesis/mean_fit.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -123,7 +124,7 @@ void test_hysteresis_for_noise(const Explanation& noisy, const std::vector<doubl
       parts, [](const Part& other) { return other.effect == "temperature_drift"; });
   if (!is_followed) part.columns.push_back(column_of(problem, std::span<const double>(smooth)));
   part.columns.emplace_back();
-  std::optional<Offer> hysteresis = offer_of_mean(without, [&](const MeanScan& scan) {
+  std::optional<MeanFit> hysteresis = fit_mean(without, [&](const MeanScan& scan) {
     double most = -1.0;
     Part best = part;
     for (const Column& function : functions) {
@@ -169,8 +170,8 @@ Tests test_temperature(const Remainder& remainder) {
     columns.reserve(functions.size());
     for (const auto& function : functions)
       columns.push_back(column_of(problem, std::span(function)));
-    tests.push_back({words, log_chi_squared_tail(2.0 * scan.gain(columns),
-                                                 static_cast<double>(columns.size()))});
+    tests.push_back({words, statistics::log_chi_squared_tail(2.0 * scan.gain(columns),
+                                                             static_cast<double>(columns.size()))});
   };
   const double range = most - least;
   const auto size = static_cast<double>(problem.size());

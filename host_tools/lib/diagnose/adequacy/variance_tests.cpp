@@ -5,8 +5,8 @@
 #include <complex>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -23,7 +23,7 @@ void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& te
   for (std::size_t b = 0; b < stretches; ++b) {
     double squares = 0.0;
     for (std::size_t k = b * length; k < (b + 1) * length; ++k) squares += u[k] * u[k];
-    const double z = normal_of_chi_squared(squares, freedom);
+    const double z = statistics::normal_of_chi_squared(squares, freedom);
     sum += z * z;
     if (std::abs(z) > most) {
       most = std::abs(z);
@@ -34,10 +34,11 @@ void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& te
   tests.push_back({fmt::format("the strength of the noise varies over time, from one {:.3g} s to "
                                "the next",
                                freedom * series.period_s),
-                   log_chi_squared_tail(sum, static_cast<double>(stretches))});
+                   statistics::log_chi_squared_tail(sum, static_cast<double>(stretches))});
   tests.push_back({fmt::format("the strength of the noise is another near {:.4g} s",
                                series.time_s(at * length + length / 2)),
-                   log_of_smallest(log_normal_tails(most), static_cast<double>(stretches))});
+                   statistics::log_of_smallest(statistics::log_normal_tails(most),
+                                               static_cast<double>(stretches))});
 }
 
 /// The strongest line in the spectrum of the squares.
@@ -64,7 +65,7 @@ Test strongest_period(const Remainder& remainder) {
   }
   const double period_s = remainder.explanation->problem().span_s() / static_cast<double>(at);
   return {fmt::format("the strength of the noise has a period of {:.4g} s", period_s),
-          log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
+          statistics::log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
 }
 
 /// Large values follow large values within so many.
@@ -83,7 +84,8 @@ Test clusters(const Remainder& remainder, std::size_t lags) {
     recent += excess[k] - (k >= lags ? excess[k - lags] : 0.0);
   }
   const double variance = kVariance * kVariance * static_cast<double>(lags * u.size());
-  return {"large deviations come in clusters", log_normal_tails(sum / std::sqrt(variance))};
+  return {"large deviations come in clusters",
+          statistics::log_normal_tails(sum / std::sqrt(variance))};
 }
 
 }  // namespace

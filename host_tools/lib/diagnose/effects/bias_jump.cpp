@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -25,7 +25,8 @@ class BiasJump final : public Effect {
       if (std::exchange(is_second, true)) crossings = scan.step_crossings();
       return search(scan);
     });
-    if (offer) offer->surprise_nats = surprise_of_search(offer->gain_nats, 1.0, crossings);
+    if (offer)
+      offer->surprise_nats = statistics::surprise_of_search(offer->gain_nats, 1.0, crossings);
     return offer;
   }
 

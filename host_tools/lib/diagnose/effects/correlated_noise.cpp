@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -28,7 +28,8 @@ class CorrelatedNoise final : public Effect {
       part.starts.push_back(start);
     }
     Offer offer = offer_with(without, std::move(part));
-    offer.surprise_nats = surprise_of_search(offer.gain_nats, 1.0, 0.1 * std::log(size));
+    offer.surprise_nats =
+        statistics::surprise_of_search(offer.gain_nats, 1.0, 0.1 * std::log(size));
     return offer;
   }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 
 namespace zerorate::diagnose {

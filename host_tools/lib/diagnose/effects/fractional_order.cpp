@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -24,7 +24,7 @@ class FractionalOrder final : public Effect {
       part.starts.push_back(start);
     }
     Offer offer = offer_with(without, std::move(part));
-    offer.surprise_nats = surprise_of_free(offer.gain_nats, 1.0);
+    offer.surprise_nats = statistics::surprise_of_free(offer.gain_nats, 1.0);
     return offer;
   }
 

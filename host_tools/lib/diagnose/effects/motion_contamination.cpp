@@ -6,12 +6,12 @@
 #include <numbers>
 #include <span>
 
-#include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/diagnose/hypothesis/standardised_residual.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -146,7 +146,7 @@ class Power {
     const auto freedom = static_cast<double>(end - first);
     const double squares = sums_[end] - sums_[first];
     if (squares < freedom + kPlain * std::sqrt(2.0 * freedom)) return 0.0;
-    return -log_chi_squared_tail(squares, freedom);
+    return -statistics::log_chi_squared_tail(squares, freedom);
   }
 
  private:

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -190,7 +190,7 @@ class Outliers final : public Effect {
                          .replaced = replaced_by(best, residuals, without.problem().seed())},
                 .gain_nats = best_gain};
     // Two parameters, searched over sizes; probability 0 lies at the edge.
-    offer.surprise_nats = surprise_of_search(best_gain, 2.0, 3.0);
+    offer.surprise_nats = statistics::surprise_of_search(best_gain, 2.0, 3.0);
     return offer;
   }
 
@@ -227,7 +227,7 @@ class Outliers final : public Effect {
   /// normal, in the tails too.
   static std::vector<Run> replaced_by(const Mixture& mixture, const std::vector<double>& residuals,
                                       std::uint64_t seed) {
-    const simulate::RandomStream stream = simulate::RandomStream(seed).substream("outliers");
+    const random::RandomStream stream = random::RandomStream(seed).substream("outliers");
     std::vector<Run> runs;
     for (std::size_t k = 0; k < residuals.size(); ++k) {
       const double posterior = mixture.at(residuals[k]).posterior;

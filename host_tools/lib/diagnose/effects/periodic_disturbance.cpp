@@ -5,10 +5,10 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -48,8 +48,8 @@ class PeriodicDisturbance final : public Effect {
   /// The price of a gain for which all frequencies were searched.
   static double surprise_of_line(const Explanation& without, double gain, double amplitudes) {
     const double bins = 0.5 * static_cast<double>(without.problem().size());
-    return surprise_of_search(gain, amplitudes,
-                              bins * std::sqrt(std::numbers::pi * std::max(gain, 1.0) / 3.0));
+    return statistics::surprise_of_search(
+        gain, amplitudes, bins * std::sqrt(std::numbers::pi * std::max(gain, 1.0) / 3.0));
   }
 
   [[nodiscard]] std::optional<Offer> examine_sine(const Explanation& without) const {

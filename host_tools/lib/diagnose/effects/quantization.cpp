@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/reading_score.hpp"
+#include "host_tools/lib/statistics/rounding.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -81,7 +81,7 @@ class Quantization final : public Effect {
     for (std::size_t k = 0; k < std::min(rate.size(), kMostValues); ++k) {
       if (all.is_replaced()[k]) continue;
       const double expected = -all.weighted()[k] / all.information() / step;
-      const double off = std::abs(mean_before_rounding(expected, spread / step));
+      const double off = std::abs(statistics::mean_before_rounding(expected, spread / step));
       const double mass = 0.5 * (std::erfc((off - 0.5) / unit) - std::erfc((off + 0.5) / unit));
       sum += std::log(std::max(mass, 1e-300));
     }

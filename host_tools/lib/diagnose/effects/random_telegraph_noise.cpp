@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <utility>
 
-#include "host_tools/lib/diagnose/adequacy/tails.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -230,7 +230,7 @@ double log_p_of_even_stays(const Path& path) {
         2.0 * m * (std::log(sums[level] / m) - logs[level] / m) / (1.0 + (m + 1.0) / (6.0 * m));
     freedom += m - 1.0;
   }
-  return freedom > 0.0 ? log_chi_squared_lower_tail(statistic, freedom) : 0.0;
+  return freedom > 0.0 ? statistics::log_chi_squared_lower_tail(statistic, freedom) : 0.0;
 }
 
 /// A bias that switches between two levels. The part's shape: number of switches, of points, the
@@ -243,14 +243,12 @@ class RandomTelegraphNoise final : public Effect {
     std::optional<Offer> best;
     for (const unsigned windows : {60U, 400U, kNoWindows}) {
       std::optional<Path> path;
-      std::optional<FittedOffer> fitted = fitted_offer_of_mean(
-          without, [&](const MeanScan& scan) { return search(scan, windows, path); });
+      std::optional<MeanFit> fitted =
+          fit_mean(without, [&](const MeanScan& scan) { return search(scan, windows, path); });
       if (!fitted) continue;
-      Offer& offer = fitted->offer;
-      offer.gain_nats -= price_of(*fitted);
+      const double gain = fitted->gain_nats - price_of(*fitted);
       // Three parameters: height and two lengths of stay.
-      offer.surprise_nats = offer.gain_nats - 2.0;
-      if (!best || offer.gain_nats > best->gain_nats) best = std::move(offer);
+      if (!best || gain > best->gain_nats) best = {std::move(fitted->part), gain, gain - 2.0};
     }
     return best;
   }
@@ -307,13 +305,13 @@ class RandomTelegraphNoise final : public Effect {
                           high * period_s / stays, log_p_of_even_stays(*path)}};
   }
 
-  static double price_of(const FittedOffer& fitted) {
-    const auto& [offer, with] = fitted;
+  static double price_of(const MeanFit& fitted) {
+    const Explanation& with = fitted.with;
     const double height =
         with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(with.parts().size() - 1)));
-    const auto count = static_cast<std::size_t>(offer.part.shape[0]);
-    const double block = static_cast<double>(with.problem().size()) / offer.part.shape[1];
-    return price_of_switches(count, static_cast<std::size_t>(offer.part.shape[1]),
+    const auto count = static_cast<std::size_t>(fitted.part.shape[0]);
+    const double block = static_cast<double>(with.problem().size()) / fitted.part.shape[1];
+    return price_of_switches(count, static_cast<std::size_t>(fitted.part.shape[1]),
                              with.noise().spectrum.white_variance / (block * height * height));
   }
 };

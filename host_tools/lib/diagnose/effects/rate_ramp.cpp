@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -18,7 +18,7 @@ class RateRamp final : public Effect {
       return Part{.effect = name(),
                   .columns = {column_of(scan.problem(), [](double time_s) { return time_s; })}};
     });
-    offer->surprise_nats = surprise_of_free(offer->gain_nats, 1.0);
+    offer->surprise_nats = statistics::surprise_of_free(offer->gain_nats, 1.0);
     return offer;
   }
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -28,7 +28,7 @@ class RateRandomWalk final : public Effect {
       part.starts.push_back(start);
     }
     Offer offer = offer_with(without, std::move(part));
-    offer.surprise_nats = surprise_of_strength(offer.gain_nats);
+    offer.surprise_nats = statistics::surprise_of_strength(offer.gain_nats);
     return offer;
   }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/level_lattice.hpp"
+#include "host_tools/lib/diagnose/record/level_lattice.hpp"
 
 namespace zerorate::diagnose {
 namespace {

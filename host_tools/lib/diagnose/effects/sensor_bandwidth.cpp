@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -38,7 +38,7 @@ class SensorBandwidth final : public Effect {
     Offer offer = placed_offer_with(
         without, {.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)});
     const double search = std::log(static_cast<double>(kOrders.size()));
-    offer.surprise_nats = std::max(0.0, surprise_of_strength(offer.gain_nats) - search);
+    offer.surprise_nats = std::max(0.0, statistics::surprise_of_strength(offer.gain_nats) - search);
     return offer;
   }
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "host_tools/lib/diagnose/effect.hpp"
+#include "host_tools/lib/diagnose/effects/effect.hpp"
 
 namespace zerorate::diagnose {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -27,8 +27,8 @@ class TemperatureDrift final : public Effect {
     std::optional<Offer> offer =
         offer_of_mean(without, [this](const MeanScan& scan) { return search(scan); });
     const double lags = offer->part.shape[0] > 0.0 ? 3.0 : 0.0;
-    offer->surprise_nats =
-        surprise_of_search(offer->gain_nats, static_cast<double>(offer->part.columns.size()), lags);
+    offer->surprise_nats = statistics::surprise_of_search(
+        offer->gain_nats, static_cast<double>(offer->part.columns.size()), lags);
     return offer;
   }
 

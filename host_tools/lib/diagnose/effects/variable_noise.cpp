@@ -8,10 +8,10 @@
 #include <span>
 
 #include "core/samples/noise_level_track.hpp"
-#include "host_tools/lib/diagnose/effects/effects.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -144,7 +144,7 @@ Profile best_steps(const Squares& squares) {
   const double shortest = static_cast<double>(kShortest * block) / static_cast<double>(n);
   const double crossings = single ? crossings_of_one_change(best.gain_nats, shortest)
                                   : crossings_of_two_changes(best.gain_nats, shortest);
-  best.surprise_nats = surprise_of_search(best.gain_nats, 1.0, crossings);
+  best.surprise_nats = statistics::surprise_of_search(best.gain_nats, 1.0, crossings);
   return best;
 }
 
@@ -254,8 +254,8 @@ Profile best_periodic(const Squares& squares) {
     best.fewest_cycles = end_of_cycles(relative, squares, best, -1.0);
     best.most_cycles = end_of_cycles(relative, squares, best, 1.0);
   }
-  best.surprise_nats =
-      surprise_of_search(best.gain_nats, 2.0, crossings_of_frequency(best.gain_nats, kMostCycles));
+  best.surprise_nats = statistics::surprise_of_search(
+      best.gain_nats, 2.0, crossings_of_frequency(best.gain_nats, kMostCycles));
   return best;
 }
 

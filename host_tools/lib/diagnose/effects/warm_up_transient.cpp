@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/lib/diagnose/effects/effects.hpp"
-#include "host_tools/lib/diagnose/effects/mean_scan.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/spectral.hpp"
-#include "host_tools/lib/diagnose/surprise.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -25,7 +25,7 @@ class WarmUpTransient final : public Effect {
     std::optional<Offer> offer =
         offer_of_mean(without, [this](const MeanScan& scan) { return search(scan); });
     const double range = std::log(kLongest * static_cast<double>(problem.size()) / kShortest);
-    offer->surprise_nats = surprise_of_search(offer->gain_nats, 1.0, 0.3 * range);
+    offer->surprise_nats = statistics::surprise_of_search(offer->gain_nats, 1.0, 0.3 * range);
     return offer;
   }
 

@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -13,7 +13,7 @@ struct ConstantBias {
 
   double bias_rad_s = 0.0;
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (double& rate : signal.rate_rad_s) rate += bias_rad_s;
   }
 };

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -16,7 +16,7 @@ struct CorrelatedNoise {
   double sigma_rad_s = 0.0;
   double time_constant_s = 1.0;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     const double decay = std::exp(-signal.sample_period_s / time_constant_s);
     const double drive = std::sqrt(-std::expm1(-2.0 * signal.sample_period_s / time_constant_s));
     double state = stream.normal(0);

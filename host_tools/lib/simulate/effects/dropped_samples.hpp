@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -16,7 +16,7 @@ struct DroppedSamples {
   double probability = 0.0;  ///< that a run of losses begins at a sample after one that arrived
   double mean_run_samples = 1.0;  ///< at least 1
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     bool lost = false;
     for (std::size_t k = 0; k < signal.size(); ++k) {
       const double loss = lost ? 1.0 - 1.0 / mean_run_samples : probability;

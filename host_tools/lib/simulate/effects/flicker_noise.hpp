@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
@@ -26,7 +26,7 @@ struct FlickerNoise {
   /// of a stream is the same for all.
   double history_records = 4.0;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     const double sigma = std::sqrt(spectrum::flicker_innovation_variance(
         bias_instability_rad_s, order, signal.sample_period_s));
     const auto history =

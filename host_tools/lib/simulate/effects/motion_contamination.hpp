@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -18,8 +18,8 @@ struct MotionContamination {
   double mean_interval_s = 60.0;
   double duration_s = 0.5;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
-    const RandomStream peaks = stream.substream("peak");
+  void apply(Signal& signal, const random::RandomStream& stream) const {
+    const random::RandomStream peaks = stream.substream("peak");
     double start_s = 0.0;
     for (std::int64_t knock = 0;; ++knock) {
       start_s -= mean_interval_s * std::log(stream.uniform(knock));

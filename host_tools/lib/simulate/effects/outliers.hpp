@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -15,8 +15,8 @@ struct Outliers {
   double sigma_rad_s = 0.0;
   double probability = 0.0;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
-    const RandomStream sizes = stream.substream("size");
+  void apply(Signal& signal, const random::RandomStream& stream) const {
+    const random::RandomStream sizes = stream.substream("size");
     for (std::size_t k = 0; k < signal.size(); ++k) {
       const auto index = static_cast<std::int64_t>(k);
       if (stream.uniform(index) < probability) {

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -18,7 +18,7 @@ struct PeriodicDisturbance {
   double frequency_hz = 1.0;
   double phase_rad = 0.0;  ///< of the sine at sample 0
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (std::size_t k = 0; k < signal.size(); ++k) {
       const double cycles = frequency_hz * signal.time_s(k);
       const double turn = 2.0 * std::numbers::pi * (cycles - std::floor(cycles));

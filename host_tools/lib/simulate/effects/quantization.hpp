@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -14,7 +14,7 @@ struct Quantization {
 
   double step_rad_s = 1.0;
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (double& rate : signal.rate_rad_s) rate = step_rad_s * std::round(rate / step_rad_s);
   }
 };

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -18,7 +18,7 @@ struct RandomTelegraphNoise {
   double mean_low_s = 10.0;
   double mean_high_s = 10.0;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     // The two-state Markov chain in continuous time, sampled exactly.
     const double rate_hz = 1.0 / mean_low_s + 1.0 / mean_high_s;
     const double mixed = -std::expm1(-rate_hz * signal.sample_period_s);

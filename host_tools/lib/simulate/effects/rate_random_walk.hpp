@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -14,7 +14,7 @@ struct RateRandomWalk {
 
   double rate_random_walk_rad_s_rt_s = 0.0;  ///< K, rad/s/sqrt(s)
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     const double step = rate_random_walk_rad_s_rt_s * std::sqrt(signal.sample_period_s);
     double walk = 0.0;
     for (std::size_t k = 0; k < signal.size(); ++k) {

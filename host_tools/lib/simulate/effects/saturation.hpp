@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -14,7 +14,7 @@ struct Saturation {
 
   double full_scale_rad_s = 1.0;
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (double& rate : signal.rate_rad_s) {
       rate = std::clamp(rate, -full_scale_rad_s, full_scale_rad_s);
     }

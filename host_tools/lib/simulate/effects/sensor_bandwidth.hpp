@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -17,7 +17,7 @@ struct SensorBandwidth {
 
   double cut_off_hz = 100.0;
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     if (signal.size() == 0) return;
     const double share = -std::expm1(-2.0 * std::numbers::pi * cut_off_hz * signal.sample_period_s);
     double state = signal.rate_rad_s.front();

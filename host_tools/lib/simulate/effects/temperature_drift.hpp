@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::simulate {
 
@@ -19,7 +19,7 @@ struct TemperatureDrift {
   double reference_degc = 25.0;  ///< where the drift is 0
   double lag_s = 0.0;            ///< time constant of the sensing element; 0: none
 
-  void apply(Signal& signal, const RandomStream& /*stream*/) const {
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     if (signal.temperature_degc.size() != signal.size()) {
       throw std::invalid_argument(
           "TemperatureDrift: the signal has no temperature for each sample");

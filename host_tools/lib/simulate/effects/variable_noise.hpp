@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
 namespace zerorate::simulate {
@@ -18,7 +18,7 @@ struct VariableNoise {
   double peak_angle_random_walk_rad_rt_s = 0.0;
   double swing_period_s = 600.0;
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     const double peak_sigma = std::sqrt(
         spectrum::white_variance(peak_angle_random_walk_rad_rt_s, signal.sample_period_s));
     for (std::size_t k = 0; k < signal.size(); ++k) {

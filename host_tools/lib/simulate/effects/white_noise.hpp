@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "host_tools/lib/simulate/random_stream.hpp"
-#include "host_tools/lib/simulate/signal.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/simulate/effects/signal.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
 namespace zerorate::simulate {
@@ -15,7 +15,7 @@ struct WhiteNoise {
 
   double angle_random_walk_rad_rt_s = 0.0;  ///< N, rad/sqrt(s)
 
-  void apply(Signal& signal, const RandomStream& stream) const {
+  void apply(Signal& signal, const random::RandomStream& stream) const {
     const double sigma =
         std::sqrt(spectrum::white_variance(angle_random_walk_rad_rt_s, signal.sample_period_s));
     for (std::size_t k = 0; k < signal.size(); ++k) {

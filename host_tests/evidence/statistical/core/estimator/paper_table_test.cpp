@@ -46,7 +46,7 @@ std::vector<double> noise_of_run(std::size_t run) {
   const std::vector<simulate::Effect> effects{
       simulate::FlickerNoise{.bias_instability_rad_s = 1.0, .history_records = 0.0}};
   return simulate::simulate(simulate::Signal{2 * kSamples, 1.0}, effects,
-                            simulate::RandomStream{kSeed, run})
+                            random::RandomStream{kSeed, run})
       .rate_rad_s;
 }
 

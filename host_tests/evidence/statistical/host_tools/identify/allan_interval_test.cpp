@@ -22,7 +22,7 @@ double coverage(const Effect& effect, const Truth& true_deviation) {
   for (std::size_t run = 0; run < kRuns; ++run) {
     const simulate::Signal signal =
         simulate::simulate(simulate::Signal(kSamples, 1.0), std::vector<Effect>{effect},
-                           simulate::RandomStream(20120416, run));
+                           random::RandomStream(20120416, run));
     for (const AllanPoint& point :
          allan_deviation(signal.rate_rad_s, 1.0, {.points_per_decade = 3, .coverage = 0.9})) {
       if (point.tau_s < 8.0) continue;

@@ -24,8 +24,8 @@ Spread estimates(std::size_t runs, std::size_t frequencies, const std::vector<Ef
   double squares = 0.0;
   double stated = 0.0;
   for (std::size_t run = 0; run < runs; ++run) {
-    const simulate::Signal signal = simulate::simulate(simulate::Signal(kSamples, 1.0), effects,
-                                                       simulate::RandomStream(1, run));
+    const simulate::Signal signal =
+        simulate::simulate(simulate::Signal(kSamples, 1.0), effects, random::RandomStream(1, run));
     const Estimate order = exact_local_whittle(signal.rate_rad_s, frequencies);
     sum += order.value;
     squares += order.value * order.value;

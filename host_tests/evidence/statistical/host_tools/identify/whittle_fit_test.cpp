@@ -25,7 +25,7 @@ std::vector<double> recording(std::size_t run, double flicker, double order) {
   const std::vector<Effect> effects{simulate::WhiteNoise{kWhite},
                                     simulate::FlickerNoise{flicker, order}};
   return simulate::simulate(simulate::Signal(kSamples, 1.0), effects,
-                            simulate::RandomStream(kSeed, run))
+                            random::RandomStream(kSeed, run))
       .rate_rad_s;
 }
 

@@ -17,7 +17,8 @@ constexpr double kSamplePeriod = 0.04;
 
 std::vector<double> flicker(std::size_t samples, double order, std::uint64_t run) {
   const std::vector<Effect> effects{FlickerNoise{kBiasInstability, order}};
-  return simulate(Signal(samples, kSamplePeriod), effects, RandomStream(20120416, run)).rate_rad_s;
+  return simulate(Signal(samples, kSamplePeriod), effects, random::RandomStream(20120416, run))
+      .rate_rad_s;
 }
 
 // Welch's estimate has a relative variance of 1.06 / segments in a bin (Welch 1967), and Hann's

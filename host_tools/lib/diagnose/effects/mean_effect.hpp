@@ -1,0 +1,23 @@
+/// @file
+/// What effects that are mean functions of time or temperature have in common.
+#pragma once
+
+#include <optional>
+
+#include "host_tools/lib/diagnose/effects/effect.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/diagnose/hypothesis/mean_fit.hpp"
+
+namespace zerorate::diagnose {
+
+/// The offer of a fitted mean, without its surprise.
+[[nodiscard]] std::optional<Offer> offer_of_mean(const Explanation& without,
+                                                 const MeanSearch& search);
+
+/// Standard error of a parameter that a column depends on, from the derivative of the mean by it.
+[[nodiscard]] double shape_error(const Found& found, const Column& derivative);
+
+/// The mean function of a part over the data, thinned, with the level that the record has.
+[[nodiscard]] Drawing drawing_of(const Found& found);
+
+}  // namespace zerorate::diagnose

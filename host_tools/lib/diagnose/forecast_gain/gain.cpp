@@ -1,0 +1,188 @@
+#include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::uint32_t kCycles = 24;      // stops and drives in the part that is judged
+constexpr double kLongestCycle_s = 400.0;  // a quarter of it at rest
+constexpr std::size_t kFewestBlocks = 8;
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+core::Duration duration(double seconds) {
+  return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+}
+
+/// One axis of the record as samples that the tick average takes.
+identify::RestSamples samples_of(const Record& record) {
+  identify::RestSamples samples{.axis_count = 1, .sample_period = duration(record.sample_period_s)};
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    samples.time.push_back(core::Instant::from_ns(std::llround(record.time_s[k] * 1e9)));
+    samples.rate_rad_s.push_back({static_cast<float>(record.rate_rad_s[k])});
+  }
+  return samples;
+}
+
+/// Neighbouring drives share the slow noise: blocks of about the cube root of their number.
+BootstrapFigure with_interval(std::size_t size, const statistics::Statistic& statistic,
+                              std::uint64_t seed) {
+  if (size < kFewestBlocks) return {};
+  return statistics::bootstrap(
+      size, statistic, random::RandomStream(seed).substream("bootstrap"),
+      {.draws = 400, .block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)))});
+}
+
+/// The mean of each tick; none where the record has no temperature. The samples of the ticks follow
+/// each other, so that a tick holds the next ones.
+std::vector<float> temperatures_of(const Record& record,
+                                   const std::vector<identify::TickMean>& ticks) {
+  std::vector<float> means;
+  if (record.temperature_degc.empty()) return means;
+  means.reserve(ticks.size());
+  auto next = record.temperature_degc.begin();
+  for (const identify::TickMean& tick : ticks) {
+    const auto end = next + std::int64_t{tick.samples};
+    means.push_back(
+        static_cast<float>(std::accumulate(next, end, 0.0) / static_cast<double>(tick.samples)));
+    next = end;
+  }
+  return means;
+}
+
+double rms_heading(const std::vector<ScoredDrive>& drives,
+                   const std::vector<std::size_t>& indices) {
+  double squares = 0.0;
+  for (const std::size_t i : indices) {
+    squares += drives[i].integrated_rad * drives[i].integrated_rad;
+  }
+  return std::sqrt(squares / static_cast<double>(indices.size()));
+}
+
+double mean_rsse(const std::vector<ScoredDrive>& drives, const std::vector<std::size_t>& indices) {
+  double sum = 0.0;
+  for (const std::size_t i : indices) sum += std::sqrt(drives[i].squares_rad2_s2);
+  return sum / static_cast<double>(indices.size());
+}
+
+/// The spread of the integrated error about its mean, as in the paper's table I.
+double ie_deviation(const std::vector<ScoredDrive>& drives,
+                    const std::vector<std::size_t>& indices) {
+  const auto size = static_cast<double>(indices.size());
+  double mean = 0.0;
+  for (const std::size_t i : indices) mean += drives[i].integrated_rad / size;
+  double squares = 0.0;
+  for (const std::size_t i : indices) {
+    const double off = drives[i].integrated_rad - mean;
+    squares += off * off / size;
+  }
+  return std::sqrt(squares);
+}
+
+double coverage95(const std::vector<ScoredDrive>& drives, const std::vector<std::size_t>& indices) {
+  double covered = 0.0;
+  for (const std::size_t i : indices) {
+    if (std::abs(drives[i].integrated_rad) <= 1.96 * drives[i].sigma_rad) covered += 1.0;
+  }
+  return covered / static_cast<double>(indices.size());
+}
+
+void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<ScoredDrive>& extended,
+                    std::uint64_t seed, Gain& gain) {
+  using Score = double (*)(const std::vector<ScoredDrive>&, const std::vector<std::size_t>&);
+  const auto ratio = [&](Score score) {
+    return with_interval(
+        base.size(),
+        [&](const auto& indices) { return score(extended, indices) / score(base, indices); }, seed);
+  };
+  const auto of = [&](const std::vector<ScoredDrive>& drives, Score score, double unit) {
+    return with_interval(
+        drives.size(), [&](const auto& indices) { return unit * score(drives, indices); }, seed);
+  };
+  gain.rsse_ratio = ratio(mean_rsse);
+  gain.ie_ratio = ratio(ie_deviation);
+  gain.heading_drift_ratio = ratio(rms_heading);
+  gain.heading_drift_base_deg = of(base, rms_heading, kDegPerRad);
+  gain.heading_drift_extended_deg = of(extended, rms_heading, kDegPerRad);
+  gain.coverage95_base = of(base, coverage95, 1.0);
+  gain.coverage95_extended = of(extended, coverage95, 1.0);
+}
+
+/// Mean gain of a sample, the ticks gathered in blocks that are nearly independent.
+BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extended,
+                               double samples_per_tick, std::uint64_t seed) {
+  constexpr std::size_t kBlocks = 30;
+  std::vector<double> gains;
+  gains.reserve(base.log_scores.size());
+  for (std::size_t k = 0; k < base.log_scores.size(); ++k) {
+    gains.push_back((extended.log_scores[k] - base.log_scores[k]) / samples_per_tick);
+  }
+  const std::size_t length = std::max<std::size_t>(1, gains.size() / kBlocks);
+  std::vector<double> blocks;
+  blocks.reserve(kBlocks + 1);
+  for (std::size_t first = 0; first + length <= gains.size(); first += length) {
+    const auto block = std::span{gains}.subspan(first, length);
+    blocks.push_back(std::accumulate(block.begin(), block.end(), 0.0) /
+                     static_cast<double>(length));
+  }
+  return with_interval(
+      blocks.size(),
+      [&](const auto& indices) {
+        double sum = 0.0;
+        for (const std::size_t i : indices) sum += blocks[i];
+        return sum / static_cast<double>(indices.size());
+      },
+      seed);
+}
+
+}  // namespace
+
+Gain measure_gain(const Record& record, const model::SensorModel& base,
+                  const model::SensorModel& extended, double holdout, std::uint64_t seed) {
+  const identify::RestSamples samples = samples_of(record);
+  const core::Duration tick = identify::identification_tick(samples.span(), samples.sample_period);
+  const std::vector<identify::TickMean> means = identify::average_ticks(samples, tick);
+  const std::uint32_t all = means.back().tick + 1;
+  const auto judged_from = static_cast<std::uint32_t>((1.0 - holdout) * static_cast<double>(all));
+  const double tick_s = static_cast<double>(tick.ns()) * 1e-9;
+  const auto longest = static_cast<std::uint32_t>(std::max(4.0, kLongestCycle_s / tick_s));
+  const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
+  const std::vector<float> temperatures = temperatures_of(record, means);
+  const double step = extended.quantization ? extended.quantization->step_rad_s : 0.0;
+  const ScoredTicks scored{.ticks = means,
+                           .rate_rad_s = record.rate_rad_s,
+                           .temperature_degc = temperatures,
+                           .level_step_rad_s = step,
+                           .sample_period = duration(record.mean_period_s),
+                           .tick = tick,
+                           .judged_from = judged_from,
+                           .stop_ticks = std::max(1U, cycle / 4),
+                           .drive_ticks = cycle - std::max(1U, cycle / 4)};
+  const ScoreOf what = level_of(extended);
+  const NodeScores with_base = score(base, scored, what);
+  const NodeScores with_extended = score(extended, scored, what);
+
+  Gain gain{.drive_s = tick_s * static_cast<double>(scored.drive_ticks)};
+  double judged_samples = 0.0;
+  for (const identify::TickMean& mean : means) {
+    if (mean.tick >= judged_from) judged_samples += static_cast<double>(mean.samples);
+  }
+  gain.holdout_samples = static_cast<std::size_t>(judged_samples);
+  compare_drives(with_base.drives, with_extended.drives, seed, gain);
+  const double samples_per_tick =
+      judged_samples / static_cast<double>(std::max<std::size_t>(1, with_base.log_scores.size()));
+  gain.log_score_gain_nats_per_sample =
+      log_score_gain(with_base, with_extended, samples_per_tick, seed);
+  return gain;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,22 @@
+#include "host_tools/lib/diagnose/hypothesis/mean_fit.hpp"
+
+#include <utility>
+
+namespace zerorate::diagnose {
+
+std::optional<MeanFit> fit_mean(const Explanation& without, const MeanSearch& search) {
+  std::optional<MeanFit> best;
+  std::optional<Part> part = search(MeanScan(without));
+  for (int round = 0; part && round < 2; ++round) {
+    std::vector<Part> parts = without.parts();
+    parts.push_back(*part);
+    const std::size_t last = parts.size() - 1;
+    const Explanation with(without.problem(), std::move(parts), &without);
+    const double gain = with.log_likelihood() - without.log_likelihood();
+    if (!best || gain > best->gain_nats) best = {std::move(*part), gain, with};
+    if (round == 0) part = search(MeanScan(with, last));
+  }
+  return best;
+}
+
+}  // namespace zerorate::diagnose

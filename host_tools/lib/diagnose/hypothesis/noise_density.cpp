@@ -1,0 +1,224 @@
+#include "host_tools/lib/diagnose/hypothesis/noise_density.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "host_tools/lib/identify/whittle_fit.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+/// dct_power_ratio by interpolation in the order: a table of its integrals.
+class RatioTable {
+ public:
+  static const RatioTable& get() {
+    static const RatioTable table;
+    return table;
+  }
+  [[nodiscard]] double operator()(double order, std::size_t index) const {
+    if (index == 0 || index > kIndices) return 1.0;
+    const double at = std::clamp(order, 0.0, 1.0) * kSteps;
+    const std::size_t low = std::min(static_cast<std::size_t>(at), kSteps - 1);
+    const double share = at - static_cast<double>(low);
+    const auto& row = ratios_[index - 1];
+    return (1.0 - share) * row[low] + share * row[low + 1];
+  }
+
+ private:
+  static constexpr std::size_t kIndices = 16;
+  static constexpr std::size_t kSteps = 20;
+  RatioTable() {
+    for (std::size_t k = 1; k <= kIndices; ++k) {
+      for (std::size_t i = 0; i <= kSteps; ++i) {
+        const double order = static_cast<double>(i) / static_cast<double>(kSteps);
+        ratios_[k - 1][i] = i == kSteps ? 1.0 : identify::dct_power_ratio(order, k);
+      }
+    }
+  }
+  std::array<std::array<double, kSteps + 1>, kIndices> ratios_{};
+};
+
+/// The same for exp(-a u), a the record in time constants:
+/// 2 int_0^1 e^(-a u) [(1-u) cos(p u) - sin(p u)/p] du over its nominal value, p = pi k.
+double markov_ratio(double record_in_time_constants, std::size_t index) {
+  if (index == 0) return 1.0;
+  const double a = record_in_time_constants;
+  const double p = std::numbers::pi * static_cast<double>(index);
+  const std::complex<double> s{a, -p};
+  const std::complex<double> whole = (1.0 - std::exp(-s)) / s;
+  const std::complex<double> falling = 1.0 / s - whole / s;
+  const double exact = 2.0 * (falling.real() - whole.imag() / p);
+  return exact * (a * a + p * p) / (2.0 * a);
+}
+
+/// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
+/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form.
+class LineSide {
+ public:
+  /// @param coth of k / 2
+  LineSide(double coth, double distance, double width)
+      : coth_(coth), lo_(distance - 0.5 * width), hi_(distance + 0.5 * width), width_(width) {}
+
+  [[nodiscard]] double mean() const { return (integral(hi_) - integral(lo_)) / width_; }
+  [[nodiscard]] double slope_of_distance(double sinh, double cosh) const {
+    return (sinh / (cosh - std::cos(hi_)) - sinh / (cosh - std::cos(lo_))) / width_;
+  }
+  [[nodiscard]] double slope_of_log_coherence(double decay) const {
+    return decay * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) / width_;
+  }
+
+ private:
+  [[nodiscard]] double integral(double x) const {
+    const double turns = std::floor(0.5 * x / std::numbers::pi + 0.5);
+    return 2.0 * (std::atan(coth_ * std::tan(0.5 * x)) + turns * std::numbers::pi);
+  }
+  /// d integral / d coth.
+  [[nodiscard]] double slope_of_coth(double x) const {
+    const double sine = std::sin(0.5 * x);
+    const double cosine = std::cos(0.5 * x);
+    return 2.0 * sine * cosine / (cosine * cosine + coth_ * coth_ * sine * sine);
+  }
+
+  double coth_;
+  double lo_;
+  double hi_;
+  double width_;
+};
+
+}  // namespace
+
+SpectralPlace::SpectralPlace(double at, std::size_t of, std::size_t in, double count, bool has_line)
+    : sine(at),
+      log_sine(std::log(at)),
+      angle(has_line ? 2.0 * std::asin(std::min(0.5 * at, 1.0)) : 0.0),
+      width(std::numbers::pi * count / static_cast<double>(in)),
+      index(of),
+      size(in) {}
+
+DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spectrum) {
+  if (spectrum.markov_variance > 0.0) {
+    markov_phi_ = std::exp(-1.0 / spectrum.markov_samples);
+    markov_lost_ = -std::expm1(-1.0 / spectrum.markov_samples);
+  }
+  if (spectrum.line_variance > 0.0) {
+    line_decay_ = 1.0 / spectrum.line_samples;
+    line_coth_ = 1.0 / std::tanh(0.5 * line_decay_);
+    line_sinh_ = std::sinh(line_decay_);
+    line_cosh_ = std::cosh(line_decay_);
+  }
+  if (spectrum.low_pass_order > 0) {
+    cut_off_ = std::tan(0.5 * std::numbers::pi * spectrum.low_pass_share);
+  }
+}
+
+NoiseDensity::NoiseDensity(const DensityFactors& factors, const SpectralPlace& place)
+    : factors_(&factors), place_(&place) {
+  const NoiseSpectrum& spectrum = factors.spectrum();
+  const double d = spectrum.order;
+  white_ = spectrum.white_variance;
+  flicker_ = spectrum.flicker_variance * std::exp(-2.0 * d * place.log_sine);
+  if (place.index > 0) flicker_ *= RatioTable::get()(d, place.index);
+  walk_ = spectrum.walk_variance / (place.sine * place.sine);
+  if (spectrum.markov_variance > 0.0) add_markov();
+  if (spectrum.line_variance > 0.0) line_ = factors.line_density(place.angle, place.width);
+  pass_ = factors.low_pass_gain(place.sine);
+}
+
+void NoiseDensity::derivatives(const NoiseTerms& terms, SpectrumSlope& slope) const {
+  const NoiseSpectrum& spectrum = factors_->spectrum();
+  const double share = pass_ / total();
+  Eigen::Index i = 0;
+  slope(i++) = white_ * share;
+  slope(i++) = flicker_ * share;
+  if (terms.free_order) slope(i++) = -2.0 * place_->log_sine * flicker_ * share;
+  if (terms.random_walk) slope(i++) = walk_ * share;
+  if (terms.gauss_markov) {
+    slope(i++) = markov_ * share;
+    slope(i++) = markov_ * markov_slope_ * share;
+  }
+  if (terms.line) {
+    const double a = spectrum.line_angle;
+    const double decay = factors_->line_decay_;
+    const double sinh = factors_->line_sinh_;
+    const double cosh = factors_->line_cosh_;
+    const LineSide below(factors_->line_coth_, place_->angle - a, place_->width);
+    const LineSide above(factors_->line_coth_, place_->angle + a, place_->width);
+    const double unit = 0.5 * spectrum.line_variance / total();
+    slope(i++) = line_ / total();
+    slope(i++) = unit *
+                 (above.slope_of_distance(sinh, cosh) - below.slope_of_distance(sinh, cosh)) * a *
+                 (1.0 - a / std::numbers::pi);
+    slope(i++) = unit * (above.slope_of_log_coherence(decay) + below.slope_of_log_coherence(decay));
+  }
+  if (terms.low_pass) slope(i++) = low_pass_slope() * inner() * share;
+}
+
+/// d log H / d logit a.
+double NoiseDensity::low_pass_slope() const {
+  const NoiseSpectrum& spectrum = factors_->spectrum();
+  const double a = spectrum.low_pass_share;
+  if (spectrum.low_pass_order > 0) {
+    return (1.0 - pass_) * 2.0 * spectrum.low_pass_order * std::numbers::pi * a * (1.0 - a) /
+           std::sin(std::numbers::pi * a);
+  }
+  const double square = place_->sine * place_->sine;
+  if (spectrum.low_pass_order == NoiseSpectrum::kTwoNeighbours) {
+    return 0.25 * square * a * (1.0 - a) / pass_;
+  }
+  return (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
+}
+
+void NoiseDensity::add_markov() {
+  const double sine = place_->sine;
+  const double tau = factors_->spectrum().markov_samples;
+  const double phi = factors_->markov_phi_;
+  const double lost = factors_->markov_lost_;
+  const double bottom = lost * lost + phi * sine * sine;
+  const double top = lost * (1.0 + phi);
+  markov_ = factors_->spectrum().markov_variance * top / bottom;
+  if (place_->index > 0) {
+    markov_ *= markov_ratio(static_cast<double>(place_->size) / tau, place_->index);
+  }
+  // d log / d phi, times d phi / d log tau = phi / tau.
+  markov_slope_ = (-2.0 * phi / top + (2.0 * lost - sine * sine) / bottom) * phi / tau;
+}
+
+double DensityFactors::low_pass_gain(double sine) const {
+  const int order = spectrum_->low_pass_order;
+  const double a = spectrum_->low_pass_share;
+  const double square = sine * sine;
+  if (a >= 1.0) return 1.0;
+  if (order == NoiseSpectrum::kTwoNeighbours) return 1.0 - 0.25 * (1.0 - a) * square;
+  if (order == NoiseSpectrum::kRecursive) return a * a / (a * a + (1.0 - a) * square);
+  const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off_ * cut_off_);
+  return 1.0 / (1.0 + std::pow(ratio, order));
+}
+
+double DensityFactors::line_density(double angle, double width) const {
+  return 0.5 * spectrum_->line_variance *
+         (LineSide(line_coth_, angle - spectrum_->line_angle, width).mean() +
+          LineSide(line_coth_, angle + spectrum_->line_angle, width).mean());
+}
+
+double DensityFactors::density(double sine, std::size_t index, std::size_t size) const {
+  const bool has_line = spectrum_->line_variance > 0.0;
+  const SpectralPlace place(sine, index <= kSingleBins ? index : 0, size, 1.0, has_line);
+  return NoiseDensity(*this, place).total();
+}
+
+double NoiseSpectrum::low_pass_gain(double sine) const {
+  return DensityFactors(*this).low_pass_gain(sine);
+}
+
+double NoiseSpectrum::line_density(double angle, double width) const {
+  return DensityFactors(*this).line_density(angle, width);
+}
+
+double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) const {
+  return DensityFactors(*this).density(sine, index, size);
+}
+
+}  // namespace zerorate::diagnose

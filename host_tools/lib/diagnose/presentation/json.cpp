@@ -1,0 +1,98 @@
+#include "host_tools/lib/diagnose/presentation/json.hpp"
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "host_tools/lib/recording/json.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using recording::number;
+
+constexpr std::string_view kSchema = "zerorate.diagnosis/1";
+
+void add(Json& json, const std::string& name, double value, double lo, double hi) {
+  json[name] = number(value);
+  json[name + "_ci95"] = {number(lo), number(hi)};
+}
+
+void add(Json& json, const std::string& name, const BootstrapFigure& estimate) {
+  add(json, name, estimate.value, estimate.lo, estimate.hi);
+}
+
+Json cause_json(const Cause& cause) {
+  Json json{{"name", cause.effect},
+            {"gain_nats", number(cause.gain_nats)},
+            {"p_value", number(cause.p_value)},
+            {"axes", cause.axes},
+            {"parameters", Json::object()},
+            {"alternatives", Json::array()}};
+  for (const Parameter& parameter : cause.parameters) {
+    add(json["parameters"], parameter.name, parameter.value, parameter.lo, parameter.hi);
+  }
+  for (const Alternative& rival : cause.alternatives) {
+    json["alternatives"].push_back(
+        {{"name", rival.effect}, {"behind_nats", number(rival.behind_nats)}});
+  }
+  return json;
+}
+
+Json misfit_json(const std::vector<Misfit>& rows) {
+  Json json = Json::array();
+  for (const Misfit& row : rows) {
+    if (!row.is_outside()) continue;
+    json.push_back({{"statistic", row.statistic},
+                    {"where", row.where},
+                    {"measured", number(row.measured)},
+                    {"simulated_lo", number(row.simulated_lo)},
+                    {"simulated_hi", number(row.simulated_hi)}});
+  }
+  return json;
+}
+
+Json adequacy_json(const Adequacy& adequacy) {
+  return {{"holds", adequacy.holds},
+          {"p_value", number(adequacy.p_value)},
+          {"failures", adequacy.failures}};
+}
+
+Json gain_json(const Gain& gain) {
+  Json json{{"holdout_samples", gain.holdout_samples}};
+  add(json, "rsse_ratio", gain.rsse_ratio);
+  add(json, "ie_ratio", gain.ie_ratio);
+  add(json, "heading_drift_ratio", gain.heading_drift_ratio);
+  add(json, "coverage95_base", gain.coverage95_base);
+  add(json, "coverage95_extended", gain.coverage95_extended);
+  add(json, "log_score_gain_nats_per_sample", gain.log_score_gain_nats_per_sample);
+  return json;
+}
+
+Json axis_json(const Diagnosis& axis) {
+  Json json{{"schema", kSchema},
+            {"axis", axis.axis},
+            {"verdict", name(axis.verdict)},
+            {"causes", Json::array()},
+            {"further_causes", Json::array()},
+            {"misfit", misfit_json(axis.misfit)},
+            {"adequacy",
+             {{"base", adequacy_json(axis.base_adequacy)},
+              {"extended", adequacy_json(axis.extended_adequacy)}}},
+            {"gain", gain_json(axis.gain)}};
+  for (std::size_t i = 0; i < axis.causes.size(); ++i) {
+    json[i < kMostCauses ? "causes" : "further_causes"].push_back(cause_json(axis.causes[i]));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string to_json(std::span<const Diagnosis> axes) {
+  if (axes.size() == 1) return axis_json(axes.front()).dump(2) + "\n";
+  Json json{{"schema", kSchema}, {"axes", Json::array()}};
+  for (const Diagnosis& axis : axes) json["axes"].push_back(axis_json(axis));
+  return json.dump(2) + "\n";
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,173 @@
+#include "host_tools/lib/diagnose/presentation/words.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace zerorate::diagnose {
+namespace {
+
+/// How far a row is outside, as the factor that a reader sees: below or above the nearer end.
+double departure(const Misfit& row) {
+  const double end = row.measured > row.simulated_hi ? row.simulated_hi : row.simulated_lo;
+  const double least = 1e-300;
+  return std::abs(
+      std::log(std::max(std::abs(row.measured), least) / std::max(std::abs(end), least)));
+}
+
+bool is_positive(const Misfit& row) {
+  return row.measured > 0.0 && row.simulated_lo > 0.0;
+}
+
+/// "The Allan deviation at tau 200 s is 2.1 times what white noise, 1/f noise and a constant can
+/// do", or the figures where a ratio means nothing.
+std::string misfit_sentence(const Misfit& row, bool is_base_given) {
+  const std::string_view base =
+      is_base_given ? "simulations of the given model" : "white noise, 1/f noise and a constant";
+  std::string what = plain_statistic(row.statistic);
+  what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
+  const std::string where = row.where.empty() ? "" : fmt::format(" ({})", row.where);
+  if (is_positive(row) && departure(row) > 0.05) {
+    const bool above = row.measured > row.simulated_hi;
+    const double end = above ? row.simulated_hi : row.simulated_lo;
+    return fmt::format("{}{} is {:.2g} times the {} that {} give.", what, where, row.measured / end,
+                       above ? "most" : "least", base);
+  }
+  return fmt::format("{}{} is {:.3g}, where {} give {:.3g} to {:.3g}.", what, where, row.measured,
+                     base, row.simulated_lo, row.simulated_hi);
+}
+
+const Misfit* worst_misfit(const Diagnosis& diagnosis) {
+  const Misfit* worst = nullptr;
+  for (const Misfit& row : diagnosis.misfit) {
+    if (!row.is_outside()) continue;
+    if (worst == nullptr || (is_positive(row) && departure(row) > departure(*worst))) worst = &row;
+  }
+  return worst;
+}
+
+/// What speaks next best, when it alone is added, and does not do.
+std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
+  const auto chosen = std::ranges::find(diagnosis.evidence, true, &Evidence::selected);
+  if (chosen == diagnosis.evidence.end()) return std::nullopt;
+  // As alternatives are compared: with the price of parameters and search taken off.
+  const auto worth = [](const Evidence& evidence) {
+    return evidence.gain_nats - evidence.price_nats;
+  };
+  const auto& alternatives = diagnosis.causes.front().alternatives;
+  const auto is_rejected = [&](const Evidence& evidence) {
+    return !evidence.selected && evidence.not_examined.empty() && worth(evidence) > 0.0 &&
+           worth(*chosen) - worth(evidence) > kAlternativeNats &&
+           std::ranges::find(alternatives, evidence.effect, &Alternative::effect) ==
+               alternatives.end();
+  };
+  const auto rival = std::ranges::find_if(diagnosis.evidence, is_rejected);
+  if (rival == diagnosis.evidence.end()) return std::nullopt;
+  return fmt::format(" Of the others {} comes nearest and does not do ({:.0f} nats worse).",
+                     plain_name(rival->effect), worth(*chosen) - worth(*rival));
+}
+
+std::string cause_sentences(const Diagnosis& diagnosis) {
+  std::string text;
+  for (const Cause& cause : diagnosis.causes) {
+    text += " " + cause.sentence;
+    if (cause.alternatives.empty()) continue;
+    std::vector<std::string> rivals;
+    for (const Alternative& rival : cause.alternatives) {
+      rivals.push_back(
+          fmt::format("{} ({:.1f} nats behind)", plain_name(rival.effect), rival.behind_nats));
+    }
+    text += fmt::format(" As good as that, so not told apart by this recording: {}.",
+                        fmt::join(rivals, ", "));
+  }
+  if (diagnosis.causes.size() == 1 && diagnosis.causes.front().axes == 1)
+    text += rejected_rival(diagnosis).value_or("");
+  return text;
+}
+
+std::string drift_sentence(const Gain& gain) {
+  const BootstrapFigure& after = gain.heading_drift_extended_deg;
+  const double before = gain.heading_drift_base_deg.value;
+  const double ratio = gain.heading_drift_ratio.value;
+  const bool same = gain.heading_drift_ratio.lo <= 1.0 && gain.heading_drift_ratio.hi >= 1.0;
+  if (same && std::abs(ratio - 1.0) < 0.02) {
+    return fmt::format(" The heading drift over {:.0f} s stays at {:.3g} deg", gain.drive_s,
+                       after.value);
+  }
+  return fmt::format(
+      " With it the heading drift over {:.0f} s {} from {:.3g} to {:.3g} deg "
+      "[{:.3g}, {:.3g}]",
+      gain.drive_s, ratio < 1.0 ? "falls" : "rises", before, after.value, after.lo, after.hi);
+}
+
+std::string gain_sentence(const Gain& gain) {
+  if (!gain.is_measured()) return "";
+  if (gain.has_drives()) {
+    return drift_sentence(gain) +
+           fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",
+                       100.0 * gain.coverage95_extended.value, 100.0 * gain.coverage95_base.value);
+  }
+  const auto& score = gain.log_score_gain_nats_per_sample;
+  if (!std::isfinite(score.value)) return "";
+  return fmt::format(
+      " With it each sample that was held out is predicted {:.2g} nats better "
+      "[{:.2g}, {:.2g}].",
+      score.value, score.lo, score.hi);
+}
+
+std::string what_is_left(const Diagnosis& diagnosis) {
+  const auto& failures = diagnosis.extended_adequacy.failures;
+  std::string text = diagnosis.causes.empty() ? " No effect of the catalogue explains it"
+                                              : " That is not all, so no cause is proven";
+  text += failures.empty() ? "." : fmt::format(": {}.", failures.front());
+  return text;
+}
+
+}  // namespace
+
+std::string plain_name(std::string_view effect) {
+  std::string name(effect);
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+std::string plain_statistic(std::string_view statistic) {
+  if (statistic.starts_with("allan_deviation")) return "the Allan deviation";
+  if (statistic.starts_with("density")) return "the noise density";
+  std::string name(statistic);
+  for (const std::string_view unit : {"_dps2_per_hz", "_dps"}) {
+    if (name.ends_with(unit)) name.resize(name.size() - unit.size());
+  }
+  return "the " + plain_name(name);
+}
+
+std::string in_words(const Diagnosis& diagnosis) {
+  const std::string_view base = diagnosis.is_base_given
+                                    ? "The given model describes"
+                                    : "White noise, 1/f noise and a constant describe";
+  if (diagnosis.verdict == Verdict::consistent) {
+    return fmt::format(
+        "{} this recording: over {} samples every statistic lies where simulations of that model "
+        "lie.",
+        base, diagnosis.samples);
+  }
+  const Misfit* worst = worst_misfit(diagnosis);
+  std::string text =
+      worst == nullptr
+          ? std::string(
+                diagnosis.is_base_given
+                    ? "The given model does not describe this recording."
+                    : "White noise, 1/f noise and a constant do not describe this recording.")
+          : misfit_sentence(*worst, diagnosis.is_base_given);
+  text += cause_sentences(diagnosis);
+  if (diagnosis.verdict == Verdict::unexplained) text += what_is_left(diagnosis);
+  if (!diagnosis.causes.empty()) text += gain_sentence(diagnosis.gain);
+  return text;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,122 @@
+#include "host_tools/lib/diagnose/record/arrivals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr double kFewestFilled = 0.7;
+constexpr double kMostJitter = 0.125;   // of a period, beyond which a late sample is no loss yet
+constexpr std::size_t kConfirming = 7;  // samples, the late one included
+constexpr double kNoGrid = 0.15;        // rms distance of stamps that lie on no grid; 0.29 at most
+
+/// The mean of the intervals that are about one median interval.
+double mean_period(const Record& record) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    const double interval = record.time_s[k] - record.time_s[k - 1];
+    if (std::abs(interval - record.sample_period_s) > 0.5 * record.sample_period_s) continue;
+    sum += interval;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : record.sample_period_s;
+}
+
+/// rms distance of the intervals from whole periods.
+double interval_jitter(const Record& record, double period_s) {
+  double squares = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    const double periods = (record.time_s[k] - record.time_s[k - 1]) / period_s;
+    const double off = periods - std::max(1.0, std::round(periods));
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(record.size() - 1));
+}
+
+/// Follows the grid from sample to sample.
+class GridPhase {
+ public:
+  GridPhase(const Record& record, double period_s, bool is_jittery)
+      : record_(record), period_s_(period_s), confirmed_(is_jittery ? kConfirming : 1U) {}
+
+  /// Periods from the sample before to this one: 1 where nothing is lost.
+  std::size_t step_to(std::size_t k) {
+    const double due_s = phase_s_ + period_s_;
+    // Before a loss most of those that confirm may be late already, and this one not.
+    const bool is_late = record_.time_s[k] - due_s > 0.5 * period_s_;
+    const double most_are = std::round(lateness(k, due_s));
+    const double late = is_late ? std::max(0.0, most_are) : std::min(0.0, most_are);
+    // Two samples may share a place.
+    const double steps = std::max(0.0, 1.0 + late);
+    phase_s_ += steps * period_s_;
+    // Clocks drift, holes are long: the latest stamps tell the phase.
+    constexpr double kFollow = 0.1;
+    const double off_s = record_.time_s[k] - phase_s_;
+    phase_s_ +=
+        confirmed_ == 1 ? off_s : kFollow * std::clamp(off_s, -0.5 * period_s_, 0.5 * period_s_);
+    return static_cast<std::size_t>(steps);
+  }
+  void start(double time_s) { phase_s_ = time_s; }
+
+ private:
+  /// In periods; the middle one of this sample and those that confirm it.
+  [[nodiscard]] double lateness(std::size_t k, double due_s) const {
+    std::array<double, kConfirming> late{};
+    const std::size_t count = std::min(confirmed_, record_.size() - k);
+    for (std::size_t j = 0; j < count; ++j) {
+      late[j] = (record_.time_s[k + j] - due_s) / period_s_ - static_cast<double>(j);
+    }
+    std::sort(late.begin(), late.begin() + static_cast<std::ptrdiff_t>(count));
+    return late[count / 2];
+  }
+
+  const Record& record_;
+  double period_s_;
+  std::size_t confirmed_;
+  double phase_s_ = 0.0;
+};
+
+void measure_gaps(const Record& record, Losses& losses) {
+  const double span_s = record.time_s.back() - record.time_s.front();
+  const double long_s = Losses::kLongGap * span_s / static_cast<double>(record.size() - 1);
+  losses.runs = 0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    const double interval = record.time_s[k] - record.time_s[k - 1];
+    if (interval <= long_s) continue;
+    ++losses.runs;
+    losses.gaps_s += interval;
+  }
+}
+
+}  // namespace
+
+Arrivals place_samples(const Record& record) {
+  Arrivals arrivals{.period_s = mean_period(record)};
+  Losses& losses = arrivals.losses;
+  losses.jitter = interval_jitter(record, arrivals.period_s) / std::sqrt(2.0);
+  GridPhase phase(record, arrivals.period_s, losses.jitter > kMostJitter);
+  phase.start(record.time_s.front());
+  arrivals.places.reserve(record.size());
+  arrivals.places.push_back(0);
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    const std::size_t step = phase.step_to(k);
+    arrivals.places.push_back(arrivals.places.back() + step);
+    if (step <= 1) continue;
+    losses.lost += step - 1;
+    ++losses.runs;
+  }
+  losses.expected = record.size() + losses.lost;
+  losses.is_uneven = static_cast<double>(losses.lost) >
+                     (1.0 - kFewestFilled) * static_cast<double>(losses.expected);
+  losses.in_bursts = losses.is_uneven && losses.jitter * std::sqrt(2.0) > kNoGrid;
+  if (losses.in_bursts) {
+    losses.expected = losses.lost = 0;
+    measure_gaps(record, losses);
+  }
+  return arrivals;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,40 @@
+/// @file
+/// Which samples of a record never arrived, by its time stamps.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "host_tools/lib/diagnose/record/record.hpp"
+
+namespace zerorate::diagnose {
+
+/// Losses of a record.
+struct Losses {
+  std::size_t expected = 0;  ///< samples, had none been lost
+  std::size_t lost = 0;
+  std::size_t repeated = 0;  ///< of the lost: in their place the sample before came again
+  std::size_t runs = 0;  ///< of lost samples; in bursts: gaps of more than kLongGap mean intervals
+  double jitter = 0.0;   ///< rms deviation of the stamps from even ones, in periods
+  bool is_uneven = false;  ///< less than .7 of the grid of the median interval is filled
+  /// Uneven, and the stamps lie on no grid: batches that were stamped when they were read. How many
+  /// samples are missing is unknown, `expected` and `lost` are 0.
+  bool in_bursts = false;
+  double gaps_s = 0.0;  ///< in bursts: all gaps together
+
+  static constexpr double kLongGap = 5.0;
+};
+
+/// The places of samples on a grid of their median interval, and what is missing there.
+struct Arrivals {
+  double period_s = 0.0;
+  std::vector<std::size_t> places;  ///< one a sample, not descending
+  Losses losses;
+};
+
+/// The phase of the grid follows the stamps. Where they jitter by more than an eighth of a period a
+/// sample counts as late, and not as the first after a loss, unless most of the seven from it on
+/// are late. O(n).
+[[nodiscard]] Arrivals place_samples(const Record& record);
+
+}  // namespace zerorate::diagnose

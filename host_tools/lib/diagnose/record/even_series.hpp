@@ -1,0 +1,41 @@
+/// @file
+/// A record on an even grid, with what is missing marked and filled in.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/lib/diagnose/record/arrivals.hpp"
+#include "host_tools/lib/diagnose/record/record.hpp"
+
+namespace zerorate::diagnose {
+
+struct EvenSeries {
+  double period_s = 0.0;
+  double start_s = 0.0;  ///< of the first sample, on the record's clock
+  std::vector<double> rate_rad_s;
+  std::vector<double> temperature_degc;  ///< as many, or none
+  std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
+  Losses losses;                         ///< of the whole record
+  double span_s = 0.0;                   ///< of the whole record
+  /// How far the first value lay from those that follow, if so far that it was taken for one of the
+  /// switch-on and for lost; else 0.
+  double start_off_rad_s = 0.0;
+  /// Means over ticks, because the samples come too unevenly; a value holds some of them.
+  bool is_ticks = false;
+
+  [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
+  [[nodiscard]] double time_s(std::size_t k) const {
+    return start_s + period_s * static_cast<double>(k);
+  }
+};
+
+/// Samples go to the grid of their median interval where at least .7 of it is filled; else means
+/// are taken over ticks of which nearly all hold samples. Where holes are long, the longest stretch
+/// without a hole of more than 50 values is kept, if it is a third of the record or more.
+/// A sample that repeats the one before is as good as lost (find_repeated_samples).
+/// Lost values are filled by a straight line between the means on both sides.
+[[nodiscard]] EvenSeries even_series_of(const Record& record);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,64 @@
+#include "host_tools/lib/diagnose/record/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace zerorate::diagnose {
+namespace {
+
+/// Holes take the last number before them; those at the front the first one.
+std::vector<double> filled_temperatures(std::span<const float> lossy) {
+  const auto first = std::ranges::find_if(lossy, [](float t) { return std::isfinite(t); });
+  if (first == lossy.end()) return {};
+  double latest = double{*first};
+  std::vector<double> filled;
+  filled.reserve(lossy.size());
+  for (const float temperature : lossy) {
+    if (std::isfinite(temperature)) latest = double{temperature};
+    filled.push_back(latest);
+  }
+  return filled;
+}
+
+/// Samples from `first` up to `end`.
+struct Standstill {
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+Standstill longest_standstill(const identify::RestSamples& samples) {
+  Standstill longest;
+  std::size_t first = 0;
+  const auto close = [&](std::size_t end) {
+    if (end - first > longest.end - longest.first) longest = {first, end};
+    first = end;
+  };
+  for (const std::size_t next : samples.after_drives) close(next);
+  close(samples.time.size());
+  return longest;
+}
+
+}  // namespace
+
+Record record_of(const identify::RestSamples& samples, std::size_t axis) {
+  Record record{.axis = samples.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]),
+                .sample_period_s = static_cast<double>(samples.sample_period.ns()) * 1e-9,
+                .mean_period_s = static_cast<double>(samples.mean_period.ns()) * 1e-9,
+                .standstills = samples.after_drives.size() + 1};
+  const auto [first, end] = longest_standstill(samples);
+  record.time_s.reserve(end - first);
+  record.rate_rad_s.reserve(end - first);
+  for (std::size_t k = first; k < end; ++k) {
+    const core::Duration since_start = samples.time[k] - samples.time.front();
+    record.time_s.push_back(static_cast<double>(since_start.ns()) * 1e-9);
+    record.rate_rad_s.push_back(double{samples.rate_rad_s[k][axis]});
+  }
+  if (!samples.temperature_degc.empty()) {
+    record.temperature_degc =
+        filled_temperatures(std::span{samples.temperature_degc}.subspan(first, end - first));
+  }
+  return record;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,151 @@
+/// @file
+/// What a diagnosis says of one axis: the verdict, the causes, what they explain and what they buy.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/statistics/bootstrap.hpp"
+
+namespace zerorate::diagnose {
+
+using statistics::BootstrapFigure;
+
+enum class Verdict {
+  /// White + 1/f + constant does, or the model that was given, as far as this recording can tell.
+  consistent,
+  explained,    ///< the causes are needed, and with them nothing is left
+  unexplained,  ///< with the best extension something is still wrong: no cause is proven
+};
+
+[[nodiscard]] std::string_view name(Verdict verdict);
+
+/// A physical figure of an effect with its 95 % interval, in the unit that ends its name, such as
+/// "coefficient_dps_per_sqrt_s".
+struct Parameter {
+  std::string name;
+  double value = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+/// Another effect that explains the recording nearly as well.
+struct Alternative {
+  std::string effect;
+  double behind_nats = 0.0;
+};
+
+struct Cause {
+  std::string effect;      ///< as in the catalogue, e.g. "rate_random_walk"
+  double gain_nats = 0.0;  ///< log likelihood that is lost without it
+  double p_value = 1.0;    ///< of so large a gain by chance, the search included
+  std::size_t axes = 1;    ///< that have it in common, and that the gain and p are of
+  std::vector<Parameter> parameters;
+  std::vector<Alternative> alternatives;  ///< within kAlternativeNats, best first
+  std::string sentence;  ///< for a firmware engineer, e.g. "A random walk of ... explains it."
+};
+
+inline constexpr double kAlternativeNats = 3.0;
+inline constexpr std::size_t kMostCauses = 3;  ///< that are told first
+
+/// A statistic of the recording beside what the base model makes of it in simulation.
+struct Misfit {
+  std::string statistic;  ///< "allan_deviation_dps", "density_dps2_per_hz", "excess_kurtosis", ...
+  std::string where;      ///< "tau 200 s", ".5 Hz to 1 Hz"; empty where the whole is meant
+  double measured = 0.0;
+  double simulated_lo = 0.0;  ///< 95 % of simulations, all rows of the statistic together
+  double simulated_hi = 0.0;
+
+  [[nodiscard]] bool is_outside() const {
+    return !(measured >= simulated_lo && measured <= simulated_hi);
+  }
+};
+
+/// Whether a model is enough, by a family of tests whose error is controlled as a whole.
+struct Adequacy {
+  bool holds = true;
+  double p_value = 1.0;               ///< of the whole family
+  std::vector<std::string> failures;  ///< tests that fail, the worst first, in words
+};
+
+/// Base against extended model, both run by the node's filter on data that neither was fitted to.
+/// Ratios are extended over base: below 1 is better. A figure without drives or samples is NaN.
+struct Gain {
+  std::size_t holdout_samples = 0;
+  BootstrapFigure rsse_ratio;
+  BootstrapFigure ie_ratio;
+  BootstrapFigure heading_drift_ratio;
+  BootstrapFigure heading_drift_base_deg;  ///< rms over one drive
+  BootstrapFigure heading_drift_extended_deg;
+  double drive_s = 0.0;             ///< length of the drives that the heading drifts over
+  BootstrapFigure coverage95_base;  ///< share of headings inside the node's 95 % interval
+  BootstrapFigure coverage95_extended;
+  BootstrapFigure log_score_gain_nats_per_sample;
+
+  [[nodiscard]] bool is_measured() const { return holdout_samples > 0; }
+  [[nodiscard]] bool has_drives() const { return std::isfinite(heading_drift_ratio.value); }
+};
+
+/// One abscissa of a curve: measured, and the middle and the 95 % band of simulations.
+struct CurvePoint {
+  double x = 0.0;  ///< tau in s, or frequency in Hz
+  double measured = 0.0;
+  double base_lo = 0.0;
+  double base = 0.0;
+  double base_hi = 0.0;
+  double extended_lo = 0.0;
+  double extended = 0.0;
+  double extended_hi = 0.0;
+};
+
+/// How strongly each effect of the catalogue speaks, when it alone is added to the base.
+struct Evidence {
+  std::string effect;
+  double gain_nats = 0.0;
+  double price_nats = 0.0;  ///< what the gain must exceed: parameters and search
+  bool selected = false;
+  std::string not_examined;  ///< why it could not be, e.g. "no temperature"; empty otherwise
+};
+
+struct Point {
+  double time_s = 0.0;
+  double rate_rad_s = 0.0;
+};
+
+/// What of an effect can be drawn over the data against time.
+struct Drawing {
+  std::string effect;
+  std::vector<Point> curve;  ///< the mean function, the constant bias included; may be empty
+  std::vector<Point> marks;  ///< samples that the effect has touched; may be empty
+};
+
+/// Everything that is said of one axis.
+struct Diagnosis {
+  std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
+  std::size_t samples = 0;
+  double sample_period_s = 0.0;
+  Verdict verdict = Verdict::consistent;
+  bool is_base_given = false;  ///< the base model is not the best fit of white and 1/f noise
+  /// Strongest first; noise that wanders after functions of time or temperature.
+  std::vector<Cause> causes;
+  std::vector<Misfit> misfit;
+  Adequacy base_adequacy;
+  Adequacy extended_adequacy;
+  Gain gain;
+  model::SensorModel base_model;
+  /// The base model where there is no cause; where one was given that does not describe the
+  /// recording, the best fit of white and 1/f noise.
+  model::SensorModel extended_model;
+  std::vector<Evidence> evidence;    ///< strongest first
+  std::vector<CurvePoint> allan;     ///< rad/s
+  std::vector<CurvePoint> density;   ///< one-sided, (rad/s)^2/Hz
+  std::vector<Drawing> drawings;     ///< one a cause that can be drawn
+  std::vector<Point> thinned;        ///< the recording, thinned for drawing
+  std::vector<std::string> remarks;  ///< what a user should know of these figures
+};
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,185 @@
+#include "host_tools/lib/diagnose/selection/common_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::string_view kEffect = "fractional_order";
+
+/// The choices that are kept, with all they are fitted to.
+struct Rest {
+  std::vector<bool> is_kept;
+  double prices = 0.0;
+  bool has_room = true;
+  Explanation explanation;
+};
+
+template <typename IsKept>
+Rest rest_of(const Problem& problem, const Selection& selection, const IsKept& is_kept) {
+  std::vector<bool> kept;
+  std::vector<Part> parts;
+  std::vector<Choice> choices;
+  double prices = 0.0;
+  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+    kept.push_back(is_kept(i));
+    if (!kept.back()) continue;
+    parts.push_back(selection.parts[i]);
+    choices.push_back(selection.choices[i]);
+    prices += selection.choices[i].price_nats();
+  }
+  const bool room = has_room(parts, choices);
+  const Explanation base(problem, {});
+  return {std::move(kept), prices, room, Explanation(problem, std::move(parts), &base)};
+}
+
+SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
+  const std::optional<Offer> walk = make_rate_random_walk()->examine(rest.explanation);
+  return {.own_nats = own_nats,
+          .is_kept = rest.is_kept,
+          .prices_of_kept = rest.prices,
+          .by_order = OrderProfile(rest.explanation),
+          .walking_nats = rest.explanation.log_likelihood() + walk.value().gain_nats - rest.prices};
+}
+
+/// What the axes lose to orders of their own is more than the chance of one in twenty.
+bool is_refuted(std::span<const SlowNoise> axes, const OrderProfile::Peak& common) {
+  constexpr double kChance = 0.05;
+  double of_peaks = 0.0;
+  for (const SlowNoise& axis : axes) of_peaks += axis.by_order.peak().log_likelihood;
+  return statistics::log_chi_squared_tail(2.0 * (of_peaks - common.log_likelihood),
+                                          static_cast<double>(axes.size() - 1)) < std::log(kChance);
+}
+
+/// Without one of them the axes would rather have the order of the base.
+bool rests_on_one(std::span<const SlowNoise> axes, const CommonOrder& common) {
+  return std::ranges::any_of(axes, [&](const SlowNoise& axis) {
+    OrderProfile others = common.by_order;
+    others -= axis.by_order;
+    return others.at(common.peak.order) < others.of_base();
+  });
+}
+
+}  // namespace
+
+OrderProfile::OrderProfile(const Explanation& without_order) {
+  // From the base to both sides, so that each fit starts beside its solution.
+  const auto fit = [&](std::size_t i, const Explanation& before) {
+    std::vector<Part> parts = without_order.parts();
+    parts.push_back(part_of_order({.order = kLowest + kStep * static_cast<double>(i)}));
+    return Explanation(without_order.problem(), std::move(parts), &before);
+  };
+  Explanation latest = without_order;
+  values_[kBase] = latest.log_likelihood();
+  for (std::size_t i = kBase + 1; i < kOrders; ++i) {
+    latest = fit(i, latest);
+    values_[i] = latest.log_likelihood();
+  }
+  latest = without_order;
+  for (std::size_t i = kBase; i-- > 0;) {
+    latest = fit(i, latest);
+    values_[i] = latest.log_likelihood();
+  }
+}
+
+OrderProfile& OrderProfile::operator+=(const OrderProfile& other) {
+  for (std::size_t i = 0; i < kOrders; ++i) values_[i] += other.values_[i];
+  return *this;
+}
+
+OrderProfile& OrderProfile::operator-=(const OrderProfile& other) {
+  for (std::size_t i = 0; i < kOrders; ++i) values_[i] -= other.values_[i];
+  return *this;
+}
+
+double OrderProfile::at(double order) const {
+  const double place = std::clamp((order - kLowest) / kStep, 0.0, double{kOrders - 1});
+  const auto low = std::min(static_cast<std::size_t>(place), kOrders - 2);
+  return std::lerp(values_[low], values_[low + 1], place - static_cast<double>(low));
+}
+
+OrderProfile::Peak OrderProfile::peak() const {
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(values_) - values_.begin());
+  const std::size_t middle = std::clamp<std::size_t>(best, 1, kOrders - 2);
+  const double slope = 0.5 * (values_[middle + 1] - values_[middle - 1]);
+  const double curvature = 2.0 * values_[middle] - values_[middle + 1] - values_[middle - 1];
+  const double offset = std::clamp(slope / std::max(curvature, 1e-9), -1.0, 1.0);
+  return {.order = kLowest + kStep * (static_cast<double>(middle) + offset),
+          .standard_error = kStep / std::sqrt(std::max(curvature, 1e-9)),
+          .log_likelihood = values_[middle] + offset * slope - 0.5 * offset * offset * curvature};
+}
+
+SlowNoise slow_noise_of(const Problem& problem, const Selection& selection) {
+  double own = selection.log_likelihood;
+  for (const Choice& choice : selection.choices) own -= choice.price_nats();
+  const auto is_no_order_or_walk = [&](std::size_t i) {
+    const NoiseTerms& terms = selection.parts[i].terms;
+    return !terms.has_order() && !terms.random_walk;
+  };
+  const auto is_not_slow = [&](std::size_t i) {
+    return !is_slow(selection.parts[i]) || selection.choices[i].effect->is_measured();
+  };
+  const Rest functions = rest_of(problem, selection, is_no_order_or_walk);
+  SlowNoise without = slow_noise_beside(rest_of(problem, selection, is_not_slow), own);
+  if (!functions.has_room || functions.is_kept == without.is_kept) return without;
+  SlowNoise with = slow_noise_beside(functions, own);
+  const auto worth = [](const SlowNoise& noise) {
+    return noise.by_order.peak().log_likelihood - noise.prices_of_kept;
+  };
+  return worth(with) > worth(without) ? with : without;
+}
+
+std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes) {
+  if (axes.size() < 2) return std::nullopt;
+  double own = 0.0;
+  double prices = 0.0;
+  double walking = -kLeastSurprise;
+  CommonOrder common{.by_order = axes.front().by_order};
+  for (const SlowNoise& axis : axes) {
+    if (&axis != axes.data()) common.by_order += axis.by_order;
+    own += axis.own_nats;
+    prices += axis.prices_of_kept;
+    walking += axis.walking_nats;
+  }
+  common.peak = common.by_order.peak();
+  common.gain_nats = common.peak.log_likelihood - common.by_order.of_base();
+  common.surprise_nats = statistics::surprise_of_free(common.gain_nats, 1.0);
+  if (is_refuted(axes, common.peak) || rests_on_one(axes, common)) return std::nullopt;
+  const double worth = common.by_order.of_base() - prices + common.surprise_nats - kLeastSurprise;
+  if (worth < std::max(own, walking)) return std::nullopt;
+  if (worth - walking < kAlternativeNats) {
+    common.alternatives.push_back({"rate_random_walk", worth - walking});
+  }
+  return common;
+}
+
+Part part_of_order(const OrderProfile::Peak& peak) {
+  return {.effect = kEffect, .terms = {.given_order = peak.order}, .shape = {peak.standard_error}};
+}
+
+void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+           std::size_t axes, const SlowNoise& slow_noise, Selection& selection) {
+  const auto order =
+      std::ranges::find_if(effects, [](const auto& effect) { return effect->name() == kEffect; });
+  std::vector<Part> parts;
+  std::vector<Choice> choices;
+  for (std::size_t i = 0; i < selection.choices.size(); ++i) {
+    if (!slow_noise.is_kept[i]) continue;
+    parts.push_back(std::move(selection.parts[i]));
+    choices.push_back(std::move(selection.choices[i]));
+  }
+  parts.push_back(part_of_order(common.peak));
+  choices.push_back(
+      {order->get(), common.gain_nats, common.surprise_nats, common.alternatives, axes});
+  selection.parts = std::move(parts);
+  selection.choices = std::move(choices);
+  mark_selected(selection);
+}
+
+}  // namespace zerorate::diagnose

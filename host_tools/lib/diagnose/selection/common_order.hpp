@@ -1,0 +1,81 @@
+/// @file
+/// One order of the flicker noise for all axes of a sensor. They are of one make, and together they
+/// tell what none of them tells alone; what is asked of all at once is paid for once.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
+#include "host_tools/lib/diagnose/selection/selection.hpp"
+
+namespace zerorate::diagnose {
+
+/// The log likelihood of a record by the order of its flicker noise, all else fitted [nats]. Those
+/// of several records add up.
+class OrderProfile {
+ public:
+  /// 17 fits.
+  explicit OrderProfile(const Explanation& without_order);
+
+  OrderProfile& operator+=(const OrderProfile& other);
+  OrderProfile& operator-=(const OrderProfile& other);
+
+  struct Peak {
+    double order = kOrderOfBase;
+    double standard_error = 0.0;
+    double log_likelihood = 0.0;
+  };
+  /// Of a parabola through the best three places.
+  [[nodiscard]] Peak peak() const;
+  [[nodiscard]] double of_base() const { return values_[kBase]; }
+  /// Between the places on a straight line.
+  [[nodiscard]] double at(double order) const;
+
+ private:
+  static constexpr double kLowest = 0.1;
+  static constexpr double kStep = 0.05;
+  static constexpr std::size_t kOrders = 18;
+  static constexpr std::size_t kBase = 8;  ///< 1/2
+
+  std::array<double, kOrders> values_{};
+};
+
+/// What one axis says of its slow noise. Log likelihoods are less the prices of the choices.
+struct SlowNoise {
+  double own_nats = 0.0;        ///< by what was selected for this axis alone
+  std::vector<bool> is_kept;    ///< each of its choices, beside an order in common
+  double prices_of_kept = 0.0;  ///< [nats]
+  OrderProfile by_order;        ///< with an order in the place of what is not kept
+  double walking_nats = 0.0;    ///< with a random walk there
+};
+
+[[nodiscard]] SlowNoise slow_noise_of(const Problem& problem, const Selection& selection);
+
+/// The flicker noise of all axes.
+struct CommonOrder {
+  OrderProfile by_order;
+  OrderProfile::Peak peak;
+  double gain_nats = 0.0;  ///< over the order of the base
+  double surprise_nats = 0.0;
+  std::vector<Alternative> alternatives;
+};
+
+/// An order in common, if it explains the axes together better than what was selected for each of
+/// them, and better than a random walk in each; if their own orders do not refute it, and no single
+/// axis speaks for it against the others.
+[[nodiscard]] std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes);
+
+/// The part that stands for an order.
+[[nodiscard]] Part part_of_order(const OrderProfile::Peak& peak);
+
+/// Puts the order in common into the place of an axis's own slow noise.
+/// @param effects with fractional_order among them  @param axes that have it in common
+void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+           std::size_t axes, const SlowNoise& slow_noise, Selection& selection);
+
+}  // namespace zerorate::diagnose

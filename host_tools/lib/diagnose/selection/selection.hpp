@@ -1,0 +1,62 @@
+/// @file
+/// Which effects a record needs: forward selection with second thoughts.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/diagnose/effects/effect.hpp"
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
+
+namespace zerorate::diagnose {
+
+/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
+/// seen in one clean recording of some 200.
+inline constexpr double kLeastSurprise = 8.1;
+
+/// An effect that was chosen, and what else could have been in its place.
+struct Choice {
+  const Effect* effect = nullptr;
+  double gain_nats = 0.0;
+  double surprise_nats = 0.0;
+  std::vector<Alternative> alternatives;
+  std::size_t axes = 1;  ///< that gain and surprise are of
+
+  /// What the gain had to exceed.
+  [[nodiscard]] double price_nats() const { return kLeastSurprise + gain_nats - surprise_nats; }
+};
+
+/// What a record needs. It outlives the problem, and the parts bring the starts from which an
+/// explanation of them is found at once.
+struct Selection {
+  std::vector<Part> parts;
+  std::vector<Choice> choices;     ///< one for each part, in their order
+  std::vector<Evidence> evidence;  ///< of each effect on its own, strongest first
+  double log_likelihood = 0.0;
+};
+
+/// What causes the effect was measured beside the rate, and its part is beyond doubt.
+[[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprise_nats);
+
+/// A function of time or noise that a bias wanders by.
+[[nodiscard]] bool is_slow(const Part& part);
+
+/// With enough parts anything can be described; but not by what is plain to see and no function
+/// of time or slow noise.
+[[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices);
+
+/// Makes the evidence say what the choices are.
+void mark_selected(Selection& selection);
+
+/// Adds the most surprising effect until none is surprising enough, or there are kMostCauses beside
+/// what is plain to see. After each addition every
+/// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
+/// another takes its place if that explains more.
+[[nodiscard]] Selection select_effects(const Problem& problem,
+                                       std::span<const std::unique_ptr<Effect>> effects);
+
+}  // namespace zerorate::diagnose
