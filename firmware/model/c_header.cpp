@@ -1,6 +1,7 @@
 #include "firmware/model/c_header.hpp"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include "firmware/model/node_model.hpp"
@@ -16,6 +17,25 @@ bool is_identifier(std::string_view name) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   return !name.empty() && is_letter(name.front()) &&
          std::all_of(name.begin(), name.end(), [&](char c) { return is_letter(c) || is_digit(c); });
+}
+
+/// Words that C or C++ keeps for itself: firmware of either includes the header.
+bool is_keyword(std::string_view name) {
+  static constexpr auto kKeywords = std::to_array<std::string_view>(
+      {"alignas",     "alignof",   "and",          "asm",      "auto",     "bool",
+       "break",       "case",      "catch",        "char",     "class",    "const",
+       "const_cast",  "constexpr", "continue",     "decltype", "default",  "delete",
+       "do",          "double",    "dynamic_cast", "else",     "enum",     "explicit",
+       "export",      "extern",    "false",        "float",    "for",      "friend",
+       "goto",        "if",        "inline",       "int",      "long",     "mutable",
+       "namespace",   "new",       "noexcept",     "not",      "nullptr",  "operator",
+       "or",          "private",   "protected",    "public",   "register", "restrict",
+       "return",      "short",     "signed",       "sizeof",   "static",   "static_assert",
+       "static_cast", "struct",    "switch",       "template", "this",     "thread_local",
+       "throw",       "true",      "try",          "typedef",  "typeid",   "typename",
+       "union",       "unsigned",  "using",        "virtual",  "void",     "volatile",
+       "wchar_t",     "while",     "xor"});
+  return std::ranges::find(kKeywords, name) != kKeywords.end();
 }
 
 std::string field(std::string_view name, const std::string& value) {
@@ -65,9 +85,11 @@ std::string temperature(const core::TemperatureDrift& drift) {
 
 std::string format_c_header(const SensorModel& model, core::Duration sample_period,
                             core::Duration filter_tick, std::string_view name) {
-  if (!is_identifier(name)) {
-    throw std::invalid_argument("the name \"" + std::string{name} +
-                                "\" cannot name a constant in C; expected letters, digits and _");
+  if (!is_identifier(name) || is_keyword(name)) {
+    throw std::invalid_argument(
+        "the name \"" + std::string{name} +
+        "\" cannot name a constant in C; expected letters, digits and _, and no "
+        "keyword");
   }
   const auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
   if (node.samples.is_on()) {

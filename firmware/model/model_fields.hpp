@@ -19,6 +19,8 @@ using toml_file::Rule;
 
 inline constexpr Rule kPositive{[](double x) { return x > 0.0 && std::isfinite(x); },
                                 "a positive number"};
+inline constexpr Rule kFrequency{[](double x) { return x > 0.0 && x <= 1e5; },
+                                 "a positive frequency, at most 100 000 Hz"};
 inline constexpr Rule kNotNegative{[](double x) { return x >= 0.0 && std::isfinite(x); },
                                    "a number, zero or more"};
 inline constexpr Rule kAnyNumber{[](double x) { return std::isfinite(x); }, "a number"};
@@ -68,7 +70,7 @@ void visit_fields(auto& visitor, MaybeConst<GaussMarkov> auto& process) {
 
 void visit_fields(auto& visitor, MaybeConst<Harmonic> auto& line) {
   visitor.number("rms_dps", line.rms_rad_s, FileUnit::degree, kPositive, Presence::required);
-  visitor.number("frequency_hz", line.frequency_hz, FileUnit::si, kPositive, Presence::required);
+  visitor.number("frequency_hz", line.frequency_hz, FileUnit::si, kFrequency, Presence::required);
   visitor.number("coherence_time_s", line.coherence_time_s, FileUnit::si, kPositive,
                  Presence::required);
   visitor.text("source", line.source, Presence::optional);

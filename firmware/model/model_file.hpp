@@ -28,7 +28,4 @@ using ModelFileError = toml_file::Error;
 /// same bits. Throws std::invalid_argument for a model that no file can hold (see validate()).
 [[nodiscard]] std::string format_model(const SensorModel& model);
 
-/// Writes format_model() to a file. Throws std::system_error where that fails.
-void write_model(const SensorModel& model, const std::filesystem::path& file);
-
 }  // namespace zerorate::model

@@ -1,8 +1,5 @@
-#include <cerrno>
-#include <fstream>
 #include <optional>
 #include <sstream>
-#include <system_error>
 #include <vector>
 
 #include "firmware/model/model_fields.hpp"
@@ -71,15 +68,6 @@ std::string format_model(const SensorModel& model) {
   writer.line("schema", toml_string(kModelSchema));
   visit_fields(writer, model);
   return writer.text();
-}
-
-void write_model(const SensorModel& model, const std::filesystem::path& file) {
-  const std::string text = format_model(model);
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out) {
-    throw std::system_error(errno, std::generic_category(), file.string());
-  }
 }
 
 }  // namespace zerorate::model

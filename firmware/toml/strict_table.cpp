@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -41,6 +40,10 @@ std::string in_words(std::span<const std::string_view> names) {
 }  // namespace
 
 Document::Document(std::string_view text, std::string_view origin) : text_(text), origin_(origin) {
+  if (text.size() > kLongestText) {
+    fail({.line = 1, .column = 1},
+         "more than " + std::to_string(kLongestText) + " bytes; expected a short TOML file");
+  }
   std::istringstream in{text_};
   for (std::string line; std::getline(in, line);) lines_.push_back(line);
 }
@@ -211,8 +214,10 @@ std::string StrictTable::place() const {
 
 std::string read_text(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  if (!in) throw std::system_error(errno, std::generic_category(), file);
+  std::string text(Document::kLongestText + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || !in.is_open()) throw std::system_error(errno, std::generic_category(), file);
+  text.resize(static_cast<std::size_t>(in.gcount()));
   return text;
 }
 

@@ -20,7 +20,11 @@ namespace zerorate::toml_file {
 /// A file's text, for messages and for the digits of its numbers.
 class Document {
  public:
+  /// The parser goes one call deeper with each dot of a name: this keeps it on its stack.
+  static constexpr std::size_t kLongestText = 32'768;
+
   /// @param origin  the file's name in messages
+  /// Throws Error where the text is longer than kLongestText.
   Document(std::string_view text, std::string_view origin);
 
   /// Throws Error where the text is not TOML.
@@ -85,7 +89,8 @@ class StrictTable {
   std::vector<std::string_view> known_;
 };
 
-/// The text of a file. Throws std::system_error where it cannot be read.
+/// Reads the text of a file, of one that is longer than Document takes only so much that Document
+/// refuses it. Throws std::system_error where the file cannot be read.
 [[nodiscard]] std::string read_text(const std::string& file);
 
 }  // namespace zerorate::toml_file

@@ -104,7 +104,7 @@ core::Result<void, StorageError> FileStorage::save(std::span<const std::uint8_t>
 
 core::Result<FileStorage::Content, StorageError> FileStorage::read_slot(
     const Slot& slot, std::span<std::uint8_t> buffer) {
-  const CallResult opened = calls_->open(slot.path.c_str(), O_RDONLY, 0);
+  const CallResult opened = calls_->open(slot.path.c_str(), O_RDONLY | O_NONBLOCK, 0);
   if (!opened) {
     return core::Unexpected{opened.error() == ENOENT ? StorageError::empty : StorageError::io};
   }
@@ -159,8 +159,9 @@ core::Result<std::uint64_t, StorageError> FileStorage::newest_generation() {
 core::Result<void, StorageError> FileStorage::write_slot(const Slot& slot, std::uint64_t generation,
                                                          std::span<const std::uint8_t> record) {
   constexpr unsigned kOwnerOnly = 0600;
-  const CallResult opened =
-      calls_->open(slot.path_while_written.c_str(), O_WRONLY | O_CREAT | O_TRUNC, kOwnerOnly);
+  // A link or a FIFO of that name must neither lead elsewhere nor hold up the caller.
+  constexpr int kWriteAnew = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK;
+  const CallResult opened = calls_->open(slot.path_while_written.c_str(), kWriteAnew, kOwnerOnly);
   if (!opened) return failed(opened.error());
   auto written = write_all(*opened, make_header(generation, record));
   if (written) written = write_all(*opened, record);

@@ -125,7 +125,7 @@ ExitCode run(const Options& options) {
   if (options.json != "-") print_result(result);
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
-    model::write_model(axis.model, options.model_out);
+    write_text(options.model_out, model::format_model(axis.model));
     if (options.json != "-") {
       fmt::print("\n{}: the model of axis {}{}\n", options.model_out, axis.axis,
                  result.axes.size() > 1 ? ", whose slow noise is the middle one" : "");

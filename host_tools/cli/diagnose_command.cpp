@@ -138,7 +138,7 @@ void write_results(const Options& options, const std::vector<Diagnosis>& diagnos
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
     const auto path = model_path(options, diagnosis, diagnoses.size());
-    model::write_model(diagnosis.extended_model, path);
+    write_text(path, model::format_model(diagnosis.extended_model));
     if (options.json != "-")
       fmt::print("{}: the model of axis {}\n", path.string(), diagnosis.axis);
   }

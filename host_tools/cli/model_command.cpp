@@ -4,10 +4,13 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
+#include "hal/linux/standard_output.hpp"
 #include "host_tools/cli/commands.hpp"
 
 namespace zerorate::cli {
 namespace {
+
+using hal::linux_os::printable;
 
 ExitCode list() {
   for (const auto& entry : model::catalogue()) {
@@ -23,7 +26,7 @@ ExitCode show(const std::string& name) {
 
 ExitCode check(const std::string& file) {
   const model::SensorModel model = model::read_model(file);
-  fmt::print("{}: {} is a valid model\n", file, model.name);
+  fmt::print("{}: {} is a valid model\n", printable(file), printable(model.name));
   return success;
 }
 

@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numbers>
 #include <stdexcept>
-#include <system_error>
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/output/output_file.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -213,11 +211,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
     fmt::print("{}", text);
     return;
   }
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file)
-    throw std::system_error(errno, std::generic_category(), "cannot write " + path.string());
+  output::write_file(path, text);
 }
 
 }  // namespace zerorate::cli

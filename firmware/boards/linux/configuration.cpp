@@ -25,6 +25,8 @@ using toml_file::Rule;
 using toml_file::StrictTable;
 
 constexpr Rule kPositive{[](double x) { return x > 0.0 && x <= 1e6; }, "a positive number"};
+constexpr Rule kFilterRate{[](double x) { return x >= 1e-3 && x <= 1e6; },
+                           "a rate in Hz, from 0.001 to 1 000 000"};
 constexpr Rule kSeconds{[](double x) { return x >= 0.0 && x <= 1e6; },
                         "seconds, from 0 to 1 000 000"};
 constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
@@ -154,7 +156,7 @@ struct FilterSettings {
 };
 
 void read_filter(StrictTable& table, FilterSettings& filter) {
-  if (const auto rate = table.number("rate_hz", kPositive, Presence::optional)) {
+  if (const auto rate = table.number("rate_hz", kFilterRate, Presence::optional)) {
     filter.rate_hz = *rate;
   }
   if (const auto settle = table.number("settle_s", kSeconds, Presence::optional)) {

@@ -21,6 +21,7 @@
 #include "firmware/boards/linux/service_manager.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/file_storage.hpp"
+#include "hal/linux/standard_output.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -54,7 +55,10 @@ class Run {
   /// Throws what the configuration leads to that cannot be, such as a file in no folder.
   Run(Configuration configuration, const Descriptor& signals)
       : configuration_(std::move(configuration)), signals_(signals) {
-    if (configuration_.state) storage_.emplace(configuration_.state->file, file_calls_);
+    if (configuration_.state) {
+      state_lock_ = lock_state(configuration_.state->file);
+      storage_.emplace(configuration_.state->file, file_calls_);
+    }
     service_.emplace(configuration_, hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
                      log_to_journal);
     (void)service_->restore();
@@ -107,6 +111,7 @@ class Run {
   Configuration configuration_;
   const Descriptor& signals_;
   LinuxHardware hardware_{configuration_};
+  Descriptor state_lock_;
   hal::linux_os::FileCalls file_calls_;
   std::optional<hal::linux_os::FileStorage> storage_;
   std::optional<NodeService> service_;
@@ -123,7 +128,7 @@ void reload(const std::string& file, const Descriptor& signals, Configuration& c
     run.emplace(changed, signals);
     configuration = std::move(changed);
   } catch (const std::exception& error) {
-    log_to_journal(fmt::format("not reloaded: {}", error.what()));
+    log_to_journal(hal::linux_os::printable(fmt::format("not reloaded: {}", error.what())));
     run.emplace(configuration, signals);
   }
 }

@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <sstream>
 #include <string>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/daemon.hpp"
+#include "hal/linux/standard_output.hpp"
 
 namespace {
 
@@ -26,28 +28,32 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? success : usage;
+    std::ostringstream text;  // not std::cout, whose flush would lose the reason of a failure
+    const int code = app.exit(error, text);
+    fmt::print("{}", text.str());
+    return code == 0 ? success : usage;
   }
-  try {
-    if (only_check) {
-      (void)zerorate::linux_node::read_configuration(file);
-      fmt::print("{}: valid\n", file);
-    } else {
-      zerorate::linux_node::run_daemon(file);
-    }
-    return success;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "zerorated: {}\n", error.what());
-    return bad_configuration;
+  if (only_check) {
+    (void)zerorate::linux_node::read_configuration(file);
+    fmt::print("{}: valid\n", zerorate::hal::linux_os::printable(file));
+  } else {
+    zerorate::linux_node::run_daemon(file);
   }
+  return success;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
-  } catch (...) {  // only what the error stream itself refused to print comes this far
+    const int code = run(argc, argv);
+    zerorate::hal::linux_os::flush_standard_output();
+    return code;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "zerorated: %s\n",
+                 zerorate::hal::linux_os::printable(error.what()).c_str());
+    return bad_configuration;
+  } catch (...) {
     return bad_configuration;
   }
 }

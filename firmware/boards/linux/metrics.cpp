@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include "firmware/wire/health_bits.hpp"
-#include "hal/linux/socket_address.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -46,7 +45,23 @@ class Text {
       add("zerorate_{}{{axis=\"{}\"}} {}\n", name, kAxisNames.at(i), rate);
     }
   }
-  [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
+  /// A line of a sink, whose name is escaped as the text format says.
+  void sink(std::string_view name, const Sink& sink, std::uint64_t value) {
+    add("zerorate_{}{{sink=\"", name);
+    for (const char character : sink.name()) {
+      if (character == '\n') {
+        add("\\n");
+      } else {
+        add("{}{}", character == '"' || character == '\\' ? "\\" : "", character);
+      }
+    }
+    add("\"}} {}\n", value);
+  }
+  /// Whole lines: of a text that did not fit, those that did.
+  [[nodiscard]] std::string_view text() const {
+    const std::string_view text{buffer_.data(), used_};
+    return text.substr(0, text.rfind('\n') + 1);
+  }
 
  private:
   MetricsBuffer& buffer_;
@@ -77,11 +92,11 @@ void add_counters(Text& text, const NodeService& service) {
 void add_sinks(Text& text, const NodeService& service) {
   text.head("sink_sent_total", "Messages given to a sink.", "counter");
   for (const auto& sink : service.sinks()) {
-    text.add("zerorate_sink_sent_total{{sink=\"{}\"}} {}\n", sink->name(), sink->sent());
+    text.sink("sink_sent_total", *sink, sink->sent());
   }
   text.head("sink_dropped_total", "Messages that a sink could not take.", "counter");
   for (const auto& sink : service.sinks()) {
-    text.add("zerorate_sink_dropped_total{{sink=\"{}\"}} {}\n", sink->name(), sink->dropped());
+    text.sink("sink_dropped_total", *sink, sink->dropped());
   }
 }
 
@@ -95,45 +110,34 @@ void add_message(Text& text, const app::RateMessage& message) {
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
 }
 
-Descriptor listen_at(const std::string& path) {
-  const auto address = hal::linux_os::unix_address(path);
-  Descriptor listener = checked_descriptor(
-      socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "metrics: socket");
-  (void)unlink(path.c_str());  // of a run that was killed
-  constexpr int kBacklog = 4;
-  if (bind(listener.get(), address.get(), address.size) != 0 ||
-      listen(listener.get(), kBacklog) != 0) {
-    throw std::system_error(errno, std::generic_category(), path);
-  }
-  return listener;
-}
-
 }  // namespace
 
 std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffer) {
   Text text(buffer);
   add_counters(text, service);
-  add_sinks(text, service);
   if (service.latest()) add_message(text, service.latest()->message);
+  add_sinks(text, service);  // last: of sinks there may be more than find room
   return text.text();
 }
 
 MetricsEndpoint::MetricsEndpoint(const MetricsSettings& settings)
     : settings_(settings), file_while_written_(settings.file + ".new") {
-  if (!settings_.socket.empty()) listener_ = listen_at(settings_.socket);
-}
-
-MetricsEndpoint::~MetricsEndpoint() {
-  if (listener_.is_open()) (void)unlink(settings_.socket.c_str());
+  if (settings_.socket.empty()) return;
+  constexpr int kBacklog = 4;
+  listener_.emplace(settings_.socket, SOCK_STREAM);
+  if (listen(listener_->descriptor(), kBacklog) != 0) {
+    throw std::system_error(errno, std::generic_category(), settings_.socket);
+  }
 }
 
 void MetricsEndpoint::update(const NodeService& service) {
-  if (settings_.file.empty() && !listener_.is_open()) return;
+  if (settings_.file.empty() && !listener_) return;
   text_ = format_metrics(service, buffer_);
   if (settings_.file.empty()) return;
   constexpr mode_t kReadable = 0644;
-  const Descriptor file{
-      ::open(file_while_written_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable)};
+  // A link or a FIFO of that name must neither lead elsewhere nor hold up the thread.
+  constexpr int kWriteAnew = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const Descriptor file{::open(file_while_written_.c_str(), kWriteAnew, kReadable)};
   if (file.is_open() &&
       ::write(file.get(), text_.data(), text_.size()) == static_cast<ssize_t>(text_.size())) {
     (void)std::rename(file_while_written_.c_str(), settings_.file.c_str());
@@ -143,7 +147,7 @@ void MetricsEndpoint::update(const NodeService& service) {
 void MetricsEndpoint::serve() const {
   for (;;) {
     const Descriptor reader{
-        accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
+        accept4(listener_->descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
     if (!reader.is_open()) return;
     (void)!::send(reader.get(), text_.data(), text_.size(), MSG_NOSIGNAL);
   }

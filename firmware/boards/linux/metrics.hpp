@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/event.hpp"
 #include "firmware/boards/linux/node_service.hpp"
+#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 
@@ -25,12 +27,11 @@ class MetricsEndpoint {
   explicit MetricsEndpoint(const MetricsSettings& settings);
   MetricsEndpoint(const MetricsEndpoint&) = delete;
   MetricsEndpoint& operator=(const MetricsEndpoint&) = delete;
-  ~MetricsEndpoint();
 
   /// Replaces the text; a file that cannot be written keeps the old one.
   void update(const NodeService& service);
   /// Readable when somebody asks; -1 without a socket.
-  [[nodiscard]] int descriptor() const { return listener_.get(); }
+  [[nodiscard]] int descriptor() const { return listener_ ? listener_->descriptor() : -1; }
   /// Gives the text to everybody who waits. A reader that does not take it all at once loses the
   /// rest: nobody is waited for.
   void serve() const;
@@ -38,7 +39,7 @@ class MetricsEndpoint {
  private:
   MetricsSettings settings_;
   std::string file_while_written_;
-  Descriptor listener_;
+  std::optional<hal::linux_os::NamedSocket> listener_;
   MetricsBuffer buffer_{};
   std::string_view text_;
 };

@@ -1,9 +1,11 @@
 #include "firmware/boards/linux/process.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <grp.h>
 #include <pwd.h>
 #include <sched.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 
 namespace zerorate::linux_node {
@@ -48,6 +51,16 @@ void prepare_process(const Configuration& configuration, Log log) {
   if (real_time.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     log(fmt::format("memory cannot be locked: {}", std::strerror(errno)));
   }
+}
+
+Descriptor lock_state(const std::string& file) {
+  constexpr mode_t kOwnerOnly = 0600;
+  constexpr int kFlags = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  Descriptor lock{::open((file + ".lock").c_str(), kFlags, kOwnerOnly)};
+  if (lock.is_open() && flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw std::runtime_error("state \"" + file + "\" is in use by another process");
+  }
+  return lock;
 }
 
 MeasuringThread::MeasuringThread(int priority, std::function<void()> turn,

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/event.hpp"
 #include "firmware/boards/linux/node_service.hpp"
 
 namespace zerorate::linux_node {
@@ -17,6 +18,11 @@ namespace zerorate::linux_node {
 /// permitted is logged and left; only a user that does not exist, or that one cannot become, throws
 /// std::system_error, so that nothing runs as root by mistake.
 void prepare_process(const Configuration& configuration, Log log);
+
+/// Keeps a state to this process, as long as the descriptor is open, by a lock on FILE.lock. Throws
+/// std::runtime_error where another process has it. Gives a closed descriptor where the lock cannot
+/// be made: then nothing can be saved there either, which is reported at the save.
+[[nodiscard]] Descriptor lock_state(const std::string& file);
 
 /// A thread with a fixed, small stack and, where that is permitted, a real-time priority.
 class MeasuringThread {

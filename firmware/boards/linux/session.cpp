@@ -13,7 +13,7 @@ app::Session read_boot_id() {
   app::Session boot{};
   std::ifstream file{kFile};
   if (!file.read(boot.data(), boot.size())) {
-    throw std::system_error(errno, std::generic_category(), kFile);
+    throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), kFile);
   }
   return boot;
 }

@@ -20,29 +20,61 @@
 namespace zerorate::linux_node {
 namespace {
 
+/// Messages between two attempts to open what was not there, such as a FIFO's reader.
+constexpr int kRetryAfter = 100;
+
+/// Says when to try again.
+class RetryCounter {
+ public:
+  bool is_due() {
+    if (++waited_ < kRetryAfter) return false;
+    waited_ = 0;
+    return true;
+  }
+
+ private:
+  int waited_ = 0;
+};
+
+/// JSON lines to a file, a terminal or a pipe. A FIFO's reader may come, go and come again.
 class JsonSink final : public Sink {
  public:
   explicit JsonSink(const JsonSettings& settings)
-      : Sink("json:" + settings.file), descriptor_(open(settings.file)) {}
+      : Sink("json:" + settings.file), file_(settings.file) {
+    if (!open() && errno != ENXIO) throw std::system_error(errno, std::generic_category(), file_);
+  }
 
  private:
-  static Descriptor open(const std::string& file) {
-    if (file == "-") return checked_descriptor(dup(STDOUT_FILENO), "standard output");
+  /// Never waits: a FIFO without a reader is ENXIO.
+  bool open() {
     constexpr mode_t kReadable = 0644;
-    return checked_descriptor(
-        ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, kReadable), file.c_str());
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+    output_ =
+        Descriptor{file_ == "-" ? dup(STDOUT_FILENO) : ::open(file_.c_str(), kFlags, kReadable)};
+    return output_.is_open();
   }
 
   bool send(const wire::NumberedMessage& message) override {
+    if (!output_.is_open() && !(retry_.is_due() && open())) return false;
     // A pipe that is writable takes a line of less than PIPE_BUF bytes whole and at once (POSIX).
-    pollfd ready{.fd = descriptor_.get(), .events = POLLOUT, .revents = 0};
+    pollfd ready{.fd = output_.get(), .events = POLLOUT, .revents = 0};
     if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return false;
     const std::string_view line = format_json_line(message, buffer_);
-    return ::write(descriptor_.get(), line.data(), line.size()) ==
-           static_cast<ssize_t>(line.size());
+    const ssize_t written = ::write(output_.get(), line.data(), line.size());
+    if (written == static_cast<ssize_t>(line.size())) return true;
+    if (written > 0) take_back(written);
+    return false;
   }
 
-  Descriptor descriptor_;
+  /// Removes the beginning of a line whose rest found no room on the disk. Does nothing to a pipe.
+  void take_back(ssize_t bytes) const {
+    const off_t end = lseek(output_.get(), 0, SEEK_END);
+    if (end >= bytes) (void)!ftruncate(output_.get(), end - bytes);
+  }
+
+  std::string file_;
+  Descriptor output_;
+  RetryCounter retry_;
   JsonBuffer buffer_{};
 };
 
@@ -77,9 +109,6 @@ class CanSink final : public Sink {
   }
 
  private:
-  /// Messages between two attempts to open a socket on an interface that was not there.
-  static constexpr int kRetryAfter = 100;
-
   bool open() {
     Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
     if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface_) != 0) return false;
@@ -96,11 +125,7 @@ class CanSink final : public Sink {
   }
 
   bool send(const wire::NumberedMessage& message) override {
-    if (!socket_.is_open()) {
-      if (++waited_ < kRetryAfter) return false;
-      waited_ = 0;
-      if (!open()) return false;
-    }
+    if (!socket_.is_open() && !(retry_.is_due() && open())) return false;
     for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
       if (!write_frame(frame)) return false;
     }
@@ -121,7 +146,7 @@ class CanSink final : public Sink {
   std::uint16_t id_;
   ifreq interface_;  // the kernel answers in it
   Descriptor socket_;
-  int waited_ = 0;
+  RetryCounter retry_;
 };
 
 struct MakeSink {

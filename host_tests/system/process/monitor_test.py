@@ -115,6 +115,19 @@ class Monitor(unittest.TestCase):
         self.assertEqual(self.process.returncode, 3)
         self.assertIn("Address already in use", errors)
 
+    def test_does_not_take_the_name_of_anything_but_a_socket(self):
+        file = self.folder / "recording.csv"
+        file.write_text("t_s,rate_dps\n")
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        for path in (file, fifo, self.folder):
+            self.start("--unix", path)
+            errors = self.process.communicate(timeout=LIMIT_S)[1]
+            self.assertEqual(self.process.returncode, 3)
+            self.assertIn(f"{path}: File exists", errors)
+        self.assertEqual(file.read_text(), "t_s,rate_dps\n")
+        self.assertTrue(fifo.is_fifo())
+
     def test_reads_a_serial_line_and_counts_what_is_damaged(self):
         line, device = pty.openpty()
         try:
@@ -179,8 +192,8 @@ class Monitor(unittest.TestCase):
     def test_refuses_what_it_cannot_receive_from(self):
         for arguments, code, words in [(["--udp", "nowhere"], 2, "does not end in a port"),
                                        (["--udp", "host:1"], 2, "is not a numeric address"),
-                                       (["--serial", "/dev/null"], 3, "/dev/null"),
-                                       (["--serial", "/dev/tty", "--baud", "31"], 2, "31 baud"),
+                                       (["--serial", "no-line"], 3, "no-line"),
+                                       (["--serial", "no-line", "--baud", "31"], 2, "31 baud"),
                                        (["--json", "no-file"], 3, "no-file"),
                                        (["--json", "a", "--unix", "b"], 2, "excludes")]:
             run = subprocess.run([ZERORATE, "monitor", *arguments], capture_output=True, text=True, timeout=LIMIT_S,

@@ -10,6 +10,7 @@ import pwd
 import shutil
 import signal
 import socket
+import stat
 import struct
 import subprocess
 import sys
@@ -137,15 +138,9 @@ class Zerorated(unittest.TestCase):
     def test_feeds_the_watchdog_and_serves_its_metrics(self):
         self.start()
         self.assertEqual(self.notification(), "WATCHDOG=1")
-        reader = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        reader.settimeout(LIMIT_S)
-        reader.connect(str(self.folder / "metrics.sock"))
-        text = b""
-        while chunk := reader.recv(65536):
-            text += chunk
-        reader.close()
-        self.assertIn(b"\nzerorate_gyro_running 0\n", text)
-        self.assertIn(b'zerorate_health{flag="sensor_fault"} 1\n', text)
+        text = self.metrics()
+        self.assertIn("\nzerorate_gyro_running 0\n", text)
+        self.assertIn('zerorate_health{flag="sensor_fault"} 1\n', text)
         self.stop()
         self.assertFalse((self.folder / "metrics.sock").exists())
 
@@ -228,6 +223,108 @@ class Zerorated(unittest.TestCase):
         self.reload()
         self.assertTrue((self.folder / "metrics.sock").exists())
         self.assertIn("not reloaded: " + str(self.folder / "no-folder/metrics.sock"), self.stop())
+
+    def refusal(self):
+        run = subprocess.run([ZERORATED, "--config", self.file], capture_output=True, text=True, timeout=LIMIT_S,
+                             check=False)
+        self.assertEqual(run.returncode, 3)
+        return run.stderr
+
+    def add_json_sink(self, path):
+        self.configure(("[[sink]]", f'[[sink]]\ntype = "json"\nfile = "{path}"\n[[sink]]'))
+
+    def metrics(self):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as reader:
+            reader.settimeout(LIMIT_S)
+            reader.connect(str(self.folder / "metrics.sock"))
+            text = b""
+            while chunk := reader.recv(65536):
+                text += chunk
+        return text.decode()
+
+    def test_escapes_the_names_of_sinks_in_its_metrics(self):
+        self.add_json_sink(f'{self.folder}/a\\"b\\nc')
+        self.start()
+        self.notification()
+        self.assertIn(f'zerorate_sink_sent_total{{sink="json:{self.folder}/a\\"b\\nc"}} ', self.metrics())
+        self.stop()
+
+    def test_gives_whole_lines_of_metrics_where_there_are_too_many(self):
+        self.configure(("[[sink]]", 200 * f'[[sink]]\ntype = "json"\nfile = "{self.folder}/sink"\n' + "[[sink]]"))
+        self.start()
+        self.notification()
+        text = self.metrics()
+        self.assertIn('\nzerorate_sigma_dps{axis="z"} ', text)
+        self.assertRegex(text.splitlines()[-1], r"^zerorate_\w+\{.*\} \d+$")
+        self.assertTrue(text.endswith("\n"))
+        self.stop()
+
+    def test_does_not_wait_for_the_reader_of_a_fifo(self):
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        self.add_json_sink(fifo)
+        self.start()
+        self.message()
+        self.reload()
+        self.stop()
+
+    def test_does_not_wait_for_a_fifo_in_the_place_of_its_state(self):
+        for name in ("state.0", "state.1", "state.0.new", "state.1.new"):
+            os.mkfifo(self.folder / name)
+        self.start()
+        self.message()
+        self.assertIn("state: both slots are damaged", self.stop())
+
+    def test_removes_no_file_in_the_place_of_its_socket(self):
+        file = self.folder / "metrics.sock"
+        file.write_text("not a socket")
+        self.assertIn(f"{file}: File exists", self.refusal())
+        self.assertEqual(file.read_text(), "not a socket")
+
+    def test_replaces_the_socket_of_a_run_that_was_killed(self):
+        self.start()
+        self.process.kill()
+        self.process.communicate()
+        self.assertTrue((self.folder / "metrics.sock").is_socket())
+        self.start()
+        self.stop()
+
+    def test_leaves_state_and_socket_to_the_process_that_has_them(self):
+        self.start()
+        self.assertIn(f"{self.folder}/metrics.sock: Address already in use", self.refusal())
+        self.configure(("metrics.sock", "other.sock"))
+        self.assertIn(f'state "{self.folder}/state" is in use by another process', self.refusal())
+        self.assertTrue((self.folder / "metrics.sock").is_socket())
+        self.stop()
+
+    def test_lets_everybody_connect_to_its_metrics(self):
+        self.start()
+        self.assertEqual(stat.S_IMODE((self.folder / "metrics.sock").stat().st_mode), 0o666)
+        self.stop()
+
+    def test_follows_no_link_where_it_saves(self):
+        victim = self.folder / "victim"
+        victim.write_text("untouched")
+        for name in ("state.0.new", "state.1.new", "metrics.new", "state.lock"):
+            (self.folder / name).symlink_to(victim)
+        self.configure(("[metrics]", f'[metrics]\nfile = "{self.folder}/metrics"'))
+        self.start()
+        self.assertIn("state: not saved", self.stop())
+        self.assertEqual(victim.read_text(), "untouched")
+
+    def test_tells_that_its_standard_output_is_full(self):
+        full = self.folder / "full"
+        try:
+            os.mknod(full, stat.S_IFCHR | 0o666, os.makedev(1, 7))
+            out = full.open("w")
+        except PermissionError:
+            self.skipTest("device nodes cannot be made or opened here")
+        for arguments in (["--help"], ["--version"], ["--config", self.file, "--check-config"]):
+            run = subprocess.run([ZERORATED, *arguments], stdout=out, stderr=subprocess.PIPE, text=True,
+                                 timeout=LIMIT_S, check=False)
+            self.assertEqual(run.returncode, 3)
+            self.assertIn("No space left on device", run.stderr)
+        out.close()
 
     def test_refuses_a_wrong_configuration_with_its_place(self):
         self.configure(("chip = \"lsm6dso\"", "chip = \"lsm6\""))

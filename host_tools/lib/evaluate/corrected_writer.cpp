@@ -1,12 +1,9 @@
 #include "host_tools/lib/evaluate/corrected_writer.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
 #include <iterator>
-#include <system_error>
 
 namespace zerorate::evaluate {
 namespace {
@@ -16,10 +13,7 @@ constexpr std::size_t kFlushAt = std::size_t{1} << 16U;
 }  // namespace
 
 CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t axis_count)
-    : path_(path), partial_(path), axis_count_(axis_count) {
-  partial_ += fmt::format(".{}.partial", ::getpid());
-  file_.reset(std::fopen(partial_.c_str(), "wb"));
-  if (!file_) fail("create");
+    : file_(path), axis_count_(axis_count) {
   auto out = std::back_inserter(text_);
   fmt::format_to(out, "t_s");
   for (std::size_t i = 0; i < axis_count_; ++i) {
@@ -27,13 +21,6 @@ CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t 
     fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps", axis);
   }
   fmt::format_to(out, ",motion\n");
-}
-
-CorrectedWriter::~CorrectedWriter() {
-  if (!file_) return;
-  file_.reset();
-  std::error_code ignored;  // nothing more can be done about a file that nobody will see
-  std::filesystem::remove(partial_, ignored);
 }
 
 void CorrectedWriter::write(const ReplayedSample& sample) {
@@ -58,18 +45,12 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
 
 void CorrectedWriter::finish() {
   flush();
-  if (std::fclose(file_.release()) != 0) fail("write");
-  std::filesystem::rename(partial_, path_);
+  file_.finish();
 }
 
 void CorrectedWriter::flush() {
-  if (std::fwrite(text_.data(), 1, text_.size(), file_.get()) != text_.size()) fail("write");
+  file_.write(text_);
   text_.clear();
-}
-
-void CorrectedWriter::fail(const char* action) const {
-  throw std::system_error(errno, std::generic_category(),
-                          fmt::format("cannot {} {}", action, partial_.string()));
 }
 
 }  // namespace zerorate::evaluate

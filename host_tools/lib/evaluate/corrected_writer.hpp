@@ -2,12 +2,12 @@
 /// What the node published, as a CSV file.
 #pragma once
 
-#include <cstdio>
+#include <cstddef>
 #include <filesystem>
-#include <memory>
-#include <vector>
+#include <string>
 
 #include "host_tools/lib/evaluate/replay.hpp"
+#include "host_tools/lib/output/output_file.hpp"
 
 namespace zerorate::evaluate {
 
@@ -17,28 +17,19 @@ namespace zerorate::evaluate {
 /// not known yet its bias and sigma.
 class CorrectedWriter {
  public:
-  /// Writes to a temporary name beside `path`. Throws std::system_error.
+  /// Opens an output::OutputFile. All members throw std::system_error.
   CorrectedWriter(const std::filesystem::path& path, std::size_t axis_count);
-  ~CorrectedWriter();
-  CorrectedWriter(const CorrectedWriter&) = delete;
-  CorrectedWriter& operator=(const CorrectedWriter&) = delete;
 
   void write(const ReplayedSample& sample);
-  /// Gives the file its name. Throws std::system_error.
+  /// Gives the file its name.
   void finish();
 
  private:
-  struct Closer {
-    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }
-  };
   void flush();
-  [[noreturn]] void fail(const char* action) const;
 
-  std::filesystem::path path_;
-  std::filesystem::path partial_;
+  output::OutputFile file_;
   std::size_t axis_count_;
-  std::unique_ptr<std::FILE, Closer> file_;
-  std::vector<char> text_;
+  std::string text_;  ///< formatted but not yet written
 };
 
 }  // namespace zerorate::evaluate

@@ -13,6 +13,7 @@
 
 #include "firmware/wire/cobs.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/named_socket.hpp"
 #include "hal/linux/socket_address.hpp"
 #include "host_tools/lib/live/json_message.hpp"
 
@@ -21,7 +22,6 @@ namespace {
 
 using hal::linux_os::checked_descriptor;
 using hal::linux_os::Descriptor;
-using hal::linux_os::SocketAddress;
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -39,8 +39,22 @@ void take_frame(std::span<const std::uint8_t> bytes, Tally& tally) {
 
 class DatagramSource : public Source {
  public:
-  DatagramSource(std::string name, const SocketAddress& address)
-      : Source(std::move(name)),
+  using Source::Source;
+
+  bool receive(Tally& tally) override {
+    std::array<std::uint8_t, 256> bytes{};
+    for (;;) {
+      const ssize_t size = recv(descriptor(), bytes.data(), bytes.size(), 0);
+      if (size < 0) return true;  // nothing more for now
+      take_frame(std::span{bytes}.first(static_cast<std::size_t>(size)), tally);
+    }
+  }
+};
+
+class UdpSource final : public DatagramSource {
+ public:
+  UdpSource(std::string name, const hal::linux_os::SocketAddress& address)
+      : DatagramSource(std::move(name)),
         socket_(checked_descriptor(
             socket(address.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0),
             "socket")) {
@@ -48,38 +62,20 @@ class DatagramSource : public Source {
   }
 
   [[nodiscard]] int descriptor() const override { return socket_.get(); }
-  bool receive(Tally& tally) override {
-    std::array<std::uint8_t, 256> bytes{};
-    for (;;) {
-      const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), 0);
-      if (size < 0) return true;  // nothing more for now
-      take_frame(std::span{bytes}.first(static_cast<std::size_t>(size)), tally);
-    }
-  }
 
  private:
   Descriptor socket_;
 };
 
-/// Removes a socket that a receiver left behind which was killed.
-void remove_deserted(const std::string& path, const SocketAddress& address) {
-  const Descriptor visitor =
-      checked_descriptor(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
-  const bool is_refused =
-      connect(visitor.get(), address.get(), address.size) != 0 && errno == ECONNREFUSED;
-  if (is_refused) (void)unlink(path.c_str());
-}
-
 class UnixSource final : public DatagramSource {
  public:
-  UnixSource(const std::string& path, const SocketAddress& address)
-      : DatagramSource("unix " + path, address), path_(path) {}
-  UnixSource(const UnixSource&) = delete;
-  UnixSource& operator=(const UnixSource&) = delete;
-  ~UnixSource() override { (void)unlink(path_.c_str()); }
+  explicit UnixSource(const std::string& path)
+      : DatagramSource("unix " + path), socket_(path, SOCK_DGRAM) {}
+
+  [[nodiscard]] int descriptor() const override { return socket_.descriptor(); }
 
  private:
-  std::string path_;
+  hal::linux_os::NamedSocket socket_;
 };
 
 /// Bytes of a stream, read as they come.
@@ -175,14 +171,12 @@ speed_t to_speed(unsigned baud) {
 }  // namespace
 
 std::unique_ptr<Source> listen_udp(const std::string& address, std::uint16_t port) {
-  return std::make_unique<DatagramSource>(fmt::format("udp {}:{}", address, port),
-                                          hal::linux_os::udp_address(address, port));
+  return std::make_unique<UdpSource>(fmt::format("udp {}:{}", address, port),
+                                     hal::linux_os::udp_address(address, port));
 }
 
 std::unique_ptr<Source> listen_unix(const std::string& path) {
-  const SocketAddress address = hal::linux_os::unix_address(path);
-  remove_deserted(path, address);
-  return std::make_unique<UnixSource>(path, address);
+  return std::make_unique<UnixSource>(path);
 }
 
 std::unique_ptr<Source> open_serial(const std::string& device, unsigned baud) {

@@ -34,8 +34,9 @@ class Source {
 /// Rate frames as UDP datagrams. Throws std::invalid_argument for an address that is none.
 [[nodiscard]] std::unique_ptr<Source> listen_udp(const std::string& address, std::uint16_t port);
 
-/// Listens on a Unix datagram socket, which is made, and removed at the end. A socket that nobody
-/// listens on any more is replaced.
+/// Rate frames on a Unix datagram socket, which is made, and removed at the end
+/// (hal::linux_os::NamedSocket). Throws where another program listens there or where the name is
+/// not that of a socket.
 [[nodiscard]] std::unique_ptr<Source> listen_unix(const std::string& path);
 
 /// Rate and status frames on a serial line, raw, 8N1, framed by COBS.

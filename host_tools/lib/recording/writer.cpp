@@ -17,20 +17,14 @@ namespace {
 
 constexpr std::size_t kTextBytes = std::size_t{64} * 1024;
 
-/// The file that is to be replaced: the target of a symbolic link, not the link.
-std::filesystem::path resolved(const std::filesystem::path& path) {
-  std::error_code absent;
-  std::filesystem::path target = std::filesystem::canonical(path, absent);
-  if (absent) {
-    return path;
-  }
-  if (!std::filesystem::is_regular_file(target)) {
+void refuse_special_file(const std::filesystem::path& path) {
+  const std::filesystem::file_status status = std::filesystem::status(path);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw Error{{path.string()},
                 "a directory or a device",
                 "the name of a file to write",
                 "Choose another name."};
   }
-  return target;
 }
 
 std::error_code last_fault() {
@@ -40,24 +34,21 @@ std::error_code last_fault() {
 }  // namespace
 
 Writer::Writer(const std::filesystem::path& path, const Columns& columns)
-    : path_(resolved(path)),
-      partial_(fmt::format("{}.{}.partial", path_.string(), getpid())),
-      columns_(columns) {
+    : path_(path), columns_(columns) {
+  refuse_special_file(path);
+  try {
+    file_.emplace(path);
+  } catch (const std::system_error& error) {
+    throw cannot("create", error.code());
+  }
   const bool compress = path.extension() == ".gz";
-  file_.reset(gzopen(partial_.c_str(), compress ? "wbx6" : "wbxT"));  // T: zlib copies as it is
-  if (!file_) {
+  // zlib closes its descriptor. T: it copies as it is.
+  compressor_.reset(gzdopen(::dup(file_->descriptor()), compress ? "wb6" : "wbT"));
+  if (!compressor_) {
     throw cannot("create", last_fault());
   }
   text_.reserve(kTextBytes + 256);
   text_.append(header_line(columns_)).append("\n");
-}
-
-Writer::~Writer() {
-  if (!is_finished_) {
-    file_.reset();
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
-  }
 }
 
 void Writer::write(const Row& row) {
@@ -97,7 +88,7 @@ void Writer::append_measured(float value, double si_per_unit) {
 
 void Writer::flush() {
   if (!text_.empty() &&
-      gzwrite(file_.get(), text_.data(), static_cast<unsigned>(text_.size())) == 0) {
+      gzwrite(compressor_.get(), text_.data(), static_cast<unsigned>(text_.size())) == 0) {
     throw cannot("write", last_fault());
   }
   text_.clear();
@@ -105,15 +96,14 @@ void Writer::flush() {
 
 void Writer::finish() {
   flush();
-  if (gzclose(file_.release()) != Z_OK) {
+  if (gzclose(compressor_.release()) != Z_OK) {
     throw cannot("complete", last_fault());
   }
-  std::error_code fault;
-  std::filesystem::rename(partial_, path_, fault);
-  if (fault) {
-    throw cannot("replace", fault);
+  try {
+    file_->finish();
+  } catch (const std::system_error& error) {
+    throw cannot("replace", error.code());
   }
-  is_finished_ = true;
 }
 
 Error Writer::cannot(std::string_view action, const std::error_code& fault) const {

@@ -6,18 +6,20 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 
+#include "host_tools/lib/output/output_file.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/row.hpp"
 
 namespace zerorate::recording {
 
 /// Writes a recording: gzip if the name ends in .gz, plain CSV otherwise. The file appears under
-/// its name, replacing an older one, when finish() has succeeded; until then it is
-/// `NAME.<pid>.partial`, and without finish() nothing stays.
+/// its name, replacing an older one, when finish() has succeeded; without finish() nothing stays
+/// (see output::OutputFile). Only regular files are written: a recording is there to be read again.
 ///
 /// What Reader reads back is equal to what was written, bit for bit (a NaN as some NaN; findings
 /// are not written): times with all their nanoseconds, every other number with as few digits as
@@ -26,7 +28,6 @@ class Writer {
  public:
   /// Throws Error if the file cannot be made.
   Writer(const std::filesystem::path& path, const Columns& columns);
-  ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
@@ -46,11 +47,10 @@ class Writer {
   [[nodiscard]] Error cannot(std::string_view action, const std::error_code& fault) const;
 
   std::filesystem::path path_;
-  std::filesystem::path partial_;
   Columns columns_;
-  std::unique_ptr<gzFile_s, Closer> file_;
+  std::optional<output::OutputFile> file_;
+  std::unique_ptr<gzFile_s, Closer> compressor_;
   std::string text_;  ///< formatted but not yet given to zlib
-  bool is_finished_ = false;
 };
 
 }  // namespace zerorate::recording

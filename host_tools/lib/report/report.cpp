@@ -1,14 +1,10 @@
 #include "host_tools/lib/report/report.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <fstream>
-#include <stdexcept>
-#include <system_error>
 #include <utility>
 
+#include "host_tools/lib/output/output_file.hpp"
 #include "host_tools/lib/report/markup.hpp"
 #include "host_tools/lib/report/web_assets.hpp"
 
@@ -50,16 +46,6 @@ std::string scripts_html() {
       "<script>/* uPlot\n{}\n*/\n{}</script>\n<script>(() => {{\n\"use "
       "strict\";\n{}}})();</script>\n",
       kPlotLicence, kPlotScript, kReportScript);
-}
-
-std::runtime_error cannot_write(const std::filesystem::path& path, const std::error_code& reason) {
-  return std::runtime_error(
-      fmt::format("cannot write the report {}: {}", path.string(), reason.message()));
-}
-
-/// The error the last failed call of the C library left, which iostreams do not hand on.
-std::error_code last_error() {
-  return {errno != 0 ? errno : EIO, std::generic_category()};
 }
 
 }  // namespace
@@ -132,18 +118,7 @@ std::string Report::html() const {
 }
 
 void Report::write(const std::filesystem::path& path) const {
-  std::filesystem::path partial = path;
-  partial += fmt::format(".{}.partial", ::getpid());
-  errno = 0;
-  std::ofstream file(partial, std::ios::binary);
-  file << html();
-  file.close();
-  std::error_code reason = file ? std::error_code{} : last_error();
-  if (!reason) std::filesystem::rename(partial, path, reason);
-  if (!reason) return;
-  std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
-  throw cannot_write(path, reason);
+  output::write_file(path, html());
 }
 
 }  // namespace zerorate::report

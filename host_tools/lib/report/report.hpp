@@ -57,9 +57,8 @@ class Report {
 
   [[nodiscard]] std::string html() const;
 
-  /// Writes to a temporary name beside `path` and renames, so that `path` never holds half a
-  /// report.
-  /// @throws std::runtime_error naming the path and the reason; `path` is then as it was.
+  /// Writes an output::OutputFile, so that `path` never holds half a report.
+  /// @throws std::system_error naming the path and the reason; `path` is then as it was.
   void write(const std::filesystem::path& path) const;
 
  private:

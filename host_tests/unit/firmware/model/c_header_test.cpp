@@ -65,7 +65,7 @@ TEST(CHeaderOfAModelWithALine, HasItsRotatingMode) {
 }
 
 TEST(CHeaderWithANameThatIsNone, IsRefused) {
-  for (const char* name : {"", "2nd", "front gyro", "a-b"}) {
+  for (const char* name : {"", "2nd", "front gyro", "a-b", "int", "class"}) {
     EXPECT_THROW((void)format_c_header(find_model("lsm6dso"), kSamplePeriod, kTick, name),
                  std::invalid_argument)
         << name;

@@ -2,10 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
-#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -13,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "host_tests/support/file_size_limit.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
@@ -143,31 +143,13 @@ TEST(WriterToAFolderThatIsNotThere, SaysSo) {
   }
 }
 
-TEST(WriterToADeviceOrDirectory, IsRefused) {
+TEST(WriterToAFifoOrDirectory, IsRefused) {
   const zerorate::testing::ScratchFolder folder;
-  EXPECT_THROW((Writer{"/dev/null", {}}), Error);
+  const auto fifo = folder.path() / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THROW((Writer{fifo, {}}), Error);
   EXPECT_THROW((Writer{folder.path(), {}}), Error);
 }
-
-/// No file of this process can grow beyond a size while this lives: a full disk, for a test.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : previous_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &previous_);
-    const rlimit limit{bytes, previous_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &previous_);
-    std::signal(SIGXFSZ, previous_handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit previous_{};
-  void (*previous_handler_)(int);
-};
 
 void write_rows(const std::filesystem::path& path, int count) {
   Writer writer{path, {}};
@@ -179,7 +161,7 @@ void write_rows(const std::filesystem::path& path, int count) {
 
 TEST(WriterToAFullDisk, ThrowsAndLeavesNothing) {
   const zerorate::testing::ScratchFolder folder;
-  const FileSizeLimit limit{4'096};
+  const zerorate::testing::FileSizeLimit limit{4'096};
   for (const int rows : {1'000, 100'000}) {  // noticed by finish(), and by write()
     EXPECT_THROW(write_rows(folder.path() / "run.csv", rows), Error) << rows;
     EXPECT_EQ(files_in(folder.path()), 0) << rows;

@@ -109,8 +109,7 @@ TEST(WritingAReportIntoAFolderThatIsNotThere, NamesThePathAndTheReason) {
     small_report().write(path);
     FAIL() << "the report was written";
   } catch (const std::runtime_error& error) {
-    EXPECT_EQ(error.what(),
-              "cannot write the report " + path.string() + ": No such file or directory");
+    EXPECT_EQ(error.what(), "cannot write " + path.string() + ": No such file or directory");
   }
 }
 

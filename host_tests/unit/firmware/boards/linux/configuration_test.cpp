@@ -169,6 +169,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
        "z.toml:19:8: \"file\" in [model]: /no/model: No such file"},
       {with("bmi088", "bmi08"), "z.toml:19:8: \"name\" in [model]: no sensor model \"bmi08\""},
       {with("rate_hz = 4", "rate_hz = 400"), "z.toml:20:1: \"filter\": rate_hz may not exceed"},
+      {with("rate_hz = 4", "rate_hz = 1e-10"),
+       "z.toml:21:11: \"rate_hz\" in [filter]: expected a rate in Hz, from 0.001"},
       {with("0.25", "60"), "z.toml:20:1: \"filter\": hold_back_s is longer than the node can hold"},
       {with("0.25", "-1"), "z.toml:23:15: \"hold_back_s\" in [filter]: expected seconds"},
       {with("interval_s = 30", "interval_s = 0"),

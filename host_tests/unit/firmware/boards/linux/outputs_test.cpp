@@ -13,17 +13,20 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
+#include <vector>
 
 #include "firmware/boards/linux/json_line.hpp"
 #include "firmware/boards/linux/message_queue.hpp"
 #include "firmware/boards/linux/service_manager.hpp"
 #include "firmware/boards/linux/sinks.hpp"
 #include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/support/file_size_limit.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 
@@ -140,6 +143,42 @@ TEST(JsonSinkWhoseReaderStalls, DropsInsteadOfWaiting) {
   for (int i = 0; i < 500; ++i) sink->publish({});  // a pipe holds 64 KiB
   EXPECT_GT(sink->sent(), 50U);
   EXPECT_GT(sink->dropped(), 50U);
+}
+
+TEST(JsonSinkOnAFifo, GivesItsReaderTheMessagesFromSoonAfterItCame) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "fifo").string();
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  const auto sink = make_sink(JsonSettings{path});
+  for (int i = 0; i < 150; ++i) sink->publish({});
+  EXPECT_EQ(sink->dropped(), 150U);
+  for (int visit = 0; visit < 2; ++visit) {
+    const std::uint64_t before = sink->sent();
+    const Descriptor reader{open(path.c_str(), O_RDONLY | O_NONBLOCK)};
+    for (int i = 0; i < 110; ++i) sink->publish({});
+    EXPECT_GE(sink->sent(), before + 10) << visit;
+    std::vector<char> lines(65'536);  // all that a pipe holds: the rest would go to the next reader
+    ASSERT_GT(read(reader.get(), lines.data(), lines.size()), 0);
+    EXPECT_EQ(lines[0], '{');
+  }
+}
+
+TEST(JsonSinkOnAFullDisk, LeavesNoPartOfALine) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder.path() / "lines.json").string();
+  const auto sink = make_sink(JsonSettings{path});
+  {
+    const testing::FileSizeLimit full{1000};
+    for (int i = 0; i < 10; ++i) sink->publish({});
+  }
+  EXPECT_GT(sink->dropped(), 0U);
+  sink->publish({});
+  std::ifstream file{path};
+  std::uint64_t lines = 0;
+  for (std::string line; std::getline(file, line); ++lines) {
+    EXPECT_TRUE(nlohmann::json::accept(line)) << line;
+  }
+  EXPECT_EQ(lines, sink->sent());
 }
 
 TEST(MessageQueueBetweenTwoThreads, KeepsOrderAndShowsEveryLossAsAGap) {
