@@ -11,9 +11,9 @@
 
 namespace zerorate::core {
 
-/// The variance of one axis' white noise over its nominal one, followed by a scalar Kalman filter:
-/// a Gauss-Markov process around 1, measured by the mean square of a tick's samples, whose relative
-/// variance is 2 / n (docs/design/sample-model.md, eq. 6). Cost of a tick: 20 floating-point
+/// Variance of a sensor's white noise over its nominal one, followed by a scalar Kalman filter: a
+/// Gauss-Markov process around 1, measured by the mean square of n samples, whose relative variance
+/// is 2 / n (docs/design/sample-model.md, eq. 5). Cost of a tick: 20 floating-point
 /// operations, 3 divisions.
 class NoiseLevelTrack {
  public:

@@ -2,139 +2,162 @@
 /// The predictors of a sensor's axes.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "core/estimator/calibration_mean.hpp"
-#include "core/estimator/kalman_predictor.hpp"
+#include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
+#include "core/estimator/no_predictor.hpp"
 #include "core/monitor/innovation_monitor.hpp"
 #include "firmware/app/node_params.hpp"
 
 namespace zerorate::app {
 
-/// Predictors of all axes, fed alike, and a monitor of the Kalman predictor's innovations.
+/// Predictors of all axes, fed alike, and monitors of the Kalman predictor's innovations.
 template <ModelShape Shape, NodeCapacity Capacity>
 class AxisPredictors {
  public:
   static constexpr std::size_t kAxes = 3;
-  using Modes = core::ModesOf<Shape>;
+  using Rates = std::array<float, kAxes>;
   using Transition = core::FilterTransition<Shape>;
-  using Kalman = core::KalmanPredictor<Shape>;
-  using MovingAverage = core::MovingAverage<Shape, Capacity.average_levels>;
-  using CalibrationMean = core::CalibrationMean<Shape>;
+  using Kalman = core::KalmanBank<Shape, kAxes>;
+  using MovingAverage = std::conditional_t<Capacity.runs_moving_average,
+                                           core::MovingAverage<Shape, Capacity.average_levels>,
+                                           core::NoPredictor<Shape>>;
+  using CalibrationMean =
+      std::conditional_t<Capacity.runs_calibration_mean, core::CalibrationMean<Shape>,
+                         core::NoPredictor<Shape>>;
   using Filter = typename Kalman::State;
 
-  struct AxisState {
-    Filter kalman;
-    typename MovingAverage::State moving_average;
-    typename CalibrationMean::State calibration_mean;
-    core::InnovationMonitor::State monitor;
+  struct State {
+    struct Axis {
+      core::InnovationMonitor::State monitor;
+      [[no_unique_address]] typename MovingAverage::State moving_average;
+      [[no_unique_address]] typename CalibrationMean::State calibration_mean;
 
-    constexpr bool operator==(const AxisState&) const = default;
+      constexpr bool operator==(const Axis&) const = default;
+    };
+    Filter kalman;
+    std::array<Axis, kAxes> axes;
+
+    constexpr bool operator==(const State&) const = default;
+    /// Whether there is a measurement that later ones have confirmed.
+    [[nodiscard]] constexpr bool has_learnt() const { return kalman.is_confirmed(); }
   };
-  using State = std::array<AxisState, kAxes>;
 
   /// @param params must outlive the predictors
   constexpr explicit AxisPredictors(const NodeParams<Shape>& params)
       : coefficients_(params.modes, params.gate, params.temperature),
-        axes_{Axis{params.modes, coefficients_}, Axis{params.modes, coefficients_},
-              Axis{params.modes, coefficients_}} {}
-  AxisPredictors(const AxisPredictors&) = delete;  // its axes point into it
+        kalman_(coefficients_),
+        axes_{Axis{params.modes}, Axis{params.modes}, Axis{params.modes}} {}
+  AxisPredictors(const AxisPredictors&) = delete;  // the filter points to its coefficients
   AxisPredictors& operator=(const AxisPredictors&) = delete;
   ~AxisPredictors() = default;
 
   [[nodiscard]] constexpr State state() const {
-    State state;
+    State state{.kalman = kalman_.state(), .axes = {}};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      state[i] = {.kalman = axes_[i].kalman.state(),
-                  .moving_average = axes_[i].moving_average.state(),
-                  .calibration_mean = axes_[i].calibration_mean.state(),
-                  .monitor = axes_[i].monitor.state()};
+      state.axes[i] = {.monitor = axes_[i].monitor.state(),
+                       .moving_average = axes_[i].moving_average.state(),
+                       .calibration_mean = axes_[i].calibration_mean.state()};
     }
     return state;
   }
   constexpr void restore(const State& state) {
+    kalman_.restore(state.kalman);
     for (std::size_t i = 0; i < kAxes; ++i) {
-      axes_[i].kalman.restore(state[i].kalman);
-      axes_[i].moving_average.restore(state[i].moving_average);
-      axes_[i].calibration_mean.restore(state[i].calibration_mean);
-      axes_[i].monitor.restore(state[i].monitor);
+      axes_[i].monitor.restore(state.axes[i].monitor);
+      axes_[i].moving_average.restore(state.axes[i].moving_average);
+      axes_[i].calibration_mean.restore(state.axes[i].calibration_mean);
     }
   }
 
+  /// Predictors without memory across stops start again.
   constexpr void begin_stop() {
     for (Axis& axis : axes_) {
-      axis.kalman.begin_stop();
       axis.moving_average.begin_stop();
       axis.calibration_mean.begin_stop();
     }
   }
-  /// Time passes by `since_last`, at the end of which the rate of an axis is measured.
-  constexpr void observe(std::size_t i, const Transition& since_last, float rate_rad_s,
+  /// Time passes by `since_last`, at the end of which the rates are measured.
+  constexpr void observe(const Transition& since_last, const Rates& rates_rad_s,
                          float white_variance) {
-    Axis& axis = axes_[i];
-    axis.monitor.observe(axis.kalman.step(since_last, rate_rad_s, white_variance));
-    (void)axis.moving_average.step(since_last, rate_rad_s, white_variance);
-    (void)axis.calibration_mean.step(since_last, rate_rad_s, white_variance);
+    kalman_.advance(since_last);
+    const auto innovations = kalman_.observe(rates_rad_s, white_variance);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      axes_[i].monitor.observe(innovations[i]);
+      (void)axes_[i].moving_average.step(since_last, rates_rad_s[i], white_variance);
+      (void)axes_[i].calibration_mean.step(since_last, rates_rad_s[i], white_variance);
+    }
   }
 
-  /// Calls action(predictor) with the predictor of an axis.
-  template <class Action>
-  constexpr auto visit(Predictor which, std::size_t i, Action action) const {
+  [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis,
+                                           const Transition& lead) const {
     switch (which) {
       case Predictor::moving_average:
-        return action(axes_[i].moving_average);
+        return axes_[axis].moving_average.bias_rad_s(lead);
       case Predictor::calibration_mean:
-        return action(axes_[i].calibration_mean);
+        return axes_[axis].calibration_mean.bias_rad_s(lead);
       case Predictor::kalman:
         break;
     }
-    return action(axes_[i].kalman);
+    return kalman_.bias_rad_s(lead, axis);
+  }
+  [[nodiscard]] constexpr std::array<core::Prediction, kAxes> predict(
+      Predictor which, const Transition& lead) const {
+    return of_all_axes(which, [&](const auto& predictor) { return predictor.predict(lead); });
+  }
+  [[nodiscard]] constexpr std::array<core::HeadingPrediction, kAxes> predict_heading(
+      Predictor which, const Transition& lead, const Transition& drive) const {
+    return of_all_axes(
+        which, [&](const auto& predictor) { return predictor.predict_heading(lead, drive); });
   }
 
-  [[nodiscard]] constexpr const Filter& filter(std::size_t axis) const {
-    return axes_[axis].kalman.state();
-  }
+  [[nodiscard]] constexpr const Filter& filter() const { return kalman_.state(); }
   [[nodiscard]] constexpr bool is_consistent(std::size_t axis) const {
     return axes_[axis].monitor.is_consistent();
   }
-  /// Whether each axis has a measurement that later ones have confirmed.
-  [[nodiscard]] constexpr bool has_learnt() const {
-    return std::all_of(axes_.begin(), axes_.end(),
-                       [](const Axis& axis) { return axis.kalman.state().is_confirmed(); });
-  }
-  [[nodiscard]] static constexpr bool has_learnt(const State& state) {
-    return std::all_of(state.begin(), state.end(),
-                       [](const AxisState& axis) { return axis.kalman.is_confirmed(); });
-  }
 
-  /// Starts the Kalman predictors from what another run learnt; the others begin anew.
-  /// @param filter_of gives the filter of an axis: one at a time, to spare the stack
+  /// Starts the Kalman predictor from what another run learnt; the others begin anew.
   /// @param off time since its newest measurement
-  template <class FilterOf>
-  void resume(FilterOf filter_of, const Transition& off, float turn_on_variance_rad2_s2) {
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      axes_[i].kalman.restore(filter_of(i));
-      axes_[i].kalman.advance(off);
-      axes_[i].kalman.restart_transients();
-      axes_[i].kalman.inflate_variance(turn_on_variance_rad2_s2);
-    }
+  constexpr void resume(const Filter& learnt, const Transition& off,
+                        float turn_on_variance_rad2_s2) {
+    kalman_.restore(learnt);
+    kalman_.advance(off);
+    kalman_.restart_transients();
+    kalman_.inflate_variance(turn_on_variance_rad2_s2);
   }
 
  private:
   struct Axis {
-    Kalman kalman;
-    MovingAverage moving_average;
-    CalibrationMean calibration_mean;
     core::InnovationMonitor monitor;
+    [[no_unique_address]] MovingAverage moving_average;
+    [[no_unique_address]] CalibrationMean calibration_mean;
 
-    constexpr Axis(const Modes& modes, const typename Kalman::Coefficients& coefficients)
-        : kalman(coefficients), moving_average(modes), calibration_mean(modes) {}
+    constexpr explicit Axis(const core::ModesOf<Shape>& modes)
+        : moving_average(modes), calibration_mean(modes) {}
   };
 
+  /// What action(predictor) answers for all axes: of a bank at once, of the others one by one.
+  template <class Action>
+  [[nodiscard]] constexpr auto of_all_axes(Predictor which, Action action) const {
+    switch (which) {
+      case Predictor::moving_average:
+        return std::array{action(axes_[0].moving_average), action(axes_[1].moving_average),
+                          action(axes_[2].moving_average)};
+      case Predictor::calibration_mean:
+        return std::array{action(axes_[0].calibration_mean), action(axes_[1].calibration_mean),
+                          action(axes_[2].calibration_mean)};
+      case Predictor::kalman:
+        break;
+    }
+    return action(kalman_);
+  }
+
   typename Kalman::Coefficients coefficients_;
+  Kalman kalman_;
   std::array<Axis, kAxes> axes_;
 };
 

@@ -69,7 +69,7 @@ class GyroNode {
     typename Learning::State learning;
     [[no_unique_address]] typename TemperatureTrack::State temperature;
     [[no_unique_address]] typename Screening::State screening;
-    typename Predictors::State axes;
+    typename Predictors::State predictors;
 
     constexpr bool operator==(const State&) const = default;
   };
@@ -129,13 +129,11 @@ class GyroNode {
 
   /// Bias that a predictor expects at the newest sample.
   [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
-    return core::rad_per_s(predictors_.visit(
-        which, axis, [&](const auto& predictor) { return predictor.bias_rad_s(lead_); }));
+    return core::rad_per_s(predictors_.bias_rad_s(which, axis, lead_));
   }
   /// Bias with its variance.
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return predictors_.visit(which, axis,
-                             [&](const auto& predictor) { return predictor.predict(lead_); });
+    return predictors_.predict(which, lead_)[axis];
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
@@ -148,8 +146,7 @@ class GyroNode {
     Transition drive{params_.modes.over(last - first)};
     const std::uint32_t now = std::clamp(measured_ticks_ + lead_.ticks, first, last);
     temperature_.over_drive(lead_, now - first, drive);
-    return predictors_.visit(
-        which, axis, [&](const auto& predictor) { return predictor.predict_heading(lead, drive); });
+    return predictors_.predict_heading(which, lead, drive)[axis];
   }
 
   [[nodiscard]] constexpr core::Motion motion() const { return learning_.motion(); }
@@ -165,7 +162,7 @@ class GyroNode {
             .learning = learning_.state(),
             .temperature = temperature_.state(),
             .screening = screening_.state(),
-            .axes = predictors_.state()};
+            .predictors = predictors_.state()};
   }
   /// Goes on from a state of a node with the same parameters, bit for bit. resume() goes on from
   /// what is worth keeping while the power is off.
@@ -176,21 +173,16 @@ class GyroNode {
     learning_.restore(state.learning);
     temperature_.restore(state.temperature);
     screening_.restore(state.screening);
-    predictors_.restore(state.axes);
+    predictors_.restore(state.predictors);
     if (learning_.has_sample()) predict_tick();
   }
 
-  /// What is worth keeping while the power is off: the Kalman predictor of an axis, as of the
-  /// newest measurement. The other predictors begin anew at the next stop.
-  [[nodiscard]] constexpr const Filter& filter(std::size_t axis) const {
-    return predictors_.filter(axis);
-  }
-  /// Whether that is worth keeping: each axis has a measurement that later ones have confirmed.
-  [[nodiscard]] constexpr bool has_learnt() const { return predictors_.has_learnt(); }
-  [[nodiscard]] static constexpr bool has_learnt(const State& state) {
-    return Predictors::has_learnt(state.axes);
-  }
-  /// The temperature that the filters stand at, if they follow it: that of the newest measurement.
+  /// What is worth keeping while the power is off, if Filter::is_confirmed(): the Kalman predictor
+  /// as of the newest measurement. The other predictors begin anew at the next stop.
+  [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
+  /// Whether there is a measurement that later ones have confirmed.
+  [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
+  /// The temperature that the filter stands at, if it follows it: that of the newest measurement.
   [[nodiscard]] constexpr TickTemperature measured_temperature() const {
     return temperature_.measured();
   }
@@ -207,12 +199,10 @@ class GyroNode {
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
   /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
   /// the first sample.
-  /// @param filter_of gives the filter of an axis: one at a time, to spare the stack
-  template <class FilterOf>
-  void resume(FilterOf filter_of, TickTemperature temperature, std::uint32_t ticks) {
+  constexpr void resume(const Filter& learnt, TickTemperature temperature, std::uint32_t ticks) {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
-    resume_filters(filter_of, ticks);
+    resume_filter(learnt, ticks);
     predict_tick();
   }
 
@@ -267,18 +257,16 @@ class GyroNode {
     screening_.advance(ticks);
     if (begins_stop) predictors_.begin_stop();
     const auto samples = static_cast<float>(mean.samples);
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      const float white_variance = screening_.level(i) * params_.white_variance_rad2_s2 / samples +
-                                   params_.measurement_floor_variance_rad2_s2;
-      predictors_.observe(i, since_last, mean.rate_rad_s[i], white_variance);
-      screening_.observe(i, mean.squares, params_.white_variance_rad2_s2, samples);
-    }
+    predictors_.observe(since_last, mean.rate_rad_s,
+                        screening_.level() * params_.white_variance_rad2_s2 / samples +
+                            params_.measurement_floor_variance_rad2_s2);
+    screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
     measured_ticks_ = mean.tick + 1;
   }
 
   constexpr void predict_tick() {
     update_lead();
-    for (std::size_t i = 0; i < kAxes; ++i) predicted_[i] = predict(params_.published, i);
+    predicted_ = predictors_.predict(params_.published, lead_);
     calibrated_ = predicted_[0].is_available() && has_learnt();
   }
   constexpr void update_lead() {
@@ -299,11 +287,10 @@ class GyroNode {
     message.health.odometer_fault = odometer_fault_;
     odometer_fault_ = false;
     message.health.odometer_disagreement = learning_.odometer_disagrees();
-    message.health.measurement_rejected = screening_.is_disturbed();
+    message.health.measurement_rejected = screening_.is_disturbed() || filter().rejected > 0;
     message.health.temperature_missing = temperature_.is_missed(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.health.model_inconsistent |= !predictors_.is_consistent(i);
-      message.health.measurement_rejected |= predictors_.filter(i).rejected > 0;
       const core::AngularRate bias = core::rad_per_s(predicted_[i].bias_rad_s);
       message.axes[i] = {.measured = rate[i],
                          .corrected = rate[i] - bias,
@@ -313,10 +300,9 @@ class GyroNode {
   }
 
   /// Not inlined: what stands on the stack here is gone when the bias is predicted.
-  template <class FilterOf>
-  [[gnu::noinline]] void resume_filters(FilterOf filter_of, std::uint32_t ticks) {
+  [[gnu::noinline]] constexpr void resume_filter(const Filter& learnt, std::uint32_t ticks) {
     const Transition off{params_.modes.over(ticks)};
-    predictors_.resume(filter_of, off, params_.turn_on_variance_rad2_s2);
+    predictors_.resume(learnt, off, params_.turn_on_variance_rad2_s2);
   }
 
   const Params& params_;

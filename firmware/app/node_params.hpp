@@ -30,6 +30,7 @@ enum class ParamsError : std::uint8_t {
   white_variance_not_positive,
   negative_time,
   no_room_for_samples,  ///< a model of single samples, and NodeCapacity::screens_samples is false
+  predictor_not_run,    ///< the published one, by NodeCapacity
   hold_back_too_long,   ///< more than NodeCapacity::held_ticks: slow the filter or shorten it
 };
 
@@ -55,10 +56,18 @@ struct NodeParams {
 /// How much a node remembers, for boards that count bytes. The results are the same as long as
 /// nothing is beyond it.
 struct NodeCapacity {
-  std::size_t held_ticks = 64;      ///< of the hold-back line, 32 bytes each
-  std::size_t average_levels = 22;  ///< of core::SuffixSums, 50 bytes each on every axis
-  /// Room for NodeParams::samples: 60 bytes an axis, and 12 for each held tick.
-  bool screens_samples = false;
+  std::size_t held_ticks = 64;        ///< of the hold-back line, 32 bytes each
+  std::size_t average_levels = 22;    ///< of core::SuffixSums, 50 bytes each on every axis
+  bool screens_samples = false;       ///< room for NodeParams::samples: 190 bytes, 12 a held tick
+  bool runs_moving_average = true;    ///< 300 bytes an axis and those of average_levels
+  bool runs_calibration_mean = true;  ///< 40 bytes an axis
+
+  /// Whether a node of this capacity runs a predictor. The Kalman predictor always runs: what is
+  /// learnt, saved and monitored is its own.
+  [[nodiscard]] constexpr bool runs(Predictor which) const {
+    return which == Predictor::kalman ||
+           (which == Predictor::moving_average ? runs_moving_average : runs_calibration_mean);
+  }
 };
 
 /// Whether a node of this capacity can be built from these parameters.
@@ -79,6 +88,7 @@ template <ModelShape Shape>
   if (!capacity.screens_samples && params.samples.is_on()) {
     return Unexpected{ParamsError::no_room_for_samples};
   }
+  if (!capacity.runs(params.published)) return Unexpected{ParamsError::predictor_not_run};
   if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||
       params.standstill.slowest < kZero) {
     return Unexpected{ParamsError::negative_time};

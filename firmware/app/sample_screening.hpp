@@ -39,9 +39,8 @@ class SampleScreening {
   [[nodiscard]] constexpr bool is_disturbed() const { return false; }
   [[nodiscard]] constexpr Squares squares() const { return {}; }
   constexpr void advance(std::uint32_t /*ticks*/) {}
-  [[nodiscard]] constexpr float level(std::size_t /*axis*/) const { return 1.0F; }
-  constexpr void observe(std::size_t /*axis*/, const Squares& /*squares*/, float /*white_variance*/,
-                         float /*samples*/) {}
+  [[nodiscard]] constexpr float level() const { return 1.0F; }
+  constexpr void observe(const Squares& /*squares*/, float /*white_variance*/, float /*samples*/) {}
 };
 
 /// In a node with room for it, as long as the model asks for it.
@@ -57,7 +56,7 @@ class SampleScreening<Axes, true> {
   struct State {
     bool disturbed = false;
     std::array<core::SampleScreen::State, Axes> screens;
-    std::array<core::NoiseLevelTrack::State, Axes> levels;
+    core::NoiseLevelTrack::State level;
 
     constexpr bool operator==(const State&) const = default;
   };
@@ -65,24 +64,18 @@ class SampleScreening<Axes, true> {
   constexpr explicit SampleScreening(const core::SampleModel& model)
       : model_(&model),
         screens_{core::SampleScreen{model}, core::SampleScreen{model}, core::SampleScreen{model}},
-        levels_{core::NoiseLevelTrack{model.level}, core::NoiseLevelTrack{model.level},
-                core::NoiseLevelTrack{model.level}} {
+        level_{model.level} {
     static_assert(Axes == 3);
   }
   [[nodiscard]] constexpr State state() const {
-    State state{.disturbed = disturbed_, .screens = {}, .levels = {}};
-    for (std::size_t i = 0; i < Axes; ++i) {
-      state.screens[i] = screens_[i].state();
-      state.levels[i] = levels_[i].state();
-    }
+    State state{.disturbed = disturbed_, .screens = {}, .level = level_.state()};
+    for (std::size_t i = 0; i < Axes; ++i) state.screens[i] = screens_[i].state();
     return state;
   }
   constexpr void restore(const State& state) {
     disturbed_ = state.disturbed;
-    for (std::size_t i = 0; i < Axes; ++i) {
-      screens_[i].restore(state.screens[i]);
-      levels_[i].restore(state.levels[i]);
-    }
+    level_.restore(state.level);
+    for (std::size_t i = 0; i < Axes; ++i) screens_[i].restore(state.screens[i]);
   }
 
   /// The vehicle moves.
@@ -98,7 +91,7 @@ class SampleScreening<Axes, true> {
     for (std::size_t i = 0; i < Axes; ++i) {
       screens_[i].begin_tick(predicted[i].bias_rad_s,
                              predicted[i].variance_rad2_s2 + measurement_floor_variance,
-                             levels_[i].level() * white_variance);
+                             level_.level() * white_variance);
     }
   }
 
@@ -130,22 +123,27 @@ class SampleScreening<Axes, true> {
   }
 
   /// Time passes until the next measurement.
-  constexpr void advance(std::uint32_t ticks) {
-    for (core::NoiseLevelTrack& level : levels_) level.advance(ticks);
-  }
-  /// Of the white variance, over the nominal one.
-  [[nodiscard]] constexpr float level(std::size_t axis) const { return levels_[axis].level(); }
-  /// @param white_variance  of a sample, nominal
-  constexpr void observe(std::size_t axis, const Squares& squares, float white_variance,
-                         float samples) {
-    const float mean_square = squares.rad2_s2[axis] / (samples * white_variance);
-    if (mean_square > 0.0F) levels_[axis].observe(mean_square, samples);
+  constexpr void advance(std::uint32_t ticks) { level_.advance(ticks); }
+  /// Strength of the sensor's white noise: its variance over the nominal one, on all axes alike.
+  [[nodiscard]] constexpr float level() const { return level_.level(); }
+  /// Follows the strength by the samples of a tick. An axis without any noise is not there.
+  /// @param white_variance of a sample, nominal
+  constexpr void observe(const Squares& squares, float white_variance, float samples) {
+    float sum = 0.0F;
+    float all_samples = 0.0F;
+    for (const float square : squares.rad2_s2) {
+      if (square > 0.0F) {
+        sum += square;
+        all_samples += samples;
+      }
+    }
+    if (all_samples > 0.0F) level_.observe(sum / (all_samples * white_variance), all_samples);
   }
 
  private:
   const core::SampleModel* model_;
   std::array<core::SampleScreen, Axes> screens_;
-  std::array<core::NoiseLevelTrack, Axes> levels_;
+  core::NoiseLevelTrack level_;
   bool disturbed_ = false;
 };
 

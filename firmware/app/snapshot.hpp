@@ -71,14 +71,13 @@ class Snapshot {
  public:
   using State = typename Node::State;
   using Filter = typename Node::Filter;
-  using Filters = std::array<Filter, Node::kAxes>;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
   static constexpr std::uint16_t kLayout = 3;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
-  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filters) + kBytesOfTemperature + 4;
+  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filter) + kBytesOfTemperature + 4;
   static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -100,7 +99,7 @@ class Snapshot {
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
     std::span<std::uint8_t> rest =
         begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
-    for (std::size_t i = 0; i < Node::kAxes; ++i) put(rest, node.filter(i));
+    put(rest, node.filter());
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
   }
@@ -108,7 +107,7 @@ class Snapshot {
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
                                                                  const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfState> record{};
-    auto rest = begin(record, Content::state, Node::has_learnt(state),
+    auto rest = begin(record, Content::state, state.predictors.kalman.is_confirmed(),
                       Node::ticks_since_measured(state), time);
     put(rest, state);
     finish(record);
@@ -128,8 +127,7 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    const auto filter_of = [&state](std::size_t axis) { return state.axes[axis].kalman; };
-    return resume(node, filter_of, Node::measured_temperature(state), *header, now);
+    return resume(node, state.predictors.kalman, Node::measured_temperature(state), *header, now);
   }
   /// The same for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
@@ -144,12 +142,9 @@ class Snapshot {
     const auto payload = record.subspan(sizeof(Header));
     Temperature temperature{};
     if constexpr (kBytesOfTemperature > 0) {
-      temperature = get<Temperature>(payload.subspan(sizeof(Filters)));
+      temperature = get<Temperature>(payload.subspan(sizeof(Filter)));
     }
-    const auto filter_of = [payload](std::size_t axis) {
-      return get<Filter>(payload.subspan(axis * sizeof(Filter)));
-    };
-    return resume(node, filter_of, temperature, *header, now);
+    return resume(node, get<Filter>(payload), temperature, *header, now);
   }
 
  private:
@@ -203,7 +198,7 @@ class Snapshot {
   /// and what is counted in it (silence, steady ticks) is compared with the new ones from then on.
   static constexpr std::uint32_t fingerprint(const Params& params) {
     Fingerprint print;
-    print.add(std::uint32_t{sizeof(Filters)});
+    print.add(std::uint32_t{sizeof(Filter)});
     print.add(std::uint32_t{sizeof(State)});
     print.add(params.modes.tick);
     print.add(params.modes.start);
@@ -284,8 +279,7 @@ class Snapshot {
     return header;
   }
 
-  template <class FilterOf>
-  core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterOf filter_of,
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filter& learnt,
                                                    Temperature temperature, const Header& header,
                                                    const SnapshotTime& now) const {
     using core::Unexpected;
@@ -298,7 +292,7 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(filter_of, temperature,
+    node.resume(learnt, temperature,
                 header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
     return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
   }

@@ -42,9 +42,9 @@ extern "C" {
 #define ZERORATE_DECAYING_MODES 7
 #define ZERORATE_ROTATING_MODES 1
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES 7168
+#define ZERORATE_INSTANCE_BYTES 6144
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES 1492
+#define ZERORATE_SNAPSHOT_BYTES 584
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
 /** For zerorate_model: what the bias changes by while the power is off is not known. */

@@ -27,9 +27,9 @@ NANOSECONDS_AN_INSTRUCTION = 1024  # -icount shift=10
 
 # Line of zerorate-counts -> what it is, and how many samples and axes share it.
 FIGURES = {
-    "kalman_step": ("Kalman predictor: predict and update, one axis", 1),
-    "kalman_gap": ("Kalman predictor: a gap of 6000 ticks, one axis", 1),
-    "kalman_predict": ("Kalman predictor: bias and interval 6000 ticks ahead, one axis", 1),
+    "kalman_step": ("Kalman predictor: predict and update, an axis of three", 3),
+    "kalman_gap": ("Kalman predictor: a gap of 6000 ticks, an axis of three", 3),
+    "kalman_predict": ("Kalman predictor: bias and interval 6000 ticks ahead, an axis of three", 3),
     "moving_average_step": ("moving average: predict and update, one axis", 1),
     "moving_average_gap": ("moving average: a gap, one axis", 1),
     "moving_average_predict": ("moving average: bias and interval 6000 ticks ahead, one axis", 1),
@@ -38,7 +38,7 @@ FIGURES = {
     "calibration_mean_predict": ("calibration mean: bias and interval 6000 ticks ahead, one axis", 1),
     "span_of_a_gap": ("what a gap of 6000 ticks does to the noise, once for all axes", 1),
     "averaged_sample_of_three_axes": (
-        "a sample of 104 Hz averaged to 10 Hz and filtered by Kalman, one axis, mean", 3),
+        "a sample of 104 Hz averaged to 10 Hz and filtered by Kalman, an axis of three, mean", 3),
     "node_step_still": ("a sample through `GyroNode::step`, still: three axes, all predictors, mean", 1),
     "node_step_moving": ("the same, moving", 1),
 }

@@ -153,8 +153,8 @@ inline Lockstep run_in_lockstep(const Decades& modes, double r, std::uint64_t st
         predicted + std::sqrt(oracle.bias_variance() + double{single_r}) * normal(random));
     oracle.update(double{y} - predicted, double{single_r});
     (void)filter.step(tick, y, single_r);
-    const double error =
-        (double{filter.state().bias_rad_s} - oracle.bias()) / std::sqrt(oracle.bias_variance());
+    const double error = (double{filter.state().axes[0].bias_rad_s} - oracle.bias()) /
+                         std::sqrt(oracle.bias_variance());
     squares += error * error;
     result.worst_bias = std::max(result.worst_bias, std::abs(error));
     if (k % check_every != 0) continue;

@@ -7,7 +7,7 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/calibration_mean.hpp"
-#include "core/estimator/kalman_predictor.hpp"
+#include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/noise/flicker.hpp"
 #include "core/samples/tick_average.hpp"
@@ -87,12 +87,36 @@ void count_predictor(Predictor& predictor, const char* step, const char* gap, co
                        mean_hundredths(4, [&] { report = predictor.predict(span).sigma_rad_s(); }));
 }
 
-constinit core::KalmanPredictor<kShape> kalman{kCoefficients};
+using Kalman = core::KalmanBank<kShape, 3>;
+constinit Kalman kalman{kCoefficients};
 constinit core::MovingAverage<kShape, 8> moving_average{kModes};
 constinit core::CalibrationMean<kShape> calibration_mean{kModes};
 
+/// The Kalman predictor of three axes.
+void count_kalman() {
+  const auto tick = kModes.one_tick();
+  std::array<float, 3> rates{};
+  const auto measure = [&] {
+    for (float& rate : rates) rate = noisy_rate_rad_s();
+  };
+  const auto step = [&] {
+    kalman.advance(tick);
+    (void)kalman.observe(rates, kWhiteVariance);
+  };
+  for (int i = 0; i < 50; ++i) {
+    measure();
+    step();
+  }
+  emulated::write_line("kalman_step", mean_hundredths(64, measure, step));
+  const auto span = kModes.over(unknown_ticks);
+  emulated::write_line("kalman_gap", mean_hundredths(4, [&] { kalman.advance(span); }));
+  emulated::write_line("kalman_predict", mean_hundredths(4, [&] {
+                         for (const auto& axis : kalman.predict(span)) report = axis.sigma_rad_s();
+                       }));
+}
+
 void count_predictors() {
-  count_predictor(kalman, "kalman_step", "kalman_gap", "kalman_predict");
+  count_kalman();
   count_predictor(moving_average, "moving_average_step", "moving_average_gap",
                   "moving_average_predict");
   count_predictor(calibration_mean, "calibration_mean_step", "calibration_mean_gap",
@@ -105,9 +129,7 @@ void count_predictors() {
 }
 
 constinit core::TickAverage<3> average{kTick, kSamplePeriod};
-constinit std::array<core::KalmanPredictor<kShape>, 3> filters{
-    core::KalmanPredictor<kShape>{kCoefficients}, core::KalmanPredictor<kShape>{kCoefficients},
-    core::KalmanPredictor<kShape>{kCoefficients}};
+constinit Kalman filter{kCoefficients};
 
 /// Samples at 104 Hz averaged into ticks at 10 Hz, and a predict and update of each axis a tick.
 void filter_a_sample(const core::Transition<kDecades, 0>& tick, core::Instant at,
@@ -115,10 +137,8 @@ void filter_a_sample(const core::Transition<kDecades, 0>& tick, core::Instant at
   if (average.is_empty() || average.is_over_at(at)) {
     if (!average.is_empty()) {
       const auto mean = average.close();
-      for (std::size_t i = 0; i < 3; ++i) {
-        (void)filters[i].step(tick, mean.rate_rad_s[i],
-                              kWhiteVariance / static_cast<float>(mean.samples));
-      }
+      filter.advance(tick);
+      (void)filter.observe(mean.rate_rad_s, kWhiteVariance / static_cast<float>(mean.samples));
     }
     average.enter(at);
   }

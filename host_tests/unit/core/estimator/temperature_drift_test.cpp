@@ -143,7 +143,7 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTempe
   for (const auto& [at, truth, prior] : {std::tuple{0U, 5.0, 4.0}, std::tuple{1U, 0.15, 0.3}}) {
     const std::size_t i = Filter::Coefficients::kTemperature + at;
     const double sigma = std::sqrt(double{filter.state().covariance(i, i)});
-    EXPECT_NEAR(double{filter.state().drift[i]}, truth, 4.0 * sigma);
+    EXPECT_NEAR(double{filter.state().axes[0].drift[i]}, truth, 4.0 * sigma);
     EXPECT_LT(sigma, 0.2 * prior);
   }
 }

@@ -17,6 +17,7 @@ using testing::at_ms;
 using testing::drive;
 using testing::expect_same;
 using testing::kBias;
+using testing::kNodeShape;
 using testing::Node;
 using testing::node_params;
 using testing::noisy_sample;
@@ -128,7 +129,6 @@ TEST(GyroNodeOverAWholeDrive, NeverAllocates) {
 TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
   static_assert(sizeof(Node::HeldTick) == sizeof(core::TickMean<3>));
   static_assert(std::is_empty_v<core::TemperatureTrack<0>>);
-  static_assert(sizeof(core::KalmanPredictor<core::ModelShape{.decaying = 6}>::State) <= 192);
   EXPECT_LT(sizeof(Node),
             sizeof(GyroNode<core::ModelShape{.decaying = 4, .temperature_weights = 2}>));
 }
@@ -169,6 +169,32 @@ TEST(GyroNodeWithTheLongestHoldBack, NeverOverfillsItsLine) {
   EXPECT_GT(node.measured_ticks(), 0U);
 }
 
+/// A node that runs nothing but the Kalman predictor.
+using LeanNode = GyroNode<kNodeShape, NodeCapacity{.runs_moving_average = false,
+                                                   .runs_calibration_mean = false}>;
+
+TEST(GyroNodeOfTheKalmanPredictorAlone, PublishesTheSameAndIsSmaller) {
+  const auto params = node_params();
+  Node whole{params};
+  LeanNode lean{params};
+  for (std::int64_t ms = 0; ms < 30'000; ms += 10) {
+    const auto sample = noisy_sample(at_ms(ms), kBias);
+    ASSERT_EQ(lean.step(sample), whole.step(sample));
+  }
+  EXPECT_FALSE(lean.predict(Predictor::moving_average, 0).is_available());
+  // Three axes of a moving average, 22 levels of 50 bytes each.
+  EXPECT_LT(sizeof(LeanNode) + std::size_t{3} * 22 * 50, sizeof(Node));
+}
+
+TEST(GyroNodeOfTheKalmanPredictorAlone, RefusesToPublishAnother) {
+  auto params = node_params();
+  EXPECT_TRUE(LeanNode::check(params).has_value());
+  params.published = Predictor::moving_average;
+  EXPECT_EQ(LeanNode::check(params).error(), ParamsError::predictor_not_run);
+  params.published = Predictor::calibration_mean;
+  EXPECT_EQ(LeanNode::check(params).error(), ParamsError::predictor_not_run);
+}
+
 TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {
   const auto params = node_params();
   Node node{params};
@@ -176,13 +202,13 @@ TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {
   const Node::State state = node.state();
   Node::State other = state;
   EXPECT_TRUE(other == state);
-  other.axes[1].kalman.rejected = 1;
+  other.predictors.kalman.rejected = 1;
   EXPECT_FALSE(other == state);
   other = state;
-  other.axes[1].kalman.rejection_variance = 1.0F;
+  other.predictors.kalman.axes[1].rejection_variance = 1.0F;
   EXPECT_FALSE(other == state);
   other = state;
-  other.axes[1].monitor.is_consistent = false;
+  other.predictors.axes[1].monitor.is_consistent = false;
   EXPECT_FALSE(other == state);
 }
 

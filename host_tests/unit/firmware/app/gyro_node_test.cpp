@@ -29,11 +29,12 @@ TEST(GyroNodeAtTheFirstPulse, KeepsTheMeanOfTheWholeStop) {
   for (std::int64_t offset_ms = 0; offset_ms <= 200; ++offset_ms) {
     Node node{params};
     stand(node, 0, 10'000 + offset_ms / 10 * 10);
-    const std::uint32_t learnt = node.state().axes[0].calibration_mean.count;
+    const std::uint32_t learnt = node.state().predictors.axes[0].calibration_mean.count;
     node.pulse(at_ms(10'000 + offset_ms));
     (void)node.step(noisy_sample(at_ms(10'000 + offset_ms + 10), kBias));
-    EXPECT_GE(node.state().axes[0].calibration_mean.count, learnt) << offset_ms << " ms";
-    EXPECT_GE(node.state().axes[0].moving_average.sums.count(), learnt) << offset_ms << " ms";
+    EXPECT_GE(node.state().predictors.axes[0].calibration_mean.count, learnt) << offset_ms << " ms";
+    EXPECT_GE(node.state().predictors.axes[0].moving_average.sums.count(), learnt)
+        << offset_ms << " ms";
   }
 }
 
@@ -69,9 +70,10 @@ TEST(GyroNodeOnTheMove, LearnsNothing) {
   const Node::State after = node.state();
   EXPECT_EQ(after.measured_ticks, before.measured_ticks);
   for (std::size_t i = 0; i < 3; ++i) {
-    expect_same(after.axes[i].kalman, before.axes[i].kalman);
-    expect_same(after.axes[i].moving_average, before.axes[i].moving_average);
-    expect_same(after.axes[i].calibration_mean, before.axes[i].calibration_mean);
+    expect_same(after.predictors.kalman, before.predictors.kalman);
+    expect_same(after.predictors.axes[i].moving_average, before.predictors.axes[i].moving_average);
+    expect_same(after.predictors.axes[i].calibration_mean,
+                before.predictors.axes[i].calibration_mean);
   }
 }
 
@@ -203,8 +205,8 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
     if (ms % 100 < 50) (void)thin.step(noisy_sample(at_ms(ms), kBias));
   }
   EXPECT_EQ(thin.tick(), full.tick());
-  const auto thin_mean = thin.state().axes[0].calibration_mean;
-  const auto full_mean = full.state().axes[0].calibration_mean;
+  const auto thin_mean = thin.state().predictors.axes[0].calibration_mean;
+  const auto full_mean = full.state().predictors.axes[0].calibration_mean;
   EXPECT_EQ(thin_mean.count, full_mean.count);
   EXPECT_FLOAT_EQ(thin_mean.white_variance_sum, 2.0F * full_mean.white_variance_sum);
   EXPECT_NEAR(bias_of(thin, Predictor::kalman), kBias, 5.0F * kWhiteSigmaRadS / std::sqrt(2900.F));
@@ -237,8 +239,9 @@ TEST(GyroNodeWithASaturatedSample, PublishesItFlaggedAndDoesNotLearnFromIt) {
   stand(never, 0, 20'000);
   stand(never, 20'010, 22'000);
   for (std::size_t i = 0; i < 3; ++i) {
-    expect_same(node.state().axes[i].kalman, never.state().axes[i].kalman);
-    expect_same(node.state().axes[i].calibration_mean, never.state().axes[i].calibration_mean);
+    expect_same(node.state().predictors.kalman, never.state().predictors.kalman);
+    expect_same(node.state().predictors.axes[i].calibration_mean,
+                never.state().predictors.axes[i].calibration_mean);
   }
 }
 

@@ -91,7 +91,7 @@ void expect_same(const State& a, const State& b) {
 }
 inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_TRUE(a.learning == b.learning);
-  EXPECT_TRUE(a.axes == b.axes);
+  EXPECT_TRUE(a.predictors == b.predictors);
   EXPECT_TRUE(a == b);
 }
 

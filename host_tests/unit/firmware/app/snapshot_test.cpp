@@ -90,11 +90,11 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
     EXPECT_EQ(*resumption, Resumption::aged);
     // The oracle: the same node, asked without a stop between, over the same time.
     core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
-    core::KalmanPredictor<core::ModelShape{.decaying = 4}> oracle{coefficients};
-    oracle.restore(learnt.node.filter(1));
+    core::KalmanBank<core::ModelShape{.decaying = 4}, 3> oracle{coefficients};
+    oracle.restore(learnt.node.filter());
     const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =
-        oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)));
+        oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)))[1];
     const auto resumed = again.predict(Predictor::kalman, 1);
     EXPECT_NEAR(resumed.bias_rad_s, expected.bias_rad_s, 1e-3F * expected.sigma_rad_s());
     EXPECT_NEAR(resumed.variance_rad2_s2,
