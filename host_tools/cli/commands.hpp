@@ -2,9 +2,12 @@
 /// The sub-commands of `zerorate`: each adds itself to the command line and returns what runs it.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace zerorate::cli {
 

@@ -2,13 +2,16 @@
 /// The options that `replay` and `demo` share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host_tools/lib/evaluate/replay.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace zerorate::cli {
 

@@ -1,0 +1,103 @@
+"""The memory of clang-tidy's results: what has not changed costs nothing, and what changed is looked at again."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+REPOSITORY = pathlib.Path(__file__).parents[2]
+TIDY = REPOSITORY / "toolchains/tidy.py"
+CLEAN, UNTIDY = "inline int* nowhere() { return nullptr; }\n", "inline int* nowhere() { return 0; }\n"
+
+
+class Project(unittest.TestCase):
+    """A project of one source file and its header, in a folder of its own with an empty memory."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(os.path.realpath(folder.name)) / "first"
+        self.memory = self.root.parent / "memory"
+        self.make(self.root)
+
+    def make(self, root, flags=""):
+        self.write(root, "core/a.hpp", "#pragma once\n" + CLEAN)
+        self.write(root, "core/a.cpp", '#include "core/a.hpp"\n')
+        self.write(root, ".clang-tidy", "Checks: '-*,modernize-use-nullptr'\nWarningsAsErrors: '*'\n")
+        entry = {"directory": str(root), "file": f"{root}/core/a.cpp",
+                 "command": f"c++ -std=c++20 {flags} -I{root} -o a.o -c {root}/core/a.cpp"}
+        self.write(root, "compile_commands.json", json.dumps([entry]))
+
+    def write(self, root, name, text):
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def tidy(self, root=None):
+        """(exit code, last line) of a run over the source file."""
+        root = root or self.root
+        run = subprocess.run([sys.executable, "-B", TIDY, "--root", root, root, "core/a.cpp"], capture_output=True,
+                             text=True, env={**os.environ, "XDG_CACHE_HOME": str(self.memory)}, timeout=50)
+        return run.returncode, run.stdout.splitlines()[-1]
+
+    def assert_checked(self, outcome):
+        self.assertEqual(outcome, (0, "1 files: 0 unchanged since they were clean, 0 with findings"))
+
+    def assert_remembered(self, outcome):
+        self.assertEqual(outcome, (0, "1 files: 1 unchanged since they were clean, 0 with findings"))
+
+    def assert_refused(self, outcome):
+        self.assertEqual(outcome, (1, "1 files: 0 unchanged since they were clean, 1 with findings"))
+
+
+class OurConfiguration(Project):
+    def test_refuses_untidy_code(self):
+        self.write(self.root, ".clang-tidy", (REPOSITORY / ".clang-tidy").read_text(encoding="utf-8"))
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + UNTIDY)
+        self.assert_refused(self.tidy())
+
+
+class Memory(Project):
+    def test_serves_what_has_not_changed(self):
+        self.assert_checked(self.tidy())
+        self.assert_remembered(self.tidy())
+
+    def test_serves_another_clone(self):
+        self.assert_checked(self.tidy())
+        self.make(self.root.parent / "second")
+        self.assert_remembered(self.tidy(self.root.parent / "second"))
+
+    def test_never_holds_a_finding(self):
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + UNTIDY)
+        self.assert_refused(self.tidy())
+        self.assert_refused(self.tidy())
+
+    def test_notices_a_changed_header_and_knows_the_old_one_again(self):
+        self.assert_checked(self.tidy())
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + UNTIDY)
+        self.assert_refused(self.tidy())
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + CLEAN)
+        self.assert_remembered(self.tidy())
+
+    def test_notices_that_a_silencing_comment_went(self):
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + UNTIDY.rstrip() + "  // NOLINT\n")
+        self.assert_checked(self.tidy())
+        self.write(self.root, "core/a.hpp", "#pragma once\n" + UNTIDY)
+        self.assert_refused(self.tidy())
+
+    def test_notices_another_configuration(self):
+        self.assert_checked(self.tidy())
+        self.write(self.root, ".clang-tidy", "Checks: '-*,modernize-use-nullptr,misc-*'\nWarningsAsErrors: '*'\n")
+        self.assert_checked(self.tidy())
+
+    def test_notices_other_flags(self):
+        self.assert_checked(self.tidy())
+        self.make(self.root, "-DSOMETHING")
+        self.assert_checked(self.tidy())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Runs clang-tidy on every source file of the project; a file that was clean before and has not changed costs nothing.
+
+usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
+
+Compile flags come from BUILD_FOLDER/compile_commands.json, of a build without precompiled headers. Each .cpp answers
+for the headers of its folder too. Flashed code is mostly headers: those are checked one by one.
+
+The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
+the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed
+and not the preprocessed source, because a comment can silence a check (NOLINT). Only clean files are remembered.
+"""
+
+import argparse
+import concurrent.futures
+import functools
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
+HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
+INCLUDED = re.compile(r"^\.+ (.*)$")
+# GCC's flags that clang does not know or takes for something else.
+EXTRA_FLAGS = ["-Wno-double-promotion", "-Wno-ignored-optimization-argument", "-Wno-unknown-warning-option"]
+KEPT_RUNS = 4  # as many states of one file are remembered, for branches to switch between
+
+
+def digest(*parts):
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+@functools.lru_cache(maxsize=None)
+def content_digest(path):
+    """The hash of a file's bytes; of a file that is not there, the empty string."""
+    try:
+        return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+class Cache:
+    """Remembers, by the key of a run, the files that it read and the hash of their contents."""
+
+    def __init__(self, folder, root):
+        self._folder, self._root = folder, root
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def has(self, key):
+        return any(run["digest"] == self._digest_of(run["files"]) for run in self._runs(key))
+
+    def remember(self, key, files):
+        """Stores a run that found nothing. Paths in the project are relative, so that every clone profits."""
+        files = sorted({os.path.relpath(file, self._root) if file.startswith(f"{self._root}/") else file
+                        for file in map(os.path.realpath, files)})
+        runs = [{"files": files, "digest": self._digest_of(files)}, *self._runs(key)][:KEPT_RUNS]
+        unfinished = self._folder / f"{key}.{os.getpid()}"
+        unfinished.write_text(json.dumps(runs), encoding="utf-8")
+        unfinished.replace(self._folder / f"{key}.json")
+
+    def _runs(self, key):
+        try:
+            return json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return []
+
+    def _digest_of(self, files):
+        return digest(*(content_digest(os.path.join(self._root, file)) for file in files))
+
+
+class Flags:
+    """The compiler's flags for each file, from a compile database."""
+
+    def __init__(self, database, root):
+        self._of = {}
+        for entry in json.loads(database.read_text(encoding="utf-8")):
+            words = shlex.split(entry["command"])[1:]
+            words = [word for word in words[:words.index("-o")] if not word.startswith("-M")]
+            self._of.setdefault(os.path.relpath(entry["file"], root), words)
+
+    def of(self, file):
+        """The flags of a file; of one that no build compiles here, those of the file nearest by its path."""
+        if file not in self._of:
+            nearest = max(sorted(self._of), key=lambda other: len(os.path.commonprefix([file, other])))
+            return self._of[nearest]
+        return self._of[file]
+
+    def has(self, file):
+        return file in self._of
+
+
+def files_to_check(root, flags):
+    """Every source file of the product, and the headers of what is flashed, relative to the root."""
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.[ch]pp")):
+            name = path.relative_to(root).as_posix()
+            # Of the two sources for libgpiod only the one that this machine builds means anything here.
+            other_gpiod = path.name.startswith("gpio_line_v") and path.suffix == ".cpp" and not flags.has(name)
+            if not other_gpiod and not HOSTED.match(name):
+                yield name
+
+
+class Tidy:
+    def __init__(self, root, flags, cache):
+        self._root, self._flags, self._cache = root, flags, cache
+        self._version = subprocess.run(["clang-tidy", "--version"], check=True, capture_output=True, text=True).stdout
+
+    def check(self, file):
+        """(whether the file was remembered as clean, what clang-tidy finds in it: empty where nothing)."""
+        flags = self._flags.of(file)
+        configuration = [content_digest(folder / ".clang-tidy") for folder in (self._root / file).parents]
+        key = digest(file, self._version, *configuration,
+                     *(flag.replace(str(self._root), "") for flag in flags + EXTRA_FLAGS))
+        if self._cache.has(key):
+            return True, ""
+        folder = re.escape(os.path.dirname(file))
+        # -H prints the path of every header that is read.
+        run = subprocess.run(
+            ["clang-tidy", "--quiet", f"--header-filter=/{folder}/[^/]*[.]hpp$", file, "--", *flags, *EXTRA_FLAGS, "-H"],
+            cwd=self._root, capture_output=True, text=True)
+        lines = [(INCLUDED.match(line), line) for line in run.stderr.splitlines()]
+        if run.returncode == 0:
+            included = [os.path.join(self._root, match[1]) for match, _ in lines if match]
+            self._cache.remember(key, [str(self._root / file), *included])
+            return False, ""
+        return False, "\n".join([run.stdout, *(line for match, line in lines if not match)]).strip() or "failed"
+
+
+def cache_folder():
+    above = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    return pathlib.Path(above) / "zerorate-tidy"
+
+
+def main():
+    parser = argparse.ArgumentParser(description="clang-tidy with a memory", add_help=True)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).parents[1])
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("files", nargs="*", metavar="FILE")
+    arguments = parser.parse_args()
+    root = arguments.root.resolve()
+    flags = Flags(arguments.build / "compile_commands.json", root)
+    tidy = Tidy(root, flags, Cache(cache_folder(), root))
+
+    files = arguments.files or list(files_to_check(root, flags))
+    remembered = findings = 0
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        for file, (was_remembered, found) in zip(files, pool.map(tidy.check, files)):
+            remembered += was_remembered
+            if found:
+                findings += 1
+                print(f"{file}:\n{found}\n", flush=True)
+    print(f"{len(files)} files: {remembered} unchanged since they were clean, {findings} with findings")
+    sys.exit(1 if findings or not files else 0)
+
+
+if __name__ == "__main__":
+    main()
