@@ -24,8 +24,8 @@ class CalibrationMean {
     std::uint32_t count = 0;       ///< measurements of the newest stop
     std::uint32_t age = 0;         ///< ticks from the start to the newest measurement
     float reference_rad_s = 0.0F;  ///< the stop's first measurement
-    float sum_rad_s = 0.0F;        ///< of the deviations from it
-    float lost_rad_s = 0.0F;       ///< what the sum rounded off (Kahan), given back next time
+    float sum_rad_s = 0.0F;        ///< sum of the deviations from it
+    float lost_rad_s = 0.0F;       ///< rounding error of the sum (Kahan), given back next time
     float white_variance_sum = 0.0F;
 
     constexpr bool operator==(const State&) const = default;

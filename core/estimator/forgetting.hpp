@@ -1,5 +1,5 @@
 /// @file
-/// What the drifts of a filter forget over a span of ticks.
+/// Share of the drifts of a filter that is forgotten over a span of ticks.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 /// @file
-/// What to think of a measurement that is too far from its prediction.
+/// Rule for a measurement that is too far from its prediction.
 #pragma once
 
 #include <cstdint>

@@ -26,8 +26,8 @@ namespace zerorate::core {
 /// other states are the drifts w of KalmanCoefficients: s' = s + sum of w + noise.
 /// docs/design/kalman-predictor.md derives the equations, docs/adr/0006 and 0013 compare the forms.
 ///
-/// Cost of a tick and its measurement at six decaying modes: 174 floating-point operations and one
-/// division, and 38 an axis; no square root. Not re-entrant.
+/// Cost of a tick and its measurement at six decaying modes: 179 floating-point operations and one
+/// division, and 35 operations an axis; no square root. Not re-entrant.
 template <ModelShape Shape, std::size_t Axes>
 class KalmanBank {
  public:
@@ -118,14 +118,14 @@ class KalmanBank {
     return innovations;
   }
 
-  /// The bias may have changed by this much, unseen.
+  /// Adds the variance of an unseen change of the bias.
   constexpr void inflate_variance(float variance_rad2_s2) {
     state_.bias_variance += variance_rad2_s2;
   }
 
-  /// The sensor was switched on again: its warm-up and its ramp begin anew, each with another
-  /// amplitude or slope. What the warm-up before has put on the bias is gone, what a ramp has put
-  /// on it stays. docs/design/kalman-predictor.md, eq. 9b.
+  /// Begins warm-up and ramp anew, each with another amplitude or slope: the sensor was switched on
+  /// again. What the warm-up before has put on the bias is gone, what a ramp has put on it stays.
+  /// docs/design/kalman-predictor.md, eq. 9b.
   constexpr void restart_transients() {
     for (std::size_t i = 0; i < Coefficients::kDecaying; ++i) {
       if (coefficients_->is_transient(i)) restart(i);
@@ -164,8 +164,8 @@ class KalmanBank {
  private:
   using Axis = typename State::Axis;
 
-  /// What a drift moves the bias by over a tick: itself, without a multiplication. A constant of
-  /// the temperature: the change of its weight.
+  /// Weights of a tick: a drift moves the bias by itself, without a multiplication; a constant of
+  /// the temperature by the change of its weight.
   struct TickWeights {
     const Transition& span;
     [[nodiscard]] constexpr float weighted(std::size_t i, float x) const {
@@ -309,8 +309,8 @@ class KalmanBank {
     return headings;
   }
 
-  /// What the bias of an axis may have done because the temperature was not known: the expectation
-  /// of the square of (unknown change of the weights)' (constants).
+  /// Variance of the bias of an axis where the temperature was not known: the expectation of the
+  /// square of (unknown change of the weights)' (constants).
   [[nodiscard]] constexpr float unknown_variance(const Transition& span, const Axis& axis) const {
     float variance = 0.0F;
     if constexpr (kWeights > 0) {
@@ -326,7 +326,7 @@ class KalmanBank {
     }
     return variance;
   }
-  /// That of the axis with the largest slope: no interval is too narrow.
+  /// Unknown variance of the axis with the largest slope: no interval is too narrow.
   [[nodiscard]] constexpr float largest_unknown_variance(const Transition& span) const {
     float largest = 0.0F;
     for (const Axis& axis : state_.axes) largest = std::max(largest, unknown_variance(span, axis));

@@ -37,7 +37,7 @@ struct KalmanCoefficients {
   /// The drift that holds the real part of a rotating mode; the imaginary part is the next.
   static constexpr std::size_t rotating(std::size_t i) { return kDecaying + 2 * i; }
 
-  /// What noise adds over a span of ticks.
+  /// Variances and covariances that noise adds over a span of ticks.
   struct Noise {
     float bias = 0.0F;  ///< to the variance of the bias [rad2/s2]
     Drifts cross{};     ///< to its covariances with the drifts

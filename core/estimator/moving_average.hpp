@@ -27,7 +27,7 @@ class MovingAverage {
 
   struct State {
     bool restart = true;           ///< the next measurement is the first of a stop
-    SuffixSums<Levels> sums;       ///< of the deviations from the reference
+    SuffixSums<Levels> sums;       ///< deviations from the reference
     std::uint32_t age = 0;         ///< ticks from the start to the newest measurement
     float reference_rad_s = 0.0F;  ///< the stop's first measurement
     float white_variance_sum = 0.0F;

@@ -1,5 +1,5 @@
 /// @file
-/// What every bias predictor answers, and what it says of a measurement.
+/// Answers of a bias predictor: predictions, and the innovation of a measurement.
 #pragma once
 
 #include <limits>
@@ -31,7 +31,7 @@ struct HeadingPrediction {
   [[nodiscard]] constexpr float sigma_rad() const { return square_root(variance_rad2); }
 };
 
-/// What became of one measurement.
+/// Outcome of one measurement.
 struct Innovation {
   bool accepted =
       false;  ///< false: not finite, or a variance that is not positive; nothing changed

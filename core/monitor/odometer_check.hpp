@@ -52,9 +52,9 @@ class OdometerCheck {
   struct State {
     Rates level_rad_s{};             ///< recent level of the rate; while moving, the newest sample
     Rates trusted_rad_s{};           ///< level before the last change, if there was one
-    Rates sum_rad_s{};               ///< of the window being filled
+    Rates sum_rad_s{};               ///< sum of the window being filled
     std::uint16_t steady_ticks = 0;  ///< since the level changed
-    std::uint16_t needed_ticks = 0;  ///< of them, until a changed level is believed
+    std::uint16_t needed_ticks = 0;  ///< ticks until a changed level is believed
     std::uint8_t window_ticks = 0;   ///< summed so far
     std::uint8_t bounced_ticks = 0;  ///< since the newest bounce, counted down
     bool stands = false;             ///< the level is that of a stop

@@ -36,13 +36,13 @@ struct Mode {
 using DecayingMode = Mode<float>;
 using RotatingMode = Mode<Complex>;
 
-/// What a mode does over m ticks, from z before the span to z' after it and to the running sum
+/// Transition of a mode over m ticks, from z before the span to z' after it and to the running sum
 /// Z = z[1] + ... + z[m]:
 ///
 ///     z' = (1 - one_minus_phi_m) z + n,   Z = (m - sum_lag) z + N,   Var Re n = noise,
 ///     E[N conj(n)] / 2 = sum_covariance,   Var Re N = sum_variance.
 ///
-/// Nothing is stored as a difference of nearly equal numbers; all terms of a decaying mode are
+/// No member is a difference of nearly equal numbers; all terms of a decaying mode are
 /// positive, so that single precision holds over any span.
 template <class Scalar>
 struct ModeTransition {

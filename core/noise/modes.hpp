@@ -14,9 +14,9 @@
 
 namespace zerorate::core {
 
-/// What R decaying modes, C rotating modes and the level do over a span of ticks. A plain value:
-/// spans compose (`then`), so any gap costs the logarithm of its length and no transcendental
-/// function (docs/adr/0005).
+/// Transition of R decaying modes, C rotating modes and the level over a span of ticks. A plain
+/// value: transitions compose (`then`), so any gap costs the logarithm of its length and no
+/// transcendental function (docs/adr/0005).
 template <std::size_t R, std::size_t C>
 struct Transition {
   std::uint32_t ticks = 0;
@@ -75,7 +75,7 @@ struct Modes {
   Duration tick;
   Start start = Start::stationary;
   bool is_stationary = true;   ///< every mode starts at, and so keeps, its stationary variance
-  float walk_variance = 0.0F;  ///< what the level gains per tick [rad2/s2]
+  float walk_variance = 0.0F;  ///< variance that the level gains per tick [rad2/s2]
   std::array<DecayingMode, R> decaying{};
   std::array<RotatingMode, C> rotating{};
 

@@ -21,7 +21,7 @@ struct TemperatureDrift {
   float slope_sigma_rad_s_per_k = 0.0F;
   float curvature_rad_s_per_k2 = 0.0F;
   float curvature_sigma_rad_s_per_k2 = 0.0F;
-  float lag_s = 0.0F;  ///< of the sensing element behind the thermometer, first order; 0: none
+  float lag_s = 0.0F;  ///< first-order lag of the sensing element behind the thermometer; 0: none
 
   [[nodiscard]] constexpr bool is_on() const {
     return slope_rad_s_per_k != 0.0F || slope_sigma_rad_s_per_k > 0.0F ||
@@ -29,20 +29,20 @@ struct TemperatureDrift {
   }
 };
 
-/// What a filter without the block (K = 0) has in its place.
+/// Place of the block in a filter without it (K = 0).
 struct NoTemperatureDrift {};
 
 /// @tparam K 0 or TemperatureDrift::kWeights
 template <std::size_t K>
 using TemperatureBlock = std::conditional_t<(K > 0), TemperatureDrift, NoTemperatureDrift>;
 
-/// What the temperature does over a span of ticks, as far as the bias is concerned.
+/// Change of the temperature over a span of ticks, as far as the bias is concerned.
 template <std::size_t K>
 struct TemperatureTransition {
   static_assert(K == TemperatureDrift::kWeights);
   using Weights = std::array<float, K>;
 
-  Weights change{};  ///< of the weights, from before the span to its end
+  Weights change{};  ///< change of the weights from before the span to its end
   Weights sum{};     ///< over the ticks of the span, of the change up to each
   /// Standard deviation of the change that is not known, because the temperature is not. Both
   /// weights then change together, and the mean of that is zero.
@@ -61,7 +61,7 @@ struct TransitionWithTemperature : TransitionOf<Shape> {
   constexpr bool operator==(const TransitionWithTemperature&) const = default;
 };
 
-/// What a filter is told of a span: without the block, what its modes do.
+/// Transition that a filter is given: without the block, that of its modes.
 template <ModelShape Shape>
 using FilterTransition = std::conditional_t<(Shape.temperature_weights > 0),
                                             TransitionWithTemperature<Shape>, TransitionOf<Shape>>;

@@ -1,5 +1,5 @@
 /// @file
-/// What single samples do besides white noise: what a mean over a tick would hide.
+/// Model of single samples besides white noise: what a mean over a tick would hide.
 #pragma once
 
 #include <limits>
@@ -10,11 +10,11 @@ namespace zerorate::core {
 
 /// Single wild samples: a share of them has noise of its own on top.
 struct Outliers {
-  float probability = 0.0F;       ///< of a sample; 0: there are none
-  float variance_rad2_s2 = 0.0F;  ///< of what is added to it
+  float probability = 0.0F;       ///< that a sample is one; 0: there are none
+  float variance_rad2_s2 = 0.0F;  ///< variance of the error that is added
 
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(probability); }
-  /// What they add to the variance of a sum of many samples, for each of them.
+  /// Variance that they add to a sum of many samples, for each of them.
   [[nodiscard]] constexpr float variance_in_sums() const { return probability * variance_rad2_s2; }
 };
 
@@ -22,10 +22,10 @@ struct Outliers {
 struct MotionEvents {
   float begin_probability = 0.0F;  ///< at a sample, while there is none; 0: there never is one
   float end_probability = 1.0F;    ///< at a sample, while there is one: 1 / mean length in samples
-  float variance_rad2_s2 = 0.0F;   ///< of the offset, whose memory is its mean length
+  float variance_rad2_s2 = 0.0F;   ///< variance of the offset, whose memory is its mean length
 
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(begin_probability); }
-  /// What it adds to the variance of a sum of many samples, for each of them: its variance, by the
+  /// Variance that it adds to a sum of many samples, for each of them: its variance, by the
   /// share of the time that it lasts, over the lengths that its memory reaches to both sides.
   [[nodiscard]] constexpr float variance_in_sums() const {
     const float share = begin_probability / (begin_probability + end_probability);
@@ -42,7 +42,7 @@ struct NoiseLevel {
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(variance); }
 };
 
-/// What the sensor can tell: beyond the ends it says the end.
+/// Range of the sensor: beyond an end it says the end.
 struct MeasuringRange {
   float lower_rad_s = -std::numeric_limits<float>::infinity();
   float upper_rad_s = std::numeric_limits<float>::infinity();

@@ -31,19 +31,20 @@ class SampleScreen {
   struct State {
     float moved = 0.0F;            ///< probability that the newest sample was moved
     float offset_rad_s = 0.0F;     ///< expected, if it was
-    float offset_variance = 0.0F;  ///< and its variance
+    float offset_variance = 0.0F;  ///< variance of that offset
     float disturbed = 0.0F;  ///< samples without an undisturbed one, in mean lengths of a motion
     float expected_rad_s = 0.0F;  ///< the bias of this tick by its samples so far
     float variance = std::numeric_limits<float>::infinity();  ///< infinite: nothing is expected
-    float white_variance = 1.0F;                              ///< of a sample of this tick
-    float squares_rad2_s2 = 0.0F;  ///< of the samples learnt from: of residuals, as of white noise
+    float white_variance = 1.0F;  ///< white variance of a sample of this tick
+    float squares_rad2_s2 =
+        0.0F;  ///< sum over the samples learnt from: of residuals, as of white noise
 
     constexpr bool operator==(const State&) const = default;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
-  /// What the next sample is expected to be: the bias with its white noise, plus, with
-  /// probability `moved`, an offset, or else, with probability `outlier`, an outlier's.
+  /// Distribution of the next sample: the bias with its white noise, plus, with probability
+  /// `moved`, an offset, or else, with probability `outlier`, an outlier's.
   struct Forecast {
     float expected_rad_s = 0.0F;
     float variance = 0.0F;  ///< white noise included
@@ -108,11 +109,12 @@ class SampleScreen {
     return is_learnt;
   }
 
-  /// Of the samples learnt from in this tick: their sum estimates the white variance as many times.
+  /// Squares of the samples learnt from in this tick: their sum estimates the white variance as
+  /// many times.
   [[nodiscard]] constexpr float squares_rad2_s2() const { return state_.squares_rad2_s2; }
 
  private:
-  /// What the newest sample was, by Bayes' rule.
+  /// Probabilities of what the newest sample was, by Bayes' rule.
   struct Shares {
     float undisturbed;
     float moved;

@@ -15,7 +15,7 @@ template <std::size_t Axes>
 struct TickMean {
   std::uint32_t tick = 0;
   std::uint32_t samples = 0;
-  Instant end;  ///< of the newest sample
+  Instant end;  ///< time of the newest sample
   std::array<float, Axes> rate_rad_s{};
 
   constexpr bool operator==(const TickMean&) const = default;

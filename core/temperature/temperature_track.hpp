@@ -20,8 +20,8 @@ class TemperatureTrack {
   struct State {
     typename Thermometer<K>::State thermometer;
     Tick tick;                   ///< being filled
-    Tick measured;               ///< of the newest measurement
-    std::array<float, K> sum{};  ///< of the changes since then, over the ticks
+    Tick measured;               ///< temperature of the newest measurement
+    std::array<float, K> sum{};  ///< sum over the ticks of the changes since then
     std::uint32_t summed_ticks = 0;
 
     constexpr bool operator==(const State&) const = default;
@@ -74,8 +74,8 @@ class TemperatureTrack {
     lead.temperature.sum = sum_;
   }
 
-  /// Of a drive's ticks, `past` lie in the lead and had its average; the rest will have what is
-  /// now.
+  /// Fills in a drive whose first `past` ticks lie in the lead and had its average; the rest will
+  /// have what is now.
   static constexpr void over_drive(const auto& lead, std::uint32_t past, auto& drive) {
     const auto in_lead = static_cast<float>(std::max(lead.ticks, std::uint32_t{1}));
     const auto coming = static_cast<float>(drive.ticks - past);

@@ -12,7 +12,7 @@
 
 namespace zerorate::core {
 
-/// What is known of the temperature during a tick of the filter.
+/// Temperature during a tick of the filter, as far as it is known.
 template <std::size_t K>
 struct TickTemperature {
   std::array<float, K> weights{};  ///< e and e^2, e above the reference; the last known ones
@@ -48,7 +48,7 @@ class Thermometer {
     Instant tick;            ///< began then
     float reading_k = 0.0F;  ///< above the reference: the mean of the last tick with readings
     float element_k = 0.0F;  ///< the sensing element, behind it
-    float sum_k = 0.0F;      ///< of the readings of this tick
+    float sum_k = 0.0F;      ///< sum of the readings of this tick
     std::uint32_t count = 0;
 
     constexpr bool operator==(const State&) const = default;
@@ -78,7 +78,7 @@ class Thermometer {
     return drift_.is_on() && !is_known(now);
   }
 
-  /// What the temperature did from one tick to a later one.
+  /// Change of the temperature from one tick to a later one.
   [[nodiscard]] static constexpr TemperatureTransition<K> between(const TickTemperature<K>& from,
                                                                   const TickTemperature<K>& to) {
     TemperatureTransition<K> span;

@@ -140,7 +140,7 @@ class AxisPredictors {
         : moving_average(modes), calibration_mean(modes) {}
   };
 
-  /// What action(predictor) answers for all axes: of a bank at once, of the others one by one.
+  /// Answers of action(predictor) for all axes: of a bank at once, of the others one by one.
   template <class Action>
   [[nodiscard]] constexpr auto of_all_axes(Predictor which, Action action) const {
     switch (which) {

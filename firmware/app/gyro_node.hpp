@@ -177,8 +177,8 @@ class GyroNode {
     if (learning_.has_sample()) predict_tick();
   }
 
-  /// What is worth keeping while the power is off, if Filter::is_confirmed(): the Kalman predictor
-  /// as of the newest measurement. The other predictors begin anew at the next stop.
+  /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, if
+  /// is_confirmed(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
   /// Whether there is a measurement that later ones have confirmed.
   [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
@@ -246,7 +246,7 @@ class GyroNode {
     if (begins_tick || learnt) predict_tick();
   }
 
-  /// What StopLearning calls for each tick that is certain.
+  /// Callback of StopLearning for each tick that is certain.
   [[nodiscard]] constexpr auto learner() {
     return [this](const HeldTick& mean, bool begins_stop) { learn(mean, begins_stop); };
   }

@@ -19,7 +19,7 @@
 
 namespace zerorate::app {
 
-/// What happened since the start; every fault is counted, none is hidden. Counters wrap.
+/// Events since the start; every fault is counted, none is hidden. Counters wrap.
 struct LoopCounters {
   std::uint32_t samples = 0;
   std::uint32_t pulses = 0;
@@ -28,7 +28,7 @@ struct LoopCounters {
   std::uint32_t starts = 0;        ///< successful starts of the gyro
   std::uint32_t start_errors = 0;  ///< failed ones, without those that asked for more time
   std::uint32_t read_errors = 0;
-  std::uint32_t overruns = 0;  ///< of them: samples lost in the chip
+  std::uint32_t overruns = 0;  ///< read errors that were samples lost in the chip
   std::uint32_t configurations_lost = 0;
   std::uint32_t silences = 0;  ///< messages that had to say that there are no samples
   drivers::DriverError last_error{};
@@ -67,7 +67,8 @@ class NodeLoop {
   }
 
  private:
-  static constexpr std::size_t kMostBatches = 64;  ///< of one poll; more than any FIFO holds
+  static constexpr std::size_t kMostBatches =
+      64;  ///< most batches of one poll; more than any FIFO holds
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);

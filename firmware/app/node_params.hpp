@@ -1,5 +1,5 @@
 /// @file
-/// What a node is built from.
+/// Parameters and capacity that a node is built from.
 #pragma once
 
 #include <cstddef>
@@ -38,15 +38,15 @@ enum class ParamsError : std::uint8_t {
 template <ModelShape Shape>
 struct NodeParams {
   core::ModesOf<Shape> modes;                       ///< slow noise at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample
+  float white_variance_rad2_s2 = 0.0F;              ///< white variance of one sample
   float measurement_floor_variance_rad2_s2 = 0.0F;  ///< stays however many samples are averaged
   /// Variance of the change of the bias while the power is off; infinite: unknown, nothing is worth
   /// keeping.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
-  core::Gate gate;  ///< of the Kalman predictor; off by default
-  /// What the Kalman predictor knows of the temperature.
+  core::Gate gate;  ///< gate of the Kalman predictor; off by default
+  /// Dependence on the temperature that the Kalman predictor starts from.
   [[no_unique_address]] core::TemperatureBlock<Shape.temperature_weights> temperature{};
-  core::SampleModel samples{};   ///< of single samples; off by default
+  core::SampleModel samples{};   ///< model of single samples; off by default
   core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   core::OdometerCheck::Params odometer;
@@ -56,8 +56,8 @@ struct NodeParams {
 /// How much a node remembers, for boards that count bytes. The results are the same as long as
 /// nothing is beyond it.
 struct NodeCapacity {
-  std::size_t held_ticks = 64;        ///< of the hold-back line, 32 bytes each
-  std::size_t average_levels = 22;    ///< of core::SuffixSums, 50 bytes each on every axis
+  std::size_t held_ticks = 64;        ///< places of the hold-back line, 32 bytes each
+  std::size_t average_levels = 22;    ///< levels of core::SuffixSums, 50 bytes each on every axis
   bool screens_samples = false;       ///< room for NodeParams::samples: 190 bytes, 12 a held tick
   bool runs_moving_average = true;    ///< 300 bytes an axis and those of average_levels
   bool runs_calibration_mean = true;  ///< 40 bytes an axis

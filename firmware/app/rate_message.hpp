@@ -1,5 +1,5 @@
 /// @file
-/// What the node publishes for every sample of the gyro, and while there are none.
+/// Message that the node publishes for every sample of the gyro, and while there are none.
 #pragma once
 
 #include <array>

@@ -47,7 +47,8 @@ class SampleScreening {
 template <std::size_t Axes>
 class SampleScreening<Axes, true> {
  public:
-  /// Of the samples of a tick that were learnt from; see core::SampleScreen::squares_rad2_s2().
+  /// Squares of the samples of a tick that were learnt from; see
+  /// core::SampleScreen::squares_rad2_s2().
   struct Squares {
     std::array<float, Axes> rad2_s2{};
 

@@ -1,5 +1,5 @@
 /// @file
-/// What a node has learnt, as a record that outlives its program and its power.
+/// Record of what a node has learnt, which outlives its program and its power.
 #pragma once
 
 #include <algorithm>
@@ -24,14 +24,14 @@ namespace zerorate::app {
 enum class SnapshotRefusal : std::uint8_t {
   not_a_snapshot,  ///< another size, or not our mark
   damaged,         ///< the checksum is wrong
-  other_layout,    ///< of a version whose records mean something else
-  other_model,     ///< of a node with other parameters
+  other_layout,    ///< a version whose records mean something else
+  other_model,     ///< a node with other parameters
   other_sensor,
   nothing_learnt,   ///< it was saved before the node was calibrated
   turn_on_unknown,  ///< the power was off, and the model does not say what that changes
 };
 
-/// What became of a record that was taken up.
+/// Outcome of a record that was taken up.
 enum class Resumption : std::uint8_t {
   continued,      ///< bit for bit, as if there had been no pause
   aged,           ///< by the time that the clock says to have passed since
@@ -94,7 +94,7 @@ class Snapshot {
     write_filters(node, time, record);
     return record;
   }
-  /// The same into the caller's memory.
+  /// Writes that record into the caller's memory.
   void write_filters(const Node& node, const SnapshotTime& time,
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
     std::span<std::uint8_t> rest =
@@ -129,7 +129,7 @@ class Snapshot {
     }
     return resume(node, state.predictors.kalman, Node::measured_temperature(state), *header, now);
   }
-  /// The same for boards whose records hold the filters only: no room for a whole state on the
+  /// restore() for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
   core::Result<Resumption, SnapshotRefusal> restore_filters(Node& node,
                                                             std::span<const std::uint8_t> record,
@@ -193,9 +193,10 @@ class Snapshot {
     std::uint32_t crc_ = 0;
   };
 
-  /// Of what the numbers of a record were computed with. What decides only which samples are learnt
-  /// from (standstill, odometer) is not in it: a record means the same under other figures there,
-  /// and what is counted in it (silence, steady ticks) is compared with the new ones from then on.
+  /// Checksum of what the numbers of a record were computed with. What decides only which samples
+  /// are learnt from (standstill, odometer) is not in it: a record means the same under other
+  /// figures there, and what is counted in it (silence, steady ticks) is compared with the new ones
+  /// from then on.
   static constexpr std::uint32_t fingerprint(const Params& params) {
     Fingerprint print;
     print.add(std::uint32_t{sizeof(Filter)});

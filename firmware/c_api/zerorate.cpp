@@ -23,7 +23,7 @@ using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_
 using Snapshot = app::Snapshot<Node>;
 using Modes = core::ModesOf<kShape>;
 
-/// What the caller's storage holds.
+/// Content of the caller's storage.
 struct Instance {
   Instance(const Node::Params& given, std::uint32_t sensor_id)
       : params(given), node(params), snapshot(params, sensor_id) {}
@@ -95,7 +95,7 @@ bool is_sound(const zerorate_model& model) {
          is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature);
 }
 
-/// That they are positive and fit each other is the node's to check.
+/// Upper limits only: the node checks that times are positive and fit each other.
 bool are_sound_times(const zerorate_model& model, const zerorate_config& config) {
   constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
   return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns}) <=

@@ -93,7 +93,7 @@ typedef struct zerorate_decaying_mode {
   float initial_mean;     /**< [rad/s] */
 } zerorate_decaying_mode;
 
-/** The same with a phase that turns: a periodic disturbance. */
+/** A process whose phase turns by the angle of phi each tick: a periodic disturbance. */
 typedef struct zerorate_rotating_mode {
   zerorate_complex one_minus_phi; /**< phi lies in the unit circle */
   float noise_variance;           /**< a tick [rad2/s2] */
@@ -101,7 +101,7 @@ typedef struct zerorate_rotating_mode {
   float initial_mean;             /**< [rad/s] */
 } zerorate_rotating_mode;
 
-/** What the temperature does to the bias: slope e + curvature e^2, e = temperature - reference. */
+/** Bias that follows the temperature: slope e + curvature e^2, e = temperature - reference. */
 typedef struct zerorate_temperature_drift {
   float reference_degc;
   float slope_rad_s_per_k; /**< expected; learnt in service as far as its sigma allows */
@@ -148,7 +148,7 @@ typedef struct zerorate_health {
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
 } zerorate_health;
 
-/** What the sensor gave. */
+/** One sample of the sensor. */
 typedef struct zerorate_measurement {
   int64_t time_ns;
   float rate_rad_s[ZERORATE_AXES];
@@ -166,7 +166,7 @@ typedef struct zerorate_rate {
   float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
 } zerorate_rate;
 
-/** What the bias will add to a heading, as far as it can be told in advance. */
+/** Heading error that the bias will cause, as far as it can be predicted. */
 typedef struct zerorate_heading_error {
   float angle_rad; /**< of an uncorrected rate; already taken off where the rate is corrected */
   float sigma_rad; /**< of what remains after correction */

@@ -11,7 +11,7 @@
 
 namespace zerorate::model {
 
-/// What one unit of the text is in SI.
+/// One unit of the text in SI.
 enum class FileUnit {
   si,                     ///< 1
   degree,                 ///< pi / 180

@@ -12,7 +12,8 @@ namespace zerorate::model {
 struct FlickerFit {
   std::vector<double> time_constants_s;   ///< shortest first, a factor of ten apart
   std::vector<double> variances_rad2_s2;  ///< stationary variance of each lag; 0 where not needed
-  double white_variance_rad2_s2 = 0.0;    ///< what the lags leave at the highest frequencies
+  double white_variance_rad2_s2 =
+      0.0;  ///< white noise that the lags leave at the highest frequencies
   /// Fitted over wanted spectrum, at its lowest and highest over the fitted band.
   double least_ratio = 0.0;
   double greatest_ratio = 0.0;

@@ -39,7 +39,7 @@ float single(double value) {
   return rounded;
 }
 
-/// What is below single precision's smallest normal number does not count.
+/// Zero for a value below single precision's smallest normal number.
 float single_or_zero(double value) {
   return std::isnormal(static_cast<float>(value)) ? static_cast<float>(value) : 0.0F;
 }

@@ -18,7 +18,7 @@
 
 namespace zerorate::model {
 
-/// What no model exceeds.
+/// Limits that no model exceeds.
 inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
 inline constexpr std::size_t kMostLines = 2;
@@ -31,18 +31,19 @@ inline constexpr core::ModelShape kLargestShape{
 template <core::ModelShape Shape>
 struct NodeModel {
   core::ModesOf<Shape> modes;                       ///< the slow noise, at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;              ///< of one sensor sample, r in S(f) = r + ...
-  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< of a mean, however many samples it is of
-  /// What the bias changes by while the power is off; infinite where the model does not say.
+  float white_variance_rad2_s2 = 0.0F;              ///< of one sample, r in S(f) = r + ...
+  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< stays however many samples are averaged
+  /// Variance of the change of the bias while the power is off; infinite where the model does not
+  /// say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
   core::TemperatureDrift temperature;  ///< off where the model has none
   core::SampleModel samples;           ///< off where the model has nothing of it
-  /// Of what the samples are rounded to, for who wants the probability of a reading: the filter
+  /// Step that samples are rounded to, for whoever wants the probability of a reading: the filter
   /// takes its error for noise, which the two variances above hold already.
   float quantization_step_rad_s = 0.0F;
 
-  /// Of the mean of a tick's samples.
+  /// Variance of the mean of a tick's samples.
   [[nodiscard]] constexpr float measurement_variance(float count) const {
     return white_variance_rad2_s2 / count + measurement_floor_variance_rad2_s2;
   }

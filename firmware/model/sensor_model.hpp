@@ -1,5 +1,5 @@
 /// @file
-/// What is known about the noise of one gyro axis: physical, and independent of any sampling rate.
+/// Noise of one gyro axis: physical, and independent of any sampling rate.
 ///
 /// A SensorModel is what a data sheet or an identification gives. The filter's coefficients are
 /// derived from it and a sampling rate; nothing here knows about samples. Units are SI throughout;
@@ -153,7 +153,7 @@ struct Saturation {
   bool operator==(const Saturation&) const = default;
 };
 
-/// What to think of a measurement that is too far from its prediction.
+/// Rule for a measurement that is too far from its prediction.
 struct Gate {
   double threshold_sigma = 0.0;  ///< larger: fewer rejections, more harm by what passes
   /// Disagreement that lasts longer is a change of the bias, not a knock, and is believed.
@@ -163,7 +163,7 @@ struct Gate {
   bool operator==(const Gate&) const = default;
 };
 
-/// What the bias changes by from one switching-on to the next, beside what the noise did meanwhile.
+/// Change of the bias from one switching-on to the next, beside what the noise did meanwhile.
 struct TurnOn {
   double sigma_rad_s = 0.0;
   std::string source{};
@@ -171,7 +171,7 @@ struct TurnOn {
   bool operator==(const TurnOn&) const = default;
 };
 
-/// What the model tells the node besides the noise.
+/// Settings of the node besides the noise.
 struct Node {
   core::Start start = core::Start::stationary;
 

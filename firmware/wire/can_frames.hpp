@@ -31,7 +31,7 @@ inline constexpr std::uint16_t kGreatestCanId = 0x7FF - 3;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
 inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
-/// What a signal holds for which there is no value, or none that fits.
+/// Content of a signal for which there is no value, or none that fits.
 inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
 inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
 

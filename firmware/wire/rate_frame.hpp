@@ -23,7 +23,7 @@ using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
 enum class FrameError : std::uint8_t {
   wrong_size,
   not_a_frame,       ///< it does not begin with "ZR"
-  unknown_version,   ///< of a later program
+  unknown_version,   ///< frame of a later program
   wrong_checksum,    ///< damaged on the way
   impossible_value,  ///< checksum right, motion unknown: made by something else
 };

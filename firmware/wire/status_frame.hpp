@@ -1,5 +1,5 @@
 /// @file
-/// What has happened to the node so far, as bytes; see docs/reference/rate-frame.md.
+/// Counters of the node as bytes; see docs/reference/rate-frame.md.
 #pragma once
 
 #include <array>

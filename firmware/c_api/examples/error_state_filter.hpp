@@ -17,7 +17,7 @@ class ErrorStateFilter {
 
   struct Noise {
     float angle_random_walk_rad_sqrt_s = 0.0F;  ///< white noise of the gyro, N
-    float bias_walk_rad_s_sqrt_s = 0.0F;        ///< what the bias does until it is measured again
+    float bias_walk_rad_s_sqrt_s = 0.0F;  ///< random walk of the bias until it is measured again
   };
 
   ErrorStateFilter(const Noise& noise, float heading_rad, float sigma_rad);

@@ -49,9 +49,9 @@ MOST = {
     ("kalman_step", "cortex-m0plus"): 16000,
 }
 
-# Of the step of the Kalman predictor: see PAGE.
-BOUND_M4F = 210 + 2 * 38 + 40
-BOUND_M0 = 76 * 49 + 133 * 40 + 201
+# Of the step of the Kalman predictor, three axes: see PAGE.
+BOUND_M4F = round((285 + 2 * 49 + 3 + 40) / 3)
+BOUND_M0 = round((104 * 49 + 180 * 40 + 201) / 3)
 
 PAGE = """# Instructions
 
@@ -65,15 +65,16 @@ QEMU (`-icount`, boards `mps2-an386`, `mps2-an500` and `microbit`, whose Cortex-
 
 ## How far from the bound
 
-Predict and update of an axis are 76 multiplications, 133 additions and one division: 30 operations for the row
-sums, 26 for other sums, 48 for what the covariance of the drifts forgets and gains, 30 for drifts and cross
-covariances, 76 for the measurement. With each number of state (38) read and written once and each coefficient (40)
-read once, {bound_m4f} instructions are the lower bound of this algorithm on a Cortex-M4F without fused operations. The
-code takes {m4f}, {m4f_ratio} times that: the rest are the checks and the call, what does not fit into 32 registers, and
-the second copies of elements on the diagonal.
+Predict and update of three axes are 104 multiplications, 180 additions and one division. The covariance, which the
+axes share, takes 180 of these operations: 36 for the row sums, 14 for other sums, 24 for the cross covariances, 48 for
+what the covariance of the drifts forgets and gains, 58 for the measurement. Each mean takes 35. With each number of state
+(49) read and written once, and the references (3) and coefficients (40) read once,
+{bound_m4f} instructions an axis are the lower bound of this algorithm on a Cortex-M4F without fused operations. The code
+takes {m4f}, {m4f_ratio} times that: the rest are the checks, the calls, what the loops over the covariance load again, and
+the report of each axis.
 
 On a Cortex-M0+ a product takes 49 instructions on average, a sum 40 (`firmware/boards/common/soft_float.S`; libgcc's
-take 118 and 68) and the division 201 ([footprint](footprint.md)), together {bound_m0:,}; the code takes {m0:,},
+take 118 and 68) and the division 201 ([footprint](footprint.md)), together {bound_m0:,} an axis; the code takes {m0:,},
 {m0_ratio} times that. How few a product or a sum could do with on 32-bit registers is not known to us; of the 49, four
 are multiplications.
 
