@@ -7,7 +7,7 @@ import { Rig } from './rig.mjs';
 
 const RAD_PER_LSB = 0.00875 * Math.PI / 180;
 const TURN_ON_RAD_S = 0.1 * Math.PI / 180;
-const RECORD_PAGES = 3, PAGE = 256;
+const RECORD_PAGES = 2, PAGE = 256;
 
 // Four seconds of standstill, then the vehicle drives off. The state of the flash after every step of
 // the save that follows, and what the node knew.
@@ -39,7 +39,7 @@ test('a node that starts for the first time knows nothing', () => {
 
 test('the end of a stop is saved; the next start goes on with it, less certain by the turn-on', () => {
   const first = learnAndDriveOff(100);
-  assert.equal(first.steps.length, RECORD_PAGES * PAGE, 'three pages, and nothing to erase');
+  assert.equal(first.steps.length, RECORD_PAGES * PAGE, 'two pages, and nothing to erase');
   const known = firstMessage(first.state);
   assert.ok(knows(known, first.bias));
   const { sigma } = known.message.axes[1];
