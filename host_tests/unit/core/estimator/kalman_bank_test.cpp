@@ -10,7 +10,7 @@
 #include "core/estimator/kalman_predictor.hpp"
 #include "core/noise/harmonic.hpp"
 #include "host_tests/support/sample_modes.hpp"
-#include "host_tools/lib/simulate/random_stream.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::core {
 namespace {
@@ -30,7 +30,7 @@ ModesOf<kShape> modes() {
 Bank::Rates measured(std::int64_t k) {
   Bank::Rates rates{};
   for (std::size_t i = 0; i < rates.size(); ++i) {
-    const simulate::RandomStream noise{7, i};
+    const random::RandomStream noise{7, i};
     rates[i] = 100.0F * static_cast<float>(i + 1) + 2.0F * static_cast<float>(noise.normal(k));
   }
   return rates;
