@@ -1,4 +1,4 @@
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 /// Classes between which a pair is drawn: within one, two effects can be each other's alternative.
@@ -37,7 +37,7 @@ int place_in_the_sensor(std::string_view effect) {
   return found == kOrder.end() ? -1 : static_cast<int>(found - kOrder.begin());
 }
 
-struct SizedEffect {
+struct HiddenEffect {
   std::string name;
   Part part;
   double size;
@@ -47,14 +47,14 @@ struct SizedEffect {
 
 /// Draws the other parameters again where no size gives so many nats; nothing where that does not
 /// help either.
-std::optional<SizedEffect> sized(const EffectEntry& entry, const Setting& setting, double nats,
-                                 Draws& draws) {
+std::optional<HiddenEffect> sized(const EffectEntry& entry, const RecordingSetting& setting,
+                                  double nats, Draws& draws) {
   constexpr int kMostTries = 20;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const Sizable effect = entry.draw(setting, draws);
+    const SizedEffect effect = entry.draw(setting, draws);
     if (const auto size = size_for(effect, nats)) {
-      return SizedEffect{effect.name, effect.at(*size), *size, effect.replaces_flicker,
-                         effect.figures(*size)};
+      return HiddenEffect{effect.name, effect.at(*size), *size, effect.replaces_flicker,
+                          effect.figures(*size)};
     }
   }
   return std::nullopt;
@@ -86,37 +86,37 @@ std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::
   return {};
 }
 
-std::string describe(const Setting& setting, const std::vector<SizedEffect>& effects) {
+std::string describe(const RecordingSetting& setting, const std::vector<HiddenEffect>& effects) {
   std::string text = fmt::format("{:g} Hz, white {:.4f} deg/s, white/flicker {:.1f}",
                                  setting.rate_hz(), setting.noise.white_sigma() * kDegPerRad,
                                  setting.noise.white_sigma() / setting.flicker_sigma_rad_s);
-  for (const SizedEffect& effect : effects) {
+  for (const HiddenEffect& effect : effects) {
     text += fmt::format(", {} of size {:.3g}", effect.name, effect.size);
   }
   return text;
 }
 
-simulate::Signal compose(const Setting& setting, std::vector<SizedEffect> effects) {
+simulate::Signal compose(const RecordingSetting& setting, std::vector<HiddenEffect> effects) {
   simulate::Signal signal(setting.samples, setting.period_s);
   signal.temperature_degc = setting.temperature_degc;
   for (double& rate : signal.rate_rad_s) rate = setting.bias_rad_s;
   white_noise_of(setting)(signal);
-  const auto replaces = [](const SizedEffect& effect) { return effect.replaces_flicker; };
+  const auto replaces = [](const HiddenEffect& effect) { return effect.replaces_flicker; };
   if (std::ranges::none_of(effects, replaces)) flicker_noise_of(setting)(signal);
   std::ranges::stable_sort(
-      effects, {}, [](const SizedEffect& effect) { return place_in_the_sensor(effect.name); });
-  for (const SizedEffect& effect : effects) effect.part(signal);
+      effects, {}, [](const HiddenEffect& effect) { return place_in_the_sensor(effect.name); });
+  for (const HiddenEffect& effect : effects) effect.part(signal);
   return signal;
 }
 
 std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
                                      const random::RandomStream& stream) {
-  Setting setting = draw_setting(options.samples, options.rate_hz, stream);
+  RecordingSetting setting = draw_setting(options.samples, options.rate_hz, stream);
   setting.finest_step_share = options.finest_step_share;
   Draws draws{stream.substream("effects")};
   const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
   const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
-  std::vector<SizedEffect> effects;
+  std::vector<HiddenEffect> effects;
   for (const EffectEntry& entry : choose(kind, options, run, draws)) {
     auto effect = sized(entry, setting, nats, draws);
     if (!effect) return std::nullopt;
@@ -128,7 +128,7 @@ std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t
                     .signal = compose(setting, effects)};
   const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
   if (!(least < most)) return std::nullopt;  // a coarse quantizer has left one level
-  for (const SizedEffect& effect : effects) {
+  for (const HiddenEffect& effect : effects) {
     scenario.truth.push_back(effect.name);
     scenario.figures[effect.name] = effect.figures;
     scenario.with_temperature |= effect.name.starts_with("temperature");
@@ -174,4 +174,4 @@ void write_recording(const Scenario& scenario, const std::filesystem::path& path
   writer.finish();
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,5 +1,5 @@
 /// @file
-/// What the extended models of a campaign were worth on the data held out, effect by effect.
+/// Gain of the extended models of a campaign on the data held out, effect by effect.
 #pragma once
 
 #include <cstddef>
@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "host_tests/evidence/hidden_effect/answer.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
 #include "host_tools/lib/statistics/bootstrap.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// The gains of all recordings that hid one effect, and named it.
-class GainTally {
+class GainSummary {
  public:
-  GainTally(std::string effect, std::uint64_t seed) : effect_(std::move(effect)), seed_(seed) {}
+  GainSummary(std::string effect, std::uint64_t seed) : effect_(std::move(effect)), seed_(seed) {}
 
   /// Counts an answer that has a gain.
   void add(const Gain& gain) { gains_.push_back(gain); }
@@ -42,4 +42,4 @@ class GainTally {
   std::vector<Gain> gains_;
 };
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,12 +1,12 @@
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 
 #include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
-std::optional<double> size_for(const Sizable& effect, double nats) {
+std::optional<double> size_for(const SizedEffect& effect, double nats) {
   const auto excess = [&](double log_size) { return effect.loss_nats(std::exp(log_size)) - nats; };
   constexpr int kMostDoublings = 30;
   const double start = std::log(effect.guess);
@@ -55,4 +55,4 @@ std::span<const EffectEntry> outside_catalogue() {
   return kEntries;
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

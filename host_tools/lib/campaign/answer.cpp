@@ -1,4 +1,4 @@
-#include "host_tests/evidence/hidden_effect/answer.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 /// Runs a program without its output; its exit code.
@@ -100,4 +100,4 @@ Score score(const Scenario& scenario, const Answer& answer) {
   return score;
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -7,9 +7,9 @@
 #include <memory>
 #include <numbers>
 
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 using simulate::Effect;
@@ -37,7 +37,7 @@ std::vector<double> energies_of_events(const std::vector<double>& mean) {
 
 /// @param shape        of an event of unit amplitude
 /// @param probability  that one begins at a sample
-Events find_events(const Setting& setting, const std::vector<double>& mean,
+Events find_events(const RecordingSetting& setting, const std::vector<double>& mean,
                    const std::vector<double>& shape, double probability) {
   std::vector<double> one(setting.samples, 0.0);
   std::ranges::copy(shape, one.begin() + static_cast<std::ptrdiff_t>(setting.samples / 2));
@@ -67,8 +67,8 @@ double path_gain_nats(const Events& events, double size) {
   return sum;
 }
 
-Sizable random_events(const Setting& setting, std::string_view name, Events events,
-                      std::function<Effect(double)> effect) {
+SizedEffect random_events(const RecordingSetting& setting, std::string_view name, Events events,
+                          std::function<Effect(double)> effect) {
   const double most = std::sqrt(std::ranges::max(events.squared_norms));
   const auto shared = std::make_shared<Events>(std::move(events));
   return {.name = std::string(name),
@@ -98,7 +98,7 @@ double path_price_nats(const std::vector<double>& level, double up_per_sample,
 
 }  // namespace
 
-Sizable draw_random_telegraph_noise(const Setting& setting, Draws& draws) {
+SizedEffect draw_random_telegraph_noise(const RecordingSetting& setting, Draws& draws) {
   const double mean_s = setting.record_s() / draws.log_uniform(8.0, 60.0);
   const double asymmetry = draws.log_uniform(0.5, 2.0);
   const double low_s = mean_s * asymmetry;
@@ -126,13 +126,13 @@ Sizable draw_random_telegraph_noise(const Setting& setting, Draws& draws) {
           }};
 }
 
-Sizable draw_outliers(const Setting& setting, Draws& draws) {
+SizedEffect draw_outliers(const RecordingSetting& setting, Draws& draws) {
   const double probability = draws.log_uniform(6.0, 60.0) / static_cast<double>(setting.samples);
   const auto effect = [probability](double sigma) -> Effect {
     return simulate::Outliers{sigma, probability};
   };
   const std::vector<double> mean = alone(setting, part_of(setting, effect(1.0)));
-  Sizable outliers =
+  SizedEffect outliers =
       random_events(setting, "outliers", find_events(setting, mean, {1.0}, probability), effect);
   outliers.figures = [probability](double sigma) -> Figures {
     return {{"probability", probability}, {"sigma_dps", sigma * kDegPerRad}};
@@ -140,7 +140,7 @@ Sizable draw_outliers(const Setting& setting, Draws& draws) {
   return outliers;
 }
 
-Sizable draw_motion_contamination(const Setting& setting, Draws& draws) {
+SizedEffect draw_motion_contamination(const RecordingSetting& setting, Draws& draws) {
   const double samples = draws.log_uniform(5.0, 100.0);
   const double interval_s = setting.record_s() / draws.log_uniform(5.0, 25.0);
   std::vector<double> shape;
@@ -151,7 +151,7 @@ Sizable draw_motion_contamination(const Setting& setting, Draws& draws) {
     return simulate::MotionContamination{sigma, interval_s, duration_s};
   };
   const std::vector<double> mean = alone(setting, part_of(setting, effect(1.0)));
-  Sizable motion =
+  SizedEffect motion =
       random_events(setting, "motion_contamination",
                     find_events(setting, mean, shape, setting.period_s / interval_s), effect);
   motion.figures = [duration_s = samples * setting.period_s](double sigma) -> Figures {
@@ -160,4 +160,4 @@ Sizable draw_motion_contamination(const Setting& setting, Draws& draws) {
   return motion;
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,7 +1,7 @@
 /// @file
 /// The information that sizes hidden effects, against dense covariances and exact likelihoods.
 
-#include "host_tests/evidence/hidden_effect/base_loss.hpp"
+#include "host_tools/lib/campaign/base_loss.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 using Eigen::MatrixXd;
@@ -172,13 +172,13 @@ double log_likelihood_of_two_levels(const std::vector<double>& y, double height,
 TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
   constexpr std::size_t kLength = 4000;
   const random::RandomStream stream(7);
-  Setting setting{.samples = kLength,
-                  .period_s = 1.0,
-                  .noise = BaseNoise(kLength, 1.0, 1e-6),
-                  .temperature_degc = std::vector<double>(kLength, 25.0),
-                  .stream = stream};
+  RecordingSetting setting{.samples = kLength,
+                           .period_s = 1.0,
+                           .noise = BaseNoise(kLength, 1.0, 1e-6),
+                           .temperature_degc = std::vector<double>(kLength, 25.0),
+                           .stream = stream};
   Draws draws{stream.substream("effects")};
-  const Sizable telegraph = draw_random_telegraph_noise(setting, draws);
+  const SizedEffect telegraph = draw_random_telegraph_noise(setting, draws);
   const double height = size_for(telegraph, 60.0).value();
   const std::vector<double> level = alone(setting, telegraph.at(height));
   double up = 0.0;
@@ -218,11 +218,11 @@ TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
 
 TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
   const random::RandomStream stream(11);
-  const Setting setting = draw_setting(20'000, 0.0, stream);
+  const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
   Draws draws{stream.substream("effects")};
   for (const auto entries : {catalogue(), outside_catalogue()}) {
     for (const EffectEntry& entry : entries) {
-      const Sizable effect = entry.draw(setting, draws);
+      const SizedEffect effect = entry.draw(setting, draws);
       const auto size = size_for(effect, 40.0);
       ASSERT_TRUE(size) << entry.name;
       EXPECT_EQ(effect.name, entry.name);
@@ -234,4 +234,4 @@ TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
 }
 
 }  // namespace
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -12,7 +12,7 @@
 
 #include "host_tools/lib/simulate/effects/signal.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 enum class Kind : std::uint8_t { clean, single, pair, outside };
 [[nodiscard]] std::string_view name(Kind kind);
@@ -36,7 +36,8 @@ struct ScenarioOptions {
   double outside_factor = 2.5;
   /// Name of the only effect of single recordings to draw; all if empty.
   std::string only;
-  double finest_step_share = 0.1;  ///< see Setting; 1: a quantizer costs the nats as all others do
+  double finest_step_share =
+      0.1;  ///< see RecordingSetting; 1: a quantizer costs the nats as all others do
 };
 
 /// Every 32 runs hide each of the sixteen effects once, nothing eight times, two effects four times
@@ -50,4 +51,4 @@ inline constexpr std::size_t kRunsOfARound = 32;
 /// Time and rate, and temperature if the scenario has it; nothing else.
 void write_recording(const Scenario& scenario, const std::filesystem::path& path);
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

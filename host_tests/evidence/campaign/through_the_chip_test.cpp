@@ -9,14 +9,14 @@
 #include <numbers>
 
 #include "firmware/model/catalogue.hpp"
-#include "host_tests/evidence/hidden_effect/answer.hpp"
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
 #include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -24,17 +24,17 @@ constexpr std::size_t kSamples = 20'000;
 constexpr std::size_t kYaw = 2;
 
 /// A sensor like the LSM6DSO, sampled at 10 Hz: its LSB, 8.75 mdps, is a third of the noise.
-Setting chip_setting() {
+RecordingSetting chip_setting() {
   const double white = 0.03 * kRadPerDeg;
   const double flicker = white / 6.0;
   const random::RandomStream stream(31);
-  Setting setting{.samples = kSamples,
-                  .period_s = 0.1,
-                  .noise = BaseNoise(kSamples, white, flicker),
-                  .flicker_sigma_rad_s = flicker,
-                  .bias_rad_s = 0.4 * kRadPerDeg,
-                  .temperature_degc = std::vector<double>(kSamples, 25.0),
-                  .stream = stream};
+  RecordingSetting setting{.samples = kSamples,
+                           .period_s = 0.1,
+                           .noise = BaseNoise(kSamples, white, flicker),
+                           .flicker_sigma_rad_s = flicker,
+                           .bias_rad_s = 0.4 * kRadPerDeg,
+                           .temperature_degc = std::vector<double>(kSamples, 25.0),
+                           .stream = stream};
   setting.slow_rad_s = alone(setting, flicker_noise_of(setting));
   return setting;
 }
@@ -45,7 +45,8 @@ bool is_driving(std::size_t k) {
 }
 
 /// Rates that the sensor is exposed to: noise, effect and, while the vehicle drives, the vehicle.
-void write_physical(const Setting& setting, const Part& effect, const std::filesystem::path& path) {
+void write_physical(const RecordingSetting& setting, const Part& effect,
+                    const std::filesystem::path& path) {
   simulate::Signal signal(kSamples, setting.period_s);
   white_noise_of(setting)(signal);
   effect(signal);
@@ -80,9 +81,9 @@ void record_through_the_node(const std::filesystem::path& physical,
 class EffectBehindTheChip : public ::testing::TestWithParam<EffectEntry> {};
 
 TEST_P(EffectBehindTheChip, IsFoundInWhatTheNodeRecordedAtStandstill) {
-  const Setting setting = chip_setting();
+  const RecordingSetting setting = chip_setting();
   Draws draws{setting.stream.substream("effects")};
-  const Sizable effect = GetParam().draw(setting, draws);
+  const SizedEffect effect = GetParam().draw(setting, draws);
   const double size = size_for(effect, 150.0).value();
   const testing::ScratchFolder folder;
   const auto recorded = folder.path() / "recorded.csv";
@@ -105,4 +106,4 @@ INSTANTIATE_TEST_SUITE_P(Some, EffectBehindTheChip,
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

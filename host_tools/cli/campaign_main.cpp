@@ -1,10 +1,6 @@
-// The blind campaign: recordings whose hidden effect only this program knows, diagnosed by the
-// command line, and the answers counted.
-//
-//     hidden_effect_campaign                                 416 recordings, as text
-//     hidden_effect_campaign --document FILE.md              both sizes, written as the document
-//     hidden_effect_campaign --gain --document FILE.md       what the extended models are worth
-//     hidden_effect_campaign --write-run 17 recording.csv    one recording, for a look
+/// @file
+/// `zerorate-campaign`, the blind campaign: recordings whose hidden effect only this program knows
+/// are diagnosed by the command line, and the answers are counted.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,26 +9,56 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
-#include "host_tests/evidence/hidden_effect/answer.hpp"
-#include "host_tests/evidence/hidden_effect/gain_tally.hpp"
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
-#include "host_tests/evidence/hidden_effect/tally.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
+#include "host_tools/lib/campaign/gain_summary.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
+#include "host_tools/lib/campaign/tally.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
+
+/// The folder in which one recording after the other is written; removed at the end.
+class RecordingFolder {
+ public:
+  RecordingFolder() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "zerorate-campaign-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw std::system_error(errno, std::generic_category(), name);
+    }
+    path_ = name;
+  }
+  ~RecordingFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  RecordingFolder(const RecordingFolder&) = delete;
+  RecordingFolder& operator=(const RecordingFolder&) = delete;
+
+  [[nodiscard]] std::filesystem::path recording() const { return path_ / "recording.csv"; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The `zerorate` that stands beside this program.
+std::string neighbouring_program() {
+  return std::filesystem::read_symlink("/proc/self/exe").replace_filename("zerorate").string();
+}
 
 struct CampaignOptions {
   ScenarioOptions scenario;
-  std::string zerorate = ZERORATE_PROGRAM;
+  std::string zerorate = neighbouring_program();
   std::size_t runs = 416;  // thirteen rounds
   std::string document;
   std::string commit;
@@ -52,9 +78,9 @@ Answer answer_of(const CampaignOptions& options, const std::filesystem::path& re
   }
 }
 
-Tally campaign(const CampaignOptions& options) {
-  const testing::ScratchFolder folder;
-  const auto recording = folder.path() / "recording.csv";
+Tally run_campaign(const CampaignOptions& options) {
+  const RecordingFolder folder;
+  const std::filesystem::path recording = folder.recording();
   Tally tally{options.scenario};
   cli::ProgressBar progress{fmt::format("{:g} nats", options.scenario.nats)};
   for (std::size_t run = 0; run < options.runs; ++run) {
@@ -67,26 +93,26 @@ Tally campaign(const CampaignOptions& options) {
 }
 
 /// Recordings that hide the effect, until in so many of them it was named and a gain was measured.
-GainTally gains_of(const std::string& effect, const CampaignOptions& options) {
-  const testing::ScratchFolder folder;
-  const auto recording = folder.path() / "recording.csv";
+GainSummary gains_of(const std::string& effect, const CampaignOptions& options) {
+  const RecordingFolder folder;
+  const std::filesystem::path recording = folder.recording();
   ScenarioOptions scenario_options = options.scenario;
   scenario_options.only = effect;
   scenario_options.finest_step_share = 1.0;
-  GainTally tally{effect, scenario_options.seed};
+  GainSummary gains{effect, scenario_options.seed};
   cli::ProgressBar progress{effect};
   for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
     const Scenario scenario = draw_scenario(scenario_options, run);
     write_recording(scenario, recording);
     const Answer answer = diagnose(options.zerorate, recording);
     if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
-      tally.add(answer.gain);
+      gains.add(answer.gain);
     }
-    progress.update(static_cast<double>(tally.size()) /
+    progress.update(static_cast<double>(gains.size()) /
                     static_cast<double>(options.gain_recordings));
-    if (tally.size() == options.gain_recordings) break;
+    if (gains.size() == options.gain_recordings) break;
   }
-  return tally;
+  return gains;
 }
 
 /// Replaces what stands between the marks of a document.
@@ -108,7 +134,7 @@ void run_document(CampaignOptions options) {
   std::string figures;
   for (const double nats : {40.0, 25.0}) {
     options.scenario.nats = nats;
-    const Tally tally = campaign(options);
+    const Tally tally = run_campaign(options);
     figures +=
         fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}, commit {}.\n\n{}",
                     nats, options.runs, options.scenario.samples, options.scenario.seed,
@@ -121,7 +147,7 @@ void run_gain(const CampaignOptions& options) {
   std::string table =
       fmt::format("\n{} recordings of {} samples for each effect, {:g} nats, seed {}.\n\n{}",
                   options.gain_recordings, options.scenario.samples, options.scenario.nats,
-                  options.scenario.seed, GainTally::header());
+                  options.scenario.seed, GainSummary::header());
   for (const EffectEntry& entry : catalogue()) {
     if (!options.scenario.only.empty() && entry.name != options.scenario.only) continue;
     table += gains_of(std::string(entry.name), options).row();
@@ -149,7 +175,7 @@ void run(const CampaignOptions& options) {
     run_document(options);
     return;
   }
-  const Tally tally = campaign(options);
+  const Tally tally = run_campaign(options);
   fmt::print("{}\n", tally.markdown());
   if (!options.json.empty()) std::ofstream{options.json} << tally.json();
 }
@@ -157,12 +183,21 @@ void run(const CampaignOptions& options) {
 int main_of(int argc, char** argv) {
   CampaignOptions options;
   CLI::App app{"Diagnoses recordings with hidden effects and counts the answers"};
+  app.footer(
+      "Examples:\n"
+      "  zerorate-campaign                                    416 recordings, as text\n"
+      "  zerorate-campaign --runs 32 --only bias_jump         one effect\n"
+      "  zerorate-campaign --document FILE.md                 both sizes, written into the "
+      "document\n"
+      "  zerorate-campaign --gain --document FILE.md          what the extended models are worth\n"
+      "  zerorate-campaign --write-run 17 recording.csv       one recording, for a look");
   app.add_option("--runs", options.runs, "recordings; a round has 32")->capture_default_str();
   app.add_option("--nats", options.scenario.nats, "what the best base model loses to each effect")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--seed", options.scenario.seed)->capture_default_str();
-  app.add_option("--samples", options.scenario.samples)
+  app.add_option("--seed", options.scenario.seed, "of everything that is drawn")
+      ->capture_default_str();
+  app.add_option("--samples", options.scenario.samples, "of each recording")
       ->check(CLI::Range(1000, 1'000'000))
       ->capture_default_str();
   app.add_option("--rate-hz", options.scenario.rate_hz, "sample rate, in place of a drawn one")
@@ -187,13 +222,13 @@ int main_of(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign
 
 int main(int argc, char** argv) {
   try {
-    return zerorate::hidden_effect::main_of(argc, argv);
+    return zerorate::campaign::main_of(argc, argv);
   } catch (const std::exception& error) {
-    std::fputs(fmt::format("hidden_effect_campaign: {}\n", error.what()).c_str(), stderr);
+    std::fputs(fmt::format("zerorate-campaign: {}\n", error.what()).c_str(), stderr);
     return 1;
   }
 }

@@ -1,4 +1,4 @@
-#include "host_tests/evidence/hidden_effect/setting.hpp"
+#include "host_tools/lib/campaign/recording_setting.hpp"
 
 #include <numbers>
 #include <utility>
@@ -7,7 +7,7 @@
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -35,39 +35,40 @@ std::vector<double> draw_temperature(std::size_t samples, Draws& draws) {
 
 }  // namespace
 
-Part part_of(const Setting& setting, const simulate::Effect& effect) {
+Part part_of(const RecordingSetting& setting, const simulate::Effect& effect) {
   return [stream = setting.stream.substream(simulate::name(effect)),
           effect](simulate::Signal& signal) {
     std::visit([&](const auto& part) { part.apply(signal, stream); }, effect);
   };
 }
 
-Part white_noise_of(const Setting& setting) {
+Part white_noise_of(const RecordingSetting& setting) {
   const double variance = setting.noise.white_sigma() * setting.noise.white_sigma();
   return part_of(setting,
                  simulate::WhiteNoise{spectrum::angle_random_walk(variance, setting.period_s)});
 }
 
-Part flicker_noise_of(const Setting& setting) {
+Part flicker_noise_of(const RecordingSetting& setting) {
   return part_of(setting,
                  simulate::FlickerNoise{.bias_instability_rad_s = setting.flicker_sigma_rad_s});
 }
 
-std::vector<double> alone(const Setting& setting, const Part& part) {
+std::vector<double> alone(const RecordingSetting& setting, const Part& part) {
   simulate::Signal signal(setting.samples, setting.period_s);
   signal.temperature_degc = setting.temperature_degc;
   part(signal);
   return std::move(signal.rate_rad_s);
 }
 
-Setting draw_setting(std::size_t samples, double rate_hz, const random::RandomStream& stream) {
+RecordingSetting draw_setting(std::size_t samples, double rate_hz,
+                              const random::RandomStream& stream) {
   Draws draws{stream.substream("setting")};
   const double drawn_hz = std::round(draws.log_uniform(1.0, 200.0));
   const double white_sigma = draws.log_uniform(0.005, 0.2) * kRadPerDeg;
   // The paper's sensor has 3.2; beyond about 50 a record of 20,000 samples does not show its 1/f.
   const double white_over_flicker = draws.log_uniform(2.5, 50.0);
   const double flicker_sigma = white_sigma / white_over_flicker;
-  Setting setting{
+  RecordingSetting setting{
       .samples = samples,
       .period_s = 1.0 / (rate_hz > 0.0 ? rate_hz : drawn_hz),
       .noise = BaseNoise(spectrum::fast_length_below(samples), white_sigma, flicker_sigma),
@@ -80,4 +81,4 @@ Setting draw_setting(std::size_t samples, double rate_hz, const random::RandomSt
   return setting;
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

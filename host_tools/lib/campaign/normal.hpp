@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// The probability of more than z.
 inline double normal_tail(double z) {
@@ -16,4 +16,4 @@ inline double normal_density(double z) {
   return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tests/evidence/hidden_effect/normal.hpp"
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/normal.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 using std::numbers::pi;
@@ -29,7 +29,7 @@ Mean contrasts_of(std::size_t samples, Function at_share) {
 
 /// Curves that the deterministic effects of the catalogue can draw. Tones around the strongest
 /// line.
-std::vector<Basis> explanations(const Setting& setting, const Mean& residual) {
+std::vector<Basis> explanations(const RecordingSetting& setting, const Mean& residual) {
   const std::size_t n = setting.samples;
   std::vector<Basis> all{{contrasts_of(n, [](double share) { return share; })}};
   for (double jump = 1.0 / 48; jump < 1.0; jump += 1.0 / 48) {
@@ -56,13 +56,13 @@ std::vector<Basis> explanations(const Setting& setting, const Mean& residual) {
   return all;
 }
 
-double inner(const Setting& setting, const Mean& a, const Mean& b) {
+double inner(const RecordingSetting& setting, const Mean& a, const Mean& b) {
   double sum = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k] / setting.noise.spectrum()[k];
   return sum;
 }
 
-Mean without(const Setting& setting, Mean residual, Basis basis) {
+Mean without(const RecordingSetting& setting, Mean residual, Basis basis) {
   for (std::size_t i = 0; i < basis.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double share = inner(setting, basis[i], basis[j]) / inner(setting, basis[j], basis[j]);
@@ -75,7 +75,7 @@ Mean without(const Setting& setting, Mean residual, Basis basis) {
 }
 
 /// What is left of a mean function when the catalogue has twice taken what it explains best.
-Mean unexplained_part(const Setting& setting, Mean residual) {
+Mean unexplained_part(const RecordingSetting& setting, Mean residual) {
   for (int round = 0; round < 2; ++round) {
     Mean least = residual;
     for (const Basis& basis : explanations(setting, residual)) {
@@ -88,7 +88,7 @@ Mean unexplained_part(const Setting& setting, Mean residual) {
 }
 
 /// A mean function of the record, in proportion to the size.
-Sizable outside_mean(const Setting& setting, std::string_view name, Mean mean) {
+SizedEffect outside_mean(const RecordingSetting& setting, std::string_view name, Mean mean) {
   const auto unit = std::make_shared<Mean>(unexplained_part(setting, contrasts(mean)));
   return {.name = std::string(name),
           .at =
@@ -143,7 +143,7 @@ double draw_gamma(double shape, Draws& draws) {
 
 }  // namespace
 
-Sizable draw_chirp(const Setting& setting, Draws& draws) {
+SizedEffect draw_chirp(const RecordingSetting& setting, Draws& draws) {
   const double from = draws.log_uniform(10.0, 0.05 * static_cast<double>(setting.samples));
   const double to = from * draws.uniform(1.5, 4.0);  // cycles per record
   Mean mean(setting.samples);
@@ -154,7 +154,7 @@ Sizable draw_chirp(const Setting& setting, Draws& draws) {
   return outside_mean(setting, "chirp", std::move(mean));
 }
 
-Sizable draw_temperature_hysteresis(const Setting& setting, Draws& draws) {
+SizedEffect draw_temperature_hysteresis(const RecordingSetting& setting, Draws& draws) {
   // A backlash: the bias follows the temperature only when it has been pushed to the edge.
   const auto [lowest, highest] = std::ranges::minmax(setting.temperature_degc);
   const double half_width_k = draws.uniform(0.15, 0.35) * (highest - lowest);
@@ -168,7 +168,7 @@ Sizable draw_temperature_hysteresis(const Setting& setting, Draws& draws) {
   return outside_mean(setting, "temperature_hysteresis", std::move(mean));
 }
 
-Sizable draw_sawtooth(const Setting& setting, Draws& draws) {
+SizedEffect draw_sawtooth(const RecordingSetting& setting, Draws& draws) {
   const double teeth = draws.uniform(3.0, 40.0);
   const double phase = draws.uniform(0.0, 1.0);
   Mean mean(setting.samples);
@@ -179,7 +179,7 @@ Sizable draw_sawtooth(const Setting& setting, Draws& draws) {
   return outside_mean(setting, "sawtooth", std::move(mean));
 }
 
-Sizable draw_burst_noise(const Setting& setting, Draws& draws) {
+SizedEffect draw_burst_noise(const RecordingSetting& setting, Draws& draws) {
   const auto length = static_cast<std::size_t>(draws.log_uniform(20.0, 100.0));
   const auto bursts = static_cast<std::size_t>(draws.log_uniform(5.0, 20.0));
   std::vector<bool> loud(setting.samples);
@@ -210,7 +210,7 @@ Sizable draw_burst_noise(const Setting& setting, Draws& draws) {
           .guess = 2.0 * setting.noise.white_sigma()};
 }
 
-Sizable draw_skewed_noise(const Setting& setting, Draws& draws) {
+SizedEffect draw_skewed_noise(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   // The whole white noise becomes gamma noise. The size is its skewness / 2; below 1 the gamma
   // distribution has a density without a pole.
@@ -235,7 +235,7 @@ Sizable draw_skewed_noise(const Setting& setting, Draws& draws) {
           .guess = 0.1};
 }
 
-Sizable draw_deadband(const Setting& setting, Draws& /*draws*/) {
+SizedEffect draw_deadband(const RecordingSetting& setting, Draws& /*draws*/) {
   // Small rates read as zero. As for saturation, a mass at a point is told from cells of a tenth of
   // sigma. The sensor's bias is taken away, or nothing would be small.
   constexpr double kCell = 0.1;
@@ -266,4 +266,4 @@ Sizable draw_deadband(const Setting& setting, Draws& /*draws*/) {
           .guess = 0.1 * setting.noise.white_sigma()};
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

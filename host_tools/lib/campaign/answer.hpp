@@ -1,5 +1,5 @@
 /// @file
-/// What the command line says of a recording, and how that compares with the truth.
+/// Answer of the command line for a recording, and its comparison with the truth.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// Gain of the extended model on data held out; NaN where there was nothing to measure.
 struct Gain {
@@ -36,7 +36,7 @@ struct Answer {
 [[nodiscard]] Answer diagnose(const std::filesystem::path& zerorate,
                               const std::filesystem::path& recording);
 
-/// How an answer did.
+/// Comparison of an answer with the truth.
 struct Score {
   bool named = false;        ///< every hidden effect is among the causes
   bool first = false;        ///< the strongest cause is a hidden effect
@@ -47,4 +47,4 @@ struct Score {
 
 [[nodiscard]] Score score(const Scenario& scenario, const Answer& answer);
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

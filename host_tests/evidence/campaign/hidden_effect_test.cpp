@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "host_tests/evidence/hidden_effect/answer.hpp"
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
-#include "host_tests/evidence/hidden_effect/tally.hpp"
 #include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
+#include "host_tools/lib/campaign/tally.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 TEST(RoundOfTheBlindCampaign, MissesNoBarByMoreThanChance) {
@@ -32,4 +32,4 @@ TEST(RoundOfTheBlindCampaign, MissesNoBarByMoreThanChance) {
 }
 
 }  // namespace
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,4 +1,4 @@
-#include "host_tests/evidence/hidden_effect/base_loss.hpp"
+#include "host_tools/lib/campaign/base_loss.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 using std::numbers::pi;
@@ -222,4 +222,4 @@ double BaseNoise::loss_with_walk_to_mean(std::span<const double> contrasts) cons
   return loss(contrasts, shapes);
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,13 +1,13 @@
-#include "host_tests/evidence/hidden_effect/tally.hpp"
+#include "host_tools/lib/campaign/tally.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host_tests/evidence/hidden_effect/gain_tally.hpp"
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
+#include "host_tools/lib/campaign/gain_summary.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 Scenario hidden(Kind kind, std::vector<std::string> truth) {
@@ -69,8 +69,8 @@ TEST(Tally, FillsBarsAndMatrix) {
   EXPECT_NE(tally.json().find("\"outliers\": 1"), std::string::npos);
 }
 
-TEST(GainTally, HoldsMediansAndMeansAgainstTheBars) {
-  GainTally tally{"rate_ramp", 1};
+TEST(GainSummary, HoldsMediansAndMeansAgainstTheBars) {
+  GainSummary tally{"rate_ramp", 1};
   for (const double off : {-0.02, 0.0, 0.5}) {
     tally.add({.rsse_ratio = 1.0 + off,
                .heading_drift_ratio = 0.8,
@@ -104,4 +104,4 @@ TEST(ScenarioOfAnAwkwardLength, HasThatLengthAndRate) {
 }
 
 }  // namespace
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

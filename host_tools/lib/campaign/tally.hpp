@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tests/evidence/hidden_effect/answer.hpp"
-#include "host_tests/evidence/hidden_effect/scenario.hpp"
+#include "host_tools/lib/campaign/answer.hpp"
+#include "host_tools/lib/campaign/scenario.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// A share of runs.
 struct Rate {
@@ -27,8 +27,8 @@ struct Rate {
   [[nodiscard]] double hi95() const;
 };
 
-/// Whether so many hits, or fewer (more), happen less than once in a thousand campaigns of a tool
-/// whose true rate is p: what a test of few runs can assert.
+/// Tests that so many hits, or fewer (more), happen less than once in a thousand campaigns of a
+/// tool whose true rate is p. More than that no test of few runs can assert.
 [[nodiscard]] bool is_surely_below(const Rate& rate, double p);
 [[nodiscard]] bool is_surely_above(const Rate& rate, double p);
 
@@ -61,7 +61,7 @@ class Tally {
   [[nodiscard]] std::vector<Bar> bars() const;
   /// One line for each recording whose answer was not the right one.
   [[nodiscard]] const std::vector<std::string>& misses() const { return misses_; }
-  /// How often the 95 % interval of a parameter held the truth, where its effect was named.
+  /// Coverage: the share of named effects whose 95 % interval of a parameter held the truth.
   [[nodiscard]] const std::map<std::string, Rate>& coverage() const { return coverage_; }
   /// Bars, coverage, confusion matrix and misses.
   [[nodiscard]] std::string markdown() const;
@@ -84,4 +84,4 @@ class Tally {
   std::vector<std::string> misses_;
 };
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -6,17 +6,17 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 using simulate::Effect;
 
 /// Noise whose spectrum is added to that of the base.
-Sizable added_noise(const Setting& setting, std::string_view name, Spectrum unit_spectrum,
-                    std::function<Effect(double)> effect) {
+SizedEffect added_noise(const RecordingSetting& setting, std::string_view name,
+                        Spectrum unit_spectrum, std::function<Effect(double)> effect) {
   return {.name = std::string(name),
           .at = [&setting, effect](double size) { return part_of(setting, effect(size)); },
           .loss_nats =
@@ -29,8 +29,8 @@ Sizable added_noise(const Setting& setting, std::string_view name, Spectrum unit
 }
 
 /// A mean function in proportion to the size.
-Sizable added_mean(const Setting& setting, std::string_view name,
-                   std::function<Effect(double)> effect) {
+SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
+                       std::function<Effect(double)> effect) {
   const auto unit = std::make_shared<std::vector<double>>(
       contrasts(alone(setting, part_of(setting, effect(1.0)))));
   return {.name = std::string(name),
@@ -46,9 +46,9 @@ Sizable added_mean(const Setting& setting, std::string_view name,
 
 }  // namespace
 
-Sizable draw_rate_random_walk(const Setting& setting, Draws& /*draws*/) {
+SizedEffect draw_rate_random_walk(const RecordingSetting& setting, Draws& /*draws*/) {
   const double root_period = std::sqrt(setting.period_s);
-  Sizable walk =
+  SizedEffect walk =
       added_noise(setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
                   [root_period](double step) -> Effect {
                     return simulate::RateRandomWalk{step / root_period};
@@ -60,22 +60,22 @@ Sizable draw_rate_random_walk(const Setting& setting, Draws& /*draws*/) {
   return walk;
 }
 
-Sizable draw_correlated_noise(const Setting& setting, Draws& draws) {
+SizedEffect draw_correlated_noise(const RecordingSetting& setting, Draws& draws) {
   const double most = static_cast<double>(setting.samples) / 40.0;
   const double time_constant = draws.log_uniform(2.0, most);  // samples
   const double time_constant_s = time_constant * setting.period_s;
-  Sizable noise = added_noise(setting, "correlated_noise",
-                              gauss_markov_spectrum(setting.noise.samples(), time_constant),
-                              [time_constant_s](double sigma) -> Effect {
-                                return simulate::CorrelatedNoise{sigma, time_constant_s};
-                              });
+  SizedEffect noise = added_noise(setting, "correlated_noise",
+                                  gauss_markov_spectrum(setting.noise.samples(), time_constant),
+                                  [time_constant_s](double sigma) -> Effect {
+                                    return simulate::CorrelatedNoise{sigma, time_constant_s};
+                                  });
   noise.figures = [time_constant_s](double sigma) -> Figures {
     return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
   };
   return noise;
 }
 
-Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
+SizedEffect draw_fractional_order(const RecordingSetting& setting, Draws& draws) {
   const double order =
       draws.with_probability(0.75) ? draws.uniform(0.65, 0.95) : draws.uniform(0.2, 0.35);
   const double white_variance = setting.noise.white_sigma() * setting.noise.white_sigma();
@@ -103,7 +103,7 @@ Sizable draw_fractional_order(const Setting& setting, Draws& draws) {
           }};
 }
 
-Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
+SizedEffect draw_sensor_bandwidth(const RecordingSetting& setting, Draws& /*draws*/) {
   // The size is the time constant in samples.
   const auto share = [](double time_constant) { return -std::expm1(-1.0 / time_constant); };
   return {.name = "sensor_bandwidth",
@@ -127,7 +127,7 @@ Sizable draw_sensor_bandwidth(const Setting& setting, Draws& /*draws*/) {
           }};
 }
 
-Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
+SizedEffect draw_temperature_drift(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const bool curved = draws.with_probability(0.25);
   const double lag_s =
@@ -135,7 +135,7 @@ Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
   const double reference_degc = draws.uniform(20.0, 30.0);
   // Curvature makes about half of a curved drift.
   const double quadratic = curved ? sign * draws.sign() * 0.1 : 0.0;
-  Sizable mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
+  SizedEffect mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
     return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,
                                       .quadratic_rad_s_per_k2 = quadratic * slope,
                                       .reference_degc = reference_degc,
@@ -149,10 +149,10 @@ Sizable draw_temperature_drift(const Setting& setting, Draws& draws) {
   return mean;
 }
 
-Sizable draw_warm_up_transient(const Setting& setting, Draws& draws) {
+SizedEffect draw_warm_up_transient(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_constant_s = setting.record_s() * draws.log_uniform(0.02, 0.25);
-  Sizable mean = added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
+  SizedEffect mean = added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
     return simulate::WarmUpTransient{sign * amplitude, time_constant_s};
   });
   mean.figures = [=](double amplitude) -> Figures {
@@ -161,9 +161,9 @@ Sizable draw_warm_up_transient(const Setting& setting, Draws& draws) {
   return mean;
 }
 
-Sizable draw_rate_ramp(const Setting& setting, Draws& draws) {
+SizedEffect draw_rate_ramp(const RecordingSetting& setting, Draws& draws) {
   const double slope = draws.sign() / setting.record_s();
-  Sizable mean = added_mean(setting, "rate_ramp", [=](double rise) -> Effect {
+  SizedEffect mean = added_mean(setting, "rate_ramp", [=](double rise) -> Effect {
     return simulate::RateRamp{slope * rise};
   });
   mean.figures = [slope](double rise) -> Figures {
@@ -172,11 +172,11 @@ Sizable draw_rate_ramp(const Setting& setting, Draws& draws) {
   return mean;
 }
 
-Sizable draw_periodic_disturbance(const Setting& setting, Draws& draws) {
+SizedEffect draw_periodic_disturbance(const RecordingSetting& setting, Draws& draws) {
   const double cycles = draws.log_uniform(15.0, 0.45 * static_cast<double>(setting.samples));
   const double frequency_hz = cycles / setting.record_s();
   const double phase_rad = draws.uniform(0.0, 2.0 * std::numbers::pi);
-  Sizable mean = added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
+  SizedEffect mean = added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
     return simulate::PeriodicDisturbance{amplitude, frequency_hz, phase_rad};
   });
   mean.figures = [frequency_hz](double amplitude) -> Figures {
@@ -185,10 +185,10 @@ Sizable draw_periodic_disturbance(const Setting& setting, Draws& draws) {
   return mean;
 }
 
-Sizable draw_bias_jump(const Setting& setting, Draws& draws) {
+SizedEffect draw_bias_jump(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_s = setting.record_s() * draws.uniform(0.08, 0.92);
-  Sizable mean = added_mean(setting, "bias_jump", [=](double height) -> Effect {
+  SizedEffect mean = added_mean(setting, "bias_jump", [=](double height) -> Effect {
     return simulate::BiasJump{sign * height, time_s};
   });
   mean.figures = [=](double height) -> Figures {
@@ -197,4 +197,4 @@ Sizable draw_bias_jump(const Setting& setting, Draws& draws) {
   return mean;
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

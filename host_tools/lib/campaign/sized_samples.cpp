@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "host_tests/evidence/hidden_effect/normal.hpp"
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/normal.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 /// Divergence per sample of rounded normal numbers, of unit variance around `centre` steps, from a
@@ -29,7 +29,7 @@ double rounding_loss(double step, double centre) {
 
 }  // namespace
 
-Sizable draw_variable_noise(const Setting& setting, Draws& draws) {
+SizedEffect draw_variable_noise(const RecordingSetting& setting, Draws& draws) {
   const double period_s = setting.record_s() / draws.log_uniform(0.7, 8.0);
   return {.name = "variable_noise",
           .at =
@@ -59,7 +59,7 @@ Sizable draw_variable_noise(const Setting& setting, Draws& draws) {
           }};
 }
 
-Sizable draw_quantization(const Setting& setting, Draws& draws) {
+SizedEffect draw_quantization(const RecordingSetting& setting, Draws& draws) {
   // The base is not asked to know the lattice: its density is read at the steps. What it loses then
   // is little up to about two sigma, and a finer lattice is as plain to see; so the step of the
   // recording is drawn between a tenth of the sized one and that.
@@ -91,7 +91,7 @@ Sizable draw_quantization(const Setting& setting, Draws& draws) {
           }};
 }
 
-Sizable draw_saturation(const Setting& setting, Draws& /*draws*/) {
+SizedEffect draw_saturation(const RecordingSetting& setting, Draws& /*draws*/) {
   // A density has no mass at a point: the loss is told from cells of a tenth of sigma, as a
   // histogram would. The size is the inverse of the distance of full scale from the bias.
   constexpr double kCell = 0.1;
@@ -117,7 +117,7 @@ Sizable draw_saturation(const Setting& setting, Draws& /*draws*/) {
       .guess = 0.3};
 }
 
-Sizable draw_dropped_samples(const Setting& setting, Draws& draws) {
+SizedEffect draw_dropped_samples(const RecordingSetting& setting, Draws& draws) {
   // The base is a link that loses one sample in 100,000.
   constexpr double kGoodLink = 1e-5;
   const double mean_run = draws.log_uniform(1.0, 20.0);
@@ -140,4 +140,4 @@ Sizable draw_dropped_samples(const Setting& setting, Draws& draws) {
           }};
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,4 +1,4 @@
-#include "host_tests/evidence/hidden_effect/tally.hpp"
+#include "host_tools/lib/campaign/tally.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,9 +7,9 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host_tests/evidence/hidden_effect/sizable.hpp"
+#include "host_tools/lib/campaign/sized_effect.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 constexpr double kOnceInAThousand = 1e-3;
@@ -230,4 +230,4 @@ std::string Tally::json() const {
   return document.dump(2) + "\n";
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,11 +1,11 @@
-#include "host_tests/evidence/hidden_effect/gain_tally.hpp"
+#include "host_tools/lib/campaign/gain_summary.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 namespace {
 
 constexpr double kGreatestErrorRatio = 1.01;
@@ -20,7 +20,7 @@ double median_of(std::vector<double> values) {
 
 }  // namespace
 
-statistics::BootstrapFigure GainTally::median(double Gain::*figure) const {
+statistics::BootstrapFigure GainSummary::median(double Gain::*figure) const {
   return statistics::bootstrap(
       gains_.size(),
       [&](const std::vector<std::size_t>& drawn) {
@@ -32,7 +32,7 @@ statistics::BootstrapFigure GainTally::median(double Gain::*figure) const {
       random::RandomStream(seed_));
 }
 
-statistics::BootstrapFigure GainTally::mean(double Gain::*figure) const {
+statistics::BootstrapFigure GainSummary::mean(double Gain::*figure) const {
   return statistics::bootstrap(
       gains_.size(),
       [&](const std::vector<std::size_t>& drawn) {
@@ -43,25 +43,25 @@ statistics::BootstrapFigure GainTally::mean(double Gain::*figure) const {
       random::RandomStream(seed_));
 }
 
-bool GainTally::scores_better() const {
+bool GainSummary::scores_better() const {
   return median(&Gain::log_score_gain_nats_per_sample).lo > 0.0;
 }
-bool GainTally::errs_no_more() const {
+bool GainSummary::errs_no_more() const {
   return median(&Gain::rsse_ratio).value <= kGreatestErrorRatio &&
          median(&Gain::heading_drift_ratio).value <= kGreatestErrorRatio;
 }
-bool GainTally::covers() const {
+bool GainSummary::covers() const {
   const double coverage = mean(&Gain::coverage95_extended).value;
   return coverage >= kLeastCoverage && coverage <= kGreatestCoverage;
 }
 
-std::string GainTally::header() {
+std::string GainSummary::header() {
   return "| hidden effect | recordings | log score gain, 10^-3 nats a sample | RSSE | heading "
          "drift "
          "| coverage before | after | holds |\n|---|---|---|---|---|---|---|---|\n";
 }
 
-std::string GainTally::row() const {
+std::string GainSummary::row() const {
   const auto score = median(&Gain::log_score_gain_nats_per_sample);
   const auto after = mean(&Gain::coverage95_extended);
   std::string misses;
@@ -78,4 +78,4 @@ std::string GainTally::row() const {
       misses.empty() ? "yes" : "not:" + misses);
 }
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

@@ -1,14 +1,14 @@
 /// @file
-/// What the best base model, white + 1/f + constant, loses to the truth: expected log likelihood in
-/// nats, on the grid of the DCT-II, where the noise of a record is very nearly white and a constant
-/// is the one coefficient that is left out.
+/// Loss of the best base model, white + 1/f + constant, against the truth: expected log likelihood
+/// in nats, on the grid of the DCT-II, where the noise of a record is very nearly white and a
+/// constant is the one coefficient that is left out.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// Variances of the coefficients 1 .. n-1 of the orthonormal DCT-II, rad^2/s^2.
 using Spectrum = std::vector<double>;
@@ -73,4 +73,4 @@ class BaseNoise {
   Spectrum spectrum_;
 };
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign

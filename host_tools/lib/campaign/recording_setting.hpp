@@ -8,10 +8,11 @@
 #include <functional>
 #include <vector>
 
-#include "host_tests/evidence/hidden_effect/base_loss.hpp"
+#include "host_tools/lib/campaign/base_loss.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
-namespace zerorate::hidden_effect {
+namespace zerorate::campaign {
 
 /// Random choices, one after the other.
 class Draws {
@@ -33,7 +34,7 @@ class Draws {
 };
 
 /// Sample rate, base noise, bias and temperature of a recording, drawn from its seed.
-struct Setting {
+struct RecordingSetting {
   std::size_t samples = 0;
   double period_s = 0.0;
   BaseNoise noise;  ///< of all but the last few samples (see contrasts)
@@ -52,16 +53,16 @@ struct Setting {
 using Part = std::function<void(simulate::Signal&)>;
 
 /// The effect with the random numbers that it has in this recording, whatever its size.
-[[nodiscard]] Part part_of(const Setting& setting, const simulate::Effect& effect);
-[[nodiscard]] Part white_noise_of(const Setting& setting);
-[[nodiscard]] Part flicker_noise_of(const Setting& setting);
+[[nodiscard]] Part part_of(const RecordingSetting& setting, const simulate::Effect& effect);
+[[nodiscard]] Part white_noise_of(const RecordingSetting& setting);
+[[nodiscard]] Part flicker_noise_of(const RecordingSetting& setting);
 
 /// Signal of a part alone, at the temperature of the setting.
-[[nodiscard]] std::vector<double> alone(const Setting& setting, const Part& part);
+[[nodiscard]] std::vector<double> alone(const RecordingSetting& setting, const Part& part);
 
 /// @param samples  of the recording
 /// @param rate_hz  of its samples; 0: drawn
-[[nodiscard]] Setting draw_setting(std::size_t samples, double rate_hz,
-                                   const random::RandomStream& stream);
+[[nodiscard]] RecordingSetting draw_setting(std::size_t samples, double rate_hz,
+                                            const random::RandomStream& stream);
 
-}  // namespace zerorate::hidden_effect
+}  // namespace zerorate::campaign
