@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "core/estimator/calibration_mean.hpp"
@@ -121,13 +122,14 @@ class AxisPredictors {
   }
 
   /// Starts the Kalman predictor from what another run learnt; the others begin anew.
-  /// @param off time since its newest measurement
-  constexpr void resume(const Filter& learnt, const Transition& off,
-                        float turn_on_variance_rad2_s2) {
+  /// Not inlined: what stands on the stack here is gone when the bias is predicted.
+  /// @param ticks since its newest measurement
+  [[gnu::noinline]] constexpr void resume(const Filter& learnt, const NodeParams<Shape>& params,
+                                          std::uint32_t ticks) {
     kalman_.restore(learnt);
-    kalman_.advance(off);
+    kalman_.advance(Transition{params.modes.over(ticks)});
     kalman_.restart_transients();
-    kalman_.inflate_variance(turn_on_variance_rad2_s2);
+    kalman_.inflate_variance(params.turn_on_variance_rad2_s2);
   }
 
  private:

@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -42,7 +41,6 @@ template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
   static constexpr std::size_t kAxes = 3;
-  static constexpr std::size_t kHeldTicks = Capacity.held_ticks;
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<Shape>;
   using Predictors = AxisPredictors<Shape, Capacity>;
@@ -58,7 +56,7 @@ class GyroNode {
 
     constexpr bool operator==(const HeldTick&) const = default;
   };
-  using Learning = core::StopLearning<HeldTick, kHeldTicks>;
+  using Learning = core::StopLearning<HeldTick, Capacity.held_ticks>;
 
   /// Everything the node remembers; restored into a node with the same parameters it continues
   /// bit for bit.
@@ -72,6 +70,9 @@ class GyroNode {
     typename Predictors::State predictors;
 
     constexpr bool operator==(const State&) const = default;
+    [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
+      return learning.average.tick + 1 - measured_ticks;
+    }
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
@@ -186,15 +187,9 @@ class GyroNode {
   [[nodiscard]] constexpr TickTemperature measured_temperature() const {
     return temperature_.measured();
   }
-  [[nodiscard]] static constexpr TickTemperature measured_temperature(const State& state) {
-    return TemperatureTrack::measured(state.temperature);
-  }
   /// Ticks from the newest measurement to the end of the one being filled.
   [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
     return learning_.tick() + 1 - measured_ticks_;
-  }
-  [[nodiscard]] static constexpr std::uint32_t ticks_since_measured(const State& state) {
-    return state.learning.average.tick + 1 - state.measured_ticks;
   }
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
   /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
@@ -202,21 +197,13 @@ class GyroNode {
   constexpr void resume(const Filter& learnt, TickTemperature temperature, std::uint32_t ticks) {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
-    resume_filter(learnt, ticks);
+    predictors_.resume(learnt, params_, ticks);
     predict_tick();
   }
 
  private:
   using Rate = std::array<core::AngularRate, kAxes>;
 
-  /// False for what is not finite, and beyond what anything can measure that turns: its square
-  /// would not be finite either. In bits, which are in the order of the magnitudes, for processors
-  /// without floating point.
-  [[nodiscard]] static constexpr bool is_possible(core::AngularRate rate) {
-    constexpr float kLargest_rad_s = 1e6F;
-    return (std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)) & 0x7FFF'FFFFU) <=
-           std::bit_cast<std::uint32_t>(kLargest_rad_s);
-  }
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const {
     health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
     health.time_refused = !learning_.can_take(sample.time);
@@ -265,20 +252,18 @@ class GyroNode {
   }
 
   constexpr void predict_tick() {
-    update_lead();
-    predicted_ = predictors_.predict(params_.published, lead_);
-    calibrated_ = predicted_[0].is_available() && has_learnt();
-  }
-  constexpr void update_lead() {
     const std::uint32_t ticks = ticks_since_measured();
     temperature_.lead_over(ticks, lead_);
-    if (ticks == lead_.ticks) return;
-    // One more tick is one composition. Every 1024 the transition is made afresh by doubling, so
-    // that the roundings of a long drive do not add up.
-    constexpr std::uint32_t kAfresh = 1024;
-    core::TransitionOf<Shape>& lead = lead_;
-    lead = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead, one_tick_)
-                                                            : params_.modes.over(ticks);
+    if (ticks != lead_.ticks) {
+      // One more tick is one composition. Every 1024 the transition is made afresh by doubling, so
+      // that the roundings of a long drive do not add up.
+      constexpr std::uint32_t kAfresh = 1024;
+      core::TransitionOf<Shape>& lead = lead_;
+      lead = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead, one_tick_)
+                                                              : params_.modes.over(ticks);
+    }
+    predicted_ = predictors_.predict(params_.published, lead_);
+    calibrated_ = predicted_[0].is_available() && has_learnt();
   }
 
   /// Fills in what does not depend on whether there was a sample.
@@ -297,12 +282,6 @@ class GyroNode {
                          .bias = bias,
                          .sigma = core::rad_per_s(predicted_[i].sigma_rad_s())};
     }
-  }
-
-  /// Not inlined: what stands on the stack here is gone when the bias is predicted.
-  [[gnu::noinline]] constexpr void resume_filter(const Filter& learnt, std::uint32_t ticks) {
-    const Transition off{params_.modes.over(ticks)};
-    predictors_.resume(learnt, off, params_.turn_on_variance_rad2_s2);
   }
 
   const Params& params_;

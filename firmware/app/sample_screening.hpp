@@ -1,8 +1,9 @@
 /// @file
-/// The samples of all axes one by one, where the model says more of them than white noise.
+/// Single samples of all axes: which are possible, and which may be learnt from.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,6 +14,15 @@
 #include "core/samples/sample_screen.hpp"
 
 namespace zerorate::app {
+
+/// False for what is not finite, and beyond what anything can measure that turns: its square would
+/// not be finite either. In bits, which are in the order of the magnitudes, for processors without
+/// floating point.
+[[nodiscard]] constexpr bool is_possible(core::AngularRate rate) {
+  constexpr float kLargest_rad_s = 1e6F;
+  return (std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)) & 0x7FFF'FFFFU) <=
+         std::bit_cast<std::uint32_t>(kLargest_rad_s);
+}
 
 /// In a node without room for it: nothing is looked at, every sample may be learnt from.
 template <std::size_t Axes, bool HasRoom>

@@ -108,7 +108,7 @@ class Snapshot {
                                                                  const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfState> record{};
     auto rest = begin(record, Content::state, state.predictors.kalman.is_confirmed(),
-                      Node::ticks_since_measured(state), time);
+                      state.ticks_since_measured(), time);
     put(rest, state);
     finish(record);
     return record;
@@ -127,7 +127,8 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    return resume(node, state.predictors.kalman, Node::measured_temperature(state), *header, now);
+    return resume(node, state.predictors.kalman,
+                  Node::TemperatureTrack::measured(state.temperature), *header, now);
   }
   /// restore() for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
