@@ -23,7 +23,7 @@ struct Complex {
   }
 };
 
-// The same three words for real numbers, so that one formula serves decaying and rotating modes.
+// Real numbers with the same three words, so that one formula serves decaying and rotating modes.
 [[nodiscard]] constexpr float conjugate(float x) {
   return x;
 }

@@ -30,7 +30,7 @@ namespace zerorate::core {
   const int excess_bits = 32 - std::countl_zero(magnitude);
   const auto shift = static_cast<std::uint32_t>(excess_bits > 0 ? excess_bits : 0);
   const auto top = static_cast<std::uint32_t>(magnitude >> shift);
-  // What is cut off survives as one sticky bit below the rounding position.
+  // The digits that are cut off survive as one sticky bit below the rounding position.
   const std::uint32_t sticky = (std::uint64_t{top} << shift) != magnitude ? 1U : 0U;
   const auto power_of_two = std::bit_cast<float>((127U + shift) << 23U);
   const float rounded = static_cast<float>(top | sticky) * power_of_two;

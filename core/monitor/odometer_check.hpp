@@ -75,7 +75,7 @@ class OdometerCheck {
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
         fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
-    // Of a difference: six standard deviations are no noise, four may be, once in a while.
+    // Six standard deviations of a difference are no noise, four may be, once in a while.
     constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
     constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
     const auto samples =

@@ -23,8 +23,9 @@ struct WarmUp {
   constexpr void contribute(Duration tick, ModeWriter<R, C>& writer) const {
     const float elapsed = tick.in_seconds() / time_constant_s;
     const float variance = sigma_rad_s * sigma_rad_s;
-    // What decays without end leaves the range of normal numbers, where processors are slow. So the
-    // variance is kept from falling below this share of the first, far from all that is measured.
+    // A number that decays without end leaves the range of normal numbers, where processors are
+    // slow. So the variance is kept from falling below this share of the first, far from all that
+    // is measured.
     constexpr float kFloor = 1e-12F;
     writer.add_transient(one_minus_exp_neg(elapsed),
                          kFloor * variance * one_minus_exp_neg(2.0F * elapsed), amplitude_rad_s,

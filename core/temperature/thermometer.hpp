@@ -86,7 +86,7 @@ class Thermometer {
       for (std::size_t i = 0; i < K; ++i) span.change[i] = to.weights[i] - from.weights[i];
     }
     if (!from.is_known || !to.is_known) {
-      // Of an unknown beginning nothing can be said by how much the bias has moved since; the
+      // Since an unknown beginning nobody knows by how much the bias has moved; the
       // measurement there knew the bias itself.
       const Duration unknown = to.at - (from.is_known ? to.unknown_since : from.at);
       const float sigma_k = square_root(kWander_k2_per_s * unknown.in_seconds());

@@ -76,7 +76,7 @@ namespace zerorate::pico {
 /// at twice a sample.
 inline constexpr std::uint32_t kBeat_us = kChipName == "adxrs453" ? 2'500 : 10'000;
 
-/// Of the serial line: a message takes 740 bits, and at most half of the line shall be used.
+/// Rate of the serial line: a message takes 740 bits, and at most half of the line shall be used.
 inline constexpr std::uint32_t kBaud =
     exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 115'200;
 

@@ -23,7 +23,7 @@ class Console {
  public:
   explicit Console(Line& line) : line_(line) {}
 
-  /// What a person typed: 't' for text, 'b' for frames; anything else means nothing.
+  /// Takes what a person typed: 't' for text, 'b' for frames; anything else means nothing.
   void obey(char key) {
     if (key == 't') is_text_ = true;
     if (key == 'b') is_text_ = false;

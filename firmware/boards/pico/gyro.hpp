@@ -40,7 +40,7 @@ inline void start_bus() {
 #endif
 
 using Gyro = Chip<Wire>;
-/// What snapshots are told apart by.
+/// Number that snapshots are told apart by.
 inline constexpr std::uint32_t kSensor = app::sensor_id(kChipName);
 
 }  // namespace zerorate::pico

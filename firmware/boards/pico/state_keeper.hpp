@@ -52,7 +52,7 @@ class StateKeeper {
     next_at_ = now + kShortestPause;
     saved_ticks_ = node.measured_ticks();
     is_prepared_ = false;
-    // What cannot be saved now is saved at the end of another stop.
+    // A state that cannot be saved now is saved at the end of another stop.
     (void)medium_.save(snapshot_.of_filters(node, {}));
   }
 
