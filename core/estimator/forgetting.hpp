@@ -36,7 +36,7 @@ class Forgetting {
 
   /// w = F w.
   constexpr void apply(Drifts& w) const {
-    for (std::size_t i = 0; i < kDecaying; ++i) w[i] -= decaying_[i] * w[i];
+    ZERORATE_UNROLLED for (std::size_t i = 0; i < kDecaying; ++i) w[i] -= decaying_[i] * w[i];
     for (std::size_t i = 0; i < kRotating; ++i) turn(i, w[first(i)], w[first(i) + 1]);
   }
 

@@ -198,10 +198,11 @@ class KalmanBank {
     const float cross = sum(g, state_.bias_covariance);
     state_.bias_variance = ((state_.bias_variance + noise.bias) + (cross + cross)) + sum(g, moved);
     if constexpr (kWeights > 0) state_.bias_variance += largest_unknown_variance(span);
-    for (std::size_t i = 0; i < kDrifts; ++i) state_.bias_covariance[i] += moved[i];
+    ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) state_.bias_covariance[i] +=
+        moved[i];
     forgetting.apply(state_.bias_covariance);
     forgetting.apply(state_.covariance);
-    for (std::size_t i = 0; i < Coefficients::kTemperature; ++i) {
+    ZERORATE_UNROLLED for (std::size_t i = 0; i < Coefficients::kTemperature; ++i) {
       state_.bias_covariance[i] += noise.cross[i];
       state_.covariance(i, i) += noise.drift[i];
     }
@@ -216,12 +217,14 @@ class KalmanBank {
     const float inverse = 1.0F / innovations[0].variance_rad2_s2;
     const float remaining = white_variance * inverse;  // 1 - K_0, without the difference
     Drifts gain{};
-    for (std::size_t i = 0; i < kDrifts; ++i) gain[i] = state_.bias_covariance[i] * inverse;
+    ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) gain[i] =
+        state_.bias_covariance[i] * inverse;
     for (std::size_t k = 0; k < Axes; ++k) {
       Axis& axis = state_.axes[k];
       const float residual_rad_s = innovations[k].residual_rad_s;
       axis.bias_rad_s += state_.bias_variance * (residual_rad_s * inverse);
-      for (std::size_t i = 0; i < kDrifts; ++i) axis.drift[i] += gain[i] * residual_rad_s;
+      ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) axis.drift[i] +=
+          gain[i] * residual_rad_s;
     }
     ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) {
       ZERORATE_UNROLLED for (std::size_t j = 0; j <= i; ++j) {
@@ -336,7 +339,7 @@ class KalmanBank {
   template <class Weights>
   [[nodiscard]] static constexpr float sum(const Weights& g, const Drifts& x) {
     float sum = g.weighted(0, x[0]);
-    for (std::size_t i = 1; i < kDrifts; ++i) sum += g.weighted(i, x[i]);
+    ZERORATE_UNROLLED for (std::size_t i = 1; i < kDrifts; ++i) sum += g.weighted(i, x[i]);
     return sum;
   }
   [[nodiscard]] static constexpr float dot(const Drifts& a, const Drifts& b) {
