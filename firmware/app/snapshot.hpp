@@ -31,12 +31,46 @@ enum class SnapshotRefusal : std::uint8_t {
   turn_on_unknown,  ///< the power was off, and the model does not say what that changes
 };
 
+/// For logs.
+[[nodiscard]] constexpr std::string_view name(SnapshotRefusal refusal) {
+  switch (refusal) {
+    case SnapshotRefusal::not_a_snapshot:
+      return "not a record of a node";
+    case SnapshotRefusal::damaged:
+      return "damaged";
+    case SnapshotRefusal::other_layout:
+      return "saved by another version";
+    case SnapshotRefusal::other_model:
+      return "saved with another model or filter";
+    case SnapshotRefusal::other_sensor:
+      return "saved with another gyro";
+    case SnapshotRefusal::nothing_learnt:
+      return "saved before anything was learnt";
+    case SnapshotRefusal::turn_on_unknown:
+      return "saved in another boot, and the model has no [turn_on]";
+  }
+  return "unknown";
+}
+
 /// Outcome of a record that was taken up.
 enum class Resumption : std::uint8_t {
   continued,      ///< bit for bit, as if there had been no pause
   aged,           ///< by the time that the clock says to have passed since
   aged_by_a_day,  ///< without a clock: no shorter pause makes the interval too narrow
 };
+
+/// For logs.
+[[nodiscard]] constexpr std::string_view name(Resumption resumption) {
+  switch (resumption) {
+    case Resumption::continued:
+      return "nothing lost";
+    case Resumption::aged:
+      return "aged by the time since it was saved";
+    case Resumption::aged_by_a_day:
+      return "aged by a day, for the clock does not tell";
+  }
+  return "unknown";
+}
 
 /// One run of the sensor's power and of the monotonic clock: on Linux the kernel's boot id. All
 /// zeros where the board cannot tell: then every start counts as another session.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "core/base/result.hpp"
 
@@ -19,6 +20,23 @@ enum class StorageError : std::uint8_t {
   full,       ///< no space is left on the medium
   io,         ///< anything else that the medium or its operating system reports
 };
+
+/// For logs.
+[[nodiscard]] constexpr std::string_view name(StorageError error) {
+  switch (error) {
+    case StorageError::empty:
+      return "nothing saved";
+    case StorageError::corrupt:
+      return "both slots are damaged";
+    case StorageError::too_large:
+      return "too large";
+    case StorageError::full:
+      return "no space left";
+    case StorageError::io:
+      return "input/output error";
+  }
+  return "unknown";
+}
 
 /// `save(record)` keeps the bytes; `load(buffer)` gives back those of the newest save that
 /// succeeded, and how many they are.

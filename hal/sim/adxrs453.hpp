@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -23,6 +24,8 @@ namespace zerorate::hal::sim {
 /// measure() sets what the chip sees; it converts whenever it is asked. Its axis is z.
 class SimulatedAdxrs453 {
  public:
+  static constexpr std::string_view kName = "adxrs453";
+
   /// @param clock the simulation's time; must outlive the chip
   explicit SimulatedAdxrs453(const SimulatedClock& clock) : clock_(&clock) { cycle_power(); }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <string_view>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -26,6 +27,8 @@ namespace zerorate::hal::sim {
 /// the clock.
 class SimulatedBmi088 {
  public:
+  static constexpr std::string_view kName = "bmi088";
+
   /// @param clock the simulation's time; must outlive the chip
   explicit SimulatedBmi088(const SimulatedClock& clock)
       : clock_(&clock), reset_until_(clock.now()) {

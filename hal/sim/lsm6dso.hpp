@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string_view>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -29,6 +30,8 @@ namespace zerorate::hal::sim {
 /// itself, advance the clock by sample_period() before each call.
 class SimulatedLsm6dso {
  public:
+  static constexpr std::string_view kName = "lsm6dso";
+
   /// @param clock the simulation's time; must outlive the chip
   /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.15 % faster for each count
   explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0)

@@ -11,19 +11,18 @@
 
 namespace zerorate::contract {
 
-using support::Adxrs453;
-using support::Bmi088;
-using support::Icm42688;
-using support::Lsm6dso;
-using support::OverFrames;
 using support::OverI2c;
-using support::OverSpi;
 
-using GyrosWithFifo = ::testing::Types<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>,
-                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>>;
-using AllGyros =
-    ::testing::Types<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
-                     OverSpi<Bmi088>, OverI2c<Bmi088>, OverFrames<Adxrs453>>;
+/// Lists of types as googletest takes them, one after the other.
+template <class... Lists>
+struct AsTestTypes;
+template <class... First, class... Second>
+struct AsTestTypes<core::TypeList<First...>, core::TypeList<Second...>> {
+  using Types = ::testing::Types<First..., Second...>;
+};
+
+using GyrosWithFifo = AsTestTypes<support::WiringsWithFifo, core::TypeList<>>::Types;
+using AllGyros = AsTestTypes<support::WiringsWithFifo, support::WiringsWithoutFifo>::Types;
 
 /// A wiring's name in the test's name.
 struct WiringName {

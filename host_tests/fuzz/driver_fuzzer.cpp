@@ -79,28 +79,11 @@ void run(FuzzedDataProvider& input) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace zerorate::support;
   FuzzedDataProvider input(data, size);
-  switch (input.ConsumeIntegralInRange<int>(0, 6)) {
-    case 0:
-      run<OverSpi<Lsm6dso>>(input);
-      break;
-    case 1:
-      run<OverI2c<Lsm6dso>>(input);
-      break;
-    case 2:
-      run<OverSpi<Icm42688>>(input);
-      break;
-    case 3:
-      run<OverI2c<Icm42688>>(input);
-      break;
-    case 4:
-      run<OverSpi<Bmi088>>(input);
-      break;
-    case 5:
-      run<OverI2c<Bmi088>>(input);
-      break;
-    default:
-      run<OverFrames<Adxrs453>>(input);
-      break;
-  }
+  int left = input.ConsumeIntegralInRange<int>(0, 6);
+  const auto run_chosen = [&]<class Wiring> {
+    if (left-- == 0) run<Wiring>(input);
+  };
+  WiringsWithFifo::for_each(run_chosen);
+  WiringsWithoutFifo::for_each(run_chosen);
   return 0;
 }

@@ -8,18 +8,13 @@
 #include <cstdint>
 
 #include "core/base/time.hpp"
-#include "drivers/adxrs453/driver.hpp"
-#include "drivers/bmi088/driver.hpp"
+#include "core/base/type_list.hpp"
+#include "drivers/chips/chips.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
-#include "drivers/icm42688/driver.hpp"
-#include "drivers/lsm6dso/driver.hpp"
-#include "hal/sim/adxrs453.hpp"
-#include "hal/sim/bmi088.hpp"
+#include "hal/sim/chips.hpp"
 #include "hal/sim/frame_spi.hpp"
 #include "hal/sim/i2c.hpp"
-#include "hal/sim/icm42688.hpp"
-#include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/spi.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "host_tests/support/gyro_rig.hpp"
@@ -216,5 +211,11 @@ struct OverFrames {
   static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
 };
+
+/// Every chip with a FIFO in every wiring.
+using WiringsWithFifo = core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>,
+                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>>;
+/// The other chips.
+using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
 
 }  // namespace zerorate::support

@@ -10,6 +10,7 @@
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/identify/characterization_json.hpp"
@@ -26,8 +27,7 @@ struct Options {
   std::string recording;
   std::string axis = "all";
   std::string order = "free";
-  std::string json;
-  std::string report;
+  OutputOptions outputs;
   std::string model_out;
 };
 
@@ -117,17 +117,17 @@ ExitCode judge(const identify::Characterization& result) {
 
 ExitCode run(const Options& options) {
   const identify::Characterization result = run_identification(options);
-  if (!options.report.empty()) {
+  if (!options.outputs.report.empty()) {
     identify::make_report(
         result, "zerorate " ZERORATE_VERSION ", zerorate characterize " + result.recording)
-        .write(options.report);
+        .write(options.outputs.report);
   }
-  if (!options.json.empty()) write_text(options.json, identify::to_json(result));
-  if (options.json != "-") print_result(result);
+  if (!options.outputs.json.empty()) write_text(options.outputs.json, identify::to_json(result));
+  if (options.outputs.prints_text()) print_result(result);
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
     write_text(options.model_out, model::format_model(axis.model));
-    if (options.json != "-") {
+    if (options.outputs.prints_text()) {
       fmt::print("\n{}: the model of axis {}{}\n", options.model_out, axis.axis,
                  result.axes.size() > 1 ? ", whose slow noise is the middle one" : "");
     }
@@ -151,8 +151,7 @@ Command add_characterize(CLI::App& app) {
                    "order d of the flicker noise: free (estimated where the recording is long "
                    "enough, else 1/2) or a number from 0.05 to 0.95")
       ->capture_default_str();
-  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
-  command->add_option("--report", options->report, "write a report with charts as HTML");
+  add_output_options(*command, options->outputs);
   command->add_option("--model-out", options->model_out,
                       "write the sensor model for 'zerorate replay --model'; of several axes, that "
                       "of the one whose slow noise is the middle one");

@@ -8,6 +8,7 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"

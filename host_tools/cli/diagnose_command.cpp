@@ -10,6 +10,7 @@
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
@@ -28,8 +29,7 @@ struct Options {
   std::string model;
   std::string model_out;
   double holdout = 0.3;
-  std::string json;
-  std::string report;
+  OutputOptions outputs;
 };
 
 /// The last part of a path: what a report and a model say of where they come from.
@@ -128,26 +128,26 @@ std::filesystem::path model_path(const Options& options, const Diagnosis& diagno
 
 void write_results(const Options& options, const std::vector<Diagnosis>& diagnoses) {
   const std::string recording = file_name(options.recording);
-  if (!options.report.empty()) {
+  if (!options.outputs.report.empty()) {
     diagnose::make_report(diagnoses, {.title = "Diagnosis of " + recording,
                                       .recording = recording,
                                       .provenance = fmt::format("zerorate {}, zerorate diagnose {}",
                                                                 ZERORATE_VERSION, recording)})
-        .write(options.report);
+        .write(options.outputs.report);
   }
-  if (!options.json.empty()) write_text(options.json, diagnose::to_json(diagnoses));
+  if (!options.outputs.json.empty()) write_text(options.outputs.json, diagnose::to_json(diagnoses));
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
     const auto path = model_path(options, diagnosis, diagnoses.size());
     write_text(path, model::format_model(diagnosis.extended_model));
-    if (options.json != "-")
+    if (options.outputs.prints_text())
       fmt::print("{}: the model of axis {}\n", path.string(), diagnosis.axis);
   }
 }
 
 ExitCode run(const Options& options) {
   const std::vector<Diagnosis> diagnoses = run_diagnosis(options);
-  if (options.json != "-") {
+  if (options.outputs.prints_text()) {
     for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
   }
   write_results(options, diagnoses);
@@ -183,9 +183,7 @@ Command add_diagnose(CLI::App& app) {
                    "share at the end of the recording on which the gain is measured")
       ->check(CLI::Range(0.1, 0.7))
       ->capture_default_str();
-  command->add_option("--json", options->json,
-                      "write the diagnosis as JSON; - for standard output");
-  command->add_option("--report", options->report, "write a report with charts as HTML");
+  add_output_options(*command, options->outputs);
   command->footer(
       "The axes of a recording are diagnosed together: what their flicker noise has in common is "
       "told\n"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/experiments/presentation.hpp"
@@ -20,8 +21,7 @@ struct Options {
   std::string fit_on = "other";
   std::string fit_by = "characterization";
   experiments::DriveContestOptions contest;
-  std::string json;
-  std::string report;
+  OutputOptions outputs;
 };
 
 /// "15/60": mean lengths of stop and drive.
@@ -49,13 +49,8 @@ ExitCode run(Options options) {
                                           options.contest,
                                           [&bar](double share) { bar.update(share); });
   }();
-  const experiments::Presentation presentation = experiments::present(contest);
-  if (!options.report.empty()) {
-    experiments::to_report(presentation, "zerorate " ZERORATE_VERSION ", zerorate evaluate drives")
-        .write(options.report);
-  }
-  if (!options.json.empty()) write_text(options.json, presentation.json);
-  if (options.json != "-") fmt::print("{}", experiments::to_text(presentation));
+  present(experiments::present(contest), "zerorate " ZERORATE_VERSION ", zerorate evaluate drives",
+          options.outputs);
   return success;
 }
 
@@ -100,8 +95,7 @@ Command add_evaluate(CLI::App& app) {
                    "0: as many as there are; the figures do not depend on it")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  drives->add_option("--json", options->json, "write the figures as JSON; - for standard output");
-  drives->add_option("--report", options->report, "write a report with charts as HTML");
+  add_output_options(*drives, options->outputs);
   drives->footer(
       "Examples:\n"
       "  zerorate evaluate drives run1.csv.gz run2.csv.gz run3.csv.gz\n"

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
@@ -16,9 +17,8 @@ namespace {
 struct Options {
   std::string recording;
   ReplayFlags flags;
-  std::string json;
+  OutputOptions outputs;
   std::string out;
-  std::string report;
 };
 
 ExitCode run(const Options& options) {
@@ -29,7 +29,7 @@ ExitCode run(const Options& options) {
   std::optional<evaluate::CorrectedWriter> corrected;
   if (!options.out.empty()) corrected.emplace(options.out, reader.columns().axis_count);
   evaluate::ReplayTrace trace{axes.back()};
-  const bool traced = !options.report.empty();
+  const bool traced = !options.outputs.report.empty();
   const evaluate::ReplayResult result = replay_watched(
       reader, replay_options,
       {.trace = traced ? &trace : nullptr, .corrected = corrected ? &*corrected : nullptr});
@@ -40,10 +40,11 @@ ExitCode run(const Options& options) {
          .lead = "The recording went through the node's firmware with the model " +
                  replay_options.model.name + ".",
          .provenance = "zerorate " ZERORATE_VERSION ", zerorate replay"})
-        .write(options.report);
+        .write(options.outputs.report);
   }
-  if (!options.json.empty()) write_text(options.json, evaluate::to_json(result, axes));
-  if (options.json != "-") print_result(result, axes);
+  if (!options.outputs.json.empty())
+    write_text(options.outputs.json, evaluate::to_json(result, axes));
+  if (options.outputs.prints_text()) print_result(result, axes);
   return success;
 }
 
@@ -55,9 +56,8 @@ Command add_replay(CLI::App& app) {
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   add_replay_flags(*command, options->flags);
-  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
+  add_output_options(*command, options->outputs);
   command->add_option("--out", options->out, "write the corrected rate, bias and sigma as CSV");
-  command->add_option("--report", options->report, "write a report with charts as HTML");
   command->footer(
       "Examples:\n"
       "  zerorate replay rest.csv.gz --schedule still=60,drive=300,seed=1\n"

@@ -13,7 +13,6 @@
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
-#include "host_tools/lib/output/output_file.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -46,18 +45,8 @@ model::SensorModel chosen_model(const ReplayFlags& flags) {
 
 std::vector<std::string> chip_names() {
   std::vector<std::string> names;
-  names.reserve(evaluate::kAllChips.size());
-  for (const evaluate::Chip chip : evaluate::kAllChips) names.emplace_back(evaluate::name(chip));
+  for (const auto& chip : evaluate::simulated_chips()) names.emplace_back(chip.name);
   return names;
-}
-
-evaluate::Chip chip_called(const std::string& name) {
-  const auto* const found = std::ranges::find_if(
-      evaluate::kAllChips, [&](evaluate::Chip chip) { return evaluate::name(chip) == name; });
-  if (found == evaluate::kAllChips.end()) {
-    throw std::invalid_argument("--chip: unknown chip " + name);
-  }
-  return *found;
 }
 
 app::Predictor predictor_called(const std::string& name) {
@@ -149,7 +138,7 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
     if (options.through != evaluate::Through::chip) {
       throw std::invalid_argument("--chip needs --through chip");
     }
-    options.chip = chip_called(*flags.chip);
+    options.chip = *flags.chip;
   }
   options.published = predictor_called(flags.predictor);
   options.standstill = {.settle = seconds(flags.settle_s, "--settle"),
@@ -205,14 +194,6 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
                  scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
     }
   }
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  if (path == "-") {
-    fmt::print("{}", text);
-    return;
-  }
-  output::write_file(path, text);
 }
 
 }  // namespace zerorate::cli

@@ -2,7 +2,6 @@
 /// The options that `replay` and `demo` share.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,8 +46,5 @@ void print_findings(const recording::Findings& findings);
 
 /// Prints what the node published and its scores, as text for a terminal.
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes);
-
-/// Writes a text to a file, or to the standard output for "-".
-void write_text(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace zerorate::cli

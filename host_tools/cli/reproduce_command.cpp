@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/experiments/presentation.hpp"
@@ -22,8 +23,7 @@ struct Options {
   double white = 0.0;
   std::vector<std::string> data;
   double highest_rate_hz = 20.0;
-  std::string json;
-  std::string report;
+  OutputOptions outputs;
 };
 
 std::vector<experiments::RestRecording> recordings(const Options& options) {
@@ -80,17 +80,11 @@ Presentation make(Options options, bool lengths_given) {
 
 ExitCode run(Options options, bool lengths_given) {
   options.simulation.noise.white_variance = options.white * options.white;
-  const Presentation presentation = make(options, lengths_given);
-  if (!options.report.empty()) {
-    experiments::to_report(
-        presentation, fmt::format("zerorate {}, zerorate reproduce {} --runs {} --order {:g} "
-                                  "--seed {}",
-                                  ZERORATE_VERSION, options.experiment, options.simulation.runs,
-                                  options.simulation.noise.order, options.simulation.seed))
-        .write(options.report);
-  }
-  if (!options.json.empty()) write_text(options.json, presentation.json);
-  if (options.json != "-") fmt::print("{}", experiments::to_text(presentation));
+  present(make(options, lengths_given),
+          fmt::format("zerorate {}, zerorate reproduce {} --runs {} --order {:g} --seed {}",
+                      ZERORATE_VERSION, options.experiment, options.simulation.runs,
+                      options.simulation.noise.order, options.simulation.seed),
+          options.outputs);
   return success;
 }
 
@@ -138,8 +132,7 @@ Command add_reproduce(CLI::App& app) {
                    "0: as many as there are; the figures do not depend on it")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
-  command->add_option("--report", options->report, "write a report with charts as HTML");
+  add_output_options(*command, options->outputs);
   command->footer(
       "Examples:\n"
       "  zerorate reproduce table1 --runs 1000\n"

@@ -2,6 +2,7 @@
 // the host but allocates, throws or computes in double precision is found here, on the first day.
 
 #include <cstdint>
+#include <type_traits>
 
 #include "core/base/numeric.hpp"
 #include "core/base/result.hpp"
@@ -18,12 +19,9 @@
 #include "core/noise/random_walk.hpp"
 #include "core/noise/rate_ramp.hpp"
 #include "core/noise/warm_up.hpp"
-#include "drivers/adxrs453/driver.hpp"
-#include "drivers/bmi088/driver.hpp"
+#include "drivers/chips/chips.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
-#include "drivers/icm42688/driver.hpp"
-#include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
 
@@ -155,7 +153,6 @@ void exercise_node() {
   loop.poll();
 }
 
-/// The drivers that the loop above is not bound to.
 template <drivers::GyroSource Source>
 [[gnu::noinline]] void exercise(Source& gyro) {
   const SomeClock now;
@@ -164,13 +161,28 @@ template <drivers::GyroSource Source>
   if (gyro.read(now.now(), samples)) report = samples[0].rate[0].in(core::rad_per_s);
 }
 
+/// A driver in memory of its own, but not once more the one that the loop above is bound to.
+template <class Gyro, class Link>
+void exercise_on(Link link) {
+  if constexpr (!std::is_same_v<Gyro, ::Gyro>) {
+    static Gyro gyro{link};
+    exercise(gyro);
+  }
+}
+
+template <class Chip>
+void exercise_driver() {
+  if constexpr (drivers::RegisterChipEntry<Chip>) {
+    using Link = drivers::SpiRegisters<SomeSpi>;
+    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
+  } else {
+    using Link = drivers::SpiFrames<SomeSpi>;
+    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
+  }
+}
+
 void exercise_drivers() {
-  static drivers::Icm42688 icm42688{drivers::SpiRegisters{spi}};
-  static drivers::Bmi088 bmi088{drivers::SpiRegisters{spi}};
-  exercise(icm42688);
-  static drivers::Adxrs453 adxrs453{drivers::SpiFrames{spi}};
-  exercise(bmi088);
-  exercise(adxrs453);
+  drivers::AllChips::for_each([]<class Chip> { exercise_driver<Chip>(); });
 }
 
 }  // namespace

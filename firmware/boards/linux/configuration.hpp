@@ -2,15 +2,16 @@
 /// What zerorated is told: schema `zerorate.daemon/1`; see docs/reference/zerorated.md.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/boards/linux/gyro.hpp"
+#include "firmware/boards/linux/chips/gyro.hpp"
+#include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
+#include "firmware/boards/linux/outputs/sink_settings.hpp"
+#include "firmware/boards/linux/process/process.hpp"
 #include "firmware/model/node_model.hpp"
 #include "hal/linux/gpio_line.hpp"
 
@@ -22,37 +23,9 @@ inline constexpr const char* kConfigurationFile = "/etc/zerorate/zerorated.toml"
 /// Large enough for every model that a file can hold.
 using Node = app::GyroNode<model::kLargestShape, app::NodeCapacity{.screens_samples = true}>;
 
-/// JSON lines, to a file or, with "-", to the standard output.
-struct JsonSettings {
-  std::string file;
-};
-/// Rate frames as datagrams.
-struct UdpSettings {
-  std::string address;  ///< numeric, IPv4 or IPv6
-  std::uint16_t port = 0;
-};
-struct UnixSettings {
-  std::string path;
-};
-struct CanSettings {
-  std::string interface;
-  std::uint16_t id = 0;  ///< of the status frame
-};
-using SinkSettings = std::variant<JsonSettings, UdpSettings, UnixSettings, CanSettings>;
-
 struct StateSettings {
   std::string file;  ///< FILE.0 and FILE.1 are written
   core::Duration save_interval;
-};
-
-struct MetricsSettings {
-  std::string file;    ///< written once a second; empty: not
-  std::string socket;  ///< each connection is given the text; empty: none
-};
-
-struct RealTimeSettings {
-  int priority = 0;  ///< of the measuring thread, SCHED_FIFO; 0: an ordinary thread
-  bool lock_memory = true;
 };
 
 struct Configuration {

@@ -15,16 +15,20 @@
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/linux_hardware.hpp"
-#include "firmware/boards/linux/metrics.hpp"
+#include "firmware/boards/linux/metrics_text.hpp"
 #include "firmware/boards/linux/node_service.hpp"
-#include "firmware/boards/linux/process.hpp"
-#include "firmware/boards/linux/service_manager.hpp"
+#include "firmware/boards/linux/process/process.hpp"
+#include "firmware/boards/linux/process/service_manager.hpp"
 #include "hal/linux/clock.hpp"
+#include "hal/linux/descriptor.hpp"
 #include "hal/linux/file_storage.hpp"
 #include "hal/linux/standard_output.hpp"
 
 namespace zerorate::linux_node {
 namespace {
+
+using hal::linux_os::checked_descriptor;
+using hal::linux_os::Descriptor;
 
 /// The journal takes lines of the error stream, with the priority in front.
 void log_to_journal(std::string_view line) {
@@ -75,7 +79,7 @@ class Run {
       while (signal == 0) signal = turn();
     }
     service_->finish();
-    metrics_.update(*service_);
+    update_metrics();
     return signal;
   }
 
@@ -99,7 +103,11 @@ class Run {
     (void)!read(seconds_.get(), &seconds, sizeof seconds);
     // A measuring thread that hangs is what the watchdog is for: it is not fed then.
     if (service_->tick() && is_watched()) notify_service_manager("WATCHDOG=1");
-    metrics_.update(*service_);
+    update_metrics();
+  }
+
+  void update_metrics() {
+    if (metrics_.is_wanted()) metrics_.publish(format_metrics(*service_, metrics_text_));
   }
 
   int take_signal() {
@@ -115,6 +123,7 @@ class Run {
   hal::linux_os::FileCalls file_calls_;
   std::optional<hal::linux_os::FileStorage> storage_;
   std::optional<NodeService> service_;
+  MetricsBuffer metrics_text_{};
   MetricsEndpoint metrics_{configuration_.metrics};
   Descriptor seconds_ = open_seconds();
 };
@@ -139,7 +148,7 @@ void run_daemon(const std::string& configuration_file) {
   Configuration configuration = read_configuration(configuration_file);
   const Descriptor signals = open_signals();
   (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
-  prepare_process(configuration, log_to_journal);
+  prepare_process(configuration.user, configuration.real_time, log_to_journal);
   std::optional<Run> run{std::in_place, configuration, signals};
   while (run->until_signalled() == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",

@@ -64,11 +64,11 @@ void LinuxHardware::wait() {
       {.fd = data_ready_ ? data_ready_->line.descriptor() : -1, .events = POLLIN, .revents = 0},
   }};
   (void)ppoll(sources.data(), sources.size(), &limit, nullptr);
-  wake_.hush();
+  wake_.clear();
 }
 
 void LinuxHardware::wake() {
-  wake_.ring();
+  wake_.signal();
 }
 
 }  // namespace zerorate::linux_node

@@ -4,10 +4,10 @@
 
 #include <optional>
 
+#include "firmware/boards/linux/chips/watched_gyro.hpp"
 #include "firmware/boards/linux/configuration.hpp"
-#include "firmware/boards/linux/event.hpp"
 #include "firmware/boards/linux/hardware.hpp"
-#include "firmware/boards/linux/watched_gyro.hpp"
+#include "firmware/boards/linux/process/event.hpp"
 #include "hal/linux/gpio_line.hpp"
 #include "hal/linux/latest_edge.hpp"
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/boards/linux/event.hpp"
+#include "firmware/boards/linux/process/event.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::linux_node {
@@ -30,7 +30,7 @@ class MessageQueue {
     }
     messages_[end % kCapacity] = {.sequence = sequence, .message = message};
     end_.store(end + 1, std::memory_order_release);
-    waiting_.ring();
+    waiting_.signal();
   }
 
   // The reading thread's side.
@@ -41,7 +41,7 @@ class MessageQueue {
     begin_.store(begin + 1, std::memory_order_release);
     return message;
   }
-  /// Readable once there is a message; hush() it before taking.
+  /// Readable once there is a message; clear() it before taking.
   [[nodiscard]] const Event& waiting() const { return waiting_; }
   [[nodiscard]] std::uint32_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 

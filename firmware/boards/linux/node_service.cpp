@@ -8,54 +8,6 @@
 namespace zerorate::linux_node {
 namespace {
 
-std::string_view name_of(hal::StorageError error) {
-  switch (error) {
-    case hal::StorageError::empty:
-      return "nothing saved";
-    case hal::StorageError::corrupt:
-      return "both slots are damaged";
-    case hal::StorageError::too_large:
-      return "too large";
-    case hal::StorageError::full:
-      return "no space left";
-    case hal::StorageError::io:
-      return "input/output error";
-  }
-  return "unknown";
-}
-
-std::string_view name_of(app::SnapshotRefusal refusal) {
-  switch (refusal) {
-    case app::SnapshotRefusal::not_a_snapshot:
-      return "not a record of a node";
-    case app::SnapshotRefusal::damaged:
-      return "damaged";
-    case app::SnapshotRefusal::other_layout:
-      return "saved by another version";
-    case app::SnapshotRefusal::other_model:
-      return "saved with another model or filter";
-    case app::SnapshotRefusal::other_sensor:
-      return "saved with another gyro";
-    case app::SnapshotRefusal::nothing_learnt:
-      return "saved before anything was learnt";
-    case app::SnapshotRefusal::turn_on_unknown:
-      return "saved in another boot, and the model has no [turn_on]";
-  }
-  return "unknown";
-}
-
-std::string_view name_of(app::Resumption resumption) {
-  switch (resumption) {
-    case app::Resumption::continued:
-      return "nothing lost";
-    case app::Resumption::aged:
-      return "aged by the time since it was saved";
-    case app::Resumption::aged_by_a_day:
-      return "aged by a day, for the clock does not tell";
-  }
-  return "unknown";
-}
-
 /// A line for the log, without a heap.
 template <class... Arguments>
 void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -96,15 +48,15 @@ bool NodeService::restore() {
   std::array<std::uint8_t, app::Snapshot<Node>::kBytesOfState> bytes{};
   const auto size = storage_->load(bytes);
   if (!size) {
-    log_line(log_, "state: {}; starting without", name_of(size.error()));
+    log_line(log_, "state: {}; starting without", hal::name(size.error()));
     return false;
   }
   const auto restored = snapshot_.restore(node_, std::span{bytes}.first(*size), time_in(session_));
   if (!restored) {
-    log_line(log_, "state: {}; starting without", name_of(restored.error()));
+    log_line(log_, "state: {}; starting without", app::name(restored.error()));
     return false;
   }
-  log_line(log_, "state: restored, {}", name_of(*restored));
+  log_line(log_, "state: restored, {}", app::name(*restored));
   return true;
 }
 
@@ -116,12 +68,13 @@ void NodeService::measure() {
 }
 
 void NodeService::hand_over() {
-  shown_ = {.counters = loop_.counters(), .is_running = loop_.is_running(), .state = node_.state()};
+  offered_status_ = {
+      .counters = loop_.counters(), .is_running = loop_.is_running(), .state = node_.state()};
   handover_.store(Handover::ready, std::memory_order_release);
 }
 
 void NodeService::publish_waiting() {
-  queue_.waiting().hush();
+  queue_.waiting().clear();
   while (const auto message = queue_.take()) {
     for (const auto& sink : sinks_) sink->publish(*message);
     latest_ = message;
@@ -130,12 +83,12 @@ void NodeService::publish_waiting() {
 
 bool NodeService::tick() {
   if (handover_.load(std::memory_order_acquire) == Handover::ready) {
-    report_changes(shown_);
-    seen_ = shown_;
+    report_changes(offered_status_);
+    last_status_ = offered_status_;
     const core::Instant now = hardware_.now();
     if (configuration_.state && now >= save_at_) {
       save_at_ = now + configuration_.state->save_interval;
-      save(seen_.state);
+      save(last_status_.state);
     }
   }
   handover_.store(Handover::requested, std::memory_order_release);
@@ -148,14 +101,14 @@ bool NodeService::tick() {
 void NodeService::finish() {
   publish_waiting();
   hand_over();
-  report_changes(shown_);
-  seen_ = shown_;
-  if (configuration_.state) save(seen_.state);
+  report_changes(offered_status_);
+  last_status_ = offered_status_;
+  if (configuration_.state) save(last_status_.state);
 }
 
-void NodeService::report_changes(const Snapshot& now) {
+void NodeService::report_changes(const ServiceStatus& now) {
   std::array<char, 96> words{};
-  const app::LoopCounters& before = seen_.counters;
+  const app::LoopCounters& before = last_status_.counters;
   if (now.counters.starts != before.starts) {
     log_line(log_, "gyro: started ({} times)", now.counters.starts);
   }
@@ -163,7 +116,7 @@ void NodeService::report_changes(const Snapshot& now) {
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
   // The same failure of a gyro that stays away is said once, not at every attempt.
-  const bool is_news = before.last_error != now.counters.last_error || seen_.is_running;
+  const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running;
   if (has_failed && is_news) {
     log_line(log_, "gyro: {}{}", describe(now.counters.last_error, words),
              now.is_running ? "" : "; trying again");
@@ -182,7 +135,7 @@ void NodeService::save(const Node::State& state) {
   if (storage_ == nullptr) return;
   if (const auto saved = storage_->save(snapshot_.of_state(state, time_in(session_))); !saved) {
     ++counters_.save_errors;
-    log_line(log_, "state: not saved: {}", name_of(saved.error()));
+    log_line(log_, "state: not saved: {}", hal::name(saved.error()));
     return;
   }
   ++counters_.saves;

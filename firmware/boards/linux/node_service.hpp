@@ -14,14 +14,15 @@
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/message_queue.hpp"
+#include "firmware/boards/linux/outputs/sinks.hpp"
+#include "firmware/boards/linux/process/log.hpp"
 #include "firmware/boards/linux/session.hpp"
-#include "firmware/boards/linux/sinks.hpp"
 #include "hal/linux/file_storage.hpp"
 
 namespace zerorate::linux_node {
 
-/// What the measuring side shows of itself when asked.
-struct Snapshot {
+/// State of the measuring side, which hands it over when asked.
+struct ServiceStatus {
   app::LoopCounters counters;
   bool is_running = false;
   Node::State state;
@@ -32,9 +33,6 @@ struct ServiceCounters {
   std::uint32_t saves = 0;
   std::uint32_t save_errors = 0;
 };
-
-/// Where the service says what changed; one line a call, no newline at its end.
-using Log = void (*)(std::string_view line);
 
 /// No heap once it is made. Its functions belong to one of two threads each: the measuring one
 /// never waits for the publishing one, nor for anything but the bus.
@@ -62,7 +60,7 @@ class NodeService {
 
   [[nodiscard]] const MessageQueue& queue() const { return queue_; }
   /// As of the last tick.
-  [[nodiscard]] const Snapshot& snapshot() const { return seen_; }
+  [[nodiscard]] const ServiceStatus& status() const { return last_status_; }
   [[nodiscard]] const std::optional<wire::NumberedMessage>& latest() const { return latest_; }
   [[nodiscard]] const std::vector<std::unique_ptr<Sink>>& sinks() const { return sinks_; }
   [[nodiscard]] const ServiceCounters& counters() const { return counters_; }
@@ -71,7 +69,7 @@ class NodeService {
   enum class Handover : std::uint8_t { idle, requested, ready };
 
   void hand_over();
-  void report_changes(const Snapshot& now);
+  void report_changes(const ServiceStatus& now);
   void save(const Node::State& state);
 
   const Configuration& configuration_;
@@ -86,11 +84,12 @@ class NodeService {
   app::NodeLoop<Node, drivers::AnyGyro, Hardware, Hardware, Hardware, MessageQueue> loop_;
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
-  Snapshot shown_;  ///< written by the measuring thread while requested, read while ready
+  ServiceStatus
+      offered_status_;  ///< written by the measuring thread while requested, read while ready
 
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::optional<wire::NumberedMessage> latest_;
-  Snapshot seen_;
+  ServiceStatus last_status_;
   bool odometer_failed_ = false;  ///< between the last two ticks
   ServiceCounters counters_;
   std::uint32_t turns_seen_ = 0;

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "firmware/app/snapshot.hpp"
-#include "firmware/boards/linux/gyro.hpp"
+#include "firmware/boards/linux/chips/gyro.hpp"
 
 namespace zerorate::linux_node {
 

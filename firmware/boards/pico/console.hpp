@@ -23,8 +23,8 @@ class Console {
  public:
   explicit Console(Line& line) : line_(line) {}
 
-  /// Takes what a person typed: 't' for text, 'b' for frames; anything else means nothing.
-  void obey(char key) {
+  /// What a person typed: 't' for text, 'b' for frames; anything else means nothing.
+  void handle_key(char key) {
     if (key == 't') is_text_ = true;
     if (key == 'b') is_text_ = false;
   }

@@ -2,6 +2,8 @@
 /// The gyro of this image on its bus: SPI, or I2C.
 #pragma once
 
+#include <type_traits>
+
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "firmware/app/snapshot.hpp"
@@ -20,17 +22,14 @@ inline void start_bus() {
   Bus::start();
 }
 [[nodiscard]] constexpr Wire wire_on(Bus& bus) {
-  return {bus, kI2cAddress};
+  return {bus, Chip::kAddresses[0]};
 }
 #else
 using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
-#ifdef ZERORATE_PICO_ADXRS453
-using Wire = drivers::SpiFrames<Bus>;
-inline constexpr auto kSpiMode = hal::rp2040::SpiMode::mode_0;
-#else
-using Wire = drivers::SpiRegisters<Bus>;
-inline constexpr auto kSpiMode = hal::rp2040::SpiMode::mode_3;
-#endif
+using Wire = std::conditional_t<drivers::FrameChipEntry<Chip>, drivers::SpiFrames<Bus>,
+                                drivers::SpiRegisters<Bus>>;
+inline constexpr auto kSpiMode =
+    Chip::kSpiMode == 0 ? hal::rp2040::SpiMode::mode_0 : hal::rp2040::SpiMode::mode_3;
 inline void start_bus() {
   Bus::start(kSpiHz, kSpiMode);
 }
@@ -39,8 +38,8 @@ inline void start_bus() {
 }
 #endif
 
-using Gyro = Chip<Wire>;
-/// Number that snapshots are told apart by.
-inline constexpr std::uint32_t kSensor = app::sensor_id(kChipName);
+using Gyro = Chip::Driver<Wire>;
+/// What snapshots are told apart by.
+inline constexpr std::uint32_t kSensor = app::sensor_id(Chip::kName);
 
 }  // namespace zerorate::pico

@@ -74,7 +74,7 @@ bool has_work() {
   core::Instant report_at = clock.now() + kReportEvery;
   for (;;) {
     Watchdog<2'000'000>::feed();
-    if (const auto key = Line::receive()) console.obey(*key);
+    if (const auto key = Line::receive()) console.handle_key(*key);
     beat.take();
     loop.poll();
     const core::Instant now = clock.now();

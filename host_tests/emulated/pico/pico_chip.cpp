@@ -1,4 +1,4 @@
-// pico_chip icm42688|bmi088|adxrs453 REQUESTS REPLIES
+// pico_chip CHIP REQUESTS REPLIES
 //
 // A simulated gyro of hal/sim for an emulated processor: reads requests from one named pipe, a line
 // each, and answers into the other, so that a byte on the emulated bus waits for its reply.
@@ -22,10 +22,8 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
-#include "hal/sim/adxrs453.hpp"
-#include "hal/sim/bmi088.hpp"
+#include "hal/sim/chips.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/icm42688.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::emulated {
@@ -36,7 +34,7 @@ struct Answer {
   unsigned next = 0;
 };
 
-Answer obey(hal::sim::RegisterChip auto& chip, char kind, std::istream& words) {
+Answer answer_to(hal::sim::RegisterChip auto& chip, char kind, std::istream& words) {
   unsigned address = 0;
   unsigned value = 0;
   words >> address;
@@ -48,7 +46,7 @@ Answer obey(hal::sim::RegisterChip auto& chip, char kind, std::istream& words) {
   return {.next = next};
 }
 
-Answer obey(hal::sim::SimulatedAdxrs453& chip, char kind, std::istream& words) {
+Answer answer_to(hal::sim::SimulatedAdxrs453& chip, char kind, std::istream& words) {
   std::uint32_t frame = 0;
   if (kind == 'p') {
     hal::sim::SimulatedAdxrs453 copy = chip;  // the reply stands before the command is heard
@@ -89,7 +87,7 @@ void serve(std::istream& requests, std::ostream& replies) {
     } else if (kind == 'u') {
       upset(chip, requests);
     } else {
-      answer = obey(chip, kind, requests);
+      answer = answer_to(chip, kind, requests);
     }
     if (!requests) throw std::runtime_error(std::string("request ") + kind + " lacks a number");
     bool level = false;
@@ -107,15 +105,13 @@ int run(std::span<char*> arguments) {
   const std::string chip = arguments[1];
   std::ifstream requests(arguments[2]);
   std::ofstream replies(arguments[3]);
-  if (chip == "icm42688") {
-    serve<hal::sim::SimulatedIcm42688>(requests, replies);
-  } else if (chip == "bmi088") {
-    serve<hal::sim::SimulatedBmi088>(requests, replies);
-  } else if (chip == "adxrs453") {
-    serve<hal::sim::SimulatedAdxrs453>(requests, replies);
-  } else {
-    throw std::runtime_error("no chip " + chip);
-  }
+  bool is_known = false;
+  hal::sim::AllSimulatedChips::for_each([&]<class Chip> {
+    if (chip != Chip::kName) return;
+    is_known = true;
+    serve<Chip>(requests, replies);
+  });
+  if (!is_known) throw std::runtime_error("no chip " + chip);
   return 0;
 }
 

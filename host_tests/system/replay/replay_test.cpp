@@ -26,14 +26,14 @@ constexpr ScheduleParams kLongRest{.still_s = 400.0, .drive_s = 40.0, .seed = 3}
 constexpr recording::Columns kOneRate{1, recording::RateUnit::rad_per_s, false, false, false};
 
 struct ChipUnderTest {
-  Chip chip;
+  const char* chip;
   double lsb_dps;  ///< of the datasheet, at 250 deg/s, or of the only range
   recording::Columns columns;
 };
-constexpr std::array kChips{ChipUnderTest{Chip::lsm6dso, 8.75e-3, kRates},
-                            ChipUnderTest{Chip::icm42688, 1.0 / 131.072, kRates},
-                            ChipUnderTest{Chip::bmi088, 1.0 / 131.072, kRates},
-                            ChipUnderTest{Chip::adxrs453, 1.0 / 80.0, kOneRate}};
+constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
+                            ChipUnderTest{"icm42688", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate}};
 
 void expect_identical(const Replayed& a, const Replayed& b) {
   EXPECT_EQ(a.messages, b.messages);
@@ -105,10 +105,9 @@ TEST(ReplayThroughEveryChip, AgreesToItsRounding) {
 TEST(ReplayThroughAChipOfOneAxis, RefusesThreeAxes) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(100, 0.01, 1));
-  EXPECT_THROW(
-      (void)replay_file(
-          path, {.model = sensor_model(), .through = Through::chip, .chip = Chip::adxrs453}),
-      std::invalid_argument);
+  EXPECT_THROW((void)replay_file(
+                   path, {.model = sensor_model(), .through = Through::chip, .chip = "adxrs453"}),
+               std::invalid_argument);
 }
 
 TEST(ReplayOfTheSameRecording, IsTheSameTwiceAndPackedOrNot) {

@@ -37,9 +37,9 @@ class ChipFeed {
  public:
   /// Powers the chip on so long before the first sample that its start-up is over by then.
   /// @param has_data_ready false: the wire of its pin is broken
-  ChipFeed(Node& node, Chip chip, core::Instant first_sample, bool has_data_ready)
+  ChipFeed(Node& node, const SimulatedChip& chip, core::Instant first_sample, bool has_data_ready)
       : clock_(first_sample - kStartUp),
-        gyro_(make_simulated_gyro(chip, clock_)),
+        gyro_(chip.make(clock_)),
         loop_(node, *gyro_, odometer_, has_data_ready ? gyro_->interrupt() : loose_wire_, clock_,
               sink_) {
     // No further than that: a chip that measures whenever it is read would give samples of nothing.

@@ -264,8 +264,8 @@ void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOption
   const auto run = std::make_unique<Run<Shape>>(rows, reader, options, observer, result);
   using Node = typename Run<Shape>::Node;
   if (options.through == Through::chip) {
-    run->to_the_end(
-        ChipFeed<Node>{run->node(), options.chip, run->start(), options.has_data_ready});
+    run->to_the_end(ChipFeed<Node>{run->node(), find_simulated_chip(options.chip), run->start(),
+                                   options.has_data_ready});
   } else {
     run->to_the_end(DirectFeed<Node>{run->node()});
   }
@@ -290,9 +290,9 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   BufferedRows rows{reader};
   ReplayResult result;
   result.axis_count = reader.columns().axis_count;
-  if (options.through == Through::chip && result.axis_count > axis_count(options.chip)) {
-    throw std::invalid_argument(std::string(name(options.chip)) +
-                                " has one axis, the recording has " +
+  if (options.through == Through::chip &&
+      result.axis_count > find_simulated_chip(options.chip).axis_count) {
+    throw std::invalid_argument(options.chip + " has one axis, the recording has " +
                                 std::to_string(result.axis_count));
   }
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/base/time.hpp"
@@ -39,7 +40,8 @@ struct ReplayOptions {
   std::optional<double> filter_rate_hz;
   std::optional<ScheduleParams> schedule;
   Through through = Through::source;
-  Chip chip = Chip::lsm6dso;   ///< if through chip; its axes must be as many as the recording's
+  /// If through chip: a SimulatedChip's name, with as many axes as the recording.
+  std::string chip = "lsm6dso";
   bool has_data_ready = true;  ///< if through chip; false: the wire of its pin is broken
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;

@@ -1,115 +1,106 @@
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
 
+#include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "drivers/adxrs453/driver.hpp"
-#include "drivers/bmi088/driver.hpp"
+#include "drivers/chips/chips.hpp"
+#include "drivers/common/erased_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_bus.hpp"
-#include "drivers/icm42688/driver.hpp"
-#include "drivers/lsm6dso/driver.hpp"
-#include "hal/sim/adxrs453.hpp"
-#include "hal/sim/bmi088.hpp"
+#include "hal/sim/chips.hpp"
 #include "hal/sim/frame_spi.hpp"
-#include "hal/sim/icm42688.hpp"
-#include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/spi.hpp"
 
 namespace zerorate::evaluate {
 namespace {
 
+/// A simulated chip and the bus before it.
+template <class Simulated, class Device>
+struct Wiring {
+  explicit Wiring(const hal::sim::SimulatedClock& clock) : chip(clock), device(chip) {}
+
+  Simulated chip;
+  Device device;
+  hal::sim::DataReadyPin no_pin;
+};
+
 /// @tparam Device  how the chip hangs on SPI
-/// @tparam Link    what the driver talks through
-template <class SimulatedChip, class Device, class Link, class Driver>
-class Assembled final : public SimulatedGyro {
+template <class Simulated, class Device, class Driver>
+class Assembled final
+    : public drivers::ErasedGyro<Wiring<Simulated, Device>, Driver, SimulatedGyro> {
  public:
-  template <class Settings>
-  Assembled(const hal::sim::SimulatedClock& clock, const Settings& settings)
-      : chip_(clock), device_(chip_), driver_(Link{device_}, settings) {}
+  using drivers::ErasedGyro<Wiring<Simulated, Device>, Driver, SimulatedGyro>::ErasedGyro;
 
   void measure(const std::array<core::AngularRate, 3>& rate,
                core::Temperature temperature) override {
-    chip_.measure(rate, temperature);
+    this->wiring().chip.measure(rate, temperature);
   }
   hal::sim::DataReadyPin& interrupt() override {
-    if constexpr (requires { chip_.interrupt(); }) {
-      return chip_.interrupt();
+    if constexpr (requires { this->wiring().chip.interrupt(); }) {
+      return this->wiring().chip.interrupt();
     } else {
-      return no_pin_;
+      return this->wiring().no_pin;
     }
   }
-  core::Result<void, drivers::DriverError> start(core::Instant now) override {
-    return driver_.start(now);
-  }
-  core::Result<std::size_t, drivers::DriverError> read(
-      core::Instant now, std::span<drivers::GyroSample> out) override {
-    return driver_.read(now, out);
-  }
-  core::Result<void, drivers::DriverError> verify_next() override { return driver_.verify_next(); }
-  [[nodiscard]] core::Duration sample_period() const override { return driver_.sample_period(); }
-  [[nodiscard]] bool is_batched() const override { return driver_.is_batched(); }
-
- private:
-  SimulatedChip chip_;
-  Device device_;
-  Driver driver_;
-  hal::sim::DataReadyPin no_pin_;
 };
 
-template <class SimulatedChip, template <class> class Driver, class Settings>
-std::unique_ptr<SimulatedGyro> on_registers(const hal::sim::SimulatedClock& clock,
-                                            const Settings& settings) {
-  using Device = hal::sim::SimulatedSpiDevice<SimulatedChip>;
-  using Link = drivers::SpiRegisters<Device>;
-  return std::make_unique<Assembled<SimulatedChip, Device, Link, Driver<Link>>>(clock, settings);
+template <class Simulated, template <class> class Driver, class Device, class Link, class Settings>
+std::unique_ptr<SimulatedGyro> assemble(const hal::sim::SimulatedClock& clock,
+                                        const Settings& settings) {
+  using OnLink = Driver<Link>;
+  return std::make_unique<Assembled<Simulated, Device, OnLink>>(
+      [&](Wiring<Simulated, Device>& wiring) {
+        return OnLink{Link{wiring.device}, settings};
+      },
+      clock);
 }
 
-std::unique_ptr<SimulatedGyro> on_frames(const hal::sim::SimulatedClock& clock) {
-  using Device = hal::sim::SimulatedFrameSpi<hal::sim::SimulatedAdxrs453>;
-  using Link = drivers::SpiFrames<Device>;
-  // The chip has no rate of its own; shorter than any recording's, each row is due.
-  const drivers::adxrs453::Settings settings{.sample_period = core::Duration::microseconds(1)};
-  return std::make_unique<
-      Assembled<hal::sim::SimulatedAdxrs453, Device, Link, drivers::Adxrs453<Link>>>(clock,
-                                                                                     settings);
+template <class Chip, class Simulated>
+std::unique_ptr<SimulatedGyro> make(const hal::sim::SimulatedClock& clock) {
+  if constexpr (drivers::RegisterChipEntry<Chip>) {
+    using Device = hal::sim::SimulatedSpiDevice<Simulated>;
+    return assemble<Simulated, Chip::template Driver, Device, drivers::SpiRegisters<Device>>(
+        clock, typename Chip::Settings{});
+  } else {
+    using Device = hal::sim::SimulatedFrameSpi<Simulated>;
+    // The chip has no rate of its own; shorter than any recording's, each row is due.
+    const auto settings =
+        Chip::settings(core::Duration::microseconds(1), Chip::kFullScales[0].code, false);
+    return assemble<Simulated, Chip::template Driver, Device, drivers::SpiFrames<Device>>(clock,
+                                                                                          settings);
+  }
+}
+
+/// Adds the line of a chip that has a simulated one.
+template <class Chip>
+void add(std::vector<SimulatedChip>& chips) {
+  hal::sim::AllSimulatedChips::for_each([&]<class Simulated> {
+    if constexpr (Simulated::kName == Chip::kName) {
+      chips.push_back(
+          {.name = Chip::kName, .axis_count = Chip::kAxes, .make = make<Chip, Simulated>});
+    }
+  });
 }
 
 }  // namespace
 
-std::string_view name(Chip chip) {
-  switch (chip) {
-    case Chip::lsm6dso:
-      return "lsm6dso";
-    case Chip::icm42688:
-      return "icm42688";
-    case Chip::bmi088:
-      return "bmi088";
-    case Chip::adxrs453:
-      return "adxrs453";
-  }
-  return "unknown";
+std::span<const SimulatedChip> simulated_chips() {
+  static const std::vector<SimulatedChip> chips = [] {
+    std::vector<SimulatedChip> lines;
+    drivers::AllChips::for_each([&]<class Chip> { add<Chip>(lines); });
+    return lines;
+  }();
+  return chips;
 }
 
-std::size_t axis_count(Chip chip) {
-  return chip == Chip::adxrs453 ? 1 : 3;
-}
-
-std::unique_ptr<SimulatedGyro> make_simulated_gyro(Chip chip,
-                                                   const hal::sim::SimulatedClock& clock) {
-  switch (chip) {
-    case Chip::lsm6dso:
-      return on_registers<hal::sim::SimulatedLsm6dso, drivers::Lsm6dso>(
-          clock, drivers::lsm6dso::Settings{});
-    case Chip::icm42688:
-      return on_registers<hal::sim::SimulatedIcm42688, drivers::Icm42688>(
-          clock, drivers::icm42688::Settings{});
-    case Chip::bmi088:
-      return on_registers<hal::sim::SimulatedBmi088, drivers::Bmi088>(clock,
-                                                                      drivers::bmi088::Settings{});
-    case Chip::adxrs453:
-      return on_frames(clock);
+const SimulatedChip& find_simulated_chip(std::string_view name) {
+  const auto found = std::ranges::find(simulated_chips(), name, &SimulatedChip::name);
+  if (found == simulated_chips().end()) {
+    throw std::invalid_argument("there is no simulated chip " + std::string{name});
   }
-  throw std::invalid_argument("unknown chip");
+  return *found;
 }
 
 }  // namespace zerorate::evaluate

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -14,14 +13,6 @@
 #include "hal/sim/data_ready_pin.hpp"
 
 namespace zerorate::evaluate {
-
-enum class Chip : std::uint8_t { lsm6dso, icm42688, bmi088, adxrs453 };
-inline constexpr std::array kAllChips = {Chip::lsm6dso, Chip::icm42688, Chip::bmi088,
-                                         Chip::adxrs453};
-[[nodiscard]] std::string_view name(Chip chip);
-
-/// How many axes the chip has: 3, or 1, which is z and comes out on all three.
-[[nodiscard]] std::size_t axis_count(Chip chip);
 
 /// A gyro whose read() returns the rate given to measure(), rounded as the chip rounds.
 class SimulatedGyro : public drivers::AnyGyro {
@@ -33,9 +24,18 @@ class SimulatedGyro : public drivers::AnyGyro {
   virtual hal::sim::DataReadyPin& interrupt() = 0;
 };
 
-/// In data-ready mode and over SPI, at the driver's default range.
-/// @param clock must outlive the gyro
-[[nodiscard]] std::unique_ptr<SimulatedGyro> make_simulated_gyro(
-    Chip chip, const hal::sim::SimulatedClock& clock);
+/// A simulated chip and how its gyro is made: a line of the table of chips.
+struct SimulatedChip {
+  std::string_view name;
+  std::size_t axis_count;  ///< 3, or 1, which is z and comes out on all three
+  /// In data-ready mode and over SPI, at the driver's default range.
+  /// @param clock must outlive the gyro
+  std::unique_ptr<SimulatedGyro> (*make)(const hal::sim::SimulatedClock& clock);
+};
+
+/// All chips, by name.
+[[nodiscard]] std::span<const SimulatedChip> simulated_chips();
+/// Throws std::invalid_argument where there is none of that name.
+[[nodiscard]] const SimulatedChip& find_simulated_chip(std::string_view name);
 
 }  // namespace zerorate::evaluate

@@ -5,20 +5,16 @@
 /// asked for: whatever else listens keeps its settings.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "drivers/adxrs453/codec.hpp"
-#include "drivers/bmi088/registers.hpp"
+#include "drivers/chips/chips.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/register_bus.hpp"
-#include "drivers/icm42688/registers.hpp"
-#include "drivers/lsm6dso/registers.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
 
@@ -37,76 +33,70 @@ namespace detail {
 /// "0x6c"
 [[nodiscard]] std::string in_hexadecimal(std::uint32_t value);
 
-template <drivers::RegisterBus Bus, class WhoAmI>
-Attempt ask(std::string_view chip, Bus bus, WhoAmI who_am_i) {
-  const auto identity = drivers::read_register(bus, who_am_i);
-  if (!identity) return {.chip = chip, .answer = std::string{hal::name(identity.error().bus)}};
-  return {
-      .chip = chip, .is_found = *identity == who_am_i.reset, .answer = in_hexadecimal(*identity)};
+template <drivers::RegisterChipEntry Chip, drivers::RegisterBus Bus>
+Attempt ask(Bus bus) {
+  const auto identity = drivers::read_register(bus, Chip::kIdentity);
+  if (!identity) {
+    return {.chip = Chip::kName, .answer = std::string{hal::name(identity.error().bus)}};
+  }
+  return {.chip = Chip::kName,
+          .is_found = *identity == Chip::kIdentity.reset,
+          .answer = in_hexadecimal(*identity)};
 }
 
 /// The reply to a frame comes with the next one; the same frame twice asks once more, for nothing.
-template <drivers::FrameBus Bus>
-Attempt ask_adxrs453(Bus bus) {
-  namespace chip = drivers::adxrs453;
-  constexpr std::uint32_t kRead = chip::encode_read(chip::kPid1);
-  static_assert(kRead >> 31U == 1, "to chips with registers, this is a read too");
-  Attempt attempt{.chip = "adxrs453"};
-  if (const auto sent = bus.exchange(kRead); !sent) {
-    attempt.answer = std::string{hal::name(sent.error())};
-    return attempt;
-  }
-  const auto reply = bus.exchange(kRead);
+template <drivers::FrameChipEntry Chip, drivers::FrameBus Bus>
+Attempt ask(Bus bus) {
+  Attempt attempt{.chip = Chip::kName};
+  auto reply = bus.exchange(Chip::kAskIdentity);
+  if (reply) reply = bus.exchange(Chip::kAskIdentity);
   if (!reply) {
     attempt.answer = std::string{hal::name(reply.error())};
     return attempt;
   }
-  attempt.is_found = chip::has_good_parity(*reply) && chip::is_read_reply(*reply) &&
-                     chip::decode_read_data(*reply) >> 8U == chip::kPartId;
+  attempt.is_found = Chip::is_identity(*reply);
   attempt.answer = in_hexadecimal(*reply);
   return attempt;
 }
 
-/// Calls ask(name, identity register, addresses) for each chip that has registers.
-template <class Ask>
-void for_each_register_chip(Ask ask) {
-  using Addresses = std::array<hal::I2cAddress, 2>;
-  ask("bmi088", drivers::bmi088::kGyroChipId,
-      Addresses{drivers::bmi088::kAddressSdo2Low, drivers::bmi088::kAddressSdo2High});
-  ask("icm42688", drivers::icm42688::kWhoAmI,
-      Addresses{drivers::icm42688::kAddressAd0Low, drivers::icm42688::kAddressAd0High});
-  ask("lsm6dso", drivers::lsm6dso::kWhoAmI,
-      Addresses{drivers::lsm6dso::kAddressSa0Low, drivers::lsm6dso::kAddressSa0High});
-}
-
 }  // namespace detail
 
-/// All chips, on one chip select. At 1 MHz, which all of them take; five transactions.
+/// Asks all chips, on one chip select. At 1 MHz, which all of them take; one transaction a chip
+/// with registers, two a chip of frames.
 /// @param device  e.g. "/dev/spidev0.0"
 template <class System = hal::linux_os::SystemCalls>
 std::vector<Attempt> probe_spi(const std::string& device, System system = {}) {
   using Spi = hal::linux_os::SpidevDevice<System>;
   std::vector<Attempt> attempts;
-  Spi registers{{.device = device, .mode = 3}, system};
-  detail::for_each_register_chip([&](std::string_view chip, auto who_am_i, const auto&) {
-    attempts.push_back(detail::ask(chip, drivers::SpiRegisters{registers}, who_am_i));
+  // Chips with registers first: to a chip of frames, their questions are broken frames.
+  drivers::AllChips::for_each([&]<class Chip> {
+    if constexpr (drivers::RegisterChipEntry<Chip>) {
+      Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
+      attempts.push_back(detail::ask<Chip>(drivers::SpiRegisters{spi}));
+    }
   });
-  Spi frames{{.device = device, .mode = 0}, system};
-  attempts.push_back(detail::ask_adxrs453(drivers::SpiFrames{frames}));
+  drivers::AllChips::for_each([&]<class Chip> {
+    if constexpr (drivers::FrameChipEntry<Chip>) {
+      Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
+      attempts.push_back(detail::ask<Chip>(drivers::SpiFrames{spi}));
+    }
+  });
   return attempts;
 }
 
-/// All chips at all their addresses; six transactions.
+/// Asks all chips with registers, at all their addresses; one transaction each.
 /// @param device  e.g. "/dev/i2c-1"
 template <class System = hal::linux_os::SystemCalls>
 std::vector<Attempt> probe_i2c(const std::string& device, System system = {}) {
   hal::linux_os::I2cDevBus<System> bus{device, system};
   std::vector<Attempt> attempts;
-  detail::for_each_register_chip([&](std::string_view chip, auto who_am_i, const auto& addresses) {
-    for (const hal::I2cAddress address : addresses) {
-      Attempt attempt = detail::ask(chip, drivers::I2cRegisters{bus, address}, who_am_i);
-      attempt.address = static_cast<std::uint8_t>(address);
-      attempts.push_back(attempt);
+  drivers::AllChips::for_each([&]<class Chip> {
+    if constexpr (drivers::RegisterChipEntry<Chip>) {
+      for (const hal::I2cAddress address : Chip::kAddresses) {
+        Attempt attempt = detail::ask<Chip>(drivers::I2cRegisters{bus, address});
+        attempt.address = static_cast<std::uint8_t>(address);
+        attempts.push_back(attempt);
+      }
     }
   });
   return attempts;

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "firmware/boards/linux/json_line.hpp"
+#include "firmware/boards/linux/outputs/json_line.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 #include "host_tools/lib/live/json_message.hpp"
 #include "host_tools/lib/live/tally.hpp"

@@ -9,13 +9,10 @@
 #include <set>
 #include <string>
 
-#include "hal/sim/adxrs453.hpp"
-#include "hal/sim/bmi088.hpp"
+#include "hal/sim/chips.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/frame_spi.hpp"
 #include "hal/sim/i2c.hpp"
-#include "hal/sim/icm42688.hpp"
-#include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/spi.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tests/unit/hal/linux/kernel_double.hpp"
@@ -52,10 +49,11 @@ std::set<std::string> found_registers_on_spi() {
 }
 
 TEST(ProbeOfSpi, NamesTheChipAndNoOther) {
-  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedLsm6dso>(), std::set<std::string>{"lsm6dso"});
-  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedIcm42688>(),
-            std::set<std::string>{"icm42688"});
-  EXPECT_EQ(found_registers_on_spi<hal::sim::SimulatedBmi088>(), std::set<std::string>{"bmi088"});
+  hal::sim::AllSimulatedChips::for_each([]<class Chip> {
+    if constexpr (hal::sim::RegisterChip<Chip>) {
+      EXPECT_EQ(found_registers_on_spi<Chip>(), std::set<std::string>{std::string{Chip::kName}});
+    }
+  });
   hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
   hal::sim::SimulatedAdxrs453 chip{clock};
   clock.advance(core::Duration::seconds(1));  // until it is powered it reads no registers

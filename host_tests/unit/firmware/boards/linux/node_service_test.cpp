@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/boards/linux/metrics.hpp"
+#include "firmware/boards/linux/metrics_text.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
 
@@ -143,6 +143,7 @@ TEST(NodeServiceOnceMade, NeverAllocates) {
   ServiceRig rig{forget_line};
   MetricsEndpoint metrics{{.file = (rig.folder.path() / "metrics").string(),
                            .socket = (rig.folder.path() / "metrics.sock").string()}};
+  MetricsBuffer text{};
   rig.run(200);
   const std::size_t excused_before = rig.hardware.allocations;
   const support::AllocationCounter allocations;
@@ -152,7 +153,7 @@ TEST(NodeServiceOnceMade, NeverAllocates) {
     if (second == 40) rig.hardware.rig.chip.cycle_power();
     rig.hardware.odometer_fails = second == 50;
     rig.run(104);
-    metrics.update(*rig.service);
+    metrics.publish(format_metrics(*rig.service, text));
     metrics.serve();
   }
   rig.service->finish();
@@ -160,7 +161,7 @@ TEST(NodeServiceOnceMade, NeverAllocates) {
   const std::size_t by_the_test = 1;
   EXPECT_LE(allocations.count() - (rig.hardware.allocations - excused_before), by_the_test);
   EXPECT_GE(rig.service->counters().saves, 5U);
-  EXPECT_GE(rig.service->snapshot().counters.starts, 3U);
+  EXPECT_GE(rig.service->status().counters.starts, 3U);
 }
 
 TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, SaysSoAndRecoversWithoutARestart) {
@@ -174,14 +175,14 @@ TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, SaysSoAndRecoversWithoutARes
   EXPECT_TRUE(rig.latest().health.sensor_fault);
   EXPECT_FALSE(rig.latest().has_rate());
   EXPECT_EQ(rig.latest().motion, core::Motion::moving);
-  EXPECT_FALSE(rig.service->snapshot().is_running);
+  EXPECT_FALSE(rig.service->status().is_running);
   EXPECT_TRUE(was_logged("bus failed (not present)"));
   rig.hardware.rig.faults.clear();
   rig.run(312);
   EXPECT_FALSE(rig.latest().health.sensor_fault);
   EXPECT_TRUE(rig.latest().has_rate());
   EXPECT_NEAR(rig.latest().axes[1].corrected.in(core::deg_per_s), 0.0F, 1e-2F);
-  EXPECT_EQ(rig.service->snapshot().counters.starts, 2U);
+  EXPECT_EQ(rig.service->status().counters.starts, 2U);
 }
 
 TEST(NodeServiceWhoseOdometerFails, NeverClaimsStandstillMeanwhile) {
@@ -279,10 +280,11 @@ TEST(Metrics, HoldTheCountersAndTheNewestMessage) {
   rig.run(2080);
   const std::string socket_path = (rig.folder.path() / "metrics.sock").string();
   MetricsEndpoint metrics{{.file = (rig.folder.path() / "m.prom").string(), .socket = socket_path}};
-  metrics.update(*rig.service);
+  MetricsBuffer buffer{};
+  metrics.publish(format_metrics(*rig.service, buffer));
   std::ifstream file{rig.folder.path() / "m.prom"};
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto samples = std::to_string(rig.service->snapshot().counters.samples);
+  const auto samples = std::to_string(rig.service->status().counters.samples);
   EXPECT_NE(text.find("\nzerorate_samples_total " + samples + "\n"), std::string::npos);
   EXPECT_NE(text.find("# TYPE zerorate_samples_total counter\n"), std::string::npos);
   EXPECT_NE(text.find("zerorate_health{flag=\"calibrated\"} 1\n"), std::string::npos);

@@ -21,10 +21,10 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/boards/linux/json_line.hpp"
 #include "firmware/boards/linux/message_queue.hpp"
-#include "firmware/boards/linux/service_manager.hpp"
-#include "firmware/boards/linux/sinks.hpp"
+#include "firmware/boards/linux/outputs/json_line.hpp"
+#include "firmware/boards/linux/outputs/sinks.hpp"
+#include "firmware/boards/linux/process/service_manager.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/support/file_size_limit.hpp"
 #include "host_tests/support/scratch_folder.hpp"

@@ -1,5 +1,5 @@
 /// @file
-/// A doorbell between threads that poll() can wait for.
+/// An event between threads that poll() can wait for.
 #pragma once
 
 #include <sys/eventfd.h>
@@ -14,19 +14,20 @@ namespace zerorate::linux_node {
 using hal::linux_os::checked_descriptor;
 using hal::linux_os::Descriptor;
 
-/// ring() makes the descriptor readable until hush().
+/// signal() makes the descriptor readable until clear().
 class Event {
  public:
   Event() : descriptor_(checked_descriptor(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC), "eventfd")) {}
 
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
-  void ring() const {
+  void signal() const {
     const std::uint64_t one = 1;
-    (void)!::write(descriptor_.get(), &one, sizeof one);  // fails only when it rings already
+    (void)!::write(descriptor_.get(), &one, sizeof one);  // fails only when it is readable already
   }
-  void hush() const {
-    std::uint64_t rings = 0;
-    (void)!::read(descriptor_.get(), &rings, sizeof rings);  // fails only when it did not ring
+  void clear() const {
+    std::uint64_t signals = 0;
+    (void)!::read(descriptor_.get(), &signals,
+                  sizeof signals);  // fails only when it was not signalled
   }
 
  private:

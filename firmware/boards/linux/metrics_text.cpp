@@ -1,13 +1,8 @@
-#include "firmware/boards/linux/metrics.hpp"
+#include "firmware/boards/linux/metrics_text.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <system_error>
 
 #include "firmware/wire/health_bits.hpp"
 
@@ -69,9 +64,9 @@ class Text {
 };
 
 void add_counters(Text& text, const NodeService& service) {
-  const app::LoopCounters& loop = service.snapshot().counters;
+  const app::LoopCounters& loop = service.status().counters;
   text.gauge("gyro_running", "1 while the gyro is started and answers.",
-             service.snapshot().is_running ? 1.0F : 0.0F);
+             service.status().is_running ? 1.0F : 0.0F);
   text.counter("samples_total", "Samples of the gyro.", loop.samples);
   text.counter("pulses_total", "Odometer pulses.", loop.pulses);
   text.counter("pulses_lost_total", "Odometer pulses that were dropped.", loop.pulses_lost);
@@ -118,39 +113,6 @@ std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffe
   if (service.latest()) add_message(text, service.latest()->message);
   add_sinks(text, service);  // last: of sinks there may be more than find room
   return text.text();
-}
-
-MetricsEndpoint::MetricsEndpoint(const MetricsSettings& settings)
-    : settings_(settings), file_while_written_(settings.file + ".new") {
-  if (settings_.socket.empty()) return;
-  constexpr int kBacklog = 4;
-  listener_.emplace(settings_.socket, SOCK_STREAM);
-  if (listen(listener_->descriptor(), kBacklog) != 0) {
-    throw std::system_error(errno, std::generic_category(), settings_.socket);
-  }
-}
-
-void MetricsEndpoint::update(const NodeService& service) {
-  if (settings_.file.empty() && !listener_) return;
-  text_ = format_metrics(service, buffer_);
-  if (settings_.file.empty()) return;
-  constexpr mode_t kReadable = 0644;
-  // A link or a FIFO of that name must neither lead elsewhere nor hold up the thread.
-  constexpr int kWriteAnew = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-  const Descriptor file{::open(file_while_written_.c_str(), kWriteAnew, kReadable)};
-  if (file.is_open() &&
-      ::write(file.get(), text_.data(), text_.size()) == static_cast<ssize_t>(text_.size())) {
-    (void)std::rename(file_while_written_.c_str(), settings_.file.c_str());
-  }
-}
-
-void MetricsEndpoint::serve() const {
-  for (;;) {
-    const Descriptor reader{
-        accept4(listener_->descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
-    if (!reader.is_open()) return;
-    (void)!::send(reader.get(), text_.data(), text_.size(), MSG_NOSIGNAL);
-  }
 }
 
 }  // namespace zerorate::linux_node

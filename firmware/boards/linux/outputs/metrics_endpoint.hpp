@@ -1,35 +1,31 @@
 /// @file
-/// What the service counts, as text that Prometheus and people read.
+/// Where the text of the metrics is read.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "firmware/boards/linux/configuration.hpp"
-#include "firmware/boards/linux/event.hpp"
-#include "firmware/boards/linux/node_service.hpp"
 #include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 
-using MetricsBuffer = std::array<char, 16384>;
+struct MetricsSettings {
+  std::string file;    ///< written once a second; empty: not
+  std::string socket;  ///< each connection is given the text; empty: none
+};
 
-/// The Prometheus text format, version 0.0.4. No heap.
-[[nodiscard]] std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffer);
-
-/// The text in a file, replaced as a whole, and on a Unix socket that gives it to whoever connects.
+/// A text in a file, replaced as a whole, and on a Unix socket that gives it to whoever connects.
+/// No heap once it is made.
 class MetricsEndpoint {
  public:
   /// Throws std::system_error where the socket cannot be made.
   explicit MetricsEndpoint(const MetricsSettings& settings);
-  MetricsEndpoint(const MetricsEndpoint&) = delete;
-  MetricsEndpoint& operator=(const MetricsEndpoint&) = delete;
 
+  [[nodiscard]] bool is_wanted() const { return !settings_.file.empty() || listener_; }
   /// Replaces the text; a file that cannot be written keeps the old one.
-  void update(const NodeService& service);
+  /// @param text  must stay as it is until the next call
+  void publish(std::string_view text);
   /// Readable when somebody asks; -1 without a socket.
   [[nodiscard]] int descriptor() const { return listener_ ? listener_->descriptor() : -1; }
   /// Gives the text to everybody who waits. A reader that does not take it all at once loses the
@@ -40,7 +36,6 @@ class MetricsEndpoint {
   MetricsSettings settings_;
   std::string file_while_written_;
   std::optional<hal::linux_os::NamedSocket> listener_;
-  MetricsBuffer buffer_{};
   std::string_view text_;
 };
 

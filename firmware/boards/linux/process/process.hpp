@@ -8,21 +8,27 @@
 #include <functional>
 #include <string>
 
-#include "firmware/boards/linux/configuration.hpp"
-#include "firmware/boards/linux/event.hpp"
-#include "firmware/boards/linux/node_service.hpp"
+#include "firmware/boards/linux/process/log.hpp"
+#include "hal/linux/descriptor.hpp"
 
 namespace zerorate::linux_node {
+
+/// How urgent the measuring is.
+struct RealTimeSettings {
+  int priority = 0;  ///< of the measuring thread, SCHED_FIFO; 0: an ordinary thread
+  bool lock_memory = true;
+};
 
 /// Locks memory and becomes `user` (with that user's groups) where the process is root. What is not
 /// permitted is logged and left; only a user that does not exist, or that one cannot become, throws
 /// std::system_error, so that nothing runs as root by mistake.
-void prepare_process(const Configuration& configuration, Log log);
+/// @param user  empty: stays the user that started the process
+void prepare_process(const std::string& user, const RealTimeSettings& real_time, Log log);
 
 /// Keeps a state to this process, as long as the descriptor is open, by a lock on FILE.lock. Throws
 /// std::runtime_error where another process has it. Gives a closed descriptor where the lock cannot
 /// be made: then nothing can be saved there either, which is reported at the save.
-[[nodiscard]] Descriptor lock_state(const std::string& file);
+[[nodiscard]] hal::linux_os::Descriptor lock_state(const std::string& file);
 
 /// A thread with a fixed, small stack and, where that is permitted, a real-time priority.
 class MeasuringThread {

@@ -1,4 +1,4 @@
-#include "firmware/boards/linux/service_manager.hpp"
+#include "firmware/boards/linux/process/service_manager.hpp"
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "firmware/boards/linux/event.hpp"
+#include "hal/linux/descriptor.hpp"
 
 namespace zerorate::linux_node {
 
@@ -21,7 +21,7 @@ void notify_service_manager(std::string_view message) {
   if (path.empty() || path.size() >= sizeof address.sun_path) return;
   std::ranges::copy(path, std::begin(address.sun_path));
   if (path.front() == '@') address.sun_path[0] = '\0';  // of the abstract namespace
-  const Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  const hal::linux_os::Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
   (void)!sendto(socket.get(), message.data(), message.size(), MSG_NOSIGNAL,
                 reinterpret_cast<const sockaddr*>(&address), size);

@@ -1,4 +1,4 @@
-#include "firmware/boards/linux/process.hpp"
+#include "firmware/boards/linux/process/process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,6 +18,8 @@
 
 namespace zerorate::linux_node {
 namespace {
+
+using hal::linux_os::Descriptor;
 
 [[noreturn]] void fail(int error, const std::string& tried) {
   throw std::system_error(error, std::generic_category(), tried);
@@ -41,12 +43,11 @@ void become(const std::string& user) {
 
 }  // namespace
 
-void prepare_process(const Configuration& configuration, Log log) {
-  const RealTimeSettings& real_time = configuration.real_time;
-  if (geteuid() == 0 && !configuration.user.empty()) {
+void prepare_process(const std::string& user, const RealTimeSettings& real_time, Log log) {
+  if (geteuid() == 0 && !user.empty()) {
     allow(RLIMIT_MEMLOCK, RLIM_INFINITY);
     allow(RLIMIT_RTPRIO, static_cast<rlim_t>(real_time.priority));
-    become(configuration.user);
+    become(user);
   }
   if (real_time.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     log(fmt::format("memory cannot be locked: {}", std::strerror(errno)));

@@ -1,4 +1,4 @@
-#include "firmware/boards/linux/watched_gyro.hpp"
+#include "firmware/boards/linux/chips/watched_gyro.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "firmware/boards/linux/json_line.hpp"
+#include "firmware/boards/linux/outputs/json_line.hpp"
 
 #include <fmt/format.h>
 

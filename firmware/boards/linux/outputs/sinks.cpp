@@ -1,4 +1,4 @@
-#include "firmware/boards/linux/sinks.hpp"
+#include "firmware/boards/linux/outputs/sinks.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,13 +12,16 @@
 #include <cerrno>
 #include <system_error>
 
-#include "firmware/boards/linux/event.hpp"
-#include "firmware/boards/linux/json_line.hpp"
+#include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/wire/can_frames.hpp"
+#include "hal/linux/descriptor.hpp"
 #include "hal/linux/socket_address.hpp"
 
 namespace zerorate::linux_node {
 namespace {
+
+using hal::linux_os::checked_descriptor;
+using hal::linux_os::Descriptor;
 
 /// Messages between two attempts to open what was not there, such as a FIFO's reader.
 constexpr int kRetryAfter = 100;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/outputs/sink_settings.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::linux_node {

@@ -1,0 +1,16 @@
+/// @file
+/// The table of chips: the one list from which boards, the probe and the replay know every gyro.
+#pragma once
+
+#include "core/base/type_list.hpp"
+#include "drivers/adxrs453/chip.hpp"
+#include "drivers/bmi088/chip.hpp"
+#include "drivers/icm42688/chip.hpp"
+#include "drivers/lsm6dso/chip.hpp"
+
+namespace zerorate::drivers {
+
+/// ChipEntries, by name.
+using AllChips = core::TypeList<adxrs453::Chip, bmi088::Chip, icm42688::Chip, lsm6dso::Chip>;
+
+}  // namespace zerorate::drivers

@@ -1,0 +1,65 @@
+/// @file
+/// A chip as programs know it that choose a gyro by its name, or use every gyro that there is.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "drivers/common/frame_bus.hpp"
+
+namespace zerorate::drivers {
+
+/// A value that a chip can be set to, in the unit of its data sheet, and its code in the driver.
+template <class Code>
+struct Choice {
+  double value;
+  Code code;
+};
+
+/// Code of what a chip does not let choose.
+struct Fixed {};
+
+/// A line of the table of chips (drivers/chips/chips.hpp):
+/// - `kName`           as in configurations, model files and options
+/// - `Driver<Bus>`     its driver, a GyroSource
+/// - `Settings`        of the driver, with sensible defaults
+/// - `kRates`          Choices of the output data rate [Hz], as the data sheet names them
+/// - `kFullScales`     Choices of the range [deg/s]
+/// - `settings(rate, full_scale, is_fifo)`  Settings, from two codes
+/// - `kCounts`         counts at full scale; one is the LSB
+/// - `kHasDataReady`   whether an edge tells of each sample
+/// - `kHasFifo`        whether is_fifo may be true
+/// - `kAxes`           of the gyro: 3 or 1
+/// - `kSpiMode`, `kHighestSpi_hz`
+template <class Chip>
+concept ChipEntry = requires {
+  { Chip::kName } -> std::convertible_to<std::string_view>;
+  { Chip::kCounts } -> std::convertible_to<double>;
+  { Chip::kHasDataReady } -> std::convertible_to<bool>;
+  { Chip::kHasFifo } -> std::convertible_to<bool>;
+  { Chip::kAxes } -> std::convertible_to<std::size_t>;
+  { Chip::kSpiMode } -> std::convertible_to<std::uint8_t>;
+  { Chip::kHighestSpi_hz } -> std::convertible_to<std::uint32_t>;
+  {
+    Chip::settings(Chip::kRates[0].code, Chip::kFullScales[0].code, false)
+    } -> std::same_as<typename Chip::Settings>;
+};
+
+/// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
+/// says by its reset value which chip it is.
+template <class Chip>
+concept RegisterChipEntry = ChipEntry<Chip> && requires {
+  Chip::kAddresses[0];
+  Chip::kIdentity.reset;
+};
+
+/// A chip of 32-bit frames, on SPI: `kAskIdentity`, a frame, and `is_identity(reply)`.
+template <class Chip>
+concept FrameChipEntry = ChipEntry<Chip> && requires(std::uint32_t reply) {
+  { Chip::kAskIdentity } -> std::convertible_to<std::uint32_t>;
+  { Chip::is_identity(reply) } -> std::same_as<bool>;
+};
+
+}  // namespace zerorate::drivers

@@ -1,0 +1,57 @@
+/// @file
+/// The ICM-42688-P in the table of chips.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "drivers/common/chip.hpp"
+#include "drivers/icm42688/codec.hpp"
+#include "drivers/icm42688/driver.hpp"
+#include "drivers/icm42688/registers.hpp"
+
+namespace zerorate::drivers::icm42688 {
+
+/// See drivers::ChipEntry.
+struct Chip {
+  static constexpr std::string_view kName = "icm42688";
+  template <RegisterBus Bus>
+  using Driver = Icm42688<Bus>;
+  using Settings = icm42688::Settings;
+  static constexpr std::size_t kAxes = 3;
+  static constexpr auto kRates =
+      std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
+                                             {25.0, OutputDataRate::hz_25},
+                                             {50.0, OutputDataRate::hz_50},
+                                             {100.0, OutputDataRate::hz_100},
+                                             {200.0, OutputDataRate::hz_200},
+                                             {500.0, OutputDataRate::hz_500},
+                                             {1000.0, OutputDataRate::hz_1000},
+                                             {2000.0, OutputDataRate::hz_2000}});
+  static constexpr auto kFullScales =
+      std::to_array<Choice<FullScale>>({{15.625, FullScale::dps_15_625},
+                                        {31.25, FullScale::dps_31_25},
+                                        {62.5, FullScale::dps_62_5},
+                                        {125.0, FullScale::dps_125},
+                                        {250.0, FullScale::dps_250},
+                                        {500.0, FullScale::dps_500},
+                                        {1000.0, FullScale::dps_1000},
+                                        {2000.0, FullScale::dps_2000}});
+  static constexpr double kCounts = 32768.0;
+  static constexpr bool kHasDataReady = true;
+  static constexpr bool kHasFifo = true;
+  static constexpr std::array kAddresses{kAddressAd0Low, kAddressAd0High};
+  static constexpr auto kIdentity = kWhoAmI;
+  static constexpr std::uint8_t kSpiMode = 3;
+  static constexpr std::uint32_t kHighestSpi_hz = 24'000'000;
+
+  static constexpr Settings settings(OutputDataRate rate, FullScale full_scale, bool is_fifo) {
+    return {
+        .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
+  }
+};
+static_assert(RegisterChipEntry<Chip>);
+
+}  // namespace zerorate::drivers::icm42688

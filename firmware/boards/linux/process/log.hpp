@@ -1,0 +1,12 @@
+/// @file
+/// Where the service says what changed.
+#pragma once
+
+#include <string_view>
+
+namespace zerorate::linux_node {
+
+/// Takes one line a call, without a newline at its end.
+using Log = void (*)(std::string_view line);
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,16 @@
+/// @file
+/// Every simulated chip, each of the same name as its line in the table of chips (drivers/chips).
+#pragma once
+
+#include "core/base/type_list.hpp"
+#include "hal/sim/adxrs453.hpp"
+#include "hal/sim/bmi088.hpp"
+#include "hal/sim/icm42688.hpp"
+#include "hal/sim/lsm6dso.hpp"
+
+namespace zerorate::hal::sim {
+
+using AllSimulatedChips =
+    core::TypeList<SimulatedAdxrs453, SimulatedBmi088, SimulatedIcm42688, SimulatedLsm6dso>;
+
+}  // namespace zerorate::hal::sim

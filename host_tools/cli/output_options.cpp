@@ -1,0 +1,33 @@
+#include "host_tools/cli/output_options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "host_tools/lib/output/output_file.hpp"
+
+namespace zerorate::cli {
+
+void add_output_options(CLI::App& command, OutputOptions& outputs) {
+  command.add_option("--json", outputs.json, "write the figures as JSON; - for standard output");
+  command.add_option("--report", outputs.report, "write a report with charts as HTML");
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  if (path == "-") {
+    fmt::print("{}", text);
+  } else {
+    output::write_file(path, text);
+  }
+}
+
+void present(const experiments::Presentation& presentation, const std::string& provenance,
+             const OutputOptions& outputs) {
+  if (!outputs.report.empty()) {
+    experiments::to_report(presentation, provenance).write(outputs.report);
+  }
+  if (!outputs.json.empty()) write_text(outputs.json, presentation.json);
+  if (outputs.prints_text()) fmt::print("{}", experiments::to_text(presentation));
+}
+
+}  // namespace zerorate::cli

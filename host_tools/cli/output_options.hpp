@@ -1,0 +1,36 @@
+/// @file
+/// Where a command's results go besides the terminal.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host_tools/lib/experiments/presentation.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace zerorate::cli {
+
+/// As typed; empty where not given.
+struct OutputOptions {
+  std::string json;    ///< "-" is the standard output
+  std::string report;  ///< HTML
+
+  /// Whether the standard output is free for text.
+  [[nodiscard]] bool prints_text() const { return json != "-"; }
+};
+
+/// Adds --json and --report.
+void add_output_options(CLI::App& command, OutputOptions& outputs);
+
+/// Writes a text to a file (output::write_file), or to the standard output for "-".
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// Gives an experiment's results to each output, and to the terminal.
+/// @param provenance  the report's last line
+void present(const experiments::Presentation& presentation, const std::string& provenance,
+             const OutputOptions& outputs);
+
+}  // namespace zerorate::cli
