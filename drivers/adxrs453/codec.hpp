@@ -1,5 +1,5 @@
 /// @file
-/// What the ADXRS453's frames mean, as pure functions. Source: Analog Devices, ADXRS453 rev. B;
+/// Meaning of the ADXRS453's frames, as pure functions. Source: Analog Devices, ADXRS453 rev. B;
 /// README.md says of each fact how it was come by.
 #pragma once
 

@@ -36,7 +36,7 @@ inline constexpr unsigned kStatusShift = 26;
 inline constexpr unsigned kRateShift = 10;
 /// PLL, Q, NVM, POR, PWR, CST, CHK: as the low byte of a reply and of FAULT1 and FAULT0.
 inline constexpr std::uint8_t kFaults = 0xFE;
-/// The same and FAIL, AMP, OV, UV in FAULT1.
+/// Those bits and FAIL, AMP, OV, UV in FAULT1.
 inline constexpr std::uint16_t kAllFaults = 0x0FFE;
 
 }  // namespace zerorate::drivers::adxrs453

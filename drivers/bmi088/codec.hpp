@@ -1,5 +1,5 @@
 /// @file
-/// What the bits of the BMI088's gyro mean, as pure functions. Source: Bosch BST-BMI088-DS001;
+/// Meaning of the bits of the BMI088's gyro, as pure functions. Source: Bosch BST-BMI088-DS001;
 /// README.md says of each fact how it was come by.
 #pragma once
 

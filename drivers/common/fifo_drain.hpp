@@ -16,7 +16,7 @@
 
 namespace zerorate::drivers {
 
-/// What a frame turned out to be.
+/// Kind of a frame that was read.
 enum class Frame : std::uint8_t { sample, no_sample, corrupt };
 
 /// Reads frames until out is full or so many were read; one transaction for every 16.

@@ -1,5 +1,5 @@
 /// @file
-/// What the application asks of a gyro driver, whatever the chip and the bus.
+/// Interface of a gyro driver to the application, whatever the chip and the bus.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 /// @file
-/// What every three-axis gyro does with its counts.
+/// Conversion of counts that every three-axis gyro needs.
 #pragma once
 
 #include <array>

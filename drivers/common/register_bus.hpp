@@ -14,7 +14,7 @@
 
 namespace zerorate::drivers {
 
-/// What a register driver needs. Each call is one transaction.
+/// Bus of a register driver. Each call is one transaction.
 /// - `read(first, out)` fills out from consecutive registers (the chip increments the address).
 /// - `write(address, value)` writes one register.
 template <class Bus>

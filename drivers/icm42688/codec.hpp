@@ -1,5 +1,5 @@
 /// @file
-/// What the ICM-42688-P's bits mean, as pure functions. Source: TDK DS-000347; README.md says of
+/// Meaning of the ICM-42688-P's bits, as pure functions. Source: TDK DS-000347; README.md says of
 /// each fact how it was come by.
 #pragma once
 

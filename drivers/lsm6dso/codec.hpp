@@ -1,6 +1,6 @@
 /// @file
-/// What the LSM6DSO's bits mean, as pure functions. Sources: ST DS12140 (table 2 for sensitivities,
-/// chapter 9 for fields); README.md names what the datasheet leaves open.
+/// Meaning of the LSM6DSO's bits, as pure functions. Sources: ST DS12140 (table 2 for
+/// sensitivities, chapter 9 for fields); README.md names what the datasheet leaves open.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@
 
 namespace zerorate::hal {
 
-/// What one call of `read_pulses` brought.
+/// Result of one call of `read_pulses`.
 struct PulseBatch {
   std::size_t count = 0;   ///< stamps written to the front of the caller's buffer
   std::uint32_t lost = 0;  ///< pulses since the last call whose stamps could not be kept

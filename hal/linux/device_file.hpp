@@ -37,7 +37,7 @@ class DeviceFile {
     descriptor_ = -1;
   }
 
-  /// What the driver answered. A device that is gone is closed.
+  /// Answer of the driver. A device that is gone is closed.
   core::Result<int, BusError> ioctl(unsigned long request, void* argument) {
     const CallResult answered = system_.ioctl(descriptor_, request, argument);
     if (!answered) return failed(answered.error());

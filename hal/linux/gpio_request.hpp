@@ -1,5 +1,5 @@
 /// @file
-/// What a request for a line needs, whichever libgpiod it goes through.
+/// Parts of a request for a line that both versions of libgpiod need.
 #pragma once
 
 #include <fcntl.h>
@@ -15,7 +15,7 @@
 
 namespace zerorate::hal::linux_os {
 
-/// What errno means of a GPIO chip.
+/// Meaning of errno after a call on a GPIO chip.
 [[nodiscard]] inline core::Unexpected<BusError> last_line_error() {
   return core::Unexpected{to_bus_error(errno, Subsystem::gpio)};
 }

@@ -1,5 +1,5 @@
 /// @file
-/// What a program prints: nothing that steers a terminal, and nothing lost without a word.
+/// Output of a program: nothing in it steers a terminal, and nothing is lost without a message.
 #pragma once
 
 #include <string>

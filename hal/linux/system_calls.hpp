@@ -13,7 +13,7 @@
 
 namespace zerorate::hal::linux_os {
 
-/// What a call returned, or the error number that it left.
+/// Value that a call returned, or the error number that it left.
 using CallResult = core::Result<int, int>;
 
 [[nodiscard]] inline CallResult checked(int returned) {

@@ -8,7 +8,7 @@
 
 namespace zerorate::hal::rp2040 {
 
-/// Of clk_sys and clk_peri once start_clocks() has run; the board's crystal has 12 MHz.
+/// Frequency of clk_sys and clk_peri once start_clocks() has run; the board's crystal has 12 MHz.
 inline constexpr std::uint32_t kClockHz = 125'000'000;
 
 /// Takes blocks out of reset (resets::k...) and waits until they answer (datasheet, 2.14.1).

@@ -26,7 +26,7 @@ class FlashChip {
   static void program(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
     run(kPageProgram, offset, bytes);
   }
-  /// What is there now: read past the cache, which would not know (datasheet, 2.6.3).
+  /// Content of the chip now, read past the cache, which would not know (datasheet, 2.6.3).
   [[nodiscard]] static std::span<const std::uint8_t> view(std::uint32_t offset, std::size_t size) {
     constexpr std::uintptr_t kUncached = 0x1300'0000;
     // The address is the hardware's.

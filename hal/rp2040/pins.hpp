@@ -1,5 +1,5 @@
 /// @file
-/// What a pin is connected to. IO_BANK0 and PADS_BANK0 must be out of reset.
+/// Connection of each pin. IO_BANK0 and PADS_BANK0 must be out of reset.
 #pragma once
 
 #include <cstdint>

@@ -156,8 +156,8 @@ void SimulatedBmi088::drive_int3(bool is_new_sample) {
                                (registers_[fifo_wm_enable] & 0x80U) != 0 && watermark > 0;
   const bool is_data_on = (map & 0x01U) != 0 && (enabled & 0x80U) != 0;
   const bool is_at_watermark = is_watermark_on && fifo_.size() >= watermark;
-  int3_.drive(is_at_watermark || (is_data_on && is_new_sample), clock_->now());
-  int3_.drive(is_at_watermark, clock_->now());
+  interrupt_.drive(is_at_watermark || (is_data_on && is_new_sample), clock_->now());
+  interrupt_.drive(is_at_watermark, clock_->now());
 }
 
 }  // namespace zerorate::hal::sim

@@ -29,7 +29,7 @@ namespace zerorate::hal::sim {
   return static_cast<std::uint8_t>(static_cast<std::uint16_t>(value) >> 8U);
 }
 
-/// What a gyro reads too much while it starts: falls linearly from 20 deg/s to 0. The size is of
+/// Error of a gyro's rate while it starts: falls linearly from 20 deg/s to 0. The size is of
 /// our choosing, large enough to be noticed if it is let through.
 [[nodiscard]] inline double start_up_transient_dps(core::Duration age,
                                                    core::Duration turn_on_time) {

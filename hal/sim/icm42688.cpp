@@ -199,8 +199,8 @@ void SimulatedIcm42688::pulse_int1() {
   const bool is_at_watermark =
       watermark_bytes() > 0 && fifo_.size() * sizeof(Packet) >= watermark_bytes();
   const bool is_pulsed = (routed & 0x08U) != 0 || ((routed & 0x04U) != 0 && is_at_watermark);
-  int1_.drive(is_pulsed, clock_->now());
-  int1_.drive(false, clock_->now());
+  interrupt_.drive(is_pulsed, clock_->now());
+  interrupt_.drive(false, clock_->now());
 }
 
 }  // namespace zerorate::hal::sim

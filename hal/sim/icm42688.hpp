@@ -11,7 +11,6 @@
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/data_ready_pin.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
@@ -25,13 +24,12 @@ namespace zerorate::hal::sim {
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
-class SimulatedIcm42688 {
+class SimulatedIcm42688 : public SimulatedRegisters<128> {
  public:
   static constexpr std::string_view kName = "icm42688";
 
   /// @param clock the simulation's time; must outlive the chip
-  explicit SimulatedIcm42688(const SimulatedClock& clock)
-      : clock_(&clock), reset_until_(clock.now()) {
+  explicit SimulatedIcm42688(const SimulatedClock& clock) : SimulatedRegisters(clock) {
     reset_registers();
   }
 
@@ -42,16 +40,9 @@ class SimulatedIcm42688 {
   [[nodiscard]] bool is_powered() const;
   /// Nominal period of the configured rate; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
-  [[nodiscard]] DataReadyPin& interrupt() { return int1_; }
-  /// Writes to addresses that the datasheet does not list.
-  [[nodiscard]] std::size_t reserved_writes() const { return reserved_writes_; }
 
   /// Interrupted supply: everything is as after power-on.
   void cycle_power() { reset_registers(); }
-  /// An upset, as from radiation or a glitch: flips bits of one register without a bus.
-  void upset(std::uint8_t address, std::uint8_t flipped_bits) {
-    registers_.at(address) ^= flipped_bits;
-  }
 
   // The bus's side (RegisterChip).
   std::uint8_t read_register(std::uint8_t address);
@@ -63,21 +54,15 @@ class SimulatedIcm42688 {
   using Packet = std::array<std::uint8_t, 8>;
 
   void reset_registers();
-  [[nodiscard]] bool is_resetting() const { return clock_->now() < reset_until_; }
   void set_word(std::uint8_t address, std::int16_t value);
   void push_packet(core::Temperature temperature);
   std::uint8_t read_fifo_byte();
   [[nodiscard]] std::size_t watermark_bytes() const;
   void pulse_int1();
 
-  const SimulatedClock* clock_;
-  std::array<std::uint8_t, 128> registers_{};
   std::deque<Packet> fifo_;
   std::size_t fifo_cursor_ = 0;  ///< bytes of the oldest packet that were read
-  core::Instant reset_until_;
   core::Instant powered_at_;
-  std::size_t reserved_writes_ = 0;
-  DataReadyPin int1_;
 };
 static_assert(RegisterChip<SimulatedIcm42688>);
 

@@ -73,14 +73,6 @@ void SimulatedLsm6dso::cycle_power() {
   reset_registers();
 }
 
-void SimulatedLsm6dso::upset(std::uint8_t address, std::uint8_t flipped_bits) {
-  registers_.at(address) ^= flipped_bits;
-}
-
-bool SimulatedLsm6dso::is_resetting() const {
-  return clock_->now() < reset_until_;
-}
-
 bool SimulatedLsm6dso::is_powered() const {
   return !is_resetting() && (registers_[ctrl2_g] & 0xF0U) != 0;
 }
@@ -227,7 +219,7 @@ void SimulatedLsm6dso::drive_int1() {
   const bool is_ready = (registers_[status_reg] & 0x02U) != 0 && (routed & 0x02U) != 0;
   const bool is_at_watermark =
       watermark() > 0 && fifo_.size() >= watermark() && (routed & 0x08U) != 0;
-  int1_.drive(is_ready || is_at_watermark, clock_->now());
+  interrupt_.drive(is_ready || is_at_watermark, clock_->now());
 }
 
 }  // namespace zerorate::hal::sim

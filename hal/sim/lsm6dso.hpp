@@ -12,7 +12,6 @@
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/data_ready_pin.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
@@ -28,14 +27,14 @@ namespace zerorate::hal::sim {
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock, so that a recording of any rate can be sent through it. For a chip that samples by
 /// itself, advance the clock by sample_period() before each call.
-class SimulatedLsm6dso {
+class SimulatedLsm6dso : public SimulatedRegisters<128> {
  public:
   static constexpr std::string_view kName = "lsm6dso";
 
   /// @param clock the simulation's time; must outlive the chip
   /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.15 % faster for each count
   explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0)
-      : clock_(&clock), trim_(trim), reset_until_(clock.now()) {
+      : SimulatedRegisters(clock), trim_(trim) {
     reset_registers();
   }
 
@@ -46,14 +45,9 @@ class SimulatedLsm6dso {
   [[nodiscard]] bool is_powered() const;
   /// Nominal period of the configured rate, trim included; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
-  [[nodiscard]] DataReadyPin& interrupt() { return int1_; }
-  /// Writes to addresses that the datasheet reserves ("may cause permanent damage").
-  [[nodiscard]] std::size_t reserved_writes() const { return reserved_writes_; }
 
   /// Interrupted supply: everything is as after power-on.
   void cycle_power();
-  /// An upset, as from radiation or a glitch: flips bits of one register without a bus.
-  void upset(std::uint8_t address, std::uint8_t flipped_bits);
 
   // The bus's side (RegisterChip).
   std::uint8_t read_register(std::uint8_t address);
@@ -72,7 +66,6 @@ class SimulatedLsm6dso {
   };
 
   void reset_registers();
-  [[nodiscard]] bool is_resetting() const;
   [[nodiscard]] std::int16_t quantize(core::AngularRate rate) const;
   std::uint8_t read_output(std::uint8_t address);
   std::uint8_t read_fifo_byte(std::uint8_t address);
@@ -82,18 +75,13 @@ class SimulatedLsm6dso {
   [[nodiscard]] std::size_t fifo_capacity() const;
   void drive_int1();
 
-  const SimulatedClock* clock_;
   std::int8_t trim_;
-  std::array<std::uint8_t, 128> registers_{};
   std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
   std::deque<FifoWord> fifo_;
   bool is_fifo_overrun_ = false;          // FIFO_OVR_IA
   bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
   std::uint8_t time_slot_ = 0;            // TAG_CNT
-  core::Instant reset_until_;
   core::Instant powered_at_;
-  std::size_t reserved_writes_ = 0;
-  DataReadyPin int1_;
 };
 static_assert(RegisterChip<SimulatedLsm6dso>);
 

@@ -1,5 +1,5 @@
 /// @file
-/// What a test expects on a bus, and what the bus answers. For tests only, never in firmware.
+/// Transactions that a test expects on a bus, and the answers. For tests only, never in firmware.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -16,7 +16,7 @@
 
 namespace zerorate::hal::testing {
 
-/// What goes wrong with the transactions `first` to `first + calls - 1`, counted from 0.
+/// Faults of the transactions `first` to `first + calls - 1`, counted from 0.
 struct Fault {
   enum class Kind : std::uint8_t {
     refused,       ///< the error is reported and nothing reaches the device

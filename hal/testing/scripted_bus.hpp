@@ -34,7 +34,7 @@ class ScriptedSpiDevice {
 };
 static_assert(SpiDevice<ScriptedSpiDevice>);
 
-/// The same as an I2cBus.
+/// A scripted bus as an I2cBus.
 class ScriptedI2cBus {
  public:
   void expect(I2cAddress address, std::vector<ScriptedOperation> operations,

@@ -69,7 +69,7 @@ void print_flicker(const identify::InnovationsFit& fit) {
     return;
   }
   print_line("bias instability B", identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS),
-             "deg/h: flicker noise at 1 rad/s");
+             "deg/h; Allan floor 0.664 B if d = 1/2");
   print_line("order d", identify::text(fit.flicker->order),
              identify::explain(fit.flicker->order_source));
 }
@@ -129,7 +129,7 @@ ExitCode run(const Options& options) {
     write_text(options.model_out, model::format_model(axis.model));
     if (options.outputs.prints_text()) {
       fmt::print("\n{}: the model of axis {}{}\n", options.model_out, axis.axis,
-                 result.axes.size() > 1 ? ", whose slow noise is the middle one" : "");
+                 result.axes.size() > 1 ? ", the one with the median slow noise" : "");
     }
   }
   return judge(result);
@@ -153,8 +153,8 @@ Command add_characterize(CLI::App& app) {
       ->capture_default_str();
   add_output_options(*command, options->outputs);
   command->add_option("--model-out", options->model_out,
-                      "write the sensor model for 'zerorate replay --model'; of several axes, that "
-                      "of the one whose slow noise is the middle one");
+                      "write the sensor model for 'zerorate replay --model'; with several axes, "
+                      "that of the axis with the median slow noise");
   command->footer(
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
       "The error of the order by local Whittle is that of its finite number of frequencies; the\n"

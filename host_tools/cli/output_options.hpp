@@ -13,7 +13,7 @@ class App;
 
 namespace zerorate::cli {
 
-/// As typed; empty where not given.
+/// Options as typed; empty where not given.
 struct OutputOptions {
   std::string json;    ///< "-" is the standard output
   std::string report;  ///< HTML

@@ -73,14 +73,17 @@ void print_notes(const evaluate::ReplayResult& result) {
                result.samples_without_temperature);
   }
   if (result.samples_disagreeing > 0) {
-    fmt::print("  note: during {} samples the gyro and the odometer could not both be right\n",
-               result.samples_disagreeing);
+    fmt::print(
+        "  note: in {} samples gyro and odometer contradict each other (with --schedule: was the "
+        "sensor at rest all the time?)\n",
+        result.samples_disagreeing);
   }
   if (result.samples_inconsistent > 0) {
     fmt::print(
-        "  note: the sensor did not behave as the model says while {} samples came, first {:.6g} s "
-        "into the recording; zerorate diagnose finds out why\n",
-        result.samples_inconsistent, result.first_inconsistent_s);
+        "  note: the model does not fit this sensor, by {} of {} samples, from {:.6g} s on; "
+        "zerorate "
+        "characterize fits one to a recording at rest, zerorate diagnose finds what it lacks\n",
+        result.samples_inconsistent, result.rows, result.first_inconsistent_s);
   }
 }
 

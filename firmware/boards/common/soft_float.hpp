@@ -31,7 +31,7 @@ struct Number {
   const int zeros = std::countl_zero(x.significand);
   return {x.exponent - zeros, x.significand << zeros};
 }
-/// For a positive finite number.
+/// Operates on a positive finite number.
 [[nodiscard]] constexpr Number unpacked(Bits x) {
   const Bits exponent = x >> 23U;
   if (exponent == 0) return normalised({1, x << 8U});

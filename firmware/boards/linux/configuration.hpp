@@ -1,5 +1,5 @@
 /// @file
-/// What zerorated is told: schema `zerorate.daemon/1`; see docs/reference/zerorated.md.
+/// Configuration of zerorated, schema `zerorate.daemon/1`; see docs/reference/zerorated.md.
 #pragma once
 
 #include <optional>

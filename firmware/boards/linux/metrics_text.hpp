@@ -1,5 +1,5 @@
 /// @file
-/// What the service counts, as text that Prometheus and people read.
+/// Counters of the service as text for Prometheus and for people.
 #pragma once
 
 #include <array>

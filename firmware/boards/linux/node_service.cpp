@@ -110,7 +110,9 @@ void NodeService::report_changes(const ServiceStatus& now) {
   std::array<char, 96> words{};
   const app::LoopCounters& before = last_status_.counters;
   if (now.counters.starts != before.starts) {
-    log_line(log_, "gyro: started ({} times)", now.counters.starts);
+    const GyroSettings& gyro = configuration_.gyro;
+    log_line(log_, "gyro: {} on {} started, {} Hz, {} deg/s{}", gyro.chip, gyro.device,
+             gyro.rate_hz, gyro.full_scale_dps, before.starts > 0 ? ", again" : "");
   }
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||

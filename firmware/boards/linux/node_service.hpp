@@ -28,7 +28,7 @@ struct ServiceStatus {
   Node::State state;
 };
 
-/// What happened on the publishing side since the start.
+/// Counters of the publishing side since the start.
 struct ServiceCounters {
   std::uint32_t saves = 0;
   std::uint32_t save_errors = 0;
@@ -59,7 +59,7 @@ class NodeService {
   void finish();
 
   [[nodiscard]] const MessageQueue& queue() const { return queue_; }
-  /// As of the last tick.
+  /// Status at the last tick.
   [[nodiscard]] const ServiceStatus& status() const { return last_status_; }
   [[nodiscard]] const std::optional<wire::NumberedMessage>& latest() const { return latest_; }
   [[nodiscard]] const std::vector<std::unique_ptr<Sink>>& sinks() const { return sinks_; }

@@ -5,17 +5,22 @@
 
 #include <cstdint>
 
-#ifndef ZERORATE_PICO_CHIP
-#define ZERORATE_PICO_CHIP lsm6dso
-#define ZERORATE_PICO_MODEL "firmware/boards/pico/model.hpp"
-#endif
-
 #include "drivers/chips/chips.hpp"
+
+#ifdef ZERORATE_PICO_CHIP
 #include ZERORATE_PICO_MODEL
+namespace zerorate::pico {
+using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
+}
+#else
+#include "firmware/boards/pico/model.hpp"
+namespace zerorate::pico {
+using Chip = drivers::lsm6dso::Chip;
+}
+#endif
 
 namespace zerorate::pico {
 
-using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
 inline constexpr Chip::Settings kGyroSettings{};
 inline constexpr std::uint32_t kSpiHz = 8'000'000;
 
@@ -23,7 +28,7 @@ inline constexpr std::uint32_t kSpiHz = 8'000'000;
 /// at twice a sample.
 inline constexpr std::uint32_t kBeat_us = Chip::kHasDataReady ? 10'000 : 2'500;
 
-/// Rate of the serial line: a message takes 740 bits, and at most half of the line shall be used.
+/// Speed of the serial line. A message takes 740 bits; at most half of the line shall be used.
 inline constexpr std::uint32_t kBaud =
     exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 115'200;
 

@@ -1,5 +1,5 @@
 /// @file
-/// What leaves the node on its serial line: frames for programs, or lines for people.
+/// Output of the node on its serial line: frames for programs, or lines for people.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class Console {
  public:
   explicit Console(Line& line) : line_(line) {}
 
-  /// What a person typed: 't' for text, 'b' for frames; anything else means nothing.
+  /// Takes a typed key: 't' selects text, 'b' frames; other keys do nothing.
   void handle_key(char key) {
     if (key == 't') is_text_ = true;
     if (key == 'b') is_text_ = false;

@@ -39,7 +39,7 @@ inline void start_bus() {
 #endif
 
 using Gyro = Chip::Driver<Wire>;
-/// What snapshots are told apart by.
+/// Number by which snapshots of different gyros differ.
 inline constexpr std::uint32_t kSensor = app::sensor_id(Chip::kName);
 
 }  // namespace zerorate::pico

@@ -1,5 +1,5 @@
 /// @file
-/// What this board's node computes with, free of the board: a replay on a PC includes it too.
+/// Types of this board's node, free of the board: a replay on a PC includes them too.
 #pragma once
 
 #include "firmware/app/gyro_node.hpp"

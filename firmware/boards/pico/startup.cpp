@@ -53,7 +53,7 @@ struct BootVectors {
   std::array<Handler, 3> exceptions;
 };
 
-/// Only as long as there are handlers: the last interrupt that this board enables is uart0.
+/// Vectors up to uart0, the last interrupt that this board enables.
 struct Vectors {
   const std::uint32_t* stack;
   std::array<Handler, 15> exceptions;

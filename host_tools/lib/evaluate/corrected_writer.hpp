@@ -1,5 +1,5 @@
 /// @file
-/// What the node published, as a CSV file.
+/// Published rates, biases and deviations as a CSV file.
 #pragma once
 
 #include <cstddef>

@@ -90,7 +90,7 @@ struct ReplayResult {
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
   std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
   std::uint64_t samples_without_temperature = 0;  ///< that the model needs
-  std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer could not both be right
+  std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other
   recording::Findings findings;
   app::LoopCounters loop;  ///< of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.

@@ -1,5 +1,5 @@
 /// @file
-/// What a replay did, kept for drawing: a bounded number of points, and one entry a stop or drive.
+/// Trace of a replay for drawing: a bounded number of points, and one entry a stop or drive.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 /// @file
-/// What a receiver of a node's messages knows so far.
+/// Tally of a node's messages at a receiver.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 /// @file
-/// What a terminal shows of a node.
+/// View of a node for a terminal.
 #pragma once
 
 #include <chrono>

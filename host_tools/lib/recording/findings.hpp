@@ -1,5 +1,5 @@
 /// @file
-/// What is odd about a recording that can be read: flagged row by row and counted, never mended.
+/// Oddities of a readable recording: flagged row by row and counted, never mended.
 #pragma once
 
 #include <array>

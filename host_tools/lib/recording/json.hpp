@@ -1,5 +1,5 @@
 /// @file
-/// What every JSON of a recording has in common.
+/// Members that every JSON of a recording has in common.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
 /// @file
-/// What a recording holds: which columns, and one row of them in SI units.
+/// Columns of a recording, and one row of them in SI units.
 #pragma once
 
 #include <array>

@@ -21,7 +21,7 @@ namespace zerorate::recording {
 /// its name, replacing an older one, when finish() has succeeded; without finish() nothing stays
 /// (see output::OutputFile). Only regular files are written: a recording is there to be read again.
 ///
-/// What Reader reads back is equal to what was written, bit for bit (a NaN as some NaN; findings
+/// Reader reads back exactly the values that were written, bit for bit (a NaN as some NaN; findings
 /// are not written): times with all their nanoseconds, every other number with as few digits as
 /// that takes.
 class Writer {

@@ -1,5 +1,5 @@
 /// @file
-/// What a chart shows: plain data, drawn in the reader's browser when the report is opened.
+/// Data of a chart, drawn in the reader's browser when the report is opened.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 /// @file
-/// What every report carries in itself, as text: generated from web/ and from the npm package uplot
+/// Style and scripts that every report contains: generated from web/ and from the npm package uplot
 /// at build time (embed_text.cmake). Internal to the report.
 #pragma once
 

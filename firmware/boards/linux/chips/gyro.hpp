@@ -26,7 +26,7 @@ struct GyroSettings {
   bool fifo = false;                   ///< samples through the chip's FIFO
 };
 
-/// What a configuration may ask of a chip, and how it is made.
+/// Values that a configuration may choose for a chip, and the function that makes the chip's gyro.
 struct ChipDescription {
   std::string_view name;
   std::span<const double> rates_hz;         ///< as the data sheet names them

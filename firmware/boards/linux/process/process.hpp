@@ -1,5 +1,5 @@
 /// @file
-/// What the process asks of the kernel once, before it works: memory, priority, identity.
+/// Requests to the kernel: locked memory, priority, user, and a lock on the state.
 #pragma once
 
 #include <pthread.h>

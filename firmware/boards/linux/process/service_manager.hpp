@@ -1,5 +1,5 @@
 /// @file
-/// What systemd is told, by its notification protocol (sd_notify(3)): datagrams to the socket that
+/// Messages to systemd by its notification protocol (sd_notify(3)): datagrams to the socket that
 /// $NOTIFY_SOCKET names. Without the variable nothing is told.
 #pragma once
 

@@ -1,5 +1,5 @@
 /// @file
-/// What effects add themselves to: one axis of a gyro at a constant sample rate.
+/// Signal that effects are added to: one axis of a gyro at a constant sample rate.
 #pragma once
 
 #include <cstddef>

@@ -124,7 +124,7 @@ TEST(NodeServiceOnHealthyHardware, PublishesCorrectedRateToEverySink) {
   }
   EXPECT_EQ(lines, received.size());
   EXPECT_EQ(rig.service->sinks()[0]->sent(), received.size());
-  EXPECT_TRUE(was_logged("gyro: started"));
+  EXPECT_TRUE(was_logged(" started, 104 Hz, 250 deg/s"));
 }
 
 TEST(NodeServiceWithoutReceivers, DropsCountsAndGoesOnAndFindsThemWhenTheyCome) {
