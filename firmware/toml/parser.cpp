@@ -18,7 +18,7 @@ namespace zerorate::toml_file {
 #define TOML_HEADER_ONLY 0
 #include <toml++/impl/preprocessor.h>
 
-// Of a character that its tables of white space and letters do not know, it is neither.
+// A character that the tables of white space and letters do not know is neither.
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false

@@ -1,5 +1,5 @@
 /// @file
-/// What the keys of a file must satisfy.
+/// Rules for the keys of a file.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace zerorate::toml_file {
 
 enum class Presence : std::uint8_t { required, optional };
 
-/// What a number must satisfy, in code and in words ("a positive number").
+/// Rule for a number, in code and in words ("a positive number").
 struct Rule {
   bool (*holds)(double);
   std::string_view words;

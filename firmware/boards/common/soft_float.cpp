@@ -1,4 +1,4 @@
-// Cases that soft_float.S leaves over: numbers that are not normal, and results that are not.
+// Cases that soft_float.S leaves over: operands or results that are not normal numbers.
 
 #include "firmware/boards/common/soft_float.hpp"
 

@@ -117,7 +117,7 @@ void NodeService::report_changes(const ServiceStatus& now) {
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
-  // The same failure of a gyro that stays away is said once, not at every attempt.
+  // A failure that repeats at every attempt is logged once.
   const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running;
   if (has_failed && is_news) {
     log_line(log_, "gyro: {}{}", describe(now.counters.last_error, words),

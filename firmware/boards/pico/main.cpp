@@ -34,7 +34,7 @@ using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<L
 using Memory = FlashStorage<FlashChip, 0x1F'E000>;
 constexpr app::Snapshot<Node> kSnapshot{exported::kNodeParams, kSensor};
 
-// Variables that the interrupts share with the main loop, each written by one of them.
+// Variables that interrupts share with the main loop, each written by one of them.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 constinit Line line;
 constinit Pulses pulses;
