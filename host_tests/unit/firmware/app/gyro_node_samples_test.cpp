@@ -180,6 +180,24 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
   EXPECT_NEAR(ratio, 2.0F, 0.1F);
 }
 
+TEST(GyroNodeOfASensorWithOneAxis, FollowsTheStrengthOfTheNoiseByThatAxisAlone) {
+  auto params = screening_params();
+  params.samples = {};
+  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
+  ScreeningNode three{params};
+  ScreeningNode one{params};
+  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
+    auto sample = noisy_sample(at_ms(ms), 0.0F);
+    (void)three.step(sample);
+    sample.rate[1] = sample.rate[2] = {};  // not there
+    (void)one.step(sample);
+  }
+  // Both are near 1: with 10 samples a tick the mean of 3,000 ticks' worth is known to a few
+  // percent.
+  EXPECT_NEAR(one.state().screening.level.level, 1.0F, 0.2F);
+  EXPECT_NEAR(three.state().screening.level.level, 1.0F, 0.2F);
+}
+
 TEST(GyroNodeThatKnowsItsRange, SaysWhenASampleIsAtItsEnd) {
   auto params = node_params();
   params.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};

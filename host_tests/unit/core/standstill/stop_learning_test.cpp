@@ -1,0 +1,113 @@
+#include "core/standstill/stop_learning.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace zerorate::core {
+namespace {
+
+using Learning = StopLearning<TickMean<3>, 16>;
+
+constexpr Duration kTick = Duration::milliseconds(100);
+constexpr Duration kSamplePeriod = Duration::milliseconds(10);
+
+Instant at_ms(std::int64_t ms) {
+  return Instant::from_ns(ms * 1'000'000);
+}
+
+/// One second to settle, half a second of hold-back, turns from 0.3 deg/s on; samples every 10 ms.
+struct Vehicle {
+  Learning learning{Standstill::Params{}, OdometerCheck::Params{}, kTick, kSamplePeriod, 1e-12F};
+  std::vector<std::pair<std::uint32_t, bool>> learnt{};  ///< ticks, and whether each begins a stop
+
+  auto learner() {
+    return [this](const TickMean<3>& mean, bool begins_stop) {
+      learnt.emplace_back(mean.tick, begins_stop);
+    };
+  }
+  void sample(std::int64_t ms, float rate_rad_s) {
+    const Instant at = at_ms(ms);
+    const bool begins_tick = learning.begin_sample(at);
+    if (begins_tick) {
+      learning.close_tick(nullptr);
+      learning.enter_tick(at);
+    }
+    learning.add(at, begins_tick, {rate_rad_s, rate_rad_s, rate_rad_s}, [] { return true; });
+    (void)learning.release_at(at, learner());
+  }
+  void samples(std::int64_t from_ms, std::int64_t to_ms, float rate_rad_s = 0.0F) {
+    for (std::int64_t ms = from_ms; ms < to_ms; ms += 10) sample(ms, rate_rad_s);
+  }
+};
+
+TEST(StopLearningAtAStop, ReleasesEachTickOnceItIsHeldBackLongEnough) {
+  Vehicle vehicle;
+  vehicle.samples(0, 3'000);
+  // Settled from 1 s on; what ended half a second before 2.99 s is certain: ticks 10 to 23.
+  ASSERT_EQ(vehicle.learnt.size(), 14U);
+  for (std::size_t i = 0; i < vehicle.learnt.size(); ++i) {
+    EXPECT_EQ(vehicle.learnt[i].first, 10U + i);
+    EXPECT_EQ(vehicle.learnt[i].second, i == 0);
+  }
+  EXPECT_EQ(vehicle.learning.motion(), Motion::still);
+}
+
+TEST(StopLearningAtAPulse, ReleasesWhatIsCertainAndDropsTheHoldBack) {
+  Vehicle vehicle;
+  vehicle.samples(0, 3'000);
+  const auto before = vehicle.learnt.size();
+  EXPECT_TRUE(vehicle.learning.pulse(at_ms(3'150), vehicle.learner()));
+  // Certain are ticks that end by 2.65 s: one or two more, and they belong to the same stop.
+  EXPECT_GT(vehicle.learnt.size(), before);
+  EXPECT_LE(vehicle.learnt.back().first, 26U);
+  EXPECT_FALSE(vehicle.learnt.back().second);
+  EXPECT_EQ(vehicle.learning.state().held.size(), 0U);
+  // A second pulse: after a single one the silence must be twice that before it.
+  (void)vehicle.learning.pulse(at_ms(3'151), vehicle.learner());
+  vehicle.samples(3'160, 6'000);
+  EXPECT_GT(vehicle.learnt.back().first, 41U);
+  std::size_t stops = 0;
+  for (const auto& [tick, begins_stop] : vehicle.learnt) stops += begins_stop ? 1U : 0U;
+  EXPECT_EQ(stops, 2U);
+}
+
+TEST(StopLearningWithoutTheOdometer, DropsAllThatIsHeld) {
+  Vehicle vehicle;
+  vehicle.samples(0, 3'000);
+  const auto before = vehicle.learnt.size();
+  vehicle.learning.report_odometer_fault(at_ms(3'000));
+  vehicle.samples(3'000, 3'900);
+  EXPECT_EQ(vehicle.learnt.size(), before);
+  EXPECT_EQ(vehicle.learning.motion(), Motion::moving);
+}
+
+TEST(StopLearningOnATurnWithoutPulses, DropsAllThatIsHeldAndIsNeverStill) {
+  Vehicle vehicle;
+  vehicle.samples(0, 3'000);
+  const auto before = vehicle.learnt.size();
+  vehicle.samples(3'000, 5'000, 0.1F);
+  // The turn is told by the mean of half a second; what was certain until then had been released.
+  EXPECT_LE(vehicle.learnt.size(), before + 6);
+  EXPECT_EQ(vehicle.learning.state().held.size(), 0U);
+  EXPECT_EQ(vehicle.learning.motion(), Motion::settling);
+  EXPECT_TRUE(vehicle.learning.odometer_disagrees());
+}
+
+TEST(StopLearningRestored, GoesOnAlike) {
+  Vehicle whole;
+  whole.samples(0, 2'730);
+  Vehicle second;
+  second.learning.restore(whole.learning.state());
+  EXPECT_TRUE(second.learning.state() == whole.learning.state());
+  whole.learnt.clear();
+  whole.samples(2'730, 4'000);
+  second.samples(2'730, 4'000);
+  EXPECT_EQ(whole.learnt, second.learnt);
+  EXPECT_TRUE(second.learning.state() == whole.learning.state());
+}
+
+}  // namespace
+}  // namespace zerorate::core
