@@ -75,15 +75,10 @@ class NodeLoop {
 
   constexpr void take_pulses(core::Instant now) {
     std::array<core::Instant, Batch> stamps{};
-    for (;;) {
+    for (std::size_t i = 0; i < kMostBatches; ++i) {
       const auto batch = odometer_.read_pulses(stamps);
-      if (!batch) {
-        // Nobody knows what was missed: the vehicle counts as moving.
-        ++counters_.odometer_errors;
-        node_.report_odometer_fault(now);
-        return;
-      }
-      for (std::size_t i = 0; i < batch->count; ++i) node_.pulse(stamps[i]);
+      if (!batch) break;
+      for (std::size_t k = 0; k < batch->count; ++k) node_.pulse(stamps[k]);
       counters_.pulses += static_cast<std::uint32_t>(batch->count);
       if (batch->lost > 0) {
         counters_.pulses_lost += batch->lost;
@@ -91,6 +86,10 @@ class NodeLoop {
       }
       if (batch->count < Batch) return;
     }
+    // An error, or a source without an end. Nobody knows what was missed: the vehicle counts as
+    // moving.
+    ++counters_.odometer_errors;
+    node_.report_odometer_fault(now);
   }
 
   constexpr void take_samples(core::Instant now, std::optional<core::Instant> edge) {

@@ -33,10 +33,12 @@ struct Published {
 struct FailingOdometer {
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(std::span<core::Instant> stamps) {
     if (fails) return core::Unexpected{hal::BusError::io};
+    if (is_endless) return hal::PulseBatch{.count = stamps.size()};
     return working.read_pulses(stamps);
   }
   hal::sim::SimulatedOdometer working;
   bool fails = false;
+  bool is_endless = false;  ///< never says that no pulse is left
 };
 
 /// A node's loop on the simulated chip, over SPI, with faults.
@@ -308,6 +310,18 @@ TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {
   rig.odometer.fails = false;
   rig.samples(500);
   EXPECT_GT(rig.node.measured_ticks(), learnt);
+}
+
+TEST(NodeLoopWhoseOdometerNeverEnds, GoesOnAndCountsAsMoving) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(500);
+  const std::size_t published = rig.published.messages.size();
+  rig.odometer.is_endless = true;
+  rig.samples(10);
+  EXPECT_EQ(rig.published.messages.size(), published + 10);
+  EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
+  EXPECT_TRUE(rig.published.messages.back().health.odometer_fault);
 }
 
 TEST(NodeLoopOverAWholeDrive, NeverAllocatesInNodeLoopAndDriver) {
