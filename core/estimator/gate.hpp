@@ -9,9 +9,9 @@
 
 namespace zerorate::core {
 
-/// A measurement farther than `threshold_sigma` of the innovation from its prediction is a knock,
-/// unless there have been `longest_knock_ticks` of them without one that agreed: then it was a
-/// change of the bias.
+/// A measurement that is farther than `threshold_sigma` of the innovation from its prediction, on
+/// any axis, is a knock, unless there have been `longest_knock_ticks` of them without one that
+/// agreed: then it was a change of the bias.
 ///
 /// Until that is decided the knock's square counts as variance of the prediction, by the share of
 /// the time that has passed; when one agrees, the doubt is gone and nothing was lost. When the time
@@ -19,7 +19,7 @@ namespace zerorate::core {
 /// from that measurement; the noise, whose state a jump of the level does not change, is kept. So a
 /// jump is re-acquired at the (longest_knock_ticks + 1)th measurement after it.
 ///
-/// Before the first measurement is confirmed (KalmanPredictor::State::is_confirmed) there is
+/// Before the first measurement is confirmed (KalmanBank::State::is_confirmed) there is
 /// nothing to hold on to: one that is too far from it takes its place.
 struct Gate {
   float threshold_sigma = 0.0F;  ///< 0: no gate

@@ -56,9 +56,9 @@ struct NodeParams {
 /// How much a node remembers, for boards that count bytes. The results are the same as long as
 /// nothing is beyond it.
 struct NodeCapacity {
-  std::size_t held_ticks = 64;        ///< places of the hold-back line, 32 bytes each
-  std::size_t average_levels = 22;    ///< levels of core::SuffixSums, 50 bytes each on every axis
-  bool screens_samples = false;       ///< room for NodeParams::samples: 190 bytes, 12 a held tick
+  std::size_t held_ticks = 64;      ///< places of the hold-back line, 32 bytes each
+  std::size_t average_levels = 22;  ///< levels of core::SuffixSums, 50 bytes each on every axis
+  bool screens_samples = false;  ///< room for NodeParams::samples: 150 bytes, 8 to 12 a held tick
   bool runs_moving_average = true;    ///< 300 bytes an axis and those of average_levels
   bool runs_calibration_mean = true;  ///< 40 bytes an axis
 

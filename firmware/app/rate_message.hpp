@@ -22,7 +22,7 @@ struct Health {
   bool odometer_fault =
       false;                  ///< the odometer input failed or dropped edges since the last message
   bool sensor_fault = false;  ///< the gyro gives no samples: no rate in this message
-  /// The newest measurement of an axis was taken for a knock: not learnt from, but doubted, which
+  /// One axis took the newest measurement for a knock: learnt from on no axis, but doubted, which
   /// widens the interval until a measurement agrees or the bias is learnt anew (see core::Gate).
   bool measurement_rejected = false;
   /// The model follows the temperature, and there is none: the interval is wider.
