@@ -14,8 +14,8 @@ namespace zerorate::report {
 /// Text as HTML content or quoted attribute value.
 std::string escape_html(std::string_view text);
 
-/// JSON that may stand inside `<script>`: no '<', so neither "</script>" nor "<!--" can occur in it.
-/// Bytes that are not UTF-8 become U+FFFD.
+/// JSON that may stand inside `<script>`: no '<', so neither "</script>" nor "<!--" can occur in
+/// it. Bytes that are not UTF-8 become U+FFFD.
 std::string script_json(const nlohmann::json& json);
 
 /// A number with fixed decimals, a true minus sign, and narrow spaces between thousands from five
