@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -16,12 +15,13 @@
 #include "host_tools/lib/identify/characterization_json.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
+using units::kDegPerRad;
+using units::kDphPerRadS;
 
 struct Options {
   std::string recording;

@@ -54,7 +54,7 @@ void replay_and_report(const Options& options, const std::string& recording,
 /// The drive once more, with the model that the diagnosis has extended.
 void replay_extended(const Options& options, evaluate::ReplayOptions replay_options,
                      const evaluate::SimulatedDrive& drive, const diagnose::Diagnosis& diagnosis) {
-  if (diagnosis.causes.empty() || !diagnosis.gain.is_measured()) return;
+  if (diagnosis.causes.empty() || !diagnosis.gain.has_measured_cause()) return;
   replay_options.model = diagnosis.extended_model;
   recording::Reader reader{std::filesystem::path(options.directory) / "drive.csv.gz"};
   const evaluate::ReplayResult result = replay_watched(

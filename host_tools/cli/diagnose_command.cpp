@@ -67,7 +67,7 @@ void print_causes(const Diagnosis& diagnosis) {
     std::string rivals;
     for (const diagnose::Alternative& rival : cause.alternatives) {
       rivals += fmt::format("{}{} ({:.1f} behind)", rivals.empty() ? "" : ", ", rival.effect,
-                            rival.behind_nats);
+                            rival.less_likely_by_nats);
     }
     fmt::print("  {:<24}{:>12.1f}{:>12.1e}  {}{}\n", cause.effect, cause.gain_nats, cause.p_value,
                rivals.empty() ? "none" : rivals, cause.axes > 1 ? "; of all axes together" : "");
@@ -97,7 +97,7 @@ void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate)
 
 void print_gain(const Diagnosis& diagnosis) {
   const diagnose::Gain& gain = diagnosis.gain;
-  if (diagnosis.causes.empty() || !gain.is_measured()) return;
+  if (diagnosis.causes.empty() || !gain.has_measured_cause()) return;
   fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
   print_estimate("RSSE ratio", gain.rsse_ratio);
   print_estimate("integrated error ratio", gain.ie_ratio);

@@ -13,11 +13,12 @@
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+using units::kRadPerDeg;
 
 core::Duration seconds(double value, const char* option) {
   if (!(value >= 0.0) || value > 1e6) {
@@ -171,7 +172,7 @@ void print_findings(const recording::Findings& findings) {
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
-  constexpr double kDegPerRad = 1.0 / kRadPerDeg;
+  using units::kDegPerRad;
   fmt::print("{} samples every {:.6g} s, filter ticks of {:.6g} s\n", result.rows,
              static_cast<double>(result.sample_period.ns()) * 1e-9,
              static_cast<double>(result.filter_tick.ns()) * 1e-9);

@@ -15,6 +15,9 @@
 
 namespace zerorate::diagnose {
 
+/// Fewest samples of a record that can be diagnosed.
+inline constexpr std::size_t kFewestSamples = 256;
+
 struct DiagnoseOptions {
   std::string recording;  ///< its name, for the sources of the models
   /// The model to be tested, as it stands: envelopes, misfit, adequacy and gain are against it, and
@@ -31,7 +34,7 @@ struct DiagnoseOptions {
 /// The whole chain, docs/design/diagnosis.md, for the axes of one sensor: each by itself, and then
 /// what they have in common. Deterministic. Time below 2 s for 20,000 samples and
 /// about 15 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
-/// by some 270 bytes each, and 24 bytes for those of other axes. Throws std::invalid_argument for
+/// by some 270 bytes each, and 24 bytes for those of other axes. Throws recording::DataError for
 /// fewer than 256 samples and a record that is constant or not finite.
 /// @return one diagnosis an axis
 [[nodiscard]] std::vector<Diagnosis> diagnose(std::vector<Record> axes,

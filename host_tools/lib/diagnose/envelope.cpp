@@ -10,11 +10,12 @@
 
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 constexpr double kTausPerDecade = 6.0;
 constexpr double kWorkPerHypothesis = 1.2e6;  // samples
 constexpr std::size_t kFewestSimulations = 16;
@@ -33,12 +34,12 @@ double quantile_of_family(std::size_t rows) {
 }
 
 /// DCT coefficients of the mean functions of a hypothesis.
-std::vector<double> mean_coefficients(const Explanation& explanation) {
-  std::vector<double> mean(explanation.problem().size());
-  Eigen::Index amplitude = 0;
-  for (const Part& part : explanation.parts()) {
+std::vector<double> mean_coefficients(const Hypothesis& hypothesis) {
+  std::vector<double> mean(hypothesis.data().size());
+  std::size_t amplitude = 0;
+  for (const Part& part : hypothesis.parts()) {
     for (const Column& column : part.columns) {
-      const double size = explanation.amplitudes()(amplitude++);
+      const double size = hypothesis.amplitudes()[amplitude++];
       for (std::size_t k = column.first; k < column.end(); ++k) {
         mean[k] += size * column.coefficients[k - column.first];
       }
@@ -50,10 +51,10 @@ std::vector<double> mean_coefficients(const Explanation& explanation) {
 /// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.
 class SimulatedAllan {
  public:
-  SimulatedAllan(const Explanation& explanation, std::span<const std::size_t> factors)
-      : problem_(&explanation.problem()),
-        mean_(mean_coefficients(explanation)),
-        sigma_(explanation.density()),
+  SimulatedAllan(const Hypothesis& hypothesis, std::span<const std::size_t> factors)
+      : data_(&hypothesis.data()),
+        mean_(mean_coefficients(hypothesis)),
+        sigma_(hypothesis.density()),
         factors_(factors),
         sums_(factors.size()),
         squares_(factors.size()) {
@@ -66,7 +67,7 @@ class SimulatedAllan {
     for (std::size_t k = 1; k < normal.size(); ++k) {
       coefficients[k] = mean_[k] + normal[k] * sigma_[k];
     }
-    const std::vector<double> rate = problem_->transform().inverse(coefficients);
+    const std::vector<double> rate = data_->transform().inverse(coefficients);
     const std::vector<double> variances = identify::allan_variances(rate, factors_);
     for (std::size_t i = 0; i < factors_.size(); ++i) {
       const double log_deviation = 0.5 * std::log(std::max(variances[i], 1e-300));
@@ -91,7 +92,7 @@ class SimulatedAllan {
   }
 
  private:
-  const Problem* problem_;
+  const FitData* data_;
   std::vector<double> mean_;
   std::vector<double> sigma_;
   std::span<const std::size_t> factors_;
@@ -101,17 +102,17 @@ class SimulatedAllan {
 };
 
 /// Both hypotheses are simulated with the same random numbers.
-std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& extended) {
-  const Problem& problem = base.problem();
-  const auto factors = identify::averaging_factors(problem.size(), kTausPerDecade);
-  const std::vector<double> measured = identify::allan_variances(problem.rate_rad_s(), factors);
+std::vector<CurvePoint> allan_curve(const Hypothesis& base, const Hypothesis& extended) {
+  const FitData& data = base.data();
+  const auto factors = identify::averaging_factors(data.size(), kTausPerDecade);
+  const std::vector<double> measured = identify::allan_variances(data.rate_rad_s(), factors);
   SimulatedAllan simulated_base(base, factors);
   SimulatedAllan simulated_extended(extended, factors);
-  const std::size_t n = problem.size();
+  const std::size_t n = data.size();
   const auto runs =
       std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
                  kFewestSimulations, kMostSimulations);
-  const random::RandomStream stream = random::RandomStream(problem.seed()).substream("envelope");
+  const random::RandomStream stream = random::RandomStream(data.seed()).substream("envelope");
   std::vector<double> normal(n);
   for (std::size_t run = 0; run < runs; ++run) {
     stream.substream(run).fill_normal(0, normal);
@@ -123,7 +124,7 @@ std::vector<CurvePoint> allan_curve(const Explanation& base, const Explanation& 
   std::vector<CurvePoint> curve;
   curve.reserve(factors.size());
   for (std::size_t i = 0; i < factors.size(); ++i) {
-    curve.push_back({static_cast<double>(factors[i]) * problem.period_s(), std::sqrt(measured[i]),
+    curve.push_back({static_cast<double>(factors[i]) * data.period_s(), std::sqrt(measured[i]),
                      before[i].lo, before[i].middle, before[i].hi, after[i].lo, after[i].middle,
                      after[i].hi});
   }
@@ -140,10 +141,10 @@ Band band_of_squares(double mean_square, double count, double z) {
 }
 
 /// Mean expected square of the coefficients [first, end).
-double expected_square(const Explanation& explanation, const std::vector<double>& mean,
+double expected_square(const Hypothesis& hypothesis, const std::vector<double>& mean,
                        std::size_t first, std::size_t end) {
   double sum = 0.0;
-  for (std::size_t k = first; k < end; ++k) sum += explanation.density()[k] + mean[k] * mean[k];
+  for (std::size_t k = first; k < end; ++k) sum += hypothesis.density()[k] + mean[k] * mean[k];
   return sum / static_cast<double>(end - first);
 }
 
@@ -160,15 +161,15 @@ std::vector<Run> frequency_bands(std::size_t size) {
   return bands;
 }
 
-std::vector<CurvePoint> density_curve(const Explanation& base, const Explanation& extended) {
-  const Problem& problem = base.problem();
-  std::vector<double> measured = problem.transform().forward(problem.rate_rad_s());
+std::vector<CurvePoint> density_curve(const Hypothesis& base, const Hypothesis& extended) {
+  const FitData& data = base.data();
+  std::vector<double> measured = data.transform().forward(data.rate_rad_s());
   const std::vector<double> no_mean = mean_coefficients(base);
   const std::vector<double> mean = mean_coefficients(extended);
-  const std::vector<Run> runs = frequency_bands(problem.size());
+  const std::vector<Run> runs = frequency_bands(data.size());
   const double z = quantile_of_family(runs.size());
   // Of a sample, two-sided, to one-sided of a hertz.
-  const double unit = 2.0 * problem.period_s();
+  const double unit = 2.0 * data.period_s();
   std::vector<CurvePoint> curve;
   curve.reserve(runs.size());
   for (const Run& run : runs) {
@@ -180,7 +181,7 @@ std::vector<CurvePoint> density_curve(const Explanation& base, const Explanation
     const Band after =
         band_of_squares(expected_square(extended, mean, run.first, run.end), count, z);
     const double frequency_hz = 0.5 * static_cast<double>(run.first + run.end - 1) /
-                                (2.0 * static_cast<double>(problem.size()) * problem.period_s());
+                                (2.0 * static_cast<double>(data.size()) * data.period_s());
     curve.push_back({frequency_hz, unit * squares, unit * before.lo, unit * before.middle,
                      unit * before.hi, unit * after.lo, unit * after.middle, unit * after.hi});
   }
@@ -188,7 +189,7 @@ std::vector<CurvePoint> density_curve(const Explanation& base, const Explanation
 }
 
 /// Moments of what the base model leaves, which are known for normal noise.
-std::vector<Misfit> whitened_rows(const Explanation& base) {
+std::vector<Misfit> whitened_rows(const Hypothesis& base) {
   const std::vector<double>& u = base.whitened();
   const auto n = static_cast<double>(u.size());
   double neighbours = 0.0;
@@ -212,7 +213,7 @@ std::vector<Misfit> whitened_rows(const Explanation& base) {
           row("excess_kurtosis", fourth / (squares * squares) - 3.0, 0.0, std::sqrt(24.0 / n))};
 }
 
-std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Explanation& base) {
+std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Hypothesis& base) {
   std::vector<Misfit> rows;
   rows.reserve(envelopes.allan.size() + envelopes.density.size());
   for (const CurvePoint& point : envelopes.allan) {
@@ -232,7 +233,7 @@ std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Explanation& b
 
 }  // namespace
 
-Envelopes simulate_envelopes(const Explanation& base, const Explanation& extended) {
+Envelopes simulate_envelopes(const Hypothesis& base, const Hypothesis& extended) {
   Envelopes envelopes{.allan = allan_curve(base, extended),
                       .density = density_curve(base, extended)};
   envelopes.misfit = misfit_rows(envelopes, base);

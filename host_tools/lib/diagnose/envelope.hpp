@@ -19,6 +19,6 @@ struct Envelopes {
 
 /// Simulates both hypotheses 16 to 64 times, fewer for longer records: coefficients of the DCT are
 /// drawn with the fitted density, mean functions are added, the transform brings them back.
-[[nodiscard]] Envelopes simulate_envelopes(const Explanation& base, const Explanation& extended);
+[[nodiscard]] Envelopes simulate_envelopes(const Hypothesis& base, const Hypothesis& extended);
 
 }  // namespace zerorate::diagnose

@@ -10,6 +10,7 @@
 #include "firmware/model/node_model.hpp"
 #include "host_tools/lib/evaluate/feed.hpp"
 #include "host_tools/lib/evaluate/odometer.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::evaluate {
 namespace {
@@ -35,7 +36,7 @@ class BufferedRows {
   /// The mean interval of the rows read ahead, holes left out.
   [[nodiscard]] core::Duration sample_period() const {
     if (period_ns_ == 0) {
-      throw std::invalid_argument(
+      throw recording::DataError(
           "the recording has fewer than two rows in time order: its sample rate cannot be told");
     }
     return core::Duration::nanoseconds(period_ns_);

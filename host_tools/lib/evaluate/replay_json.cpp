@@ -1,9 +1,9 @@
 #include "host_tools/lib/evaluate/replay_json.hpp"
 
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "host_tools/lib/recording/json.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using recording::number;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 
 Json scores_json(const DriveScores& scores, const DriveScores& baseline) {
   return {{"drives", scores.drives()},

@@ -9,6 +9,7 @@
 
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using report::Chart;
 using report::Colour;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 constexpr double kDphPerDps = 3600.0;
 constexpr double k95Percent = 1.96;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

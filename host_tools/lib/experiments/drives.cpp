@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using app::Predictor;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Memories that the tuned competitors choose from: two a decade, from seconds to a day.
@@ -387,7 +387,7 @@ class Contest {
     contest.drives =
         static_cast<std::size_t>(total(yardstick, every_cluster(), {0, schedules()}).drives);
     if (contest.drives == 0) {
-      throw std::invalid_argument(
+      throw recording::DataError(
           "no drive followed a calibration: the recordings are too short for these schedules");
     }
     for (std::size_t who = 0; who < kContestants; ++who) {

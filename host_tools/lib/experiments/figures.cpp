@@ -1,11 +1,11 @@
 #include "host_tools/lib/experiments/figures.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -14,8 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr double kDphPerDps = 3600.0;
-constexpr double kRadSPerDph = std::numbers::pi / 180.0 / 3600.0;
-constexpr double kDphPerRadS = 1.0 / kRadSPerDph;
+using units::kDphPerRadS;
+using units::kRadSPerDph;
 
 AllanCurve allan_curve(std::string name, std::vector<double> rate, double sample_period_s,
                        double dph_per_unit) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include "host_tools/lib/experiments/reference_predictors.hpp"
 #include "host_tools/lib/identify/whittle_fit.hpp"
 #include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 
 std::vector<fs::path> recording_files(const std::vector<fs::path>& paths) {
   std::vector<fs::path> files;
@@ -123,8 +123,8 @@ void require_enough(const std::vector<const RestRecording*>& group, const Length
   }
   for (const RestRecording* recording : group) {
     if (recording->axes.front().size() < 2 * lengths.total()) {
-      throw std::invalid_argument(recording->name + ": shorter than two sets of " +
-                                  std::to_string(lengths.total()) + " samples");
+      throw recording::DataError(recording->name + ": shorter than two sets of " +
+                                 std::to_string(lengths.total()) + " samples");
     }
   }
 }
@@ -139,7 +139,7 @@ std::vector<RestRecording> read_rest_recordings(const std::vector<fs::path>& pat
       recordings.push_back(std::move(*recording));
     }
   }
-  if (recordings.empty()) throw std::invalid_argument("no recording in the data is slow enough");
+  if (recordings.empty()) throw recording::DataError("no recording in the data is slow enough");
   return recordings;
 }
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "host_tools/lib/experiments/presentation.hpp"
 #include "host_tools/lib/recording/json.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 using recording::number;
 using Row = std::vector<report::Cell>;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kDphPerRadS = kDegPerRad * 3600.0;
+using units::kDegPerRad;
+using units::kDphPerRadS;
 
 std::string label(const evaluate::ScheduleParams& schedule) {
   return fmt::format("{:g}/{:g}", schedule.still_s, schedule.drive_s);

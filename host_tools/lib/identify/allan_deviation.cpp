@@ -1,4 +1,5 @@
 #include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -31,7 +32,7 @@ double mean(std::span<const double> values) {
 // the second differences of a long plain sum drown in its rounding.
 std::vector<double> running_sum(std::span<const double> rate) {
   const double centre = mean(rate);
-  if (!std::isfinite(centre)) throw std::invalid_argument("Allan deviation: a rate is not finite");
+  if (!std::isfinite(centre)) throw recording::DataError("Allan deviation: a rate is not finite");
   std::vector<double> sums(rate.size() + 1);
   double sum = 0.0;
   double lost = 0.0;
@@ -167,7 +168,7 @@ PowerLaw identify_power_law(std::span<const double> averages) {
 std::vector<AllanPoint> allan_deviation(std::span<const double> rate, double sample_period_s,
                                         const AllanOptions& options) {
   if (rate.size() < kFewestSamples) {
-    throw std::invalid_argument("allan_deviation: fewer than 8 samples");
+    throw recording::DataError("allan_deviation: fewer than 8 samples");
   }
   const std::vector<std::size_t> factors =
       averaging_factors(rate.size(), options.points_per_decade);

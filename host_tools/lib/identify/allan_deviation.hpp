@@ -57,7 +57,7 @@ struct AllanOptions {
 
 /// The whole curve. At each tau the power law is identified from the averages; where fewer than 100
 /// are left, the law of the next shorter tau holds on.
-/// @param rate as in allan_variances, at least 8 samples; throws std::invalid_argument otherwise
+/// @param rate as in allan_variances, at least 8 samples; throws recording::DataError otherwise
 [[nodiscard]] std::vector<AllanPoint> allan_deviation(std::span<const double> rate,
                                                       double sample_period_s,
                                                       const AllanOptions& options = {});

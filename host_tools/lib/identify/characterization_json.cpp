@@ -1,9 +1,9 @@
 #include "host_tools/lib/identify/characterization_json.hpp"
 
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "host_tools/lib/recording/json.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -11,9 +11,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using recording::number;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
-constexpr double kDegRtHPerRadRtS = 60.0 * kDegPerRad;
+using units::kDegPerRad;
+using units::kDegRtHPerRadRtS;
+using units::kDphPerRadS;
 
 Json interval(const IntervalEstimate& estimate, double unit) {
   return {{"value", number(estimate.value * unit)},

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/lib/identify/model_curves.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -15,9 +15,9 @@ using report::Chart;
 using report::Colour;
 using report::Scale;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
-constexpr double kDegRtHPerRadRtS = 60.0 * kDegPerRad;
+using units::kDegPerRad;
+using units::kDegRtHPerRadRtS;
+using units::kDphPerRadS;
 
 Chart allan_chart(const AxisCharacterization& axis) {
   report::Series measured{.name = "recording, 95 % interval", .colour = Colour::blue};

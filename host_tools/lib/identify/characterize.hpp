@@ -64,7 +64,7 @@ struct CharacterizeOptions {
 /// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
 /// without holes. The strength of the white noise is that of tick means on purpose: at the raw rate
 /// the sensor's low-pass and quantization are in it, which a filter at the tick never sees.
-/// Time about 1 s an axis for 10^6 samples. Throws std::invalid_argument for records that are too
+/// Time about 1 s an axis for 10^6 samples. Throws recording::DataError for records that are too
 /// short or constant.
 [[nodiscard]] Characterization characterize(const RestSamples& samples,
                                             const CharacterizeOptions& options);

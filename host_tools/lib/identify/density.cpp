@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::identify {
@@ -71,7 +72,7 @@ std::vector<DensityPoint> welch_density(std::span<const double> rate, double sam
 }
 
 std::vector<DensityPoint> periodogram(std::span<const double> rate, double sample_period_s) {
-  if (rate.size() < 2) throw std::invalid_argument("periodogram: fewer than 2 samples");
+  if (rate.size() < 2) throw recording::DataError("periodogram: fewer than 2 samples");
   const std::size_t size = spectrum::fast_length_below(rate.size());
   const std::vector<double> no_window(size, 1.0);
   return densities(rate.first(size), sample_period_s, no_window, size);

@@ -25,7 +25,7 @@ struct DensityPoint {
 
 /// The periodogram at j / (n T), j = 1 .. n/2, of the first n = fast_length_below(size) samples,
 /// mean taken out.
-/// @param rate at least 2 samples; throws std::invalid_argument otherwise
+/// @param rate at least 2 samples; throws recording::DataError otherwise
 [[nodiscard]] std::vector<DensityPoint> periodogram(std::span<const double> rate,
                                                     double sample_period_s);
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host_tools/lib/identify/minimise.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -113,7 +114,7 @@ class Fitter {
     const auto count = static_cast<double>(at_start.innovations);
     const double excess = at_start.squared_innovations / count;
     if (!(excess > 0.0) || !std::isfinite(excess)) {
-      throw std::invalid_argument("the record is constant: there is no noise to identify");
+      throw recording::DataError("the record is constant: there is no noise to identify");
     }
     InnovationsFit fit;
     fit.angle_random_walk_rad_per_sqrt_s =
@@ -183,7 +184,7 @@ double p_value_of(double likelihood_ratio) {
 
 void require_usable(const InnovationsLikelihood& likelihood, const InnovationsFitOptions& options) {
   if (likelihood.ticks() < kFewestTicks) {
-    throw std::invalid_argument("too short to identify noise: fewer than 64 filter ticks at rest");
+    throw recording::DataError("too short to identify noise: fewer than 64 filter ticks at rest");
   }
   if (options.order && !(*options.order >= kLowestOrder && *options.order <= kHighestOrder)) {
     throw std::invalid_argument("the order of the flicker noise must lie between .05 and .95");

@@ -80,9 +80,9 @@ struct InnovationsFitOptions {
 /// A free order is kept if its interval is no wider than kWidestOrderInterval, or if the likelihood
 /// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
 ///
-/// Cost: some 150 passes of the filter. Throws std::invalid_argument for fewer than 64 ticks, an
-/// order outside [0.05, 0.95], start values that are missing or out of range, and a record that is
-/// constant.
+/// Cost: some 150 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
+/// constant record, std::invalid_argument for an order outside [0.05, 0.95] and start values that
+/// are missing or out of range.
 [[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
                                                 const InnovationsFitOptions& options);
 

@@ -1,10 +1,10 @@
 #include "host_tools/lib/identify/innovations_likelihood.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "core/estimator/kalman_predictor.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -17,7 +17,7 @@ constexpr core::ModelShape kLargestWithoutTemperature{.decaying = model::kLarges
 InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, std::size_t axis,
                                              core::Duration sample_period, core::Duration tick)
     : sample_period_(sample_period), tick_(tick) {
-  if (ticks.size() < 2) throw std::invalid_argument("a likelihood needs at least two ticks");
+  if (ticks.size() < 2) throw recording::DataError("a likelihood needs at least two ticks");
   measurements_.reserve(ticks.size());
   std::uint32_t measured_ticks = 0;
   for (const TickMean& mean : ticks) {

@@ -32,7 +32,7 @@ struct Likelihood {
 /// tick of few samples has more white noise, a gap or a drive is one step over many ticks.
 class InnovationsLikelihood {
  public:
-  /// @param ticks in order, at least two; throws std::invalid_argument otherwise
+  /// @param ticks in order, at least two; throws recording::DataError otherwise
   /// @param tick, sample_period as the ticks were averaged
   InnovationsLikelihood(std::span<const TickMean> ticks, std::size_t axis,
                         core::Duration sample_period, core::Duration tick);

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
@@ -89,7 +90,7 @@ Estimate exact_local_whittle(std::span<const double> values, std::size_t frequen
     }
   }
   if (constant || !std::isfinite(lowest)) {
-    throw std::invalid_argument("exact_local_whittle: the record is constant or not finite");
+    throw recording::DataError("exact_local_whittle: the record is constant or not finite");
   }
   const double left = std::max(best - kStep, kLowestOrder);
   const double right = std::min(best + kStep, kHighestOrder);

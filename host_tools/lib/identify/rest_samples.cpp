@@ -1,9 +1,9 @@
 #include "host_tools/lib/identify/rest_samples.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <stdexcept>
 
 namespace zerorate::identify {
 namespace {
@@ -113,7 +113,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   samples.sample_period = core::Duration::nanoseconds(samples.findings.median_interval_ns());
   samples.mean_period = core::Duration::nanoseconds(samples.findings.mean_interval_ns());
   if (samples.time.size() < 2) {
-    throw std::invalid_argument("the recording has fewer than two usable samples at rest");
+    throw recording::DataError("the recording has fewer than two usable samples at rest");
   }
   return samples;
 }
@@ -123,7 +123,7 @@ std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration t
   std::vector<TickMean> means;
   for (std::size_t k = 0; k < samples.time.size(); ++k) {
     const core::Instant at = samples.time[k];
-    if (!average.can_take(at)) throw std::invalid_argument("the recording exceeds 2^31 ticks");
+    if (!average.can_take(at)) throw recording::DataError("the recording exceeds 2^31 ticks");
     if (average.is_over_at(at) && !average.is_empty()) means.push_back(average.close());
     average.enter(at);
     average.add(at, samples.rate_rad_s[k]);

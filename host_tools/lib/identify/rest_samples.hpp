@@ -49,7 +49,7 @@ struct RestOptions {
 /// Reads a recording to its end. Motion is what its odometer or still column tells, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
 /// time. Memory: 20 bytes a row at rest, 24 with a temperature.
-/// Throws recording::Error; std::invalid_argument with fewer than two samples at rest.
+/// Throws recording::Error; recording::DataError with fewer than two samples at rest.
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
 

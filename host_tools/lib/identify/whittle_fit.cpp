@@ -9,9 +9,9 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
@@ -170,7 +170,7 @@ double dct_power_ratio(double order, std::size_t index) {
 WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
                                   const WhiteFlickerOptions& options) {
   if (rate.size() < kFewestSamples) {
-    throw std::invalid_argument("fit_white_flicker: fewer than 64 samples");
+    throw recording::DataError("fit_white_flicker: fewer than 64 samples");
   }
   const bool constant = std::ranges::adjacent_find(rate, std::not_equal_to{}) == rate.end();
   const std::vector<Bin> bins =
@@ -179,7 +179,7 @@ WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
   const std::vector<double> shape = flicker_shape(bins, order);
   const Profile white_alone = profile(bins, shape, 0.0);
   if (constant || !std::isfinite(white_alone.white_variance)) {
-    throw std::invalid_argument("fit_white_flicker: the record is constant or not finite");
+    throw recording::DataError("fit_white_flicker: the record is constant or not finite");
   }
   const Minimum best = best_log_ratio(bins, shape);
 

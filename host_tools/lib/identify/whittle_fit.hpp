@@ -39,7 +39,7 @@ struct WhiteFlickerOptions {
 /// The standard errors are those of the expected information. The p-value takes the ratio as chi
 /// squared with two degrees of freedom when d is free, and as half of chi squared with one when it
 /// is given, since the strength 0 lies at the edge of its range.
-/// @param rate evenly spaced, at least 64 samples, not constant; throws std::invalid_argument
+/// @param rate evenly spaced, at least 64 samples, not constant; throws recording::DataError
 ///        otherwise. All but the last few are used (spectrum::fast_length_below).
 [[nodiscard]] WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
                                                 const WhiteFlickerOptions& options = {});

@@ -20,7 +20,7 @@ std::string describe(const Place& place) {
 }  // namespace
 
 Error::Error(Place place, std::string found, std::string expected, std::string mend)
-    : std::runtime_error(
+    : DataError(
           fmt::format("{}: found {}; expected {}. {}", describe(place), found, expected, mend)),
       place_(std::move(place)),
       found_(std::move(found)),

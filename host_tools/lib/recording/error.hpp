@@ -1,5 +1,5 @@
 /// @file
-/// The one exception of this library: what is wrong with a recording, where, and how to mend it.
+/// Exceptions for recordings: data that cannot be used, and a file that cannot be read.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,18 @@ struct Place {
   std::uint64_t column = 0;  ///< character in the line, counted from 1; 0 where none is meant
 };
 
-/// Thrown by Reader and Writer. what() is one line for the user:
+/// Data that cannot be used, e.g. a record that is too short or constant. what() is one line for
+/// the user. Of wrong usage tells std::invalid_argument.
+class DataError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Thrown by Reader and Writer: what is wrong with a recording, where, and how to mend it. what()
+/// is one line for the user:
 ///
 ///     run.csv:17:6: found "abc" as gx_dps; expected a number in deg/s. Leave the cell empty ...
-class Error : public std::runtime_error {
+class Error : public DataError {
  public:
   Error(Place place, std::string found, std::string expected, std::string mend);
 

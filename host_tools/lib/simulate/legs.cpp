@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <numbers>
 
+#include "host_tools/lib/units/units.hpp"
+
 namespace zerorate::simulate {
 
 VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double metres_per_pulse) {
-  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+  using units::kRadPerDeg;
   VehicleMotion motion{.sample_period_s = sample_period_s, .rate_rad_s = {}, .odometer_pulses = {}};
   Leg before = legs.front();
   double distance_m = 0.0;

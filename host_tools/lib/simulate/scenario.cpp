@@ -11,11 +11,12 @@
 #include "host_tools/lib/simulate/legs.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::simulate {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+using units::kRadPerDeg;
 constexpr double kPeriod_s = 1.0 / 104.0;
 constexpr std::size_t kYaw = 2;
 

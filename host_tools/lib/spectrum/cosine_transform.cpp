@@ -2,7 +2,8 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+
+#include "core/base/assert.hpp"
 
 namespace zerorate::spectrum {
 namespace {
@@ -24,7 +25,7 @@ CosineTransform::CosineTransform(std::size_t length) : fft_(length), turns_(leng
 
 std::vector<double> CosineTransform::forward(std::span<const double> values) const {
   const std::size_t n = length();
-  if (values.size() != n) throw std::invalid_argument("CosineTransform: wrong number of values");
+  ZERORATE_ASSERT(values.size() == n);
   std::vector<double> folded(n);  // the even samples forwards, then the odd ones backwards
   for (std::size_t i = 0; i < n / 2; ++i) {
     folded[i] = values[2 * i];
@@ -46,9 +47,7 @@ std::vector<double> CosineTransform::forward(std::span<const double> values) con
 
 std::vector<double> CosineTransform::inverse(std::span<const double> coefficients) const {
   const std::size_t n = length();
-  if (coefficients.size() != n) {
-    throw std::invalid_argument("CosineTransform: wrong number of coefficients");
-  }
+  ZERORATE_ASSERT(coefficients.size() == n);
   const double scale = std::sqrt(static_cast<double>(n) / 2.0);
   std::vector<Complex> bins(fft_.bins());
   bins[0] = coefficients[0] * std::sqrt(static_cast<double>(n));

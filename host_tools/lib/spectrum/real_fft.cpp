@@ -2,8 +2,9 @@
 
 #include <kissfft/kissfft.hh>
 #include <numbers>
-#include <stdexcept>
 #include <vector>
+
+#include "core/base/assert.hpp"
 
 namespace zerorate::spectrum {
 namespace {
@@ -48,9 +49,7 @@ struct RealFft::Tables {
 };
 
 RealFft::RealFft(std::size_t length) : length_(length) {
-  if (length < 2 || length % 2 != 0) {
-    throw std::invalid_argument("RealFft: the length must be even and at least 2");
-  }
+  ZERORATE_ASSERT(length >= 2 && length % 2 == 0);
   tables_ = std::make_unique<Tables>(length / 2);
 }
 RealFft::~RealFft() = default;
@@ -58,18 +57,14 @@ RealFft::RealFft(RealFft&&) noexcept = default;
 RealFft& RealFft::operator=(RealFft&&) noexcept = default;
 
 void RealFft::forward(std::span<const double> values, std::span<Complex> bins) const {
-  if (values.size() != length_ || bins.size() != this->bins()) {
-    throw std::invalid_argument("RealFft::forward: wrong number of values or bins");
-  }
+  ZERORATE_ASSERT(values.size() == length_ && bins.size() == this->bins());
   tables_->forward.transform_real(values.data(), bins.data());
   bins.back() = bins.front().imag();  // kissfft packs the two real bins into the first
   bins.front() = bins.front().real();
 }
 
 void RealFft::inverse(std::span<const Complex> bins, std::span<double> values) const {
-  if (values.size() != length_ || bins.size() != this->bins()) {
-    throw std::invalid_argument("RealFft::inverse: wrong number of bins or values");
-  }
+  ZERORATE_ASSERT(values.size() == length_ && bins.size() == this->bins());
   const std::size_t half = length_ / 2;
   const double scale = 1.0 / static_cast<double>(length_);
   std::vector<Complex> pairs(half);

@@ -18,8 +18,8 @@ namespace zerorate::spectrum {
 /// above 5.
 class RealFft {
  public:
-  /// @param length n of the real sequence, even, at least 2; throws std::invalid_argument
-  /// otherwise.
+  /// @param length n of the real sequence, even and at least 2, which is
+  ///        asserted.
   ///        Time O(n sum of prime factors): see fast_length_below.
   explicit RealFft(std::size_t length);
   ~RealFft();

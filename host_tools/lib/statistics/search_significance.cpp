@@ -19,15 +19,15 @@ double log_tail(double gain, double parameters) {
 
 }  // namespace
 
-double surprise_of_free(double gain_nats, double parameters) {
+double surprisal_of_free(double gain_nats, double parameters) {
   return -log_tail(gain_nats, parameters);
 }
 
-double surprise_of_strength(double gain_nats) {
+double surprisal_of_strength(double gain_nats) {
   return gain_nats <= 0.0 ? 0.0 : std::numbers::ln2 - log_tail(gain_nats, 1.0);
 }
 
-double surprise_of_search(double gain_nats, double parameters, double crossings) {
+double surprisal_of_search(double gain_nats, double parameters, double crossings) {
   const double single = log_tail(gain_nats, parameters);
   const double search = std::log(std::max(crossings, 1e-300)) - gain_nats;
   const double larger = std::max(single, search);

@@ -37,8 +37,8 @@ std::vector<double> white(std::uint64_t run) {
 
 Adequacy adequacy_of(std::vector<double> values) {
   const EvenSeries series = series_of(std::move(values));
-  const Problem problem(series, 1);
-  return examine_adequacy(Explanation(problem, {}));
+  const FitData data(series, 1);
+  return examine_adequacy(Hypothesis(data, {}));
 }
 
 TEST(AdequacyOfWhiteNoise, HoldsButForOneRecordInAHundred) {
@@ -117,12 +117,12 @@ TEST(AdequacyWithANamedToneThatIsASquare, FailsByItsHarmonics) {
         std::sin(2.0 * std::numbers::pi * kCycles * static_cast<double>(k)) > 0.0 ? 0.2 : -0.2;
   }
   const EvenSeries series = series_of(std::move(values));
-  const Problem problem(series, 1);
-  auto [cosine, sine] = tone_columns(problem, kCycles);
+  const FitData data(series, 1);
+  auto [cosine, sine] = tone_columns(data, kCycles);
   const Part tone{.effect = "periodic_disturbance",
                   .columns = {std::move(cosine), std::move(sine)},
                   .shape = {kCycles / series.period_s}};
-  EXPECT_THAT(examine_adequacy(Explanation(problem, {tone})).failures,
+  EXPECT_THAT(examine_adequacy(Hypothesis(data, {tone})).failures,
               Contains(HasSubstr("has harmonics")));
 }
 
@@ -140,12 +140,12 @@ std::vector<double> swinging_temperature() {
 Adequacy adequacy_with_temperature_and_walk(std::vector<double> values) {
   EvenSeries series = series_of(std::move(values));
   series.temperature_degc = swinging_temperature();
-  const Problem problem(series, 1);
+  const FitData data(series, 1);
   const Part drift{.effect = "temperature_drift",
-                   .columns = {column_of(problem, std::span(series.temperature_degc))}};
-  const Explanation without(problem, {drift});
-  const std::optional<Offer> walk = make_rate_random_walk()->examine(without);
-  return examine_adequacy(Explanation(problem, {drift, walk->part}, &without));
+                   .columns = {column_of(data, std::span(series.temperature_degc))}};
+  const Hypothesis without(data, {drift});
+  const std::optional<Candidate> walk = make_rate_random_walk()->examine(without);
+  return examine_adequacy(Hypothesis(data, {drift, walk->part}, &without));
 }
 
 TEST(AdequacyOfAWalkInPlaceOfHysteresis, FailsAndSaysSo) {

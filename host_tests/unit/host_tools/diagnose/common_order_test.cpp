@@ -49,18 +49,18 @@ std::vector<std::string> causes_of(const Diagnosis& diagnosis) {
 TEST(OrderProfile, PeaksWhereTheFreeOrderDoes) {
   const Record record = axis_of(of_order(0.7), 1);
   const EvenSeries series = even_series_of(record);
-  const Problem problem(series, 1);
-  const Explanation base(problem, {});
+  const FitData data(series, 1);
+  const Hypothesis base(data, {});
 
   const OrderProfile::Peak peak = OrderProfile(base).peak();
 
-  const Explanation free = [&] {
-    const auto offer = make_fractional_order()->examine(base);
-    return Explanation(problem, {offer->part}, &base);
+  const Hypothesis free = [&] {
+    const auto candidate = make_fractional_order()->examine(base);
+    return Hypothesis(data, {candidate->part}, &base);
   }();
   // The parabola through places 0.05 apart against the likelihood's own curvature.
-  EXPECT_NEAR(peak.order, free.noise().spectrum.order, 0.1 * peak.standard_error);
-  EXPECT_NEAR(peak.standard_error / free.noise().errors.order, 1.0, 0.25);
+  EXPECT_NEAR(peak.order, free.noise().spectrum.flicker_order, 0.1 * peak.standard_error);
+  EXPECT_NEAR(peak.standard_error / free.noise().error(NoiseParameterId::flicker_order), 1.0, 0.25);
   EXPECT_NEAR(peak.log_likelihood, free.log_likelihood(), 0.05);
 }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::diagnose {
@@ -159,10 +160,10 @@ TEST(DiagnosisOfTooLittle, IsRefused) {
   Record record = simulated({}, 5);
   record.time_s.resize(200);
   record.rate_rad_s.resize(200);
-  EXPECT_THROW(static_cast<void>(diagnose(record)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(diagnose(record)), recording::DataError);
   Record constant = simulated({}, 5);
   constant.rate_rad_s.assign(constant.size(), 0.1);
-  EXPECT_THROW(static_cast<void>(diagnose(constant)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(diagnose(constant)), recording::DataError);
 }
 
 }  // namespace

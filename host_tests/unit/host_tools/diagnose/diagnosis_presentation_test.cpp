@@ -57,7 +57,7 @@ TEST(DiagnosisJson, HasTheKeysOfTheSchema) {
   const auto& cause = json.at("causes").at(0);
   EXPECT_EQ(cause.at("name"), "rate_random_walk");
   EXPECT_EQ(cause.at("parameters").at("coefficient_dps_per_sqrt_s_ci95").at(1), 1.5e-4);
-  EXPECT_EQ(cause.at("alternatives").at(0).at("behind_nats"), 2.1);
+  EXPECT_EQ(cause.at("alternatives").at(0).at("less_likely_by_nats"), 2.1);
   // Rows inside the envelope are no misfit; what was not measured is null.
   EXPECT_EQ(json.at("misfit").size(), 1U);
   EXPECT_EQ(json.at("adequacy").at("base").at("holds"), false);

@@ -104,14 +104,14 @@ TEST(LineWhosePhaseWanders, IsAPeriodicDisturbanceWithItsWidth) {
     series.rate_rad_s[k] = phasor.real() + kWhite * noise.normal(at);
     phasor = phasor * turn + driven * std::complex(noise.normal(at + 1), noise.normal(at + 2));
   }
-  const Problem problem(series, 1);
+  const FitData data(series, 1);
   const auto effect = make_periodic_disturbance();
-  const Explanation without(problem, {});
-  const auto offer = effect->examine(without);
-  ASSERT_TRUE(offer.has_value());
-  EXPECT_GT(offer->surprise_nats, kLeastSurprise);
-  const Explanation with(problem, {offer->part}, &without);
-  const std::vector<Parameter> parameters = effect->tell({with, 0}).parameters;
+  const Hypothesis without(data, {});
+  const auto candidate = effect->examine(without);
+  ASSERT_TRUE(candidate.has_value());
+  EXPECT_GT(candidate->surprisal_nats, kSelectionThreshold_nats);
+  const Hypothesis with(data, {candidate->part}, &without);
+  const std::vector<Parameter> parameters = effect->describe({with, 0}).parameters;
   const std::array<double, 3> truth{std::numbers::sqrt2 * kRms / kRadPerDeg, kFrequency,
                                     kCoherence};
   ASSERT_EQ(parameters.size(), truth.size());
@@ -130,9 +130,9 @@ TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
     EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
     series.lost.resize(kLength);
     random::RandomStream(17, run).fill_normal(0, series.rate_rad_s);
-    const Problem problem(series, 1);
-    const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
-    EXPECT_TRUE(!offer || offer->surprise_nats < kLeastSurprise) << run;
+    const FitData data(series, 1);
+    const auto candidate = make_variable_noise()->examine(Hypothesis(data, {}));
+    EXPECT_TRUE(!candidate || candidate->surprisal_nats < kSelectionThreshold_nats) << run;
   }
 }
 
@@ -146,9 +146,9 @@ TEST(VariableNoiseInPlainWhiteNoise, IsAsSurprisingAsItSaysNoOftenerThanThat) {
     EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
     series.lost.resize(kLength);
     random::RandomStream(29, run).fill_normal(0, series.rate_rad_s);
-    const Problem problem(series, 1);
-    const auto offer = make_variable_noise()->examine(Explanation(problem, {}));
-    if (offer && offer->surprise_nats > kNats) ++count;
+    const FitData data(series, 1);
+    const auto candidate = make_variable_noise()->examine(Hypothesis(data, {}));
+    if (candidate && candidate->surprisal_nats > kNats) ++count;
   }
   // Poisson of mean 300 e^-3 = 14.9 at most: more than 28 have a probability of 6e-4.
   EXPECT_LE(count, 28);
@@ -163,9 +163,9 @@ TEST(OutliersInPlainWhiteNoise, AreNotFoundWhereManyValuesAreLost) {
   for (std::size_t k = 50; k < kLength; k += 70) {
     for (std::size_t i = 0; i < 7; ++i) series.lost[k + i] = true;
   }
-  const Problem problem(series, 1);
-  const auto offer = make_outliers()->examine(Explanation(problem, {}));
-  EXPECT_TRUE(!offer || offer->surprise_nats < 3.0);
+  const FitData data(series, 1);
+  const auto candidate = make_outliers()->examine(Hypothesis(data, {}));
+  EXPECT_TRUE(!candidate || candidate->surprisal_nats < 3.0);
 }
 
 TEST(Catalogue, HasSixteenEffectsOfDifferentNames) {

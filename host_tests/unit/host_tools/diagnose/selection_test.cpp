@@ -71,18 +71,18 @@ TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesF
       simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0},
                  simulate::TemperatureDrift{.linear_rad_s_per_k = 0.016 * kRadPerDeg}},
                 1);
-  const Problem problem(series, 1);
+  const FitData data(series, 1);
   const std::vector<std::unique_ptr<Effect>> effects = slow_effects();
-  const Explanation base(problem, {});
+  const Hypothesis base(data, {});
   const auto order = make_fractional_order()->examine(base);
   const auto markov = make_correlated_noise()->examine(base);
   const auto drift = make_temperature_drift()->examine(base);
-  ASSERT_GT(order->surprise_nats, std::max(markov->surprise_nats, drift->surprise_nats));
-  const Explanation with_order(problem, {order->part}, &base);
-  ASSERT_LT(make_correlated_noise()->examine(with_order)->surprise_nats, kLeastSurprise);
-  ASSERT_LT(make_temperature_drift()->examine(with_order)->surprise_nats, kLeastSurprise);
+  ASSERT_GT(order->surprisal_nats, std::max(markov->surprisal_nats, drift->surprisal_nats));
+  const Hypothesis with_order(data, {order->part}, &base);
+  ASSERT_LT(make_correlated_noise()->examine(with_order)->surprisal_nats, kSelectionThreshold_nats);
+  ASSERT_LT(make_temperature_drift()->examine(with_order)->surprisal_nats, kSelectionThreshold_nats);
 
-  const Selection selection = select_effects(problem, effects);
+  const Selection selection = select_effects(data, effects);
 
   EXPECT_THAT(names_of(selection), UnorderedElementsAre("correlated_noise", "temperature_drift"));
   // The order alone is nearly as good, and that must not be hidden.
@@ -93,10 +93,10 @@ TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesF
 
 TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured) {
   const EvenSeries series = simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0}}, 2);
-  const Problem problem(series, 1);
+  const FitData data(series, 1);
   const std::vector<std::unique_ptr<Effect>> effects = slow_effects();
 
-  const Selection selection = select_effects(problem, effects);
+  const Selection selection = select_effects(data, effects);
 
   EXPECT_THAT(names_of(selection), SizeIs(1));
   EXPECT_THAT(names_of(selection), Not(Contains("temperature_drift")));

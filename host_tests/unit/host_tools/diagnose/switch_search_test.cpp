@@ -41,27 +41,27 @@ TEST(SwitchSearchInFlickerNoise, FindsThePlacesOfALargeTelegraph) {
     values[k] += passed % 2 == 0 ? -1.5 : 1.5;
   }
   const SwitchSearch search(transform, transform.forward(values), density, 1.0);
-  const Switches found = search.improve({});
-  ASSERT_EQ(found.size(), truth.size());
+  const Switches fitted = search.improve({});
+  ASSERT_EQ(fitted.size(), truth.size());
   // The place of a jump of three sigma is known to about one value.
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    EXPECT_NEAR(static_cast<double>(found[i]), static_cast<double>(truth[i]), 5.0);
+    EXPECT_NEAR(static_cast<double>(fitted[i]), static_cast<double>(truth[i]), 5.0);
   }
 }
 
 TEST(SwitchSearchInNoiseAlone, FindsNoPathWorthItsPrice) {
   const spectrum::CosineTransform transform(kSize);
-  int found = 0;
+  int fitted = 0;
   for (const double flicker_variance : {0.0, 0.05, 0.3}) {
     const std::vector<double> density = density_of(flicker_variance);
     for (std::uint64_t run = 0; run < 10; ++run) {
       const SwitchSearch search(transform, draw(density, run), density, 1.0);
-      found += search.improve({}).size() > 2 ? 1 : 0;
+      fitted += search.improve({}).size() > 2 ? 1 : 0;
     }
   }
   // Three of thirty: a price of log P alone lets through what e^-1 does in a search over few
   // places.
-  EXPECT_LE(found, 3);
+  EXPECT_LE(fitted, 3);
 }
 
 TEST(PriceOfSwitches, FallsWithWhatIsNotKnownOfTheirPlacesToAQuarterOfAStay) {

@@ -77,7 +77,7 @@ std::string message_of(const std::vector<fs::path>& recordings,
                        const DriveContestOptions& options) {
   try {
     (void)run_drive_contest(recordings, options, {});
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::exception& error) {
     return error.what();
   }
   return "no error";

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {
@@ -101,10 +102,10 @@ TEST(AllanDeviation, OfAConstantIsZero) {
 }
 
 TEST(AllanDeviation, RefusesWhatItCannotJudge) {
-  EXPECT_THROW((void)allan_deviation(std::vector<double>(7), 1.0), std::invalid_argument);
+  EXPECT_THROW((void)allan_deviation(std::vector<double>(7), 1.0), recording::DataError);
   std::vector<double> rate(100);
   rate[50] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW((void)allan_deviation(rate, 1.0), std::invalid_argument);
+  EXPECT_THROW((void)allan_deviation(rate, 1.0), recording::DataError);
   rate[50] = 0.0;
   const std::vector<std::size_t> too_long{51};
   EXPECT_THROW((void)allan_variances(rate, too_long), std::invalid_argument);

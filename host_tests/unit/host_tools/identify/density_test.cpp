@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {
@@ -65,7 +66,7 @@ TEST(WelchDensity, RefusesSegmentsThatDoNotFit) {
   EXPECT_THROW((void)welch_density(rate, 1.0, 101), std::invalid_argument);
   EXPECT_THROW((void)welch_density(rate, 1.0, 102), std::invalid_argument);
   EXPECT_THROW((void)welch_density(rate, 1.0, 0), std::invalid_argument);
-  EXPECT_THROW((void)periodogram(std::vector<double>(1), 1.0), std::invalid_argument);
+  EXPECT_THROW((void)periodogram(std::vector<double>(1), 1.0), recording::DataError);
 }
 
 TEST(LogarithmicBins, KeepEveryPointOnceAndAverage) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {
@@ -108,9 +109,9 @@ TEST(InnovationsFit, RefusesWhatItCannotJudge) {
   EXPECT_THROW((void)fit_of(signal, {.starts = {kStart}, .order = 0.99}), std::invalid_argument);
   EXPECT_THROW((void)fit_of(signal, {}), std::invalid_argument);
   EXPECT_THROW((void)fit_of(simulate_rest({}, 300, kPeriod, 8), {.starts = {kStart}}),
-               std::invalid_argument);
+               recording::DataError);
   EXPECT_THROW((void)fit_of(simulate::Signal(5'000, kPeriod), {.starts = {kStart}}),
-               std::invalid_argument);
+               recording::DataError);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "firmware/model/node_model.hpp"
 #include "host_tests/support/dense_noise.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -123,7 +124,7 @@ TEST(InnovationsLikelihood, IsLargestNearTheModelThatMadeTheRecord) {
 
 TEST(InnovationsLikelihood, RefusesASingleTick) {
   const std::vector<TickMean> one(1);
-  EXPECT_THROW((InnovationsLikelihood{one, 0, kPeriod, kTick}), std::invalid_argument);
+  EXPECT_THROW((InnovationsLikelihood{one, 0, kPeriod, kTick}), recording::DataError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {
@@ -38,8 +39,8 @@ TEST(LocalWhittle, RefusesWhatHasNoOrder) {
   EXPECT_THROW((void)exact_local_whittle(rate, 50), std::invalid_argument);
   EXPECT_THROW((void)exact_local_whittle({}, 10), std::invalid_argument);
   rate[3] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW((void)exact_local_whittle(rate, 10), std::invalid_argument);
-  EXPECT_THROW((void)exact_local_whittle(std::vector<double>(100, 0.1), 10), std::invalid_argument);
+  EXPECT_THROW((void)exact_local_whittle(rate, 10), recording::DataError);
+  EXPECT_THROW((void)exact_local_whittle(std::vector<double>(100, 0.1), 10), recording::DataError);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -114,7 +115,7 @@ TEST(LongestEvenTicks, EndAtAHole) {
 
 TEST(RestSamplesOfADrive, AreRefused) {
   EXPECT_THROW((void)read(rows("t_s,rate_dps,still", 50, [](int) { return std::string("0"); })),
-               std::invalid_argument);
+               recording::DataError);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {
@@ -75,11 +76,11 @@ TEST(WhiteFlickerFit, FindsFlickerWithoutWhiteNoise) {
 }
 
 TEST(WhiteFlickerFit, RefusesWhatItCannotFit) {
-  EXPECT_THROW((void)fit_white_flicker(std::vector<double>(63)), std::invalid_argument);
+  EXPECT_THROW((void)fit_white_flicker(std::vector<double>(63)), recording::DataError);
   std::vector<double> rate(100, 1.0);
-  EXPECT_THROW((void)fit_white_flicker(rate), std::invalid_argument);
+  EXPECT_THROW((void)fit_white_flicker(rate), recording::DataError);
   rate[7] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW((void)fit_white_flicker(rate), std::invalid_argument);
+  EXPECT_THROW((void)fit_white_flicker(rate), recording::DataError);
 }
 
 }  // namespace

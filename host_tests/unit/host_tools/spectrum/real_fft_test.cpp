@@ -50,14 +50,14 @@ TEST(RealFft, InverseUndoesForward) {
   }
 }
 
-TEST(RealFft, RefusesOddLengthsAndWrongSizes) {
-  EXPECT_THROW(RealFft(0), std::invalid_argument);
-  EXPECT_THROW(RealFft(7), std::invalid_argument);
+TEST(RealFftDeathTest, StopsAtOddLengthsAndWrongSizes) {
+  EXPECT_DEATH(RealFft(0), "");
+  EXPECT_DEATH(RealFft(7), "");
   const RealFft fft(8);
   std::vector<double> values(8);
   std::vector<std::complex<double>> bins(4);
-  EXPECT_THROW(fft.forward(values, bins), std::invalid_argument);
-  EXPECT_THROW(fft.inverse(bins, values), std::invalid_argument);
+  EXPECT_DEATH(fft.forward(values, bins), "");
+  EXPECT_DEATH(fft.inverse(bins, values), "");
 }
 
 TEST(FastLength, IsEvenAndHasNoFactorAboveFive) {

@@ -6,22 +6,21 @@
 
 namespace zerorate::diagnose {
 
-Adequacy examine_adequacy(const Explanation& explanation) {
-  const Remainder remainder(explanation);
-  Tests tests = test_spectrum(remainder);
+Adequacy examine_adequacy(const Hypothesis& hypothesis) {
+  const StandardisedResidual residual(hypothesis);
+  Tests tests = test_spectrum(residual);
   const auto add = [&](Tests more) {
     tests.insert(tests.end(), std::make_move_iterator(more.begin()),
                  std::make_move_iterator(more.end()));
   };
-  add(test_spectrum_over_time(remainder));
-  add(test_temperature(remainder));
+  add(test_spectrum_over_time(residual));
+  add(test_temperature(residual));
   // Means over ticks of unequal numbers of samples have unequal variances.
-  const bool values_are_alike =
-      !explanation.problem().series().is_ticks && !explanation.is_coarse();
+  const bool values_are_alike = !hypothesis.data().series().is_ticks && !hypothesis.is_coarse();
   if (values_are_alike) {
-    add(test_variance(remainder));
-    add(test_distribution(remainder));
-    add(test_levels(remainder));
+    add(test_variance(residual));
+    add(test_distribution(residual));
+    add(test_levels(residual));
   }
   std::ranges::stable_sort(tests, {}, &Test::log_p);
   const auto count = static_cast<double>(tests.size());

@@ -23,18 +23,18 @@ struct Test {
 
 using Tests = std::vector<Test>;
 /// Bands of frequency, and the strongest line.
-[[nodiscard]] Tests test_spectrum(const Remainder& remainder);
+[[nodiscard]] Tests test_spectrum(const StandardisedResidual& residual);
 /// Variance in stretches of time, its periodicity and its clusters.
-[[nodiscard]] Tests test_variance(const Remainder& remainder);
+[[nodiscard]] Tests test_variance(const StandardisedResidual& residual);
 /// Bands of frequency in stretches of time, and tones that move.
-[[nodiscard]] Tests test_spectrum_over_time(const Remainder& remainder);
+[[nodiscard]] Tests test_spectrum_over_time(const StandardisedResidual& residual);
 /// Skewness and tails at several time scales, time asymmetry.
-[[nodiscard]] Tests test_distribution(const Remainder& remainder);
+[[nodiscard]] Tests test_distribution(const StandardisedResidual& residual);
 /// Values that are too frequent or missing among their neighbours.
-[[nodiscard]] Tests test_levels(const Remainder& remainder);
+[[nodiscard]] Tests test_levels(const StandardisedResidual& residual);
 /// Dependence on temperature, its rate, its direction and its past.
-[[nodiscard]] Tests test_temperature(const Remainder& remainder);
+[[nodiscard]] Tests test_temperature(const StandardisedResidual& residual);
 
-[[nodiscard]] Adequacy examine_adequacy(const Explanation& explanation);
+[[nodiscard]] Adequacy examine_adequacy(const Hypothesis& hypothesis);
 
 }  // namespace zerorate::diagnose

@@ -86,16 +86,15 @@ Test farthest(const std::vector<double>& u) {
 
 }  // namespace
 
-Tests test_distribution(const Remainder& remainder) {
+Tests test_distribution(const StandardisedResidual& residual) {
   constexpr std::size_t kFewest = 100;
-  Tests tests{farthest(remainder.values), asymmetry(remainder.values, 1),
-              asymmetry(remainder.values, 3)};
+  Tests tests{farthest(residual.values), asymmetry(residual.values, 1),
+              asymmetry(residual.values, 3)};
   for (const std::size_t length : {1U, 4U, 16U, 64U}) {
-    const std::vector<double> sums = sums_over(remainder.values, length);
+    const std::vector<double> sums = sums_over(residual.values, length);
     if (sums.size() < kFewest) break;
     const Moments moments = moments_of(sums);
-    const double scale_s =
-        static_cast<double>(length) * remainder.explanation->problem().period_s();
+    const double scale_s = static_cast<double>(length) * residual.hypothesis->data().period_s();
     tests.push_back(
         {fmt::format("over {:.3g} s the noise is skewed ({:+.3f})", scale_s, moments.skewness),
          statistics::log_normal_tails(normal_of_skewness(moments))});

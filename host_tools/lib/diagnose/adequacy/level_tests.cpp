@@ -8,11 +8,12 @@
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kDegPerRad = 57.29577951308232;
+using units::kDegPerRad;
 
 /// A value and how often it was measured.
 struct Level {
@@ -21,10 +22,10 @@ struct Level {
 };
 
 /// What was measured and neither clipped nor replaced.
-std::vector<Level> count_levels(const Explanation& explanation) {
+std::vector<Level> count_levels(const Hypothesis& hypothesis) {
   std::vector<double> values;
-  for (std::size_t k = 0; k < explanation.problem().size(); ++k) {
-    if (!explanation.is_replaced()[k]) values.push_back(explanation.problem().rate_rad_s()[k]);
+  for (std::size_t k = 0; k < hypothesis.data().size(); ++k) {
+    if (!hypothesis.is_replaced()[k]) values.push_back(hypothesis.data().rate_rad_s()[k]);
   }
   std::ranges::sort(values);
   std::vector<Level> levels;
@@ -36,7 +37,7 @@ std::vector<Level> count_levels(const Explanation& explanation) {
 }
 
 /// Values that are nearly all different: one that comes again and again.
-Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
+Tests test_repeated(const FitData& data, const std::vector<Level>& levels) {
   constexpr std::size_t kNeighbours = 8;  // on each side
   double least = 0.0;
   double at = 0.0;
@@ -55,7 +56,7 @@ Tests test_repeated(const Problem& problem, const std::vector<Level>& levels) {
   }
   if (places == 0.0) return {};
   return {{fmt::format("the value {:.6g} deg/s occurs far more often than its neighbours",
-                       (at + problem.median_rad_s()) * kDegPerRad),
+                       (at + data.median_rad_s()) * kDegPerRad),
            statistics::log_of_smallest(least, places)}};
 }
 
@@ -111,20 +112,20 @@ class LevelShares {
 
 /// How many values the noise lets each level of a lattice expect: every value predicted from all
 /// others, with a normal error before rounding.
-std::vector<double> expected_counts(const Explanation& explanation, const LevelLattice& lattice,
+std::vector<double> expected_counts(const Hypothesis& hypothesis, const LevelLattice& lattice,
                                     std::vector<double>& counts) {
-  const double information = explanation.information();
+  const double information = hypothesis.mean_precision();
   const double rounding = lattice.step * lattice.step / 12.0;
   const LevelShares shares(std::sqrt(std::max(1.0 / information - rounding, rounding)) /
                            lattice.step);
-  const std::vector<double>& rate = explanation.problem().rate_rad_s();
-  const std::vector<double>& weighted = explanation.weighted();
+  const std::vector<double>& rate = hypothesis.data().rate_rad_s();
+  const std::vector<double>& weighted = hypothesis.precision_weighted_residual();
   const auto levels = static_cast<std::ptrdiff_t>(lattice.counts.size());
   counts.assign(lattice.counts.size(), 0.0);
   std::vector<std::int64_t> places;
   places.reserve(rate.size());
   for (std::size_t k = 0; k < rate.size(); ++k) {
-    if (explanation.is_replaced()[k]) continue;
+    if (hypothesis.is_replaced()[k]) continue;
     const std::ptrdiff_t level = std::lround((rate[k] - lattice.offset) / lattice.step);
     if (level >= 0 && level < levels) counts[static_cast<std::size_t>(level)] += 1.0;
     const double predicted = rate[k] - weighted[k] / information - lattice.offset;
@@ -141,11 +142,11 @@ std::vector<double> expected_counts(const Explanation& explanation, const LevelL
 }
 
 /// Levels of a lattice, each against what it and two neighbours on each side let expect.
-Tests test_lattice(const Explanation& explanation, const LevelLattice& lattice, bool is_clipped) {
+Tests test_lattice(const Hypothesis& hypothesis, const LevelLattice& lattice, bool is_clipped) {
   constexpr double kFewest = 20.0;  // values, for a count to be as good as normal
-  const Problem& problem = explanation.problem();
+  const FitData& data = hypothesis.data();
   std::vector<double> counts;
-  const std::vector<double> expected = expected_counts(explanation, lattice, counts);
+  const std::vector<double> expected = expected_counts(hypothesis, lattice, counts);
   // A pile at an end of the range is told by another effect.
   const std::size_t margin = is_clipped ? 3 : 2;
   double farthest = 0.0;
@@ -170,19 +171,19 @@ Tests test_lattice(const Explanation& explanation, const LevelLattice& lattice, 
   const double value = lattice.offset + lattice.step * static_cast<double>(at);
   return {
       {fmt::format("the value {:.6g} deg/s occurs {} often than its neighbours let expect",
-                   (value + problem.median_rad_s()) * kDegPerRad, farthest > 0.0 ? "more" : "less"),
+                   (value + data.median_rad_s()) * kDegPerRad, farthest > 0.0 ? "more" : "less"),
        statistics::log_of_smallest(statistics::log_normal_tails(farthest), places)}};
 }
 
 }  // namespace
 
-Tests test_levels(const Remainder& remainder) {
-  const Explanation& explanation = *remainder.explanation;
-  const Problem& problem = explanation.problem();
+Tests test_levels(const StandardisedResidual& residual) {
+  const Hypothesis& hypothesis = *residual.hypothesis;
+  const FitData& data = hypothesis.data();
   const bool is_clipped = std::ranges::any_of(
-      explanation.parts(), [](const Part& part) { return !(part.clipped == Range{}); });
-  if (!problem.lattice()) return test_repeated(problem, count_levels(explanation));
-  return test_lattice(explanation, *problem.lattice(), is_clipped);
+      hypothesis.parts(), [](const Part& part) { return !(part.clipped == Range{}); });
+  if (!data.lattice()) return test_repeated(data, count_levels(hypothesis));
+  return test_lattice(hypothesis, *data.lattice(), is_clipped);
 }
 
 }  // namespace zerorate::diagnose

@@ -53,8 +53,8 @@ struct Patches {
   double time_s = 0.0;  ///< of that one
 };
 
-Patches patches_of(const Remainder& remainder, std::size_t stretches, std::size_t bands) {
-  const Spectrogram spectrogram = spectrogram_of(remainder.values, stretches);
+Patches patches_of(const StandardisedResidual& residual, std::size_t stretches, std::size_t bands) {
+  const Spectrogram spectrogram = spectrogram_of(residual.values, stretches);
   const std::size_t width = spectrogram.bins / bands;
   if (width < 4) return {};
   double sum = 0.0;
@@ -73,16 +73,16 @@ Patches patches_of(const Remainder& remainder, std::size_t stretches, std::size_
     }
   }
   const auto patches = static_cast<double>(stretches * bands);
-  const Problem& problem = remainder.explanation->problem();
+  const FitData& data = residual.hypothesis->data();
   return {.log_p = statistics::log_chi_squared_tail(sum, patches),
           .log_p_of_one = statistics::log_of_smallest(statistics::log_normal_tails(most), patches),
-          .time_s = problem.series().time_s((2 * at + 1) * problem.size() / (2 * stretches))};
+          .time_s = data.series().time_s((2 * at + 1) * data.size() / (2 * stretches))};
 }
 
 /// Coarse and fine patches.
-void test_patches(const Remainder& remainder, Tests& tests) {
-  const Patches coarse = patches_of(remainder, 8, 8);
-  const Patches fine = patches_of(remainder, 32, 16);
+void test_patches(const StandardisedResidual& residual, Tests& tests) {
+  const Patches coarse = patches_of(residual, 8, 8);
+  const Patches fine = patches_of(residual, 32, 16);
   constexpr double kGrids = 2.0;
   const Patches& clearer = fine.log_p_of_one < coarse.log_p_of_one ? fine : coarse;
   tests.push_back(
@@ -223,36 +223,36 @@ double gain_of_sweep(const std::vector<double>& weighted, double density, double
 /// A line whose phase wanders has its power in no single sweep: under it, a likelihood ratio of
 /// e^t in favour of a given sweep has the probability e^(-t) (Markov's inequality). Sweeps that are
 /// wider than the blocks follow are those of MovingTone.
-void test_sweeping_line(const Explanation& explanation, Tests& tests) {
+void test_sweeping_line(const Hypothesis& hypothesis, Tests& tests) {
   constexpr std::size_t kMostBlocks = 1024;
   constexpr double kLinewidths = 16.0;
   std::vector<Part> others;
-  std::ranges::copy_if(explanation.parts(), std::back_inserter(others),
+  std::ranges::copy_if(hypothesis.parts(), std::back_inserter(others),
                        [](const Part& part) { return !part.terms.line; });
-  if (others.size() == explanation.parts().size()) return;
-  const Problem& problem = explanation.problem();
-  const Explanation without(problem, std::move(others), &explanation);
-  const NoiseSpectrum& noise = explanation.noise().spectrum;
-  const auto size = static_cast<double>(problem.size());
+  if (others.size() == hypothesis.parts().size()) return;
+  const FitData& data = hypothesis.data();
+  const Hypothesis without(data, std::move(others), &hypothesis);
+  const NoiseSpectrum& noise = hypothesis.noise().spectrum;
+  const auto size = static_cast<double>(data.size());
   const auto blocks =
       std::min(kMostBlocks, static_cast<std::size_t>(kLinewidths * size / noise.line_samples));
   const auto index = static_cast<std::size_t>(noise.line_angle / std::numbers::pi * size);
-  const double sweep =
-      gain_of_sweep(without.weighted(), without.density()[index], noise.line_angle, blocks);
-  const double line = explanation.log_likelihood() - without.log_likelihood();
+  const double sweep = gain_of_sweep(without.precision_weighted_residual(),
+                                     without.density()[index], noise.line_angle, blocks);
+  const double line = hypothesis.log_likelihood() - without.log_likelihood();
   const double searched = 2.0 * std::log(static_cast<double>(blocks)) + std::log1p(2.0 * sweep);
   tests.push_back({fmt::format("the tone at {:.4g} Hz sweeps, it does not wander at random",
-                               noise.line_angle / (2.0 * std::numbers::pi * problem.period_s())),
+                               noise.line_angle / (2.0 * std::numbers::pi * data.period_s())),
                    std::min(0.0, line + searched - sweep)});
 }
 
 }  // namespace
 
-Tests test_spectrum_over_time(const Remainder& remainder) {
+Tests test_spectrum_over_time(const StandardisedResidual& residual) {
   Tests tests;
-  test_patches(remainder, tests);
-  tests.push_back(moving_tone(remainder.values));
-  test_sweeping_line(*remainder.explanation, tests);
+  test_patches(residual, tests);
+  tests.push_back(moving_tone(residual.values));
+  test_sweeping_line(*residual.hypothesis, tests);
   return tests;
 }
 

@@ -14,14 +14,14 @@
 namespace zerorate::diagnose {
 namespace {
 
-double frequency_hz(const Problem& problem, double index) {
-  return index / (2.0 * static_cast<double>(problem.size()) * problem.period_s());
+double frequency_hz(const FitData& data, double index) {
+  return index / (2.0 * static_cast<double>(data.size()) * data.period_s());
 }
 
 /// c_k^2 / S_k summed over bands of a width given as a ratio.
-void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
-  const std::vector<double>& c = explanation.residual();
-  const std::vector<double>& density = explanation.density();
+void test_bands(const Hypothesis& hypothesis, double ratio, Tests& tests) {
+  const std::vector<double>& c = hypothesis.residual();
+  const std::vector<double>& density = hypothesis.density();
   const std::size_t n = c.size();
   for (std::size_t first = 1; first < n;) {
     const auto grown = static_cast<std::size_t>(static_cast<double>(first) * ratio);
@@ -29,18 +29,18 @@ void test_bands(const Explanation& explanation, double ratio, Tests& tests) {
     double sum = 0.0;
     for (std::size_t k = first; k < end; ++k) sum += c[k] * c[k] / density[k];
     const auto freedom = static_cast<double>(end - first);
-    const Problem& problem = explanation.problem();
+    const FitData& data = hypothesis.data();
     tests.push_back({fmt::format("between {:.3g} and {:.3g} Hz the noise has {:.2f} times the "
                                  "expected power",
-                                 frequency_hz(problem, static_cast<double>(first)),
-                                 frequency_hz(problem, static_cast<double>(end)), sum / freedom),
+                                 frequency_hz(data, static_cast<double>(first)),
+                                 frequency_hz(data, static_cast<double>(end)), sum / freedom),
                      statistics::log_chi_squared_tails(sum, freedom)});
     first = end;
   }
 }
 
 /// Two neighbouring coefficients hold nearly all of a steady line.
-Test strongest_line(const Explanation& explanation, const std::vector<double>& sums) {
+Test strongest_line(const Hypothesis& hypothesis, const std::vector<double>& sums) {
   double most = 0.0;
   std::size_t at = 1;
   for (std::size_t k = 1; k + 1 < sums.size(); ++k) {
@@ -50,13 +50,13 @@ Test strongest_line(const Explanation& explanation, const std::vector<double>& s
     at = k;
   }
   return {fmt::format("a line stands out at {:.4g} Hz",
-                      frequency_hz(explanation.problem(), static_cast<double>(at) + 0.5)),
+                      frequency_hz(hypothesis.data(), static_cast<double>(at) + 0.5)),
           statistics::log_of_smallest(-0.5 * most, static_cast<double>(sums.size()))};
 }
 
 /// A line that wanders, or a resonance, fills more: windows of all widths, each against what lies
 /// beside it, which is as wide again on both sides and at least 64 coefficients.
-Test strongest_hump(const Explanation& explanation, const std::vector<double>& sums) {
+Test strongest_hump(const Hypothesis& hypothesis, const std::vector<double>& sums) {
   constexpr std::size_t kWidest = 2048;
   double least = 0.0;
   double widths = 0.0;
@@ -84,8 +84,8 @@ Test strongest_hump(const Explanation& explanation, const std::vector<double>& s
     widths += 1.0;
     if (log_p >= least) continue;
     least = log_p;
-    from = frequency_hz(explanation.problem(), static_cast<double>(at + 1));
-    to = frequency_hz(explanation.problem(), static_cast<double>(at + width));
+    from = frequency_hz(hypothesis.data(), static_cast<double>(at + 1));
+    to = frequency_hz(hypothesis.data(), static_cast<double>(at + width));
     times = most * 2.0 * static_cast<double>(beside) / static_cast<double>(width);
   }
   return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the power "
@@ -100,19 +100,19 @@ bool is_steady_tone(const Part& part) {
 }
 
 /// What a tone of another shape than a sine has at whole multiples of its frequency.
-void test_harmonics(const Explanation& explanation, Tests& tests) {
+void test_harmonics(const Hypothesis& hypothesis, Tests& tests) {
   constexpr double kHighest = 6.0;
   constexpr double kNyquist = 0.49;  // cycles a sample
-  const Problem& problem = explanation.problem();
-  const MeanScan scan(explanation);
-  for (const Part& part : explanation.parts()) {
+  const FitData& data = hypothesis.data();
+  const ColumnSearch scan(hypothesis);
+  for (const Part& part : hypothesis.parts()) {
     if (!is_steady_tone(part)) continue;
-    const double cycles = part.shape.front() * problem.period_s();
+    const double cycles = part.shape.front() * data.period_s();
     double gain = 0.0;
     double freedom = 0.0;
     for (double harmonic = 2.0; harmonic <= kHighest; harmonic += 1.0) {
       if (harmonic * cycles > kNyquist) break;
-      auto [cosine, sine] = tone_columns(problem, harmonic * cycles);
+      auto [cosine, sine] = tone_columns(data, harmonic * cycles);
       const std::array<Column, 2> columns{std::move(cosine), std::move(sine)};
       gain += scan.gain(columns);
       freedom += 2.0;
@@ -126,17 +126,17 @@ void test_harmonics(const Explanation& explanation, Tests& tests) {
 
 /// A tone whose strength or phase drifts over the record: it times the first two Legendre
 /// polynomials of time.
-void test_steadiness(const Explanation& explanation, Tests& tests) {
-  const Problem& problem = explanation.problem();
-  const MeanScan scan(explanation);
-  for (const Part& part : explanation.parts()) {
+void test_steadiness(const Hypothesis& hypothesis, Tests& tests) {
+  const FitData& data = hypothesis.data();
+  const ColumnSearch scan(hypothesis);
+  for (const Part& part : hypothesis.parts()) {
     if (!is_steady_tone(part)) continue;
     const double rad_per_s = 2.0 * std::numbers::pi * part.shape.front();
     std::vector<Column> columns;
     for (const double phase : {0.0, 0.5 * std::numbers::pi}) {
       for (const bool is_second : {false, true}) {
-        columns.push_back(fast_column_of(problem, [&](double t) {
-          const double x = 2.0 * t / problem.span_s() - 1.0;
+        columns.push_back(fast_column_of(data, [&](double t) {
+          const double x = 2.0 * t / data.span_s() - 1.0;
           return (is_second ? 1.5 * x * x - 0.5 : x) * std::cos(rad_per_s * t - phase);
         }));
       }
@@ -149,8 +149,8 @@ void test_steadiness(const Explanation& explanation, Tests& tests) {
 }
 
 /// A bias that switches like a clock is no telegraph.
-void test_switches(const Explanation& explanation, Tests& tests) {
-  for (const Part& part : explanation.parts()) {
+void test_switches(const Hypothesis& hypothesis, Tests& tests) {
+  for (const Part& part : hypothesis.parts()) {
     if (part.effect != "random_telegraph_noise") continue;
     tests.push_back({"the bias switches at even intervals, not at random", part.shape.back()});
   }
@@ -158,18 +158,18 @@ void test_switches(const Explanation& explanation, Tests& tests) {
 
 }  // namespace
 
-Tests test_spectrum(const Remainder& remainder) {
+Tests test_spectrum(const StandardisedResidual& residual) {
   Tests tests;
-  for (const double ratio : {2.0, 1.3}) test_bands(*remainder.explanation, ratio, tests);
-  const std::vector<double>& c = remainder.explanation->residual();
-  const std::vector<double>& density = remainder.explanation->density();
+  for (const double ratio : {2.0, 1.3}) test_bands(*residual.hypothesis, ratio, tests);
+  const std::vector<double>& c = residual.hypothesis->residual();
+  const std::vector<double>& density = residual.hypothesis->density();
   std::vector<double> sums(c.size());
   for (std::size_t k = 1; k < c.size(); ++k) sums[k] = sums[k - 1] + c[k] * c[k] / density[k];
-  tests.push_back(strongest_line(*remainder.explanation, sums));
-  tests.push_back(strongest_hump(*remainder.explanation, sums));
-  test_harmonics(*remainder.explanation, tests);
-  test_steadiness(*remainder.explanation, tests);
-  test_switches(*remainder.explanation, tests);
+  tests.push_back(strongest_line(*residual.hypothesis, sums));
+  tests.push_back(strongest_hump(*residual.hypothesis, sums));
+  test_harmonics(*residual.hypothesis, tests);
+  test_steadiness(*residual.hypothesis, tests);
+  test_switches(*residual.hypothesis, tests);
   return tests;
 }
 

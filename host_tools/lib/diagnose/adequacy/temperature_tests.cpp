@@ -80,21 +80,21 @@ std::vector<double> signs_of(const std::vector<double>& values) {
 
 /// Functions of the temperature's past that come back to themselves: play of several widths, and
 /// the direction.
-std::vector<Column> hysteresis_columns(const Problem& problem, const std::vector<double>& smooth,
+std::vector<Column> hysteresis_columns(const FitData& data, const std::vector<double>& smooth,
                                        const std::vector<double>& rate) {
   const auto [least, most] = std::ranges::minmax(smooth);
   std::vector<Column> columns;
   for (const double share : {0.02, 0.04, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42}) {
     columns.push_back(
-        column_of(problem, std::span<const double>(played(smooth, share * (most - least)))));
+        column_of(data, std::span<const double>(played(smooth, share * (most - least)))));
   }
-  columns.push_back(column_of(problem, std::span<const double>(signs_of(rate))));
+  columns.push_back(column_of(data, std::span<const double>(signs_of(rate))));
   return columns;
 }
 
 /// log of the integral of sqrt(p q) over all records, p and q being what two hypotheses say of
 /// them.
-double log_affinity(const Explanation& one, const Explanation& other) {
+double log_affinity(const Hypothesis& one, const Hypothesis& other) {
   double sum = 0.0;
   for (std::size_t k = 1; k < one.residual().size(); ++k) {
     const double mean = one.residual()[k] - other.residual()[k];
@@ -110,21 +110,21 @@ double log_affinity(const Explanation& one, const Explanation& other) {
 /// that is more likely, how likely is it under the noise? Chernoff's bound: a likelihood ratio of
 /// e^t has the probability E sqrt(ratio) e^(-t/2). The amplitudes are averaged over as wide as they
 /// are: sqrt(1 + 2 G) each.
-void test_hysteresis_for_noise(const Explanation& noisy, const std::vector<double>& smooth,
+void test_hysteresis_for_noise(const Hypothesis& noisy, const std::vector<double>& smooth,
                                const std::vector<double>& rate, Tests& tests) {
   std::vector<Part> parts;
   std::ranges::copy_if(noisy.parts(), std::back_inserter(parts),
-                       [](const Part& part) { return !part.terms.wanders(); });
+                       [](const Part& part) { return !part.terms.has_slow_noise(); });
   if (parts.size() == noisy.parts().size()) return;
-  const Problem& problem = noisy.problem();
-  const Explanation without(problem, parts, &noisy);
-  const std::vector<Column> functions = hysteresis_columns(problem, smooth, rate);
+  const FitData& data = noisy.data();
+  const Hypothesis without(data, parts, &noisy);
+  const std::vector<Column> functions = hysteresis_columns(data, smooth, rate);
   Part part{.effect = "hysteresis"};
   const bool is_followed = std::ranges::any_of(
       parts, [](const Part& other) { return other.effect == "temperature_drift"; });
-  if (!is_followed) part.columns.push_back(column_of(problem, std::span<const double>(smooth)));
+  if (!is_followed) part.columns.push_back(column_of(data, std::span<const double>(smooth)));
   part.columns.emplace_back();
-  std::optional<MeanFit> hysteresis = fit_mean(without, [&](const MeanScan& scan) {
+  std::optional<MeanFit> hysteresis = fit_mean(without, [&](const ColumnSearch& scan) {
     double most = -1.0;
     Part best = part;
     for (const Column& function : functions) {
@@ -144,7 +144,7 @@ void test_hysteresis_for_noise(const Explanation& noisy, const std::vector<doubl
     const double averaged = 0.5 * amplitudes * std::log1p(2.0 * gain);
     parts.push_back(std::move(hysteresis->part));
     log_p = std::log(static_cast<double>(functions.size())) + averaged - 0.5 * ahead +
-            log_affinity(noisy, Explanation(problem, std::move(parts), &without));
+            log_affinity(noisy, Hypothesis(data, std::move(parts), &without));
   }
   tests.push_back(
       {"what looks like slow noise is hysteresis in temperature", std::min(0.0, log_p)});
@@ -152,29 +152,28 @@ void test_hysteresis_for_noise(const Explanation& noisy, const std::vector<doubl
 
 }  // namespace
 
-Tests test_temperature(const Remainder& remainder) {
-  const Problem& problem = remainder.explanation->problem();
-  const std::vector<double>& all = problem.series().temperature_degc;
+Tests test_temperature(const StandardisedResidual& residual) {
+  const FitData& data = residual.hypothesis->data();
+  const std::vector<double>& all = data.series().temperature_degc;
   if (all.empty()) return {};
   const std::vector<double> temperature(all.begin(),
-                                        all.begin() + static_cast<std::ptrdiff_t>(problem.size()));
+                                        all.begin() + static_cast<std::ptrdiff_t>(data.size()));
   const auto [least, most] = std::ranges::minmax(temperature);
   constexpr double kLeastRange = 0.1;  // K
   if (most - least < kLeastRange) return {};
   const std::vector<double> smooth = smoothed(temperature);
   const std::vector<double> rate = rate_of_change(smooth);
-  const MeanScan scan(*remainder.explanation);
+  const ColumnSearch scan(*residual.hypothesis);
   Tests tests;
   const auto test = [&](const char* words, std::initializer_list<std::vector<double>> functions) {
     std::vector<Column> columns;
     columns.reserve(functions.size());
-    for (const auto& function : functions)
-      columns.push_back(column_of(problem, std::span(function)));
+    for (const auto& function : functions) columns.push_back(column_of(data, std::span(function)));
     tests.push_back({words, statistics::log_chi_squared_tail(2.0 * scan.gain(columns),
                                                              static_cast<double>(columns.size()))});
   };
   const double range = most - least;
-  const auto size = static_cast<double>(problem.size());
+  const auto size = static_cast<double>(data.size());
   test("the bias depends on the temperature, not by a line or a square",
        {power_of(smooth, 1.0), power_of(smooth, 2.0), power_of(smooth, 3.0)});
   test("the bias depends on how fast the temperature changes", {rate, power_of(rate, 2.0)});
@@ -183,7 +182,7 @@ Tests test_temperature(const Remainder& remainder) {
        {lagged(smooth, size / 100.0), lagged(smooth, size / 10.0)});
   test("the bias has hysteresis in temperature",
        {played(smooth, 0.1 * range), played(smooth, 0.25 * range)});
-  test_hysteresis_for_noise(*remainder.explanation, smooth, rate, tests);
+  test_hysteresis_for_noise(*residual.hypothesis, smooth, rate, tests);
   return tests;
 }
 

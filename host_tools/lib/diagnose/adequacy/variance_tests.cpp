@@ -12,8 +12,8 @@ namespace zerorate::diagnose {
 namespace {
 
 /// Squares summed over equal stretches: are they as alike as chance makes them?
-void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& tests) {
-  const std::vector<double>& u = remainder.values;
+void test_stretches(const StandardisedResidual& residual, std::size_t stretches, Tests& tests) {
+  const std::vector<double>& u = residual.values;
   const std::size_t length = u.size() / stretches;
   if (length < 4) return;
   const auto freedom = static_cast<double>(length);
@@ -30,7 +30,7 @@ void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& te
       at = b;
     }
   }
-  const EvenSeries& series = remainder.explanation->problem().series();
+  const EvenSeries& series = residual.hypothesis->data().series();
   tests.push_back({fmt::format("the strength of the noise varies over time, from one {:.3g} s to "
                                "the next",
                                freedom * series.period_s),
@@ -42,18 +42,18 @@ void test_stretches(const Remainder& remainder, std::size_t stretches, Tests& te
 }
 
 /// The strongest line in the spectrum of the squares.
-Test strongest_period(const Remainder& remainder) {
-  const std::size_t n = remainder.values.size();
+Test strongest_period(const StandardisedResidual& residual) {
+  const std::size_t n = residual.values.size();
   std::vector<double> excess(n);
   double mean = 0.0;
-  for (const double u : remainder.values) mean += u * u / static_cast<double>(n);
+  for (const double u : residual.values) mean += u * u / static_cast<double>(n);
   double squares = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     // Bounded, so that a single wild value is left to the tests of the tails.
-    excess[k] = std::min(remainder.values[k] * remainder.values[k], 9.0) - mean;
+    excess[k] = std::min(residual.values[k] * residual.values[k], 9.0) - mean;
     squares += excess[k] * excess[k];
   }
-  const spectrum::RealFft& fft = remainder.explanation->problem().transform().fourier();
+  const spectrum::RealFft& fft = residual.hypothesis->data().transform().fourier();
   std::vector<std::complex<double>> bins(fft.bins());
   fft.forward(excess, bins);
   double most = 0.0;
@@ -63,18 +63,18 @@ Test strongest_period(const Remainder& remainder) {
     most = std::norm(bins[j]);
     at = j;
   }
-  const double period_s = remainder.explanation->problem().span_s() / static_cast<double>(at);
+  const double period_s = residual.hypothesis->data().span_s() / static_cast<double>(at);
   return {fmt::format("the strength of the noise has a period of {:.4g} s", period_s),
           statistics::log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
 }
 
 /// Large values follow large values within so many.
-Test clusters(const Remainder& remainder, std::size_t lags) {
-  // Bounded, so that a pair of wild values does not decide: E min(u^2, 9) = .9950, Var = 1.901.
+Test clusters(const StandardisedResidual& residual, std::size_t lags) {
+  // Bounded, so that a pair of wild values does not decide: E min(u^2, 9) = 0.9950, Var = 1.901.
   constexpr double kMost = 9.0;
   constexpr double kMean = 0.9950;
   constexpr double kVariance = 1.901;
-  const std::vector<double>& u = remainder.values;
+  const std::vector<double>& u = residual.values;
   std::vector<double> excess(u.size());
   for (std::size_t k = 0; k < u.size(); ++k) excess[k] = std::min(u[k] * u[k], kMost) - kMean;
   double sum = 0.0;
@@ -90,12 +90,12 @@ Test clusters(const Remainder& remainder, std::size_t lags) {
 
 }  // namespace
 
-Tests test_variance(const Remainder& remainder) {
+Tests test_variance(const StandardisedResidual& residual) {
   Tests tests;
   for (const std::size_t stretches : {8U, 32U, 128U, 512U})
-    test_stretches(remainder, stretches, tests);
-  tests.push_back(strongest_period(remainder));
-  for (const std::size_t lags : {4U, 32U, 200U}) tests.push_back(clusters(remainder, lags));
+    test_stretches(residual, stretches, tests);
+  tests.push_back(strongest_period(residual));
+  for (const std::size_t lags : {4U, 32U, 200U}) tests.push_back(clusters(residual, lags));
   return tests;
 }
 

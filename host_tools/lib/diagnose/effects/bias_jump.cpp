@@ -5,12 +5,15 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 /// A bias that is another from one moment on. The part's shape: the first value after the jump and
 /// the interval that it lies in.
@@ -18,38 +21,26 @@ class BiasJump final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "bias_jump"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    double crossings = 0.0;
-    bool is_second = false;  // the search at the noise that counts
-    std::optional<Offer> offer = offer_of_mean(without, [&](const MeanScan& scan) {
-      if (std::exchange(is_second, true)) crossings = scan.step_crossings();
-      return search(scan);
-    });
-    if (offer)
-      offer->surprise_nats = statistics::surprise_of_search(offer->gain_nats, 1.0, crossings);
-    return offer;
-  }
-
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const double height = found.amplitude(0) * kDegPerRad;
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const double height = fitted.amplitude(0) * kDegPerRad;
     const auto time_s = [&](std::size_t i) {
-      return found.all.problem().series().start_s +
-             found.part().shape[i] * found.all.problem().period_s();
+      return fitted.hypothesis.data().series().start_s +
+             fitted.part().shape[i] * fitted.hypothesis.data().period_s();
     };
     return {
-        .parameters = {parameter("height_dps", height, found.amplitude_error(0) * kDegPerRad),
+        .parameters = {parameter("height_dps", height, fitted.amplitude_error(0) * kDegPerRad),
                        {"time_s", time_s(0), time_s(1), time_s(2)}},
         .sentence = fmt::format("The bias jumps by {:.3g} deg/s at {:.5g} s.", height, time_s(0)),
-        .drawing = drawing_of(found)};
+        .drawing = drawing_of(fitted)};
   }
 
   /// Where the bias jumped once it may do so again: a filter that is to follow takes jumps for a
   /// random walk of the same variance. One jump a recording is seen of rates around 1.5 a recording
   /// (the mean for Jeffreys' prior), and of a height that is known to its error.
-  void extend(const Found& found, model::SensorModel& model) const override {
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
     constexpr double kJumps = 1.5;
-    const double height = std::hypot(found.amplitude(0), found.amplitude_error(0));
-    const double walk = height * std::sqrt(kJumps / found.all.problem().span_s());
+    const double height = std::hypot(fitted.amplitude(0), fitted.amplitude_error(0));
+    const double walk = height * std::sqrt(kJumps / fitted.hypothesis.data().span_s());
     const double before =
         model.rate_random_walk ? model.rate_random_walk->coefficient_rad_s_per_sqrt_s : 0.0;
     model.rate_random_walk =
@@ -57,7 +48,20 @@ class BiasJump final : public Effect {
   }
 
  private:
-  [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    double crossings = 0.0;
+    bool is_second = false;  // the search at the noise that counts
+    std::optional<Candidate> candidate = mean_candidate(without, [&](const ColumnSearch& scan) {
+      if (std::exchange(is_second, true)) crossings = scan.step_crossings();
+      return search(scan);
+    });
+    if (candidate)
+      candidate->surprisal_nats =
+          statistics::surprisal_of_search(candidate->gain_nats, 1.0, crossings);
+    return candidate;
+  }
+
+  [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
     // The place of a jump is not regular: chi squared's 1.92 nats would be too few (Siegmund 1988).
     constexpr double kInterval = 3.0;
     const std::vector<double> gains = scan.step_gains();
@@ -73,7 +77,7 @@ class BiasJump final : public Effect {
     }
     return Part{
         .effect = name(),
-        .columns = {step_column(scan.problem(), at)},
+        .columns = {step_column(scan.data(), at)},
         .shape = {static_cast<double>(at), static_cast<double>(lo), static_cast<double>(hi)}};
   }
 };

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -19,29 +19,29 @@ class DroppedSamples final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "dropped_samples"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    const Losses& losses = without.problem().series().losses;
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const Losses& losses = fitted.hypothesis.data().series().losses;
+    return losses.in_bursts ? describe_bursts(losses, fitted.hypothesis.data().series().span_s)
+                            : describe_losses(losses);
+  }
+
+  /// Time stamps tell the filter; nothing is to be added.
+  void add_to_model(const FittedPart& /*fitted*/, model::SensorModel& /*model*/) const override {}
+
+ private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const Losses& losses = without.data().series().losses;
     if (losses.runs == 0) return std::nullopt;
     // What a sound recording would have lost, against what did not arrive: one Poisson rate.
     const bool in_bursts = losses.in_bursts;
     const auto missing = static_cast<double>(in_bursts ? losses.runs : losses.lost);
     const double due =
-        kSoundRate * static_cast<double>(in_bursts ? without.problem().size() : losses.expected);
+        kSoundRate * static_cast<double>(in_bursts ? without.data().size() : losses.expected);
     const double gain = missing * std::log(missing / due) - (missing - due);
     if (gain <= 0.0) return std::nullopt;
-    return Offer{{.effect = name()}, gain, gain};
+    return Candidate{{.effect = name()}, gain, gain};
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const Losses& losses = found.all.problem().series().losses;
-    return losses.in_bursts ? tell_bursts(losses, found.all.problem().series().span_s)
-                            : tell_losses(losses);
-  }
-
-  /// Time stamps tell the filter; nothing is to be added.
-  void extend(const Found& /*found*/, model::SensorModel& /*model*/) const override {}
-
- private:
   static constexpr double kTail = 0.025;
 
   /// Runs that are geometrically distributed: that `runs` of them hold `lost` samples is a negative
@@ -71,7 +71,7 @@ class DroppedSamples final : public Effect {
             share(std::hypot(std::log(most / runs), std::log(run.hi / run.value)))};
   }
 
-  static Account tell_losses(const Losses& losses) {
+  static Description describe_losses(const Losses& losses) {
     const auto runs = static_cast<double>(losses.runs);
     const auto lost = static_cast<double>(losses.lost);
     const double share = lost / static_cast<double>(losses.expected);
@@ -85,7 +85,7 @@ class DroppedSamples final : public Effect {
         .sentence = fmt::format("{} samples are missing, {:.2g} % of all, in {:.0f} gap{}.{}",
                                 losses.lost, 100.0 * share, runs, runs > 1.0 ? "s" : "", repeated)};
   }
-  static Account tell_bursts(const Losses& losses, double span_s) {
+  static Description describe_bursts(const Losses& losses, double span_s) {
     const auto gaps = static_cast<double>(losses.runs);
     const double log_error = 1.0 / std::sqrt(gaps);
     return {

@@ -4,13 +4,17 @@
 
 namespace zerorate::diagnose {
 
-double Found::amplitude(std::size_t i) const {
-  return all.amplitudes()(static_cast<Eigen::Index>(all.first_amplitude(index) + i));
+double FittedPart::amplitude(std::size_t i) const {
+  return hypothesis.amplitudes()[hypothesis.first_amplitude(index) + i];
 }
 
-double Found::amplitude_error(std::size_t i) const {
-  const auto at = static_cast<Eigen::Index>(all.first_amplitude(index) + i);
-  return std::sqrt(std::max(0.0, all.amplitude_covariance()(at, at)));
+double FittedPart::amplitude_error(std::size_t i) const {
+  return std::sqrt(hypothesis.amplitude_variances()[hypothesis.first_amplitude(index) + i]);
+}
+
+std::optional<Candidate> Effect::examine(const Hypothesis& without) const {
+  if (!obstacle(without).empty()) return std::nullopt;
+  return find(without);
 }
 
 }  // namespace zerorate::diagnose

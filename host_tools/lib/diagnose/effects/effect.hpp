@@ -1,10 +1,8 @@
 /// @file
-/// An effect of the catalogue: how it is searched for, and what is said of it once it is found.
+/// An effect of the catalogue: how it is searched for, described and added to a model.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,25 +15,29 @@
 namespace zerorate::diagnose {
 
 /// The best that an effect can do for a hypothesis that does without it.
-struct Offer {
+struct Candidate {
   Part part;
   double gain_nats = 0.0;
-  /// -log of the probability of so large a gain by chance, search included.
-  double surprise_nats = 0.0;
+  /// Surprisal of the gain: -log of the probability of so large a gain by chance, search included.
+  double surprisal_nats = 0.0;
 };
 
-/// A part of a hypothesis, for those who tell of it.
-struct Found {
-  const Explanation& all;
+/// A fitted part together with the hypothesis that contains it.
+struct FittedPart {
+  const Hypothesis& hypothesis;
   std::size_t index = 0;  ///< of the part
 
-  [[nodiscard]] const Part& part() const { return all.parts()[index]; }
+  [[nodiscard]] const Part& part() const { return hypothesis.parts()[index]; }
+  /// Amplitude of column `i` of the part, and its standard error [rad/s per unit of the column].
   [[nodiscard]] double amplitude(std::size_t i) const;
   [[nodiscard]] double amplitude_error(std::size_t i) const;
 };
 
-/// What is said of an effect.
-struct Account {
+/// Obstacle of effects on single samples: means over ticks were tested, not samples.
+inline constexpr std::string_view kUnevenSamples = "samples too uneven";
+
+/// Words and figures of a fitted effect.
+struct Description {
   std::vector<Parameter> parameters;
   std::string sentence;
   Drawing drawing;
@@ -48,14 +50,24 @@ class Effect {
   Effect& operator=(const Effect&) = delete;
   virtual ~Effect() = default;
 
+  /// Name in the catalogue, e.g. "rate_random_walk".
   [[nodiscard]] virtual std::string_view name() const = 0;
-  /// What causes it was measured beside the rate.
-  [[nodiscard]] virtual bool is_measured() const { return false; }
-  /// Searches. Nothing where the record cannot show the effect or nothing at all is found.
-  [[nodiscard]] virtual std::optional<Offer> examine(const Explanation& without) const = 0;
-  [[nodiscard]] virtual Account tell(const Found& found) const = 0;
-  /// Puts the effect into the model that the node runs.
-  virtual void extend(const Found& found, model::SensorModel& model) const = 0;
+  /// True if the record contains the quantity that causes the effect (e.g. the temperature).
+  [[nodiscard]] virtual bool has_measured_cause() const { return false; }
+  /// Reason why a record cannot show the effect, e.g. "no temperature"; empty if it can.
+  [[nodiscard]] virtual std::string_view obstacle(const Hypothesis& /*without*/) const {
+    return {};
+  }
+  /// Searches for the effect; nothing where it is not found or where there is an obstacle.
+  /// @param without  hypothesis that does without the effect
+  [[nodiscard]] std::optional<Candidate> examine(const Hypothesis& without) const;
+  [[nodiscard]] virtual Description describe(const FittedPart& fitted) const = 0;
+  /// Adds the effect to the model that the node runs.
+  virtual void add_to_model(const FittedPart& fitted, model::SensorModel& model) const = 0;
+
+ private:
+  /// Searches where there is no obstacle.
+  [[nodiscard]] virtual std::optional<Candidate> find(const Hypothesis& without) const = 0;
 };
 
 }  // namespace zerorate::diagnose

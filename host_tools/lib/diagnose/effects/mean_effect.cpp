@@ -12,34 +12,34 @@ constexpr std::size_t kDrawnPoints = 1500;
 
 }  // namespace
 
-std::optional<Offer> offer_of_mean(const Explanation& without, const MeanSearch& search) {
+std::optional<Candidate> mean_candidate(const Hypothesis& without, const MeanSearch& search) {
   std::optional<MeanFit> fit = fit_mean(without, search);
   if (!fit) return std::nullopt;
-  return Offer{std::move(fit->part), fit->gain_nats, 0.0};
+  return Candidate{std::move(fit->part), fit->gain_nats, 0.0};
 }
 
-double shape_error(const Found& found, const Column& derivative) {
-  const double information = MeanScan(found.all).information(derivative);
+double shape_error(const FittedPart& fitted, const Column& derivative) {
+  const double information = ColumnSearch(fitted.hypothesis).information(derivative);
   return 1.0 / std::sqrt(std::max(information, 1e-300));
 }
 
-Drawing drawing_of(const Found& found) {
-  const Problem& problem = found.all.problem();
-  std::vector<double> coefficients(problem.size());
-  for (std::size_t i = 0; i < found.part().columns.size(); ++i) {
-    const Column& column = found.part().columns[i];
+Drawing drawing_of(const FittedPart& fitted) {
+  const FitData& data = fitted.hypothesis.data();
+  std::vector<double> coefficients(data.size());
+  for (std::size_t i = 0; i < fitted.part().columns.size(); ++i) {
+    const Column& column = fitted.part().columns[i];
     for (std::size_t k = column.first; k < column.end(); ++k) {
-      coefficients[k] += found.amplitude(i) * column.coefficients[k - column.first];
+      coefficients[k] += fitted.amplitude(i) * column.coefficients[k - column.first];
     }
   }
-  const std::vector<double> mean = problem.transform().inverse(coefficients);
-  const std::vector<double>& rate = problem.rate_rad_s();
-  const double level = problem.median_rad_s() + std::accumulate(rate.begin(), rate.end(), 0.0) /
-                                                    static_cast<double>(rate.size());
-  Drawing drawing{.effect = std::string(found.part().effect)};
+  const std::vector<double> mean = data.transform().inverse(coefficients);
+  const std::vector<double>& rate = data.rate_rad_s();
+  const double level = data.median_rad_s() + std::accumulate(rate.begin(), rate.end(), 0.0) /
+                                                 static_cast<double>(rate.size());
+  Drawing drawing{.effect = std::string(fitted.part().effect)};
   const std::size_t step = std::max<std::size_t>(1, mean.size() / kDrawnPoints);
   for (std::size_t k = 0; k < mean.size(); k += step) {
-    drawing.curve.push_back({problem.series().time_s(k), level + mean[k]});
+    drawing.curve.push_back({data.series().time_s(k), level + mean[k]});
   }
   return drawing;
 }

@@ -11,13 +11,13 @@
 namespace zerorate::diagnose {
 
 /// The offer of a fitted mean, without its surprise.
-[[nodiscard]] std::optional<Offer> offer_of_mean(const Explanation& without,
-                                                 const MeanSearch& search);
+[[nodiscard]] std::optional<Candidate> mean_candidate(const Hypothesis& without,
+                                                      const MeanSearch& search);
 
 /// Standard error of a parameter that a column depends on, from the derivative of the mean by it.
-[[nodiscard]] double shape_error(const Found& found, const Column& derivative);
+[[nodiscard]] double shape_error(const FittedPart& fitted, const Column& derivative);
 
 /// The mean function of a part over the data, thinned, with the level that the record has.
-[[nodiscard]] Drawing drawing_of(const Found& found);
+[[nodiscard]] Drawing drawing_of(const FittedPart& fitted);
 
 }  // namespace zerorate::diagnose

@@ -7,14 +7,17 @@
 #include <span>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/diagnose/hypothesis/standardised_residual.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr std::size_t kShortest = 4;     // samples
 constexpr double kLongest = 1.0 / 16.0;  // of the record
@@ -56,11 +59,11 @@ double half_sine_power(std::size_t length, double angle) {
 /// x' Sigma^-1 x of a half-sine, the same at all places but the very ends: from the frequencies of
 /// a transform in which it has room. The density is that of the coefficients beside them; at the
 /// lowest ones, which are not like those of a stretch, that of the spectrum.
-double information_of_half_sine(const Explanation& explanation, std::size_t length) {
+double information_of_half_sine(const Hypothesis& hypothesis, std::size_t length) {
   constexpr std::size_t kRoom = 16;
   constexpr double kLowest = 128.0;
-  const std::vector<double>& density = explanation.density();
-  const NoiseSpectrum& noise = explanation.noise().spectrum;
+  const std::vector<double>& density = hypothesis.density();
+  const NoiseSpectrum& noise = hypothesis.noise().spectrum;
   const auto n = static_cast<double>(density.size());
   const std::size_t size = spectrum::fast_length_below(kRoom * length);
   double sum = 0.0;
@@ -83,11 +86,11 @@ double information_of_half_sine(const Explanation& explanation, std::size_t leng
 /// from one place to the next by turning the sum of e^(i pi k / length).
 class Matched {
  public:
-  Matched(const Explanation& explanation, std::size_t length)
-      : weighted_(explanation.weighted()),
+  Matched(const Hypothesis& hypothesis, std::size_t length)
+      : weighted_(hypothesis.precision_weighted_residual()),
         length_(length),
-        information_(information_of_half_sine(explanation, length)),
-        rounding_(explanation.rounding_rad_s()) {
+        information_(information_of_half_sine(hypothesis, length)),
+        rounding_(hypothesis.rounding_rad_s()) {
     const double turn = std::numbers::pi / static_cast<double>(length);
     back_ = std::polar(1.0, -turn);
     first_ = std::polar(1.0, 0.5 * turn);
@@ -155,10 +158,10 @@ class Power {
 
 /// Motion to and fro has no shape to be matched, but more power than the noise over a short time.
 /// It is slow: where all frequencies together are as surprising, the noise itself was stronger.
-std::vector<Event> find_swings(const Explanation& explanation, double price) {
+std::vector<Event> find_swings(const Hypothesis& hypothesis, double price) {
   constexpr std::size_t kFewestBlocks = 5;
   constexpr std::size_t kMostBlocks = 128;
-  const std::vector<double> values = Remainder(explanation).values;
+  const std::vector<double> values = StandardisedResidual(hypothesis).values;
   const Power all(values, 1);
   std::vector<Event> peaks;
   for (const std::size_t block : {4U, 16U}) {
@@ -169,9 +172,9 @@ std::vector<Event> find_swings(const Explanation& explanation, double price) {
         const std::size_t first = b * block;
         const std::size_t end = (b + length) * block;
         if (gain < price + 1.0 || all.surprise(first, end) >= gain) continue;
-        const auto [least, most] =
-            std::minmax_element(explanation.clean().begin() + static_cast<std::ptrdiff_t>(first),
-                                explanation.clean().begin() + static_cast<std::ptrdiff_t>(end));
+        const auto [least, most] = std::minmax_element(
+            hypothesis.repaired_values().begin() + static_cast<std::ptrdiff_t>(first),
+            hypothesis.repaired_values().begin() + static_cast<std::ptrdiff_t>(end));
         keep_better(peaks, {first, end, gain, 0.5 * (*most - *least)});
       }
     }
@@ -181,15 +184,15 @@ std::vector<Event> find_swings(const Explanation& explanation, double price) {
 
 /// Half-sines of all lengths. Each sum waits for the one before it, so that several lengths side by
 /// side take little longer than one.
-std::vector<Event> find_pulses(const Explanation& explanation, double least_nats) {
+std::vector<Event> find_pulses(const Hypothesis& hypothesis, double least_nats) {
   constexpr std::size_t kSideBySide = 4;
-  const double longest = kLongest * static_cast<double>(explanation.problem().size());
+  const double longest = kLongest * static_cast<double>(hypothesis.data().size());
   std::vector<Event> peaks;
   double length = kShortest;
   while (length < longest) {
     std::vector<Matched> filters;
     for (; length < longest && filters.size() < kSideBySide; length *= kLengthGrid) {
-      filters.emplace_back(explanation, static_cast<std::size_t>(length));
+      filters.emplace_back(hypothesis, static_cast<std::size_t>(length));
     }
     std::size_t at = 0;
     if (filters.size() == kSideBySide) {
@@ -211,56 +214,38 @@ class MotionContamination final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "motion_contamination"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    const double price = price_nats(without.problem().size());
-    const std::vector<Event> events = find_events(without, price);
-    if (events.empty()) return std::nullopt;
-    Offer offer{.part = {.effect = name()}};
-    for (const Event& event : events) {
-      const std::size_t margin = (event.end - event.first) / 4;
-      offer.part.replaced.push_back(
-          {event.first - std::min(event.first, margin), event.end + margin});
-      offer.part.shape.insert(
-          offer.part.shape.end(),
-          {static_cast<double>(event.first), static_cast<double>(event.end), event.peak_rad_s});
-      offer.gain_nats += event.gain_nats;
-      offer.surprise_nats += event.gain_nats - price;
-    }
-    offer.surprise_nats += 1.0;
-    return offer;
-  }
-
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const std::vector<double>& shape = found.part().shape;
-    const Problem& problem = found.all.problem();
-    const auto [events, duration_s, peak_sigma_rad_s] = shape_of(found);
-    Account account;
-    account.drawing.effect = name();
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    const FitData& data = fitted.hypothesis.data();
+    const auto [events, duration_s, peak_sigma_rad_s] = shape_of(fitted);
+    Description description;
+    description.drawing.effect = name();
     for (std::size_t i = 0; i < shape.size(); i += 3) {
       for (auto k = static_cast<std::size_t>(shape[i]); k < static_cast<std::size_t>(shape[i + 1]);
            k += 1 + static_cast<std::size_t>(shape[i + 1] - shape[i]) / 50) {
-        account.drawing.marks.push_back(
-            {problem.series().time_s(k), problem.rate_rad_s()[k] + problem.median_rad_s()});
+        description.drawing.marks.push_back(
+            {data.series().time_s(k), data.rate_rad_s()[k] + data.median_rad_s()});
       }
     }
     const double peak = peak_sigma_rad_s * kDegPerRad;
     const double error = 1.0 / std::sqrt(2.0 * events);
-    account.parameters = {{"events", events, events, events},
-                          positive_parameter("peak_sigma_dps", peak, error),
-                          positive_parameter("duration_s", duration_s, 0.5 / std::sqrt(events))};
-    account.sentence = fmt::format(
+    description.parameters = {
+        {"events", events, events, events},
+        positive_parameter("peak_sigma_dps", peak, error),
+        positive_parameter("duration_s", duration_s, 0.5 / std::sqrt(events))};
+    description.sentence = fmt::format(
         "The sensor was turned {:.0f} time{} although it was held for still, the first time at "
         "{:.5g} s, "
         "for about {:.2g} s at up to {:.2g} deg/s.",
         events, events > 1.0 ? "s" : "",
-        problem.series().time_s(static_cast<std::size_t>(shape.front())), duration_s, peak);
-    return account;
+        data.series().time_s(static_cast<std::size_t>(shape.front())), duration_s, peak);
+    return description;
   }
 
   /// A half-sine has half the square of its peak on average.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const Shape shape = shape_of(found);
-    const double interval_s = found.all.problem().span_s() / shape.events - shape.duration_s;
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const Shape shape = shape_of(fitted);
+    const double interval_s = fitted.hypothesis.data().span_s() / shape.events - shape.duration_s;
     model.motion_contamination =
         model::MotionContamination{.interval_s = std::max(interval_s, shape.duration_s),
                                    .duration_s = shape.duration_s,
@@ -268,19 +253,39 @@ class MotionContamination final : public Effect {
   }
 
  private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const double price = price_nats(without.data().size());
+    const std::vector<Event> events = find_events(without, price);
+    if (events.empty()) return std::nullopt;
+    Candidate candidate{.part = {.effect = name()}};
+    for (const Event& event : events) {
+      const std::size_t margin = (event.end - event.first) / 4;
+      candidate.part.replaced.push_back(
+          {event.first - std::min(event.first, margin), event.end + margin});
+      candidate.part.shape.insert(
+          candidate.part.shape.end(),
+          {static_cast<double>(event.first), static_cast<double>(event.end), event.peak_rad_s});
+      candidate.gain_nats += event.gain_nats;
+      candidate.surprisal_nats += event.gain_nats - price;
+    }
+    candidate.surprisal_nats += 1.0;
+    return candidate;
+  }
+
   /// What the events have in common.
   struct Shape {
     double events = 0.0;
     double duration_s = 0.0;        ///< mean
     double peak_sigma_rad_s = 0.0;  ///< root mean square
   };
-  static Shape shape_of(const Found& found) {
-    const std::vector<double>& shape = found.part().shape;
+  static Shape shape_of(const FittedPart& fitted) {
+    const std::vector<double>& shape = fitted.part().shape;
     const std::size_t events = shape.size() / 3;
     Shape mean{.events = static_cast<double>(events)};
     double squares = 0.0;
     for (std::size_t i = 0; i < shape.size(); i += 3) {
-      mean.duration_s += (shape[i + 1] - shape[i]) * found.all.problem().period_s() / mean.events;
+      mean.duration_s +=
+          (shape[i + 1] - shape[i]) * fitted.hypothesis.data().period_s() / mean.events;
       squares += shape[i + 2] * shape[i + 2] / mean.events;
     }
     mean.peak_sigma_rad_s = std::sqrt(squares);
@@ -290,7 +295,7 @@ class MotionContamination final : public Effect {
   /// An event has a place and a length.
   static double price_nats(std::size_t size) { return std::log(static_cast<double>(size)) + 2.0; }
 
-  static std::vector<Event> find_events(const Explanation& without, double price) {
+  static std::vector<Event> find_events(const Hypothesis& without, double price) {
     std::vector<Event> peaks = find_swings(without, price);
     const std::vector<Event> pulses = find_pulses(without, price + 1.0);
     peaks.insert(peaks.end(), pulses.begin(), pulses.end());

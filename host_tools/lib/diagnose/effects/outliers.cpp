@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr double kMostProbable = 0.03;    // what is more frequent is not an outlier
 constexpr double kWorthAnInterval = 5.0;  // nats
@@ -43,12 +46,12 @@ struct Mixture {
 
 /// Deletion residuals: how far each value is from what all others let expect, in sigma. Of values
 /// on coarse levels, what rounding cannot have done.
-std::vector<double> deletion_residuals(const Explanation& explanation) {
-  std::vector<double> residuals = explanation.weighted();
-  const double root = std::sqrt(explanation.information());
-  const double rounding = explanation.rounding_rad_s() * root;
+std::vector<double> deletion_residuals(const Hypothesis& hypothesis) {
+  std::vector<double> residuals = hypothesis.precision_weighted_residual();
+  const double root = std::sqrt(hypothesis.mean_precision());
+  const double rounding = hypothesis.rounding_rad_s() * root;
   for (std::size_t k = 0; k < residuals.size(); ++k) {
-    const double z = explanation.is_replaced()[k] ? 0.0 : residuals[k] / root;
+    const double z = hypothesis.is_replaced()[k] ? 0.0 : residuals[k] / root;
     residuals[k] = std::copysign(std::max(0.0, std::abs(z) - rounding), z);
   }
   return residuals;
@@ -106,8 +109,7 @@ class Histogram {
     double hi = 0.0;
   };
   [[nodiscard]] Ends interval(const Mixture& best, double Mixture::*figure) const {
-    constexpr double kChiSquared = 1.92;  // half the 95 % quantile, one degree of freedom
-    const double least = gain(best) - kChiSquared;
+    const double least = gain(best) - statistics::kHalfChiSquared95;
     const auto end = [&](double factor) {
       constexpr int kBits = 6;
       double inside = 0.0;
@@ -161,9 +163,41 @@ class Outliers final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "outliers"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    // Means over ticks of unequal numbers of samples have unequal variances.
-    if (without.problem().series().is_ticks) return std::nullopt;
+  /// Means over ticks of unequal numbers of samples have unequal variances.
+  [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {
+    return without.data().series().is_ticks ? kUnevenSamples : std::string_view{};
+  }
+
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const auto size = static_cast<double>(fitted.hypothesis.data().size());
+    std::vector<double> shape = fitted.part().shape;
+    const double probability = shape[0];
+    const double unit = shape[2] * kDegPerRad;
+    const double sigma = shape[1] * unit;
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    shape.resize(7, kUnknown);
+    Description description{
+        .parameters = {{"probability", probability, shape[3], shape[4]},
+                       {"sigma_dps", sigma, shape[5] * unit, shape[6] * unit}},
+        .sentence = fmt::format("About {:.0f} single samples are off by {:.2g} deg/s (rms), "
+                                "{:.3g} times the noise of the others.",
+                                probability * size, sigma, fitted.part().shape[1])};
+    description.drawing.effect = name();
+    for (const Run& run : fitted.part().replaced) {
+      const FitData& data = fitted.hypothesis.data();
+      description.drawing.marks.push_back(
+          {data.series().time_s(run.first), data.rate_rad_s()[run.first] + data.median_rad_s()});
+    }
+    return description;
+  }
+
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    model.outliers = model::Outliers{.probability = shape[0], .sigma_rad_s = shape[1] * shape[2]};
+  }
+
+ private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
     const std::vector<double> residuals = deletion_residuals(without);
     // What rounding may have done was taken away, so that nothing may be left of the noise.
     const Histogram histogram(residuals, without.is_replaced(), without.is_coarse() ? 1.0 : 0.0);
@@ -177,7 +211,7 @@ class Outliers final : public Effect {
       best_gain = gain;
     }
     if (best_gain <= 0.0) return std::nullopt;
-    const double sigma = std::sqrt(best.variance / without.information());
+    const double sigma = std::sqrt(best.variance / without.mean_precision());
     std::vector<double> shape{best.probability, best.size, sigma};
     if (best_gain > kWorthAnInterval) {
       for (const auto figure : {&Mixture::probability, &Mixture::size}) {
@@ -185,44 +219,15 @@ class Outliers final : public Effect {
         shape.insert(shape.end(), {lo, hi});
       }
     }
-    Offer offer{.part = {.effect = name(),
-                         .shape = std::move(shape),
-                         .replaced = replaced_by(best, residuals, without.problem().seed())},
-                .gain_nats = best_gain};
+    Candidate candidate{.part = {.effect = name(),
+                                 .shape = std::move(shape),
+                                 .replaced = replaced_by(best, residuals, without.data().seed())},
+                        .gain_nats = best_gain};
     // Two parameters, searched over sizes; probability 0 lies at the edge.
-    offer.surprise_nats = statistics::surprise_of_search(best_gain, 2.0, 3.0);
-    return offer;
+    candidate.surprisal_nats = statistics::surprisal_of_search(best_gain, 2.0, 3.0);
+    return candidate;
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const auto size = static_cast<double>(found.all.problem().size());
-    std::vector<double> shape = found.part().shape;
-    const double probability = shape[0];
-    const double unit = shape[2] * kDegPerRad;
-    const double sigma = shape[1] * unit;
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    shape.resize(7, kUnknown);
-    Account account{
-        .parameters = {{"probability", probability, shape[3], shape[4]},
-                       {"sigma_dps", sigma, shape[5] * unit, shape[6] * unit}},
-        .sentence = fmt::format("About {:.0f} single samples are off by {:.2g} deg/s (rms), "
-                                "{:.3g} times the noise of the others.",
-                                probability * size, sigma, found.part().shape[1])};
-    account.drawing.effect = name();
-    for (const Run& run : found.part().replaced) {
-      const Problem& problem = found.all.problem();
-      account.drawing.marks.push_back({problem.series().time_s(run.first),
-                                       problem.rate_rad_s()[run.first] + problem.median_rad_s()});
-    }
-    return account;
-  }
-
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const std::vector<double>& shape = found.part().shape;
-    model.outliers = model::Outliers{.probability = shape[0], .sigma_rad_s = shape[1] * shape[2]};
-  }
-
- private:
   /// Each value goes with the probability that it is an outlier, so that those which stay are
   /// normal, in the tails too.
   static std::vector<Run> replaced_by(const Mixture& mixture, const std::vector<double>& residuals,

@@ -6,12 +6,17 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/node_model_terms.hpp"
+#include "host_tools/lib/diagnose/effects/noise_effect.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr double kFewestCycles = 1.5;
 
@@ -22,57 +27,58 @@ class PeriodicDisturbance final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "periodic_disturbance"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    std::optional<Offer> sine = examine_sine(without);
-    std::optional<Offer> wandering = examine_wandering(without);
-    if (!wandering) return sine;
-    return sine && sine->surprise_nats >= wandering->surprise_nats ? sine : wandering;
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    return fitted.part().terms.line ? describe_wandering(fitted) : describe_sine(fitted);
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    return found.part().terms.line ? tell_wandering(found) : tell_sine(found);
-  }
-
-  void extend(const Found& found, model::SensorModel& model) const override {
-    if (found.part().terms.line) {
-      extend_by_wandering(found, model);
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    if (fitted.part().terms.line) {
+      add_wandering(fitted, model);
     } else {
-      const double amplitude = std::hypot(found.amplitude(0), found.amplitude(1));
+      const double amplitude = std::hypot(fitted.amplitude(0), fitted.amplitude(1));
       model.harmonic.push_back({.rms_rad_s = amplitude / std::numbers::sqrt2,
-                                .frequency_hz = found.part().shape.front(),
-                                .coherence_time_s = found.all.problem().span_s()});
+                                .frequency_hz = fitted.part().shape.front(),
+                                .coherence_time_s = fitted.hypothesis.data().span_s()});
     }
   }
 
  private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    std::optional<Candidate> sine = examine_sine(without);
+    std::optional<Candidate> wandering = examine_wandering(without);
+    if (!wandering) return sine;
+    return sine && sine->surprisal_nats >= wandering->surprisal_nats ? sine : wandering;
+  }
+
   /// The price of a gain for which all frequencies were searched.
-  static double surprise_of_line(const Explanation& without, double gain, double amplitudes) {
-    const double bins = 0.5 * static_cast<double>(without.problem().size());
-    return statistics::surprise_of_search(
+  static double surprisal_of_line(const Hypothesis& without, double gain, double amplitudes) {
+    const double bins = 0.5 * static_cast<double>(without.data().size());
+    return statistics::surprisal_of_search(
         gain, amplitudes, bins * std::sqrt(std::numbers::pi * std::max(gain, 1.0) / 3.0));
   }
 
-  [[nodiscard]] std::optional<Offer> examine_sine(const Explanation& without) const {
-    std::optional<Offer> offer =
-        offer_of_mean(without, [this](const MeanScan& scan) { return search(scan); });
-    if (offer) offer->surprise_nats = surprise_of_line(without, offer->gain_nats, 2.0);
-    return offer;
+  [[nodiscard]] std::optional<Candidate> examine_sine(const Hypothesis& without) const {
+    std::optional<Candidate> candidate =
+        mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
+    if (candidate)
+      candidate->surprisal_nats = surprisal_of_line(without, candidate->gain_nats, 2.0);
+    return candidate;
   }
 
   /// The widths that are tried share their power with neighbours, and so the price of one of them.
-  [[nodiscard]] std::optional<Offer> examine_wandering(const Explanation& without) const {
+  [[nodiscard]] std::optional<Candidate> examine_wandering(const Hypothesis& without) const {
     if (without.terms().line) return std::nullopt;
     const std::optional<Run> window = strongest_window(without);
     if (!window) return std::nullopt;
-    Offer offer = placed_offer_with(
+    Candidate candidate = placed_candidate(
         without,
         {.effect = name(), .terms = {.line = true}, .starts = starts_in(without, *window)});
-    offer.surprise_nats = surprise_of_line(without, offer.gain_nats, 1.0);
-    return offer;
+    candidate.surprisal_nats = surprisal_of_line(without, candidate.gain_nats, 1.0);
+    return candidate;
   }
 
   /// Coefficients with more power than expected: by the likelihood of one factor for all of them.
-  static std::optional<Run> strongest_window(const Explanation& without) {
+  static std::optional<Run> strongest_window(const Hypothesis& without) {
     constexpr std::size_t kNarrowest = 8;
     constexpr std::size_t kLowest = 128;  // so many half cycles, for 40 lost phases (fit_spectrum)
     const std::vector<double>& c = without.residual();
@@ -97,8 +103,8 @@ class PeriodicDisturbance final : public Effect {
     return strongest;
   }
 
-  static std::vector<NoiseSpectrum> starts_in(const Explanation& without, const Run& window) {
-    const auto size = static_cast<double>(without.problem().size());
+  static std::vector<NoiseSpectrum> starts_in(const Hypothesis& without, const Run& window) {
+    const auto size = static_cast<double>(without.data().size());
     const auto width = static_cast<double>(window.end - window.first);
     double excess = 0.0;
     for (std::size_t k = window.first; k < window.end; ++k) {
@@ -116,23 +122,26 @@ class PeriodicDisturbance final : public Effect {
     return starts;
   }
 
-  static double frequency_hz(const Problem& problem, double angle) {
-    return angle / (2.0 * std::numbers::pi * problem.period_s());
+  static double frequency_hz(const FitData& data, double angle) {
+    return angle / (2.0 * std::numbers::pi * data.period_s());
   }
 
-  [[nodiscard]] static Account tell_wandering(const Found& found) {
-    const Problem& problem = found.all.problem();
-    const NoiseSpectrum& noise = found.all.noise().spectrum;
-    const NoiseErrors& errors = found.all.noise().errors;
+  [[nodiscard]] static Description describe_wandering(const FittedPart& fitted) {
+    const FitData& data = fitted.hypothesis.data();
+    const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
+    const SpectrumFit& fit = fitted.hypothesis.noise();
+    // The logit of angle / pi is what is fitted.
+    const double angle_error = fit.error(NoiseParameterId::line_angle) * noise.line_angle *
+                               (1.0 - noise.line_angle / std::numbers::pi);
     const double amplitude = std::sqrt(2.0 * noise.line_variance) * kDegPerRad;
-    const double frequency = frequency_hz(problem, noise.line_angle);
-    const double coherence = noise.line_samples * problem.period_s();
+    const double frequency = frequency_hz(data, noise.line_angle);
+    const double coherence = noise.line_samples * data.period_s();
     return {
         .parameters = {positive_parameter("amplitude_dps", amplitude,
-                                          0.5 * errors.log_line_variance),
-                       parameter("frequency_hz", frequency,
-                                 frequency_hz(problem, errors.line_angle)),
-                       positive_parameter("coherence_time_s", coherence, errors.log_line_samples)},
+                                          0.5 * fit.error(NoiseParameterId::line_variance)),
+                       parameter("frequency_hz", frequency, frequency_hz(data, angle_error)),
+                       positive_parameter("coherence_time_s", coherence,
+                                          fit.error(NoiseParameterId::line_samples))},
         .sentence = fmt::format("An oscillation of {:.2g} deg/s about {:.4g} Hz (or an alias of "
                                 "it), whose phase wanders within {:.2g} s, is in the rate: "
                                 "vibration, a resonance, a beat.",
@@ -140,63 +149,64 @@ class PeriodicDisturbance final : public Effect {
   }
 
   /// To a node whose ticks are longer than the coherence it is white noise.
-  static void extend_by_wandering(const Found& found, model::SensorModel& model) {
-    const Problem& problem = found.all.problem();
-    const NoiseSpectrum& noise = found.all.noise().spectrum;
-    const double tick_s = node_tick_s(problem);
-    const double coherence_s = noise.line_samples * problem.period_s();
+  static void add_wandering(const FittedPart& fitted, model::SensorModel& model) {
+    const FitData& data = fitted.hypothesis.data();
+    const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
+    const double tick_s = node_tick_s(data);
+    const double coherence_s = noise.line_samples * data.period_s();
     if (coherence_s > tick_s) {
       model.harmonic.push_back({.rms_rad_s = std::sqrt(noise.line_variance),
-                                .frequency_hz = frequency_hz(problem, noise.line_angle),
+                                .frequency_hz = frequency_hz(data, noise.line_angle),
                                 .coherence_time_s = coherence_s});
       return;
     }
-    const double highest = std::numbers::pi * problem.period_s() / tick_s;
+    const double highest = std::numbers::pi * data.period_s() / tick_s;
     const double white = model.white.angle_random_walk_rad_per_sqrt_s;
-    const double added = noise.line_density(0.0, 2.0 * highest) * problem.period_s();
+    const double added = noise.line_density(0.0, 2.0 * highest) * data.period_s();
     model.white.angle_random_walk_rad_per_sqrt_s = std::sqrt(white * white + added);
   }
 
-  [[nodiscard]] static Account tell_sine(const Found& found) {
-    const double a = found.amplitude(0);
-    const double b = found.amplitude(1);
+  [[nodiscard]] static Description describe_sine(const FittedPart& fitted) {
+    const double a = fitted.amplitude(0);
+    const double b = fitted.amplitude(1);
     const double amplitude = std::hypot(a, b) * kDegPerRad;
     const double error =
-        std::hypot(a * found.amplitude_error(0), b * found.amplitude_error(1)) / std::hypot(a, b);
-    const double frequency = found.part().shape.front();
+        std::hypot(a * fitted.amplitude_error(0), b * fitted.amplitude_error(1)) / std::hypot(a, b);
+    const double frequency = fitted.part().shape.front();
     const double rad_per_s = 2.0 * std::numbers::pi * frequency;
-    const Column derivative = fast_column_of(found.all.problem(), [&](double time_s) {
+    const Column derivative = fast_column_of(fitted.hypothesis.data(), [&](double time_s) {
       const double turn = rad_per_s * time_s;
       return 2.0 * std::numbers::pi * time_s * (b * std::cos(turn) - a * std::sin(turn));
     });
     return {.parameters = {parameter("amplitude_dps", amplitude, error * kDegPerRad),
-                           parameter("frequency_hz", frequency, shape_error(found, derivative))},
+                           parameter("frequency_hz", frequency, shape_error(fitted, derivative))},
             .sentence = fmt::format("A sine of {:.2g} deg/s at {:.5g} Hz (or an alias of it) is in "
                                     "the rate: vibration, a supply, a beat.",
                                     amplitude, frequency),
-            .drawing = drawing_of(found)};
+            .drawing = drawing_of(fitted)};
   }
 
-  [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
-    const Problem& problem = scan.problem();
+  [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
+    const FitData& data = scan.data();
     const std::vector<double> gains = line_gains(scan);
     const auto first = static_cast<std::ptrdiff_t>(2.0 * kFewestCycles);
     const auto best = std::max_element(gains.begin() + first, gains.end() - 1) - gains.begin();
-    const double cycles = refined(scan.weighted(), 0.5 * static_cast<double>(best)) /
-                          static_cast<double>(problem.size());
-    auto [cosine, sine] = tone_columns(problem, cycles);
+    const double cycles =
+        refined(scan.precision_weighted_residual(), 0.5 * static_cast<double>(best)) /
+        static_cast<double>(data.size());
+    auto [cosine, sine] = tone_columns(data, cycles);
     return Part{.effect = name(),
                 .columns = {std::move(cosine), std::move(sine)},
-                .shape = {cycles / problem.period_s()}};
+                .shape = {cycles / data.period_s()}};
   }
 
   /// Of a line at k / 2n cycles a sample, for every k.
-  static std::vector<double> line_gains(const MeanScan& scan) {
+  static std::vector<double> line_gains(const ColumnSearch& scan) {
     // The cosine transform of (-1)^i x_i, read backwards, is the sine transform of x.
-    const std::size_t n = scan.problem().size();
-    std::vector<double> alternating = scan.weighted();
+    const std::size_t n = scan.data().size();
+    std::vector<double> alternating = scan.precision_weighted_residual();
     for (std::size_t i = 1; i < n; i += 2) alternating[i] = -alternating[i];
-    const std::vector<double> reversed = scan.problem().transform().forward(alternating);
+    const std::vector<double> reversed = scan.data().transform().forward(alternating);
     std::vector<double> gains(n);
     for (std::size_t k = 1; k < n; ++k) {
       const double cosine = scan.residual()[k] / scan.density()[k];

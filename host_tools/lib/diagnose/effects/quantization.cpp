@@ -7,11 +7,14 @@
 #include <numeric>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/statistics/rounding.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 /// Of the white noise: finer steps are those of a number format and change nothing.
 constexpr double kFinest = 0.05;
@@ -21,19 +24,13 @@ class Quantization final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "quantization"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    const auto& lattice = without.problem().lattice();
-    if (!lattice || lattice->step * std::sqrt(without.information()) < kFinest) return std::nullopt;
-    // A value without steps would lie within a tenth of a step from a level one time in five.
-    const std::size_t values =
-        std::accumulate(lattice->counts.begin(), lattice->counts.end(), std::size_t{0});
-    const double gain = static_cast<double>(values - lattice->counts.size()) * std::log(5.0);
-    return Offer{{.effect = name(), .shape = {lattice->step}}, gain, gain};
+  [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {
+    return without.data().series().is_ticks ? kUnevenSamples : std::string_view{};
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const double step = found.part().shape[0] * kDegPerRad;
-    const double sigma = found.part().shape[0] * std::sqrt(found.all.information());
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const double step = fitted.part().shape[0] * kDegPerRad;
+    const double sigma = fitted.part().shape[0] * std::sqrt(fitted.hypothesis.mean_precision());
     // The lattice spans many steps, each known to the tenth that it was found with.
     const double error = 1e-4 * step;
     return {
@@ -43,24 +40,35 @@ class Quantization final : public Effect {
                                 step, sigma)};
   }
 
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const double step = found.part().shape[0];
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const double step = fitted.part().shape[0];
     model.quantization = model::Quantization{.step_rad_s = step};
     // The node adds step^2 / 12 itself; the noise was fitted with it.
-    const double period_s = found.all.problem().period_s();
+    const double period_s = fitted.hypothesis.data().period_s();
     double& white = model.white.angle_random_walk_rad_per_sqrt_s;
-    const double fitted = white * white;
-    const double of_rounding = rounding_variance(found.all, step) * period_s;
+    const double with_rounding = white * white;
+    const double of_rounding = rounding_variance(fitted.hypothesis, step) * period_s;
     constexpr double kLeastShare = 0.05;
-    white = std::sqrt(std::max(fitted - of_rounding, kLeastShare * fitted));
+    white = std::sqrt(std::max(with_rounding - of_rounding, kLeastShare * with_rounding));
   }
 
  private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const auto& lattice = without.data().lattice();
+    if (!lattice || lattice->step * std::sqrt(without.mean_precision()) < kFinest)
+      return std::nullopt;
+    // A value without steps would lie within a tenth of a step from a level one time in five.
+    const std::size_t values =
+        std::accumulate(lattice->counts.begin(), lattice->counts.end(), std::size_t{0});
+    const double gain = static_cast<double>(values - lattice->counts.size()) * std::log(5.0);
+    return Candidate{{.effect = name(), .shape = {lattice->step}}, gain, gain};
+  }
+
   /// What rounding adds to the variance of the values: step^2 / 12 where they reach over several
   /// levels; where they reach over few it depends on where between two levels the bias lies. So the
   /// spread before rounding is that which makes the levels most probable.
-  static double rounding_variance(const Explanation& all, double step) {
-    const double rounded = 1.0 / all.information();
+  static double rounding_variance(const Hypothesis& all, double step) {
+    const double rounded = 1.0 / all.mean_precision();
     if (!all.is_coarse()) return step * step / 12.0;
     const auto cost = [&](double log_spread) {
       return -log_probability(all, step, std::exp(log_spread));
@@ -73,14 +81,14 @@ class Quantization final : public Effect {
   }
 
   /// Of the levels, each value predicted from all others; of long records a part.
-  static double log_probability(const Explanation& all, double step, double spread) {
+  static double log_probability(const Hypothesis& all, double step, double spread) {
     constexpr std::size_t kMostValues = 20'000;
-    const std::vector<double>& rate = all.problem().rate_rad_s();
+    const std::vector<double>& rate = all.data().rate_rad_s();
     const double unit = std::numbers::sqrt2 * spread / step;
     double sum = 0.0;
     for (std::size_t k = 0; k < std::min(rate.size(), kMostValues); ++k) {
       if (all.is_replaced()[k]) continue;
-      const double expected = -all.weighted()[k] / all.information() / step;
+      const double expected = -all.precision_weighted_residual()[k] / all.mean_precision() / step;
       const double off = std::abs(statistics::mean_before_rounding(expected, spread / step));
       const double mass = 0.5 * (std::erfc((off - 0.5) / unit) - std::erfc((off + 0.5) / unit));
       sum += std::log(std::max(mass, 1e-300));

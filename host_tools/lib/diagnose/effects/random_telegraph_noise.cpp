@@ -7,15 +7,18 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr std::size_t kMostPoints = 32'768;
 constexpr std::size_t kFewestSwitches = 3;
@@ -53,9 +56,9 @@ Path path_of(const Switches& switches, std::size_t size) {
 /// transformed back at their own length.
 class Coarse {
  public:
-  explicit Coarse(const MeanScan& scan)
-      : size_(spectrum::fast_length_below(std::min(scan.problem().size(), kMostPoints))),
-        whole_(scan.problem().size()),
+  explicit Coarse(const ColumnSearch& scan)
+      : size_(spectrum::fast_length_below(std::min(scan.data().size(), kMostPoints))),
+        whole_(scan.data().size()),
         transform_(size_) {
     const double block = static_cast<double>(whole_) / static_cast<double>(size_);
     coefficients_.assign(scan.residual().begin(),
@@ -239,12 +242,40 @@ class RandomTelegraphNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "random_telegraph_noise"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    std::optional<Offer> best;
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    const double height = std::abs(fitted.amplitude(0)) * kDegPerRad;
+    const double half = std::max(1.0, 0.5 * shape[0]);
+    const double log_error = 1.0 / std::sqrt(half);
+    const bool is_up = fitted.amplitude(0) > 0.0;
+    return {
+        .parameters = {parameter("height_dps", height, fitted.amplitude_error(0) * kDegPerRad),
+                       positive_parameter("mean_low_s", shape[is_up ? 2 : 3], log_error),
+                       positive_parameter("mean_high_s", shape[is_up ? 3 : 2], log_error)},
+        .sentence = fmt::format("The bias switches {:.0f} times between two levels {:.3g} deg/s "
+                                "apart.",
+                                shape[0], height),
+        .drawing = drawing_of(fitted)};
+  }
+
+  /// For a filter, a process of the same variance and correlation: covariance a b h^2 e^(-t/tau),
+  /// 1/tau = 1/low + 1/high.
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    const double low = shape[2];
+    const double high = shape[3];
+    model.gauss_markov.push_back(
+        {.sigma_rad_s = std::abs(fitted.amplitude(0)) * std::sqrt(low * high) / (low + high),
+         .time_constant_s = low * high / (low + high)});
+  }
+
+ private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    std::optional<Candidate> best;
     for (const unsigned windows : {60U, 400U, kNoWindows}) {
       std::optional<Path> path;
       std::optional<MeanFit> fitted =
-          fit_mean(without, [&](const MeanScan& scan) { return search(scan, windows, path); });
+          fit_mean(without, [&](const ColumnSearch& scan) { return search(scan, windows, path); });
       if (!fitted) continue;
       const double gain = fitted->gain_nats - price_of(*fitted);
       // Three parameters: height and two lengths of stay.
@@ -253,35 +284,7 @@ class RandomTelegraphNoise final : public Effect {
     return best;
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const std::vector<double>& shape = found.part().shape;
-    const double height = std::abs(found.amplitude(0)) * kDegPerRad;
-    const double half = std::max(1.0, 0.5 * shape[0]);
-    const double log_error = 1.0 / std::sqrt(half);
-    const bool is_up = found.amplitude(0) > 0.0;
-    return {
-        .parameters = {parameter("height_dps", height, found.amplitude_error(0) * kDegPerRad),
-                       positive_parameter("mean_low_s", shape[is_up ? 2 : 3], log_error),
-                       positive_parameter("mean_high_s", shape[is_up ? 3 : 2], log_error)},
-        .sentence = fmt::format("The bias switches {:.0f} times between two levels {:.3g} deg/s "
-                                "apart.",
-                                shape[0], height),
-        .drawing = drawing_of(found)};
-  }
-
-  /// For a filter, a process of the same variance and correlation: covariance a b h^2 e^(-t/tau),
-  /// 1/tau = 1/low + 1/high.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const std::vector<double>& shape = found.part().shape;
-    const double low = shape[2];
-    const double high = shape[3];
-    model.gauss_markov.push_back(
-        {.sigma_rad_s = std::abs(found.amplitude(0)) * std::sqrt(low * high) / (low + high),
-         .time_constant_s = low * high / (low + high)});
-  }
-
- private:
-  [[nodiscard]] std::optional<Part> search(const MeanScan& scan, unsigned windows,
+  [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan, unsigned windows,
                                            std::optional<Path>& path) const {
     const Coarse coarse(scan);
     const std::size_t window = std::max<std::size_t>(1, coarse.size() / std::max(1U, windows));
@@ -297,20 +300,19 @@ class RandomTelegraphNoise final : public Effect {
     double high = 0.0;
     for (const double value : values) high += value;
     const double stays = 0.5 * static_cast<double>(count + 1);
-    const double period_s = scan.problem().period_s();
+    const double period_s = scan.data().period_s();
     return Part{.effect = name(),
-                .columns = {column_of(scan.problem(), values)},
+                .columns = {column_of(scan.data(), values)},
                 .shape = {static_cast<double>(count), static_cast<double>(coarse.size()),
                           (static_cast<double>(values.size()) - high) * period_s / stays,
                           high * period_s / stays, log_p_of_even_stays(*path)}};
   }
 
   static double price_of(const MeanFit& fitted) {
-    const Explanation& with = fitted.with;
-    const double height =
-        with.amplitudes()(static_cast<Eigen::Index>(with.first_amplitude(with.parts().size() - 1)));
+    const Hypothesis& with = fitted.with;
+    const double height = with.amplitudes()[with.first_amplitude(with.parts().size() - 1)];
     const auto count = static_cast<std::size_t>(fitted.part.shape[0]);
-    const double block = static_cast<double>(with.problem().size()) / fitted.part.shape[1];
+    const double block = static_cast<double>(with.data().size()) / fitted.part.shape[1];
     return price_of_switches(count, static_cast<std::size_t>(fitted.part.shape[1]),
                              with.noise().spectrum.white_variance / (block * height * height));
   }

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
 #include "host_tools/lib/diagnose/record/level_lattice.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr double kTieNats = 8.0;  // two continuous values are equal to 1e-4 of sigma by chance
 constexpr std::size_t kFewestTies = 3;
@@ -20,71 +22,74 @@ class Saturation final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "saturation"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    const Problem& problem = without.problem();
-    if (problem.series().is_ticks) return std::nullopt;
-    const std::vector<double> values = problem.measured();
-    const auto [low, high] = gains_of(values, problem.lattice());
-    if (low <= 0.0 && high <= 0.0) return std::nullopt;
-    const auto [least, most] = std::ranges::minmax(values);
-    Offer offer{.part = {.effect = name(), .shape = {std::nan(""), std::nan(""), 0.0}},
-                .gain_nats = low + high,
-                .surprise_nats = low + high};
-    if (low > 0.0) {
-      offer.part.shape[0] = least + problem.median_rad_s();
-      offer.part.clipped.lo = least;
-    }
-    if (high > 0.0) {
-      offer.part.shape[1] = most + problem.median_rad_s();
-      offer.part.clipped.hi = most;
-    }
-    for (std::size_t k = 0; k < problem.size(); ++k) {
-      if (problem.series().lost[k]) continue;
-      const double rate = problem.rate_rad_s()[k];
-      if (rate > offer.part.clipped.lo && rate < offer.part.clipped.hi) continue;
-      offer.part.replaced.push_back({k, k + 1});
-    }
-    offer.part.shape[2] = static_cast<double>(offer.part.replaced.size());
-    return offer;
+  [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {
+    return without.data().series().is_ticks ? kUnevenSamples : std::string_view{};
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const std::vector<double>& shape = found.part().shape;
-    Account account;
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    Description description;
     for (const std::size_t end : {0U, 1U}) {
       if (std::isnan(shape[end])) continue;
       const double value = shape[end] * kDegPerRad;
-      account.parameters.push_back(
+      description.parameters.push_back(
           {end == 0 ? "lower_end_dps" : "upper_end_dps", value, value, value});
     }
-    const Parameter& end = account.parameters.back();
-    account.sentence = fmt::format(
+    const Parameter& end = description.parameters.back();
+    description.sentence = fmt::format(
         "{:.0f} samples lie at an end of the measuring range, {:.4g} "
         "deg/s: the true rate was beyond.",
         shape[2], end.value);
-    account.drawing.effect = name();
-    const Problem& problem = found.all.problem();
-    for (const Run& run : found.part().replaced) {
-      account.drawing.marks.push_back({problem.series().time_s(run.first),
-                                       problem.rate_rad_s()[run.first] + problem.median_rad_s()});
+    description.drawing.effect = name();
+    const FitData& data = fitted.hypothesis.data();
+    for (const Run& run : fitted.part().replaced) {
+      description.drawing.marks.push_back(
+          {data.series().time_s(run.first), data.rate_rad_s()[run.first] + data.median_rad_s()});
     }
-    return account;
+    return description;
   }
 
   /// The end that was not reached is taken to lie opposite, or where the values end.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const double lower = found.part().shape[0];
-    const double upper = found.part().shape[1];
-    const Problem& problem = found.all.problem();
-    const auto [least, most] = std::ranges::minmax(problem.rate_rad_s());
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const double lower = fitted.part().shape[0];
+    const double upper = fitted.part().shape[1];
+    const FitData& data = fitted.hypothesis.data();
+    const auto [least, most] = std::ranges::minmax(data.rate_rad_s());
     const double reach = most - least;  // beyond what was measured by as much again
-    const double median = problem.median_rad_s();
+    const double median = data.median_rad_s();
     model.saturation = model::Saturation{
         .lower_rad_s = std::isnan(lower) ? std::min(-upper, median + least - reach) : lower,
         .upper_rad_s = std::isnan(upper) ? std::max(-lower, median + most + reach) : upper};
   }
 
  private:
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const FitData& data = without.data();
+    const std::vector<double> values = data.measured();
+    const auto [low, high] = gains_of(values, data.lattice());
+    if (low <= 0.0 && high <= 0.0) return std::nullopt;
+    const auto [least, most] = std::ranges::minmax(values);
+    Candidate candidate{.part = {.effect = name(), .shape = {std::nan(""), std::nan(""), 0.0}},
+                        .gain_nats = low + high,
+                        .surprisal_nats = low + high};
+    if (low > 0.0) {
+      candidate.part.shape[0] = least + data.median_rad_s();
+      candidate.part.clipped.lo = least;
+    }
+    if (high > 0.0) {
+      candidate.part.shape[1] = most + data.median_rad_s();
+      candidate.part.clipped.hi = most;
+    }
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (data.series().lost[k]) continue;
+      const double rate = data.rate_rad_s()[k];
+      if (rate > candidate.part.clipped.lo && rate < candidate.part.clipped.hi) continue;
+      candidate.part.replaced.push_back({k, k + 1});
+    }
+    candidate.part.shape[2] = static_cast<double>(candidate.part.replaced.size());
+    return candidate;
+  }
+
   struct Gains {
     double low = 0.0;
     double high = 0.0;

@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/node_model_terms.hpp"
+#include "host_tools/lib/diagnose/effects/noise_effect.hpp"
+#include "host_tools/lib/statistics/logit.hpp"
+#include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
@@ -21,11 +24,11 @@ constexpr std::array<int, 5> kOrders = {NoiseSpectrum::kRecursive, NoiseSpectrum
 /// The variance that is added behind the sensor's filter: by rounding to the levels of the record.
 /// Aliases and arithmetic fill up what the filter leaves below 2e-3 of the power; without them the
 /// end of the spectrum would know the shape of a jump better than the jump.
-double variance_behind_filter(const Explanation& explanation) {
+double variance_behind_filter(const Hypothesis& hypothesis) {
   constexpr double kDeepest = 2e-3;
-  const auto& lattice = explanation.problem().lattice();
+  const auto& lattice = hypothesis.data().lattice();
   const double step = lattice ? lattice->step : 0.0;
-  return std::max(step * step / 12.0, kDeepest * explanation.noise().spectrum.white_variance);
+  return std::max(step * step / 12.0, kDeepest * hypothesis.noise().spectrum.white_variance);
 }
 
 /// The sensor's own low-pass on everything.
@@ -33,35 +36,27 @@ class SensorBandwidth final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "sensor_bandwidth"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    if (without.terms().low_pass) return std::nullopt;
-    Offer offer = placed_offer_with(
-        without, {.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)});
-    const double search = std::log(static_cast<double>(kOrders.size()));
-    offer.surprise_nats = std::max(0.0, statistics::surprise_of_strength(offer.gain_nats) - search);
-    return offer;
-  }
-
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const NoiseSpectrum& noise = found.all.noise().spectrum;
-    const double error = found.all.noise().errors.logit_low_pass_share;
-    const double logit = std::log(noise.low_pass_share / (1.0 - noise.low_pass_share));
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
+    const double error = fitted.hypothesis.noise().error(NoiseParameterId::low_pass_share);
+    const double logit = statistics::logit(noise.low_pass_share);
     const auto cut_off = [&](double errors) {
-      const double share = 1.0 / (1.0 + std::exp(-logit - errors * error));
-      return cut_off_hz(noise.low_pass_order, share, found.all.problem().period_s());
+      const double share = statistics::share_of_logit(logit + errors * error);
+      return cut_off_hz(noise.filter_order, share, fitted.hypothesis.data().period_s());
     };
-    return {.parameters = {{"cut_off_hz", cut_off(0.0), cut_off(-1.96), cut_off(1.96)}},
+    return {.parameters = {{"cut_off_hz", cut_off(0.0), cut_off(-statistics::kHalfWidth95),
+                            cut_off(statistics::kHalfWidth95)}},
             .sentence = fmt::format("The noise above {:.3g} Hz is cut off by a low-pass of order "
                                     "{}, so that neighbouring samples are alike.",
-                                    cut_off(0.0), std::max(1, noise.low_pass_order))};
+                                    cut_off(0.0), std::max(1, noise.filter_order))};
   }
 
   /// The filter sees means over its ticks, whose white noise is that below half their rate, and
   /// what rounding adds; where the model has steps the node adds that itself.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const Problem& problem = found.all.problem();
-    const NoiseSpectrum& noise = found.all.noise().spectrum;
-    const double highest = 0.5 * problem.period_s() / node_tick_s(problem);
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const FitData& data = fitted.hypothesis.data();
+    const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
+    const double highest = 0.5 * data.period_s() / node_tick_s(data);
     const double rounding = model.quantization ? 0.0 : noise.rounding_variance;
     const double kept = noise.white_variance * mean_gain(noise, highest) + rounding;
     model.white.angle_random_walk_rad_per_sqrt_s *=
@@ -69,14 +64,24 @@ class SensorBandwidth final : public Effect {
   }
 
  private:
-  static std::vector<NoiseSpectrum> starts_from(const Explanation& without) {
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    if (without.terms().low_pass) return std::nullopt;
+    Candidate candidate = placed_candidate(
+        without, {.effect = name(), .terms = {.low_pass = true}, .starts = starts_from(without)});
+    const double search = std::log(static_cast<double>(kOrders.size()));
+    candidate.surprisal_nats =
+        std::max(0.0, statistics::surprisal_of_strength(candidate.gain_nats) - search);
+    return candidate;
+  }
+
+  static std::vector<NoiseSpectrum> starts_from(const Hypothesis& without) {
     constexpr double kLeastShare = 0.1;
     std::vector<NoiseSpectrum> starts;
     for (const int order : kOrders) {
       for (const double share : {0.9, 0.5, 0.2, 0.06}) {
         NoiseSpectrum start = without.noise().spectrum;
         start.low_pass_share = share;
-        start.low_pass_order = order;
+        start.filter_order = order;
         start.rounding_variance = variance_behind_filter(without);
         start.white_variance = std::max(start.white_variance - start.rounding_variance,
                                         kLeastShare * start.white_variance);

@@ -9,8 +9,9 @@
 
 #include "core/samples/noise_level_track.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
 
 namespace zerorate::diagnose {
@@ -27,7 +28,7 @@ constexpr std::size_t kPeriodicBlocks = 5000;  // a hundred and more in a period
 struct Profile {
   enum class Kind { steps, periodic };
   double gain_nats = 0.0;
-  double surprise_nats = 0.0;
+  double surprisal_nats = 0.0;
   Kind kind = Kind::steps;
   std::size_t first = 0;  ///< values [first, end) have another variance ...
   std::size_t end = 0;
@@ -50,7 +51,7 @@ struct Profile {
 
 class Squares {
  public:
-  explicit Squares(const Explanation::FastResidual& residual)
+  explicit Squares(const Hypothesis::WhiteBandResidual& residual)
       : freedom_(residual.degrees_of_freedom_per_value), sums_(residual.values.size() + 1) {
     for (std::size_t k = 0; k < residual.values.size(); ++k) {
       sums_[k + 1] = sums_[k] + residual.values[k] * residual.values[k];
@@ -144,7 +145,7 @@ Profile best_steps(const Squares& squares) {
   const double shortest = static_cast<double>(kShortest * block) / static_cast<double>(n);
   const double crossings = single ? crossings_of_one_change(best.gain_nats, shortest)
                                   : crossings_of_two_changes(best.gain_nats, shortest);
-  best.surprise_nats = statistics::surprise_of_search(best.gain_nats, 1.0, crossings);
+  best.surprisal_nats = statistics::surprisal_of_search(best.gain_nats, 1.0, crossings);
   return best;
 }
 
@@ -190,7 +191,6 @@ Profile fit_depth(std::span<const double> relative, const Squares& squares, Prof
 /// freedom, on one side of the best number of cycles.
 double end_of_cycles(std::span<const double> relative, const Squares& squares, const Profile& best,
                      double sign) {
-  constexpr double kChiSquared = 1.92;
   constexpr double kFarthest = 0.5;  // cycles
   constexpr double kFewest = 0.1;
   constexpr int kBits = 6;
@@ -200,8 +200,8 @@ double end_of_cycles(std::span<const double> relative, const Squares& squares, c
     const double middle = 0.5 * (inside + outside);
     Profile start = best;
     start.cycles = std::max(best.cycles + sign * middle, kFewest);
-    const bool is_inside =
-        fit_depth(relative, squares, start).gain_nats > best.gain_nats - kChiSquared;
+    const bool is_inside = fit_depth(relative, squares, start).gain_nats >
+                           best.gain_nats - statistics::kHalfChiSquared95;
     (is_inside ? inside : outside) = middle;
   }
   return std::max(best.cycles + sign * 0.5 * (inside + outside), kFewest);
@@ -254,7 +254,7 @@ Profile best_periodic(const Squares& squares) {
     best.fewest_cycles = end_of_cycles(relative, squares, best, -1.0);
     best.most_cycles = end_of_cycles(relative, squares, best, 1.0);
   }
-  best.surprise_nats = statistics::surprise_of_search(
+  best.surprisal_nats = statistics::surprisal_of_search(
       best.gain_nats, 2.0, crossings_of_frequency(best.gain_nats, kMostCycles));
   return best;
 }
@@ -262,7 +262,7 @@ Profile best_periodic(const Squares& squares) {
 constexpr std::size_t kValuesOfTick = 8;
 
 /// Mean squares of neighbouring values of the whitened record.
-std::vector<double> squares_of_ticks(const Explanation& all) {
+std::vector<double> squares_of_ticks(const Hypothesis& all) {
   const std::vector<double>& values = all.whitened();
   std::vector<double> squares(values.size() / kValuesOfTick);
   for (std::size_t tick = 0; tick < squares.size(); ++tick) {
@@ -296,48 +296,24 @@ class VariableNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "variable_noise"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    if (without.is_coarse() || without.problem().series().is_ticks) return std::nullopt;
-    const Squares squares(without.fast_residual());
-    Profile best = best_steps(squares);
-    const Profile periodic = best_periodic(squares);
-    if (periodic.surprise_nats > best.surprise_nats) best = periodic;
-    if (best.gain_nats <= 0.0) return std::nullopt;
-    Offer offer{.part = {.effect = name()},
-                .gain_nats = best.gain_nats,
-                .surprise_nats = best.surprise_nats - std::log(kWays)};
-    const std::size_t n = without.problem().size();
-    std::vector<float>& sigma = offer.part.relative_sigma;
-    sigma.reserve(n);
-    double mean = 0.0;
-    for (std::size_t k = 0; k < n; ++k) mean += best.variance(k, n);
-    mean /= static_cast<double>(n);
-    for (std::size_t k = 0; k < n; ++k) {
-      sigma.push_back(static_cast<float>(std::sqrt(best.variance(k, n) / mean)));
-    }
-    if (best.kind == Profile::Kind::steps) {
-      offer.part.shape = {0.0, static_cast<double>(best.first), static_cast<double>(best.end),
-                          best.ratio};
-    } else {
-      offer.part.shape = {1.0, best.cycles, std::hypot(best.cosine, best.sine), best.fewest_cycles,
-                          best.most_cycles};
-    }
-    return offer;
+  [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {
+    if (without.data().series().is_ticks) return kUnevenSamples;
+    return without.is_coarse() ? "levels too coarse" : std::string_view{};
   }
 
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const std::vector<double>& shape = found.part().shape;
-    return shape[0] == 0.0 ? tell_steps(found, shape) : tell_periodic(found, shape);
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const std::vector<double>& shape = fitted.part().shape;
+    return shape[0] == 0.0 ? describe_steps(fitted, shape) : describe_periodic(fitted, shape);
   }
 
   /// A node that starts again knows no moment of the record: it follows the strength by what it
   /// sees, with the memory and the reach that would have foretold this record best.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const std::vector<double> squares = squares_of_ticks(found.all);
-    const double tick_s = found.all.problem().span_s() / static_cast<double>(squares.size());
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const std::vector<double> squares = squares_of_ticks(fitted.hypothesis);
+    const double tick_s = fitted.hypothesis.data().span_s() / static_cast<double>(squares.size());
     double best = 0.0;
     for (const double sigma : {0.02, 0.05, 0.1, 0.2, 0.4, 0.8}) {
-      for (double time_s = found.all.problem().span_s() / 3.0; time_s > 10.0 * tick_s;
+      for (double time_s = fitted.hypothesis.data().span_s() / 3.0; time_s > 10.0 * tick_s;
            time_s *= 0.5) {
         const double gain = foretold_nats(squares, kValuesOfTick, sigma, tick_s / time_s);
         if (gain <= best) continue;
@@ -349,13 +325,41 @@ class VariableNoise final : public Effect {
   }
 
  private:
-  static Account tell_steps(const Found& found, const std::vector<double>& shape) {
-    const Problem& problem = found.all.problem();
-    const double from_s = problem.series().time_s(static_cast<std::size_t>(shape[1]));
-    const double to_s = problem.series().time_s(static_cast<std::size_t>(shape[2]));
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const Squares squares(without.white_band_residual());
+    Profile best = best_steps(squares);
+    const Profile periodic = best_periodic(squares);
+    if (periodic.surprisal_nats > best.surprisal_nats) best = periodic;
+    if (best.gain_nats <= 0.0) return std::nullopt;
+    Candidate candidate{.part = {.effect = name()},
+                        .gain_nats = best.gain_nats,
+                        .surprisal_nats = best.surprisal_nats - std::log(kWays)};
+    const std::size_t n = without.data().size();
+    std::vector<float>& sigma = candidate.part.relative_sigma;
+    sigma.reserve(n);
+    double mean = 0.0;
+    for (std::size_t k = 0; k < n; ++k) mean += best.variance(k, n);
+    mean /= static_cast<double>(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      sigma.push_back(static_cast<float>(std::sqrt(best.variance(k, n) / mean)));
+    }
+    if (best.kind == Profile::Kind::steps) {
+      candidate.part.shape = {0.0, static_cast<double>(best.first), static_cast<double>(best.end),
+                              best.ratio};
+    } else {
+      candidate.part.shape = {1.0, best.cycles, std::hypot(best.cosine, best.sine),
+                              best.fewest_cycles, best.most_cycles};
+    }
+    return candidate;
+  }
+
+  static Description describe_steps(const FittedPart& fitted, const std::vector<double>& shape) {
+    const FitData& data = fitted.hypothesis.data();
+    const double from_s = data.series().time_s(static_cast<std::size_t>(shape[1]));
+    const double to_s = data.series().time_s(static_cast<std::size_t>(shape[2]));
     const double factor = std::sqrt(shape[3]);
     const double inside = shape[2] - shape[1];
-    const double outside = static_cast<double>(problem.size()) - inside;
+    const double outside = static_cast<double>(data.size()) - inside;
     const double log_error = std::sqrt(0.5 / inside + 0.5 / outside);
     return {.parameters = {positive_parameter("sigma_ratio", factor, log_error),
                            {"from_s", from_s, from_s, from_s},
@@ -364,9 +368,10 @@ class VariableNoise final : public Effect {
                                     "as strong as before and after.",
                                     from_s, to_s, factor)};
   }
-  static Account tell_periodic(const Found& found, const std::vector<double>& shape) {
-    const double depth_error = std::sqrt(4.0 / static_cast<double>(found.all.problem().size()));
-    const double span_s = found.all.problem().span_s();
+  static Description describe_periodic(const FittedPart& fitted, const std::vector<double>& shape) {
+    const double depth_error =
+        std::sqrt(4.0 / static_cast<double>(fitted.hypothesis.data().size()));
+    const double span_s = fitted.hypothesis.data().span_s();
     const double period_s = span_s / shape[1];
     return {.parameters = {{"swing_period_s", period_s, span_s / shape[4], span_s / shape[3]},
                            parameter("variance_swing", shape[2], depth_error)},

@@ -4,12 +4,16 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
-#include "host_tools/lib/diagnose/effects/spectral.hpp"
+#include "host_tools/lib/diagnose/effects/node_model_terms.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::kDegPerRad;
 
 constexpr double kShortest = 4.0;  // samples
 constexpr double kLongest = 0.7;   // of the record: a longer one is a ramp
@@ -20,60 +24,63 @@ class WarmUpTransient final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "warm_up_transient"; }
 
-  [[nodiscard]] std::optional<Offer> examine(const Explanation& without) const override {
-    const Problem& problem = without.problem();
-    std::optional<Offer> offer =
-        offer_of_mean(without, [this](const MeanScan& scan) { return search(scan); });
-    const double range = std::log(kLongest * static_cast<double>(problem.size()) / kShortest);
-    offer->surprise_nats = statistics::surprise_of_search(offer->gain_nats, 1.0, 0.3 * range);
-    return offer;
-  }
-
-  [[nodiscard]] Account tell(const Found& found) const override {
-    const double amplitude = found.amplitude(0) * kDegPerRad;
-    const double time_constant = found.part().shape.front();
-    const Column derivative = column_of(found.all.problem(), [&](double time_s) {
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const double amplitude = fitted.amplitude(0) * kDegPerRad;
+    const double time_constant = fitted.part().shape.front();
+    const Column derivative = column_of(fitted.hypothesis.data(), [&](double time_s) {
       const double elapsed = time_s / time_constant;
-      return found.amplitude(0) * elapsed * std::exp(-elapsed);
+      return fitted.amplitude(0) * elapsed * std::exp(-elapsed);
     });
-    const double log_error = shape_error(found, derivative);
+    const double log_error = shape_error(fitted, derivative);
     return {
-        .parameters = {parameter("amplitude_dps", amplitude, found.amplitude_error(0) * kDegPerRad),
+        .parameters = {parameter("amplitude_dps", amplitude,
+                                 fitted.amplitude_error(0) * kDegPerRad),
                        positive_parameter("time_constant_s", time_constant, log_error)},
         .sentence = fmt::format("After the start the bias is off by {:.3g} deg/s, which dies out "
                                 "with a time constant of {:.3g} s.",
                                 amplitude, time_constant),
-        .drawing = drawing_of(found)};
+        .drawing = drawing_of(fitted)};
   }
 
   /// The next start may have another amplitude, so the interval is wider than that of this record.
-  void extend(const Found& found, model::SensorModel& model) const override {
-    const double amplitude = found.amplitude(0);
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const double amplitude = fitted.amplitude(0);
     model.warm_up = model::WarmUp{.amplitude_rad_s = amplitude,
                                   .amplitude_sigma_rad_s = std::hypot(
-                                      found.amplitude_error(0), kShareOfNextStart * amplitude),
-                                  .time_constant_s = found.part().shape.front()};
+                                      fitted.amplitude_error(0), kShareOfNextStart * amplitude),
+                                  .time_constant_s = fitted.part().shape.front()};
   }
 
  private:
-  [[nodiscard]] std::optional<Part> search(const MeanScan& scan) const {
-    const Problem& problem = scan.problem();
-    const double longest_s = kLongest * problem.span_s();
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    const FitData& data = without.data();
+    std::optional<Candidate> candidate =
+        mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
+    if (!candidate) return std::nullopt;
+    const double range = std::log(kLongest * static_cast<double>(data.size()) / kShortest);
+    candidate->surprisal_nats =
+        statistics::surprisal_of_search(candidate->gain_nats, 1.0, 0.3 * range);
+    return candidate;
+  }
+
+  [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
+    const FitData& data = scan.data();
+    const double longest_s = kLongest * data.span_s();
     double best_s = 0.0;
     double best_gain = -1.0;
     const auto try_one = [&](double time_constant_s) {
-      const double gain = scan.gain(decay_column(problem, time_constant_s));
+      const double gain = scan.gain(decay_column(data, time_constant_s));
       if (gain <= best_gain) return;
       best_gain = gain;
       best_s = time_constant_s;
     };
-    for (double s = longest_s; s > kShortest * problem.period_s(); s /= kFirstGrid) try_one(s);
+    for (double s = longest_s; s > kShortest * data.period_s(); s /= kFirstGrid) try_one(s);
     for (double factor = std::sqrt(kFirstGrid); factor > 1.02; factor = std::sqrt(factor)) {
       const double centre = best_s;
       try_one(std::min(centre * factor, longest_s));
       try_one(centre / factor);
     }
-    return Part{.effect = name(), .columns = {decay_column(problem, best_s)}, .shape = {best_s}};
+    return Part{.effect = name(), .columns = {decay_column(data, best_s)}, .shape = {best_s}};
   }
 };
 

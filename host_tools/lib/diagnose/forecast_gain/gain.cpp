@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kCycles = 24;      // stops and drives in the part that is judged
 constexpr double kLongestCycle_s = 400.0;  // a quarter of it at rest
 constexpr std::size_t kFewestBlocks = 8;
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+using units::kDegPerRad;
 
 core::Duration duration(double seconds) {
   return core::Duration::nanoseconds(std::llround(seconds * 1e9));

@@ -206,6 +206,12 @@ std::vector<ScoredDrive> drives(const NodeModel& model, const ScoredTicks& score
   return all;
 }
 
+NodeModel node_model_of(const model::SensorModel& model, const ScoredTicks& ticks) try {
+  return model::make_full_node_model(model, ticks.sample_period, ticks.tick);
+} catch (const std::invalid_argument& reason) {
+  throw ModelCannotRun(reason.what());
+}
+
 }  // namespace
 
 ScoreOf level_of(const model::SensorModel& model) {
@@ -216,7 +222,7 @@ ScoreOf level_of(const model::SensorModel& model) {
 }
 
 NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what) {
-  const NodeModel node = model::make_full_node_model(model, ticks.sample_period, ticks.tick);
+  const NodeModel node = node_model_of(model, ticks);
   return {drives(node, ticks), log_scores(node, ticks, what)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "core/base/time.hpp"
@@ -39,6 +40,12 @@ enum class ScoreOf {
   samples,     ///< each after those before it
 };
 
+/// A model that the node cannot run, and why.
+class ModelCannotRun : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 struct NodeScores {
   std::vector<ScoredDrive> drives;
   /// Of each judged tick when all of them are stops: log density of its mean, or the sum of the log
@@ -49,8 +56,7 @@ struct NodeScores {
 /// What a model's score should be of: of samples where it says more of them than white noise.
 [[nodiscard]] ScoreOf level_of(const model::SensorModel& model);
 
-/// Two passes of the node's filter, in its single precision. Throws std::invalid_argument for a
-/// model that the node cannot run.
+/// Two passes of the node's filter, in its single precision. Throws ModelCannotRun.
 [[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks,
                                ScoreOf what);
 

@@ -1,6 +1,5 @@
 #include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -34,114 +33,79 @@ std::vector<double> dense(const Column& column, std::size_t size) {
 
 }  // namespace
 
-MeanScan::MeanScan(const Explanation& explanation)
-    : MeanScan(explanation, explanation.parts().size()) {}
+ColumnSearch::ColumnSearch(const Hypothesis& hypothesis)
+    : ColumnSearch(hypothesis, hypothesis.parts().size()) {}
 
-MeanScan::MeanScan(const Explanation& explanation, std::size_t part) : explanation_(&explanation) {
-  Eigen::Index amplitude = 0;
-  for (std::size_t i = 0; i < explanation.parts().size(); ++i) {
-    for (const Column& column : explanation.parts()[i].columns) {
-      const double size = explanation.amplitudes()(amplitude++);
+ColumnSearch::ColumnSearch(const Hypothesis& hypothesis, std::size_t part)
+    : hypothesis_(&hypothesis) {
+  std::size_t amplitude = 0;
+  for (std::size_t i = 0; i < hypothesis.parts().size(); ++i) {
+    for (const Column& column : hypothesis.parts()[i].columns) {
+      const double size = hypothesis.amplitudes()[amplitude++];
       if (i != part) {
         others_.push_back(&column);
         continue;
       }
-      if (!is_changed_) residual_ = explanation.residual();
+      if (!is_changed_) residual_ = hypothesis.residual();
       is_changed_ = true;
       for (std::size_t k = column.first; k < column.end(); ++k) {
         residual_[k] += size * column.coefficients[k - column.first];
       }
     }
   }
-  const auto count = static_cast<Eigen::Index>(others_.size());
-  Eigen::MatrixXd normal(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      normal(i, j) = normal(j, i) =
-          product(*others_[static_cast<std::size_t>(i)], *others_[static_cast<std::size_t>(j)]);
-    }
-  }
-  others_covariance_ =
-      count > 0 ? Eigen::MatrixXd(normal.completeOrthogonalDecomposition().pseudoInverse())
-                : normal;
-  others_products_.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    others_products_(i) = product_with_residual(*others_[static_cast<std::size_t>(i)]);
+  for (const Column* other : others_) {
+    equations_.add(products_with_others(*other), inner(*other, *other, density()));
+    others_products_.push_back(inner(*other, residual(), density()));
   }
 }
 
-const std::vector<double>& MeanScan::weighted() const {
-  if (!is_changed_) return explanation_->weighted();
-  if (weighted_.empty()) weighted_ = problem().transform().inverse(divided(residual_, density()));
-  return weighted_;
+const std::vector<double>& ColumnSearch::precision_weighted_residual() const {
+  if (!is_changed_) return hypothesis_->precision_weighted_residual();
+  if (precision_weighted_residual_.empty())
+    precision_weighted_residual_ = data().transform().inverse(divided(residual_, density()));
+  return precision_weighted_residual_;
 }
 
-double MeanScan::product(const Column& a, const Column& b) const {
-  double sum = 0.0;
-  const std::size_t end = std::min(a.end(), b.end());
-  for (std::size_t k = std::max(a.first, b.first); k < end; ++k) {
-    sum += a.coefficients[k - a.first] * b.coefficients[k - b.first] / density()[k];
-  }
-  return sum;
-}
-
-double MeanScan::product_with_residual(const Column& column) const {
-  const std::vector<double>& residual = this->residual();
-  double sum = 0.0;
-  for (std::size_t k = column.first; k < column.end(); ++k) {
-    sum += column.coefficients[k - column.first] * residual[k] / density()[k];
-  }
-  return sum;
-}
-
-Eigen::VectorXd MeanScan::beside(const Column& column) const {
-  Eigen::VectorXd products(static_cast<Eigen::Index>(others_.size()));
-  for (std::size_t i = 0; i < others_.size(); ++i) {
-    products(static_cast<Eigen::Index>(i)) = product(*others_[i], column);
+std::vector<double> ColumnSearch::products_with_others(const Column& column) const {
+  std::vector<double> products;
+  for (std::size_t i = 0; i < equations_.size(); ++i) {
+    products.push_back(inner(*others_[i], column, density()));
   }
   return products;
 }
 
-double MeanScan::information(const Column& column) const {
-  const Eigen::VectorXd b = beside(column);
-  return product(column, column) - b.dot(others_covariance_ * b);
+double ColumnSearch::information(const Column& column) const {
+  const std::vector<double> others = equations_.coordinates(products_with_others(column));
+  return inner(column, column, density()) - sum_of_squares(others);
 }
 
-double MeanScan::gain(std::span<const Column> columns) const {
-  const auto count = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd normal(count, count);
-  Eigen::VectorXd right(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Column& column = columns[static_cast<std::size_t>(i)];
-    const Eigen::VectorXd projected = others_covariance_ * beside(column);
-    right(i) = product_with_residual(column);
-    for (Eigen::Index o = 0; o < projected.size(); ++o) {
-      right(i) -= projected(o) * others_products_(o);
+double ColumnSearch::gain(std::span<const Column> columns) const {
+  NormalEquations equations = equations_;
+  std::vector<double> with_residual = others_products_;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    std::vector<double> products = products_with_others(columns[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      products.push_back(inner(columns[i], columns[j], density()));
     }
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const Column& second = columns[static_cast<std::size_t>(j)];
-      normal(i, j) = normal(j, i) = product(column, second) - projected.dot(beside(second));
-    }
+    equations.add(products, inner(columns[i], columns[i], density()));
+    with_residual.push_back(inner(columns[i], residual(), density()));
   }
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-9;
-  const Eigen::VectorXd normalised = scale.cwiseProduct(right);
-  return 0.5 * normalised.dot(scaled.ldlt().solve(normalised));
+  const std::vector<double> coordinates = equations.coordinates(with_residual);
+  return 0.5 * sum_of_squares(std::span(coordinates).subspan(others_.size()));
 }
 
-const std::vector<double>& MeanScan::step_information() const {
+const std::vector<double>& ColumnSearch::step_information() const {
   if (!step_information_.empty()) return step_information_;
   // A step before value j has the coefficients -sqrt(2/n) sin(pi k j / n) / s_k.
-  const std::size_t n = problem().size();
+  const std::size_t n = data().size();
   std::vector<double> strength(n);
   double total = 0.0;
   for (std::size_t k = 1; k < n; ++k) {
-    const double sine = problem().sines()[k];
+    const double sine = data().sines()[k];
     strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density()[k]);
     total += strength[k];
   }
-  const spectrum::RealFft& fft = problem().transform().fourier();
+  const spectrum::RealFft& fft = data().transform().fourier();
   std::vector<std::complex<double>> bins(fft.bins());
   fft.forward(strength, bins);
   step_information_.resize(n);
@@ -151,34 +115,33 @@ const std::vector<double>& MeanScan::step_information() const {
   return step_information_;
 }
 
-std::vector<double> MeanScan::step_gains() const {
-  const std::size_t n = problem().size();
+std::vector<double> ColumnSearch::step_gains() const {
+  const std::size_t n = data().size();
   const std::vector<double>& information = step_information();
-  const std::vector<double> sums = tail_sums(weighted());
+  const std::vector<double> sums = tail_sums(precision_weighted_residual());
   std::vector<std::vector<double>> beside;
   beside.reserve(others_.size());
   for (const Column* other : others_) {
-    beside.push_back(
-        tail_sums(problem().transform().inverse(divided(dense(*other, n), density()))));
+    beside.push_back(tail_sums(data().transform().inverse(divided(dense(*other, n), density()))));
   }
   std::vector<double> gains(n);
   constexpr std::size_t kEdge = 8;
-  Eigen::VectorXd b(static_cast<Eigen::Index>(others_.size()));
+  std::vector<double> products(others_.size());
   for (std::size_t j = kEdge; j + kEdge < n; ++j) {
-    for (std::size_t i = 0; i < others_.size(); ++i) b(static_cast<Eigen::Index>(i)) = beside[i][j];
-    const double left = information[j] - (others_.empty() ? 0.0 : b.dot(others_covariance_ * b));
+    for (std::size_t i = 0; i < others_.size(); ++i) products[i] = beside[i][j];
+    const double left = information[j] - sum_of_squares(equations_.coordinates(products));
     if (left > 1e-3 * information[j]) gains[j] = 0.5 * sums[j] * sums[j] / left;
   }
   return gains;
 }
 
-double MeanScan::step_crossings() const {
+double ColumnSearch::step_crossings() const {
   const std::vector<double>& information = step_information();
   double sum = 0.0;
   for (std::size_t j = 2; j + 2 < information.size(); ++j) {
     const double a = information[j];
     const double b = information[j + 1];
-    const double correlation = 0.5 * (a + b - explanation_->information()) / std::sqrt(a * b);
+    const double correlation = 0.5 * (a + b - hypothesis_->mean_precision()) / std::sqrt(a * b);
     sum += std::sqrt(std::max(0.0, 2.0 * (1.0 - correlation)));
   }
   return sum / std::numbers::pi;

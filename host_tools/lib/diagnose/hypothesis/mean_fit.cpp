@@ -4,17 +4,17 @@
 
 namespace zerorate::diagnose {
 
-std::optional<MeanFit> fit_mean(const Explanation& without, const MeanSearch& search) {
+std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& search) {
   std::optional<MeanFit> best;
-  std::optional<Part> part = search(MeanScan(without));
+  std::optional<Part> part = search(ColumnSearch(without));
   for (int round = 0; part && round < 2; ++round) {
     std::vector<Part> parts = without.parts();
     parts.push_back(*part);
     const std::size_t last = parts.size() - 1;
-    const Explanation with(without.problem(), std::move(parts), &without);
+    const Hypothesis with(without.data(), std::move(parts), &without);
     const double gain = with.log_likelihood() - without.log_likelihood();
     if (!best || gain > best->gain_nats) best = {std::move(*part), gain, with};
-    if (round == 0) part = search(MeanScan(with, last));
+    if (round == 0) part = search(ColumnSearch(with, last));
   }
   return best;
 }

@@ -10,17 +10,17 @@
 namespace zerorate::diagnose {
 
 /// A search that names the best part at the given noise.
-using MeanSearch = std::function<std::optional<Part>(const MeanScan&)>;
+using MeanSearch = std::function<std::optional<Part>(const ColumnSearch&)>;
 
 /// A part that was found, and the hypothesis that it makes.
 struct MeanFit {
   Part part;
   double gain_nats = 0.0;
-  Explanation with;  ///< the part, which is the last one
+  Hypothesis with;  ///< the part, which is the last one
 };
 
 /// Searches, fits the noise again and searches once more at the new noise; the better of the two
 /// parts. Nothing where the search finds nothing. Two fits.
-[[nodiscard]] std::optional<MeanFit> fit_mean(const Explanation& without, const MeanSearch& search);
+[[nodiscard]] std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& search);
 
 }  // namespace zerorate::diagnose

@@ -6,6 +6,7 @@
 #include <complex>
 #include <numbers>
 
+#include "host_tools/lib/diagnose/hypothesis/spectral_bins.hpp"
 #include "host_tools/lib/identify/whittle_fit.hpp"
 
 namespace zerorate::diagnose {
@@ -41,7 +42,7 @@ class RatioTable {
   std::array<std::array<double, kSteps + 1>, kIndices> ratios_{};
 };
 
-/// The same for exp(-a u), a the record in time constants:
+/// Ratio for the covariance exp(-a u), a the record in time constants:
 /// 2 int_0^1 e^(-a u) [(1-u) cos(p u) - sin(p u)/p] du over its nominal value, p = pi k.
 double markov_ratio(double record_in_time_constants, std::size_t index) {
   if (index == 0) return 1.0;
@@ -109,7 +110,7 @@ DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spect
     line_sinh_ = std::sinh(line_decay_);
     line_cosh_ = std::cosh(line_decay_);
   }
-  if (spectrum.low_pass_order > 0) {
+  if (spectrum.filter_order > 0) {
     cut_off_ = std::tan(0.5 * std::numbers::pi * spectrum.low_pass_share);
   }
 }
@@ -117,7 +118,7 @@ DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spect
 NoiseDensity::NoiseDensity(const DensityFactors& factors, const SpectralPlace& place)
     : factors_(&factors), place_(&place) {
   const NoiseSpectrum& spectrum = factors.spectrum();
-  const double d = spectrum.order;
+  const double d = spectrum.flicker_order;
   white_ = spectrum.white_variance;
   flicker_ = spectrum.flicker_variance * std::exp(-2.0 * d * place.log_sine);
   if (place.index > 0) flicker_ *= RatioTable::get()(d, place.index);
@@ -127,17 +128,20 @@ NoiseDensity::NoiseDensity(const DensityFactors& factors, const SpectralPlace& p
   pass_ = factors.low_pass_gain(place.sine);
 }
 
-void NoiseDensity::derivatives(const NoiseTerms& terms, SpectrumSlope& slope) const {
+void NoiseDensity::derivatives(const NoiseTerms& terms, NoiseSlopes& slopes) const {
+  using enum NoiseParameterId;
   const NoiseSpectrum& spectrum = factors_->spectrum();
   const double share = pass_ / total();
-  Eigen::Index i = 0;
-  slope(i++) = white_ * share;
-  slope(i++) = flicker_ * share;
-  if (terms.free_order) slope(i++) = -2.0 * place_->log_sine * flicker_ * share;
-  if (terms.random_walk) slope(i++) = walk_ * share;
+  const auto slope = [&](NoiseParameterId id) -> double& {
+    return slopes[static_cast<std::size_t>(id)];
+  };
+  slope(white_variance) = white_ * share;
+  slope(flicker_variance) = flicker_ * share;
+  if (terms.free_order) slope(flicker_order) = -2.0 * place_->log_sine * flicker_ * share;
+  if (terms.random_walk) slope(walk_variance) = walk_ * share;
   if (terms.gauss_markov) {
-    slope(i++) = markov_ * share;
-    slope(i++) = markov_ * markov_slope_ * share;
+    slope(markov_variance) = markov_ * share;
+    slope(markov_samples) = markov_ * markov_slope_ * share;
   }
   if (terms.line) {
     const double a = spectrum.line_angle;
@@ -147,25 +151,26 @@ void NoiseDensity::derivatives(const NoiseTerms& terms, SpectrumSlope& slope) co
     const LineSide below(factors_->line_coth_, place_->angle - a, place_->width);
     const LineSide above(factors_->line_coth_, place_->angle + a, place_->width);
     const double unit = 0.5 * spectrum.line_variance / total();
-    slope(i++) = line_ / total();
-    slope(i++) = unit *
-                 (above.slope_of_distance(sinh, cosh) - below.slope_of_distance(sinh, cosh)) * a *
-                 (1.0 - a / std::numbers::pi);
-    slope(i++) = unit * (above.slope_of_log_coherence(decay) + below.slope_of_log_coherence(decay));
+    slope(line_variance) = line_ / total();
+    slope(line_angle) =
+        unit * (above.slope_of_distance(sinh, cosh) - below.slope_of_distance(sinh, cosh)) * a *
+        (1.0 - a / std::numbers::pi);
+    slope(line_samples) =
+        unit * (above.slope_of_log_coherence(decay) + below.slope_of_log_coherence(decay));
   }
-  if (terms.low_pass) slope(i++) = low_pass_slope() * inner() * share;
+  if (terms.low_pass) slope(low_pass_share) = low_pass_slope() * inner() * share;
 }
 
 /// d log H / d logit a.
 double NoiseDensity::low_pass_slope() const {
   const NoiseSpectrum& spectrum = factors_->spectrum();
   const double a = spectrum.low_pass_share;
-  if (spectrum.low_pass_order > 0) {
-    return (1.0 - pass_) * 2.0 * spectrum.low_pass_order * std::numbers::pi * a * (1.0 - a) /
+  if (spectrum.filter_order > 0) {
+    return (1.0 - pass_) * 2.0 * spectrum.filter_order * std::numbers::pi * a * (1.0 - a) /
            std::sin(std::numbers::pi * a);
   }
   const double square = place_->sine * place_->sine;
-  if (spectrum.low_pass_order == NoiseSpectrum::kTwoNeighbours) {
+  if (spectrum.filter_order == NoiseSpectrum::kTwoNeighbours) {
     return 0.25 * square * a * (1.0 - a) / pass_;
   }
   return (1.0 - a) * (2.0 - a * (2.0 * a - square) / (a * a + (1.0 - a) * square));
@@ -187,7 +192,7 @@ void NoiseDensity::add_markov() {
 }
 
 double DensityFactors::low_pass_gain(double sine) const {
-  const int order = spectrum_->low_pass_order;
+  const int order = spectrum_->filter_order;
   const double a = spectrum_->low_pass_share;
   const double square = sine * sine;
   if (a >= 1.0) return 1.0;

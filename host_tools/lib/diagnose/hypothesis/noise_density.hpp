@@ -1,26 +1,21 @@
 /// @file
 /// The density of a noise spectrum at a bin, part by part, with its derivatives: what the fit of
-/// noise_spectrum.hpp climbs on.
+/// spectrum_fit.hpp climbs on.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
 #include <cstddef>
 
+#include "host_tools/lib/diagnose/hypothesis/noise_parameters.hpp"
 #include "host_tools/lib/diagnose/hypothesis/noise_spectrum.hpp"
 
 namespace zerorate::diagnose {
 
-/// Coefficients that stand alone, with their exact ratio to the nominal density.
-inline constexpr std::size_t kSingleBins = 48;
+/// Derivatives of the logarithm of a density by each of kNoiseParameters on its scale; those of
+/// terms that are not fitted are 0.
+using NoiseSlopes = std::array<double, kNoiseParameters.size()>;
 
-inline constexpr int kMostParameters = 10;
-
-/// One entry a fitted parameter: the logarithms of r and s_f^2, d, log k^2, log g and log tau, log
-/// h, the logit of w0 / pi and the logarithm of the line's coherence time, the logit of a; those of
-/// the terms that a fit has.
-using SpectrumSlope = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
-
-/// What is the same for all spectra at one bin.
+/// A bin, with the figures that do not depend on the spectrum.
 struct SpectralPlace {
   /// @param at, of, in as sine, index and size of NoiseSpectrum::density
   /// @param count of the coefficients in the bin
@@ -35,14 +30,14 @@ struct SpectralPlace {
   std::size_t size;
 };
 
-/// What is the same for one spectrum at all bins.
+/// A spectrum, with the figures that do not depend on the bin.
 class DensityFactors {
  public:
   /// @param spectrum must outlive the factors
   explicit DensityFactors(const NoiseSpectrum& spectrum);
 
   [[nodiscard]] const NoiseSpectrum& spectrum() const { return *spectrum_; }
-  /// As of NoiseSpectrum.
+  /// Functions of the same names as those of NoiseSpectrum.
   [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
   [[nodiscard]] double line_density(double angle, double width) const;
   [[nodiscard]] double low_pass_gain(double sine) const;
@@ -70,8 +65,8 @@ class NoiseDensity {
     return pass_ * inner() + line_ + factors_->spectrum().rounding_variance;
   }
 
-  /// @param slope as long as there are parameters
-  void derivatives(const NoiseTerms& terms, SpectrumSlope& slope) const;
+  /// Sets the derivatives that these terms need.
+  void derivatives(const NoiseTerms& terms, NoiseSlopes& slopes) const;
 
  private:
   [[nodiscard]] double inner() const { return white_ + flicker_ + walk_ + markov_; }

@@ -1,16 +1,14 @@
 /// @file
-/// The spectrum of the noise of one axis: base noise, what may be added to it, and its fit to the
-/// DCT-II of a record (docs/design/diagnosis.md, section 2).
+/// The spectrum of the noise of one axis: white and flicker noise, and the terms that may be added
+/// (docs/design/diagnosis.md, section 2).
 #pragma once
 
 #include <cstddef>
 #include <optional>
-#include <span>
-#include <vector>
 
 namespace zerorate::diagnose {
 
-/// Of 1/f noise, that of the base model.
+/// Order of 1/f noise, which the base model has.
 inline constexpr double kOrderOfBase = 0.5;
 
 /// Which parts a spectrum has besides white and flicker noise.
@@ -29,7 +27,7 @@ struct NoiseTerms {
   }
   [[nodiscard]] bool has_order() const { return free_order || given_order; }
   /// Has slow noise other than the base's, which takes in whatever a wrong function of time leaves.
-  [[nodiscard]] bool wanders() const { return has_order() || random_walk || gauss_markov; }
+  [[nodiscard]] bool has_slow_noise() const { return has_order() || random_walk || gauss_markov; }
   bool operator==(const NoiseTerms&) const = default;
 };
 
@@ -49,18 +47,18 @@ struct NoiseSpectrum {
   static constexpr int kRecursive = 0;
   static constexpr int kTwoNeighbours = -1;
 
-  double white_variance = 0.0;    ///< r
-  double flicker_variance = 0.0;  ///< s_f^2
-  double order = kOrderOfBase;    ///< d
-  double walk_variance = 0.0;     ///< k^2, of one step
-  double markov_variance = 0.0;   ///< g
-  double markov_samples = 1.0;    ///< tau
-  double line_variance = 0.0;     ///< h
-  double line_angle = 1.0;        ///< w0, between 0 and pi
-  double line_samples = 100.0;    ///< its coherence time
-  double low_pass_share = 1.0;    ///< a; 1: no low-pass. Of a Butterworth filter: of half the rate
-  int low_pass_order = kRecursive;  ///< m, or one of the constants
-  double rounding_variance = 0.0;   ///< q, behind the low-pass: given, not fitted
+  double white_variance = 0.0;          ///< r
+  double flicker_variance = 0.0;        ///< s_f^2
+  double flicker_order = kOrderOfBase;  ///< d
+  double walk_variance = 0.0;           ///< k^2, of one step
+  double markov_variance = 0.0;         ///< g
+  double markov_samples = 1.0;          ///< tau
+  double line_variance = 0.0;           ///< h
+  double line_angle = 1.0;              ///< w0, between 0 and pi
+  double line_samples = 100.0;          ///< its coherence time
+  double low_pass_share = 1.0;     ///< a; 1: no low-pass. Of a Butterworth filter: of half the rate
+  int filter_order = kRecursive;   ///< m, or one of the constants
+  double rounding_variance = 0.0;  ///< q, behind the low-pass: given, not fitted
 
   /// H.
   [[nodiscard]] double low_pass_gain(double sine) const;
@@ -70,56 +68,5 @@ struct NoiseSpectrum {
   /// @param size of the record
   [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
 };
-
-/// Neighbouring DCT coefficients of nearly the same density.
-struct SpectralBin {
-  double sine;  ///< 2 sin(w/2) at the centre
-  double mean_square;
-  double count;
-  std::size_t index;  ///< of the coefficient where it stands alone, else 0
-};
-
-/// One bin for each of the first coefficients, 3 % wide ones above; towards the last coefficient,
-/// where a low-pass may end in nothing, they are no wider than a tenth of what is left up to it,
-/// and no wider than a tenth of the distance to a line.
-/// @param coefficients c_0 .. c_{n-1}; c_0 is left out
-/// @param line  index of the coefficient where a line stands; 0: none
-[[nodiscard]] std::vector<SpectralBin> bin_coefficients(std::span<const double> coefficients,
-                                                        std::size_t line = 0);
-
-/// Brings bins up to date with coefficients of which those below `end` have changed.
-void update_bins(std::span<SpectralBin> bins, std::span<const double> coefficients,
-                 std::size_t end);
-
-/// Standard errors of the logarithms of strengths and times, of d and w0, and of the logit of a;
-/// those of the expected information. 0 where a parameter is not fitted.
-struct NoiseErrors {
-  double log_white_variance = 0.0;
-  double log_flicker_variance = 0.0;
-  double order = 0.0;
-  double log_walk_variance = 0.0;
-  double log_markov_variance = 0.0;
-  double log_markov_samples = 0.0;
-  double log_line_variance = 0.0;
-  double line_angle = 0.0;
-  double log_line_samples = 0.0;
-  double logit_low_pass_share = 0.0;
-};
-
-struct SpectrumFit {
-  NoiseSpectrum spectrum;
-  double log_likelihood = 0.0;  ///< -1/2 sum log S_k + c_k^2 / S_k
-  NoiseErrors errors;
-};
-
-/// Maximises the Whittle likelihood by Fisher scoring with analytic derivatives from each start;
-/// the best one counts, with its kind of low-pass. Some 20 us an iteration.
-/// @param size of the record
-[[nodiscard]] SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
-                                       const NoiseTerms& terms,
-                                       std::span<const NoiseSpectrum> starts);
-
-/// A start for white and flicker noise alone.
-[[nodiscard]] NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins);
 
 }  // namespace zerorate::diagnose

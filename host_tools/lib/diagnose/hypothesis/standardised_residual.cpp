@@ -2,9 +2,9 @@
 
 namespace zerorate::diagnose {
 
-Remainder::Remainder(const Explanation& hypothesis)
-    : explanation(&hypothesis), values(hypothesis.whitened()) {
-  for (const Part& part : hypothesis.parts()) {
+StandardisedResidual::StandardisedResidual(const Hypothesis& of)
+    : hypothesis(&of), values(of.whitened()) {
+  for (const Part& part : of.parts()) {
     for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
       values[k] /= double{part.relative_sigma[k]};
     }

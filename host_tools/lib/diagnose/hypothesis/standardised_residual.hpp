@@ -1,5 +1,5 @@
 /// @file
-/// What a hypothesis leaves of a record, as independent standard normal values.
+/// The residual of a hypothesis as independent standard normal values.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace zerorate::diagnose {
 
-/// What is left of a record under a hypothesis.
-struct Remainder {
-  explicit Remainder(const Explanation& explanation);
+/// Residual of a record under a hypothesis, which must outlive it.
+struct StandardisedResidual {
+  explicit StandardisedResidual(const Hypothesis& of);
 
-  const Explanation* explanation;
+  const Hypothesis* hypothesis;
   std::vector<double> values;  ///< whitened and divided by the relative sigma: independent, N(0, 1)
 };
 

@@ -4,19 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
 #include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
 using report::Colour;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kDphPerRadS = 3600.0 * kDegPerRad;
+using units::kDegPerRad;
+using units::kDphPerRadS;
 
 /// Curve and bands of a statistic, each value through the same scaling.
 template <class Scaling>

@@ -34,7 +34,7 @@ Json cause_json(const Cause& cause) {
   }
   for (const Alternative& rival : cause.alternatives) {
     json["alternatives"].push_back(
-        {{"name", rival.effect}, {"behind_nats", number(rival.behind_nats)}});
+        {{"name", rival.effect}, {"less_likely_by_nats", number(rival.less_likely_by_nats)}});
   }
   return json;
 }

@@ -55,7 +55,7 @@ report::Table parameter_table(const Diagnosis& diagnosis) {
     std::string rivals;
     for (const Alternative& rival : cause.alternatives) {
       rivals += fmt::format("{}{} ({:.1f})", rivals.empty() ? "" : ", ", plain_name(rival.effect),
-                            rival.behind_nats);
+                            rival.less_likely_by_nats);
     }
     if (rivals.empty()) rivals = "none";
     bool is_first = true;
@@ -201,7 +201,7 @@ void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportTe
     report.section("Evidence").chart(evidence_chart(diagnosis)).table(evidence_table(diagnosis));
   }
   if (diagnosis.causes.empty()) return;
-  if (diagnosis.gain.is_measured()) add_gain(report, diagnosis.gain);
+  if (diagnosis.gain.has_measured_cause()) add_gain(report, diagnosis.gain);
   add_model(report, diagnosis, text.recording);
 }
 

@@ -79,8 +79,8 @@ std::string cause_sentences(const Diagnosis& diagnosis) {
     if (cause.alternatives.empty()) continue;
     std::vector<std::string> rivals;
     for (const Alternative& rival : cause.alternatives) {
-      rivals.push_back(
-          fmt::format("{} ({:.1f} nats behind)", plain_name(rival.effect), rival.behind_nats));
+      rivals.push_back(fmt::format("{} ({:.1f} nats behind)", plain_name(rival.effect),
+                                   rival.less_likely_by_nats));
     }
     text += fmt::format(" As good as that, so not told apart by this recording: {}.",
                         fmt::join(rivals, ", "));
@@ -106,7 +106,7 @@ std::string drift_sentence(const Gain& gain) {
 }
 
 std::string gain_sentence(const Gain& gain) {
-  if (!gain.is_measured()) return "";
+  if (!gain.has_measured_cause()) return "";
   if (gain.has_drives()) {
     return drift_sentence(gain) +
            fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/repeated_samples.hpp"
+#include "host_tools/lib/statistics/order_statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -180,14 +181,9 @@ void leave_out_start(EvenSeries& series) {
   for (std::size_t k = 1; k < following.size(); ++k) {
     steps.push_back(std::abs(following[k] - following[k - 1]));
   }
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-  };
   std::vector<double> next(following.begin(), following.begin() + kNext);
-  const double off = series.rate_rad_s.front() - median(next);
-  if (std::abs(off) <= kWild * kSigmaOfDifference * median(steps)) return;
+  const double off = series.rate_rad_s.front() - statistics::median_of(next);
+  if (std::abs(off) <= kWild * kSigmaOfDifference * statistics::median_of(steps)) return;
   series.start_off_rad_s = off;
   series.lost.front() = true;
 }

@@ -61,4 +61,18 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
   return record;
 }
 
+Record beginning_of(const Record& record, std::size_t size) {
+  const auto first = [&](const std::vector<double>& values) {
+    const auto count = static_cast<std::ptrdiff_t>(std::min(size, values.size()));
+    return std::vector<double>(values.begin(), values.begin() + count);
+  };
+  return {.axis = record.axis,
+          .sample_period_s = record.sample_period_s,
+          .mean_period_s = record.mean_period_s,
+          .time_s = first(record.time_s),
+          .rate_rad_s = first(record.rate_rad_s),
+          .temperature_degc = first(record.temperature_degc),
+          .standstills = record.standstills};
+}
+
 }  // namespace zerorate::diagnose

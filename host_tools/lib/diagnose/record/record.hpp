@@ -28,4 +28,7 @@ struct Record {
 /// that of the sample before.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
+/// The first samples of a record; all of them where it has fewer.
+[[nodiscard]] Record beginning_of(const Record& record, std::size_t size);
+
 }  // namespace zerorate::diagnose

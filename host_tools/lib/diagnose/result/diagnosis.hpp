@@ -36,7 +36,7 @@ struct Parameter {
 /// Another effect that explains the recording nearly as well.
 struct Alternative {
   std::string effect;
-  double behind_nats = 0.0;
+  double less_likely_by_nats = 0.0;
 };
 
 struct Cause {
@@ -86,7 +86,7 @@ struct Gain {
   BootstrapFigure coverage95_extended;
   BootstrapFigure log_score_gain_nats_per_sample;
 
-  [[nodiscard]] bool is_measured() const { return holdout_samples > 0; }
+  [[nodiscard]] bool has_measured_cause() const { return holdout_samples > 0; }
   [[nodiscard]] bool has_drives() const { return std::isfinite(heading_drift_ratio.value); }
 };
 

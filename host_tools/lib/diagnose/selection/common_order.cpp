@@ -14,15 +14,15 @@ namespace {
 constexpr std::string_view kEffect = "fractional_order";
 
 /// The choices that are kept, with all they are fitted to.
-struct Rest {
+struct KeptParts {
   std::vector<bool> is_kept;
   double prices = 0.0;
   bool has_room = true;
-  Explanation explanation;
+  Hypothesis hypothesis;
 };
 
 template <typename IsKept>
-Rest rest_of(const Problem& problem, const Selection& selection, const IsKept& is_kept) {
+KeptParts kept_parts(const FitData& data, const Selection& selection, const IsKept& is_kept) {
   std::vector<bool> kept;
   std::vector<Part> parts;
   std::vector<Choice> choices;
@@ -35,17 +35,18 @@ Rest rest_of(const Problem& problem, const Selection& selection, const IsKept& i
     prices += selection.choices[i].price_nats();
   }
   const bool room = has_room(parts, choices);
-  const Explanation base(problem, {});
-  return {std::move(kept), prices, room, Explanation(problem, std::move(parts), &base)};
+  const Hypothesis base(data, {});
+  return {std::move(kept), prices, room, Hypothesis(data, std::move(parts), &base)};
 }
 
-SlowNoise slow_noise_beside(const Rest& rest, double own_nats) {
-  const std::optional<Offer> walk = make_rate_random_walk()->examine(rest.explanation);
-  return {.own_nats = own_nats,
-          .is_kept = rest.is_kept,
-          .prices_of_kept = rest.prices,
-          .by_order = OrderProfile(rest.explanation),
-          .walking_nats = rest.explanation.log_likelihood() + walk.value().gain_nats - rest.prices};
+SlowNoise slow_noise_beside(const KeptParts& rest, double selected_nats) {
+  const std::optional<Candidate> walk = make_rate_random_walk()->examine(rest.hypothesis);
+  return {
+      .selected_nats = selected_nats,
+      .is_kept = rest.is_kept,
+      .prices_of_kept = rest.prices,
+      .by_order = OrderProfile(rest.hypothesis),
+      .random_walk_nats = rest.hypothesis.log_likelihood() + walk.value().gain_nats - rest.prices};
 }
 
 /// What the axes lose to orders of their own is more than the chance of one in twenty.
@@ -62,20 +63,20 @@ bool rests_on_one(std::span<const SlowNoise> axes, const CommonOrder& common) {
   return std::ranges::any_of(axes, [&](const SlowNoise& axis) {
     OrderProfile others = common.by_order;
     others -= axis.by_order;
-    return others.at(common.peak.order) < others.of_base();
+    return others.at(common.peak.order) < others.at_base_order();
   });
 }
 
 }  // namespace
 
-OrderProfile::OrderProfile(const Explanation& without_order) {
+OrderProfile::OrderProfile(const Hypothesis& without_order) {
   // From the base to both sides, so that each fit starts beside its solution.
-  const auto fit = [&](std::size_t i, const Explanation& before) {
+  const auto fit = [&](std::size_t i, const Hypothesis& before) {
     std::vector<Part> parts = without_order.parts();
     parts.push_back(part_of_order({.order = kLowest + kStep * static_cast<double>(i)}));
-    return Explanation(without_order.problem(), std::move(parts), &before);
+    return Hypothesis(without_order.data(), std::move(parts), &before);
   };
-  Explanation latest = without_order;
+  Hypothesis latest = without_order;
   values_[kBase] = latest.log_likelihood();
   for (std::size_t i = kBase + 1; i < kOrders; ++i) {
     latest = fit(i, latest);
@@ -115,7 +116,7 @@ OrderProfile::Peak OrderProfile::peak() const {
           .log_likelihood = values_[middle] + offset * slope - 0.5 * offset * offset * curvature};
 }
 
-SlowNoise slow_noise_of(const Problem& problem, const Selection& selection) {
+SlowNoise slow_noise_of(const FitData& data, const Selection& selection) {
   double own = selection.log_likelihood;
   for (const Choice& choice : selection.choices) own -= choice.price_nats();
   const auto is_no_order_or_walk = [&](std::size_t i) {
@@ -123,10 +124,10 @@ SlowNoise slow_noise_of(const Problem& problem, const Selection& selection) {
     return !terms.has_order() && !terms.random_walk;
   };
   const auto is_not_slow = [&](std::size_t i) {
-    return !is_slow(selection.parts[i]) || selection.choices[i].effect->is_measured();
+    return !is_slow(selection.parts[i]) || selection.choices[i].effect->has_measured_cause();
   };
-  const Rest functions = rest_of(problem, selection, is_no_order_or_walk);
-  SlowNoise without = slow_noise_beside(rest_of(problem, selection, is_not_slow), own);
+  const KeptParts functions = kept_parts(data, selection, is_no_order_or_walk);
+  SlowNoise without = slow_noise_beside(kept_parts(data, selection, is_not_slow), own);
   if (!functions.has_room || functions.is_kept == without.is_kept) return without;
   SlowNoise with = slow_noise_beside(functions, own);
   const auto worth = [](const SlowNoise& noise) {
@@ -139,19 +140,20 @@ std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes) {
   if (axes.size() < 2) return std::nullopt;
   double own = 0.0;
   double prices = 0.0;
-  double walking = -kLeastSurprise;
+  double walking = -kSelectionThreshold_nats;
   CommonOrder common{.by_order = axes.front().by_order};
   for (const SlowNoise& axis : axes) {
     if (&axis != axes.data()) common.by_order += axis.by_order;
-    own += axis.own_nats;
+    own += axis.selected_nats;
     prices += axis.prices_of_kept;
-    walking += axis.walking_nats;
+    walking += axis.random_walk_nats;
   }
   common.peak = common.by_order.peak();
-  common.gain_nats = common.peak.log_likelihood - common.by_order.of_base();
-  common.surprise_nats = statistics::surprise_of_free(common.gain_nats, 1.0);
+  common.gain_nats = common.peak.log_likelihood - common.by_order.at_base_order();
+  common.surprisal_nats = statistics::surprisal_of_free(common.gain_nats, 1.0);
   if (is_refuted(axes, common.peak) || rests_on_one(axes, common)) return std::nullopt;
-  const double worth = common.by_order.of_base() - prices + common.surprise_nats - kLeastSurprise;
+  const double worth =
+      common.by_order.at_base_order() - prices + common.surprisal_nats - kSelectionThreshold_nats;
   if (worth < std::max(own, walking)) return std::nullopt;
   if (worth - walking < kAlternativeNats) {
     common.alternatives.push_back({"rate_random_walk", worth - walking});
@@ -163,8 +165,8 @@ Part part_of_order(const OrderProfile::Peak& peak) {
   return {.effect = kEffect, .terms = {.given_order = peak.order}, .shape = {peak.standard_error}};
 }
 
-void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
-           std::size_t axes, const SlowNoise& slow_noise, Selection& selection) {
+void replace_slow_noise(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+                        std::size_t axes, const SlowNoise& slow_noise, Selection& selection) {
   const auto order =
       std::ranges::find_if(effects, [](const auto& effect) { return effect->name() == kEffect; });
   std::vector<Part> parts;
@@ -176,7 +178,7 @@ void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> e
   }
   parts.push_back(part_of_order(common.peak));
   choices.push_back(
-      {order->get(), common.gain_nats, common.surprise_nats, common.alternatives, axes});
+      {order->get(), common.gain_nats, common.surprisal_nats, common.alternatives, axes});
   selection.parts = std::move(parts);
   selection.choices = std::move(choices);
   mark_selected(selection);

@@ -20,7 +20,7 @@ namespace zerorate::diagnose {
 class OrderProfile {
  public:
   /// 17 fits.
-  explicit OrderProfile(const Explanation& without_order);
+  explicit OrderProfile(const Hypothesis& without_order);
 
   OrderProfile& operator+=(const OrderProfile& other);
   OrderProfile& operator-=(const OrderProfile& other);
@@ -32,7 +32,7 @@ class OrderProfile {
   };
   /// Of a parabola through the best three places.
   [[nodiscard]] Peak peak() const;
-  [[nodiscard]] double of_base() const { return values_[kBase]; }
+  [[nodiscard]] double at_base_order() const { return values_[kBase]; }
   /// Between the places on a straight line.
   [[nodiscard]] double at(double order) const;
 
@@ -47,21 +47,21 @@ class OrderProfile {
 
 /// What one axis says of its slow noise. Log likelihoods are less the prices of the choices.
 struct SlowNoise {
-  double own_nats = 0.0;        ///< by what was selected for this axis alone
-  std::vector<bool> is_kept;    ///< each of its choices, beside an order in common
-  double prices_of_kept = 0.0;  ///< [nats]
-  OrderProfile by_order;        ///< with an order in the place of what is not kept
-  double walking_nats = 0.0;    ///< with a random walk there
+  double selected_nats = 0.0;     ///< by what was selected for this axis alone
+  std::vector<bool> is_kept;      ///< each of its choices, beside an order in common
+  double prices_of_kept = 0.0;    ///< [nats]
+  OrderProfile by_order;          ///< with an order in the place of what is not kept
+  double random_walk_nats = 0.0;  ///< with a random walk there
 };
 
-[[nodiscard]] SlowNoise slow_noise_of(const Problem& problem, const Selection& selection);
+[[nodiscard]] SlowNoise slow_noise_of(const FitData& data, const Selection& selection);
 
 /// The flicker noise of all axes.
 struct CommonOrder {
   OrderProfile by_order;
   OrderProfile::Peak peak;
   double gain_nats = 0.0;  ///< over the order of the base
-  double surprise_nats = 0.0;
+  double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
 };
 
@@ -75,7 +75,7 @@ struct CommonOrder {
 
 /// Puts the order in common into the place of an axis's own slow noise.
 /// @param effects with fractional_order among them  @param axes that have it in common
-void place(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
-           std::size_t axes, const SlowNoise& slow_noise, Selection& selection);
+void replace_slow_noise(const CommonOrder& common, std::span<const std::unique_ptr<Effect>> effects,
+                        std::size_t axes, const SlowNoise& slow_noise, Selection& selection);
 
 }  // namespace zerorate::diagnose

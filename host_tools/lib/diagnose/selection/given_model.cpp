@@ -26,9 +26,9 @@ NoiseSpectrum main_spectrum(const model::SensorModel& model, double period_s) {
     noise.white_variance += model.quantization->step_rad_s * model.quantization->step_rad_s / 12.0;
   }
   if (model.flicker) {
-    noise.order = model.flicker->order;
+    noise.flicker_order = model.flicker->order;
     noise.flicker_variance = spectrum::flicker_innovation_variance(
-        model.flicker->bias_instability_rad_s, noise.order, period_s);
+        model.flicker->bias_instability_rad_s, noise.flicker_order, period_s);
   }
   if (model.rate_random_walk) {
     const double coefficient = model.rate_random_walk->coefficient_rad_s_per_sqrt_s;
@@ -43,30 +43,29 @@ NoiseSpectrum line_spectrum(const model::Harmonic& line, double period_s) {
           .line_samples = line.coherence_time_s / period_s};
 }
 
-std::vector<double> density_of(const Problem& problem, const model::SensorModel& model) {
-  const std::size_t n = problem.size();
-  std::vector<NoiseSpectrum> parts{main_spectrum(model, problem.period_s())};
+std::vector<double> density_of(const FitData& data, const model::SensorModel& model) {
+  const std::size_t n = data.size();
+  std::vector<NoiseSpectrum> parts{main_spectrum(model, data.period_s())};
   for (const model::GaussMarkov& process : model.gauss_markov) {
     parts.push_back(
-        markov_spectrum(process.sigma_rad_s, process.time_constant_s / problem.period_s()));
+        markov_spectrum(process.sigma_rad_s, process.time_constant_s / data.period_s()));
   }
   for (const model::Harmonic& line : model.harmonic) {
-    parts.push_back(line_spectrum(line, problem.period_s()));
+    parts.push_back(line_spectrum(line, data.period_s()));
   }
   std::vector<double> density(n);
   for (std::size_t k = 1; k < n; ++k) {
-    for (const NoiseSpectrum& part : parts) density[k] += part.density(problem.sines()[k], k, n);
+    for (const NoiseSpectrum& part : parts) density[k] += part.density(data.sines()[k], k, n);
   }
   return density;
 }
 
 /// Deviation of the sensing element from the model's reference; none without a thermometer.
-std::vector<double> element_temperature(const Problem& problem,
-                                        const model::TemperatureDrift& drift) {
-  const std::vector<double>& measured = problem.series().temperature_degc;
+std::vector<double> element_temperature(const FitData& data, const model::TemperatureDrift& drift) {
+  const std::vector<double>& measured = data.series().temperature_degc;
   if (measured.empty()) return {};
-  const double follow = drift.lag_s > 0.0 ? -std::expm1(-problem.period_s() / drift.lag_s) : 1.0;
-  std::vector<double> excess(problem.size());
+  const double follow = drift.lag_s > 0.0 ? -std::expm1(-data.period_s() / drift.lag_s) : 1.0;
+  std::vector<double> excess(data.size());
   double element = measured.front();
   for (std::size_t k = 0; k < excess.size(); ++k) {
     element += follow * (measured[k] - element);
@@ -76,36 +75,35 @@ std::vector<double> element_temperature(const Problem& problem,
 }
 
 /// What the node learns anew at each start.
-Part learned_part(const Problem& problem, const model::SensorModel& model) {
+Part learned_part(const FitData& data, const model::SensorModel& model) {
   Part part{.effect = "given_model"};
   if (model.warm_up) {
-    part.columns.push_back(decay_column(problem, model.warm_up->time_constant_s));
+    part.columns.push_back(decay_column(data, model.warm_up->time_constant_s));
   }
   if (model.rate_ramp)
-    part.columns.push_back(column_of(problem, [](double time_s) { return time_s; }));
+    part.columns.push_back(column_of(data, [](double time_s) { return time_s; }));
   if (!model.temperature) return part;
-  std::vector<double> excess = element_temperature(problem, *model.temperature);
+  std::vector<double> excess = element_temperature(data, *model.temperature);
   if (excess.empty()) return part;
-  part.columns.push_back(column_of(problem, std::span<const double>(excess)));
+  part.columns.push_back(column_of(data, std::span<const double>(excess)));
   const bool is_curved = model.temperature->curvature_rad_s_per_k2 != 0.0 ||
                          model.temperature->curvature_sigma_rad_s_per_k2 > 0.0;
   if (!is_curved) return part;
   for (double& value : excess) value *= value;
-  part.columns.push_back(column_of(problem, std::span<const double>(excess)));
+  part.columns.push_back(column_of(data, std::span<const double>(excess)));
   return part;
 }
 
 }  // namespace
 
-Explanation hypothesis_of(const Problem& problem, const model::SensorModel& model) {
+Hypothesis hypothesis_of(const FitData& data, const model::SensorModel& model) {
   std::vector<Part> parts;
-  Part learned = learned_part(problem, model);
+  Part learned = learned_part(data, model);
   if (!learned.columns.empty()) parts.push_back(std::move(learned));
-  return {problem, std::move(parts), density_of(problem, model)};
+  return {data, std::move(parts), density_of(data, model)};
 }
 
-bool is_enough(const Explanation& given, const model::SensorModel& model,
-               const Explanation& fitted) {
+bool is_enough(const Hypothesis& given, const model::SensorModel& model, const Hypothesis& fitted) {
   constexpr double kParametersOfEffect = 3.0;  // at most
   double parameters = 2.0;                     // the strengths of white and flicker noise
   for (const Part& part : fitted.parts()) {
@@ -116,7 +114,7 @@ bool is_enough(const Explanation& given, const model::SensorModel& model,
   }
   const double gain =
       fitted.log_likelihood_of_coefficients() - given.log_likelihood_of_coefficients();
-  return -statistics::log_chi_squared_tail(2.0 * gain, parameters) < kLeastSurprise;
+  return -statistics::log_chi_squared_tail(2.0 * gain, parameters) < kSelectionThreshold_nats;
 }
 
 }  // namespace zerorate::diagnose

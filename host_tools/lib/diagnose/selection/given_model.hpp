@@ -10,12 +10,12 @@ namespace zerorate::diagnose {
 /// The noise of the model as it stands: white noise with that of its steps, flicker noise, random
 /// walk, Gauss-Markov processes and lines. What the node learns anew at each start, warm-up, ramp
 /// and the share of the temperature (if the record has one), is fitted in size.
-[[nodiscard]] Explanation hypothesis_of(const Problem& problem, const model::SensorModel& model);
+[[nodiscard]] Hypothesis hypothesis_of(const FitData& data, const model::SensorModel& model);
 
 /// Whether effects that were fitted, beside white and flicker noise of any strength, gain no more
 /// than chance over the hypothesis of the model. False where one of them neither changes the
 /// spectrum nor the mean, and is no rounding that the model has.
-[[nodiscard]] bool is_enough(const Explanation& given, const model::SensorModel& model,
-                             const Explanation& fitted);
+[[nodiscard]] bool is_enough(const Hypothesis& given, const model::SensorModel& model,
+                             const Hypothesis& fitted);
 
 }  // namespace zerorate::diagnose

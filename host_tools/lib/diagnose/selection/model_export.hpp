@@ -12,7 +12,7 @@
 namespace zerorate::diagnose {
 
 /// White and flicker noise of a hypothesis, extended by its effects.
-[[nodiscard]] model::SensorModel model_of(const Explanation& explanation,
+[[nodiscard]] model::SensorModel model_of(const Hypothesis& hypothesis,
                                           std::span<const Choice> choices,
                                           const std::string& source);
 

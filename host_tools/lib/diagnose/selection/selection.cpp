@@ -8,53 +8,54 @@
 namespace zerorate::diagnose {
 namespace {
 
-struct Candidate {
+struct Proposal {
   const Effect* effect;
-  Offer offer;
+  Candidate candidate;
 };
 
 /// What every effect that is not in the hypothesis yet has to offer, most surprising first.
-std::vector<Candidate> candidates_for(const Explanation& without,
-                                      std::span<const std::unique_ptr<Effect>> effects) {
-  std::vector<Candidate> candidates;
+std::vector<Proposal> proposals_for(const Hypothesis& without,
+                                    std::span<const std::unique_ptr<Effect>> effects) {
+  std::vector<Proposal> proposals;
   for (const auto& effect : effects) {
     const bool is_in = std::ranges::any_of(
         without.parts(), [&](const Part& part) { return part.effect == effect->name(); });
     if (is_in) continue;
-    std::optional<Offer> offer = effect->examine(without);
+    std::optional<Candidate> candidate = effect->examine(without);
     // A fit that ran away is no offer.
-    if (offer && std::isfinite(offer->surprise_nats))
-      candidates.push_back({effect.get(), std::move(*offer)});
+    if (candidate && std::isfinite(candidate->surprisal_nats))
+      proposals.push_back({effect.get(), std::move(*candidate)});
   }
-  std::ranges::stable_sort(candidates, std::greater{}, [](const Candidate& candidate) {
-    return candidate.offer.surprise_nats;
+  std::ranges::stable_sort(proposals, std::greater{}, [](const Proposal& proposal) {
+    return proposal.candidate.surprisal_nats;
   });
   // A cause that was measured beside the rate and is beyond doubt goes before any that was searched
   // for: with enough of them those draw everything.
-  const auto measured = std::ranges::find_if(candidates, [](const Candidate& candidate) {
-    return is_beyond_doubt(*candidate.effect, candidate.offer.surprise_nats);
+  const auto measured = std::ranges::find_if(proposals, [](const Proposal& proposal) {
+    return is_beyond_doubt(*proposal.effect, proposal.candidate.surprisal_nats);
   });
-  if (!without.parts().empty() && measured != candidates.end()) {
-    std::rotate(candidates.begin(), measured, measured + 1);
+  if (!without.parts().empty() && measured != proposals.end()) {
+    std::rotate(proposals.begin(), measured, measured + 1);
   }
-  return candidates;
+  return proposals;
 }
 
-bool is_surprising(const std::vector<Candidate>& candidates) {
-  return !candidates.empty() && candidates.front().offer.surprise_nats > kLeastSurprise;
+bool is_surprising(const std::vector<Proposal>& proposals) {
+  return !proposals.empty() &&
+         proposals.front().candidate.surprisal_nats > kSelectionThreshold_nats;
 }
 
 /// Not plain to see.
 bool is_subtle(const Choice& choice) {
   constexpr double kPlain = 200.0;  // nats
-  return choice.surprise_nats < kPlain;
+  return choice.surprisal_nats < kPlain;
 }
 
-Choice choice_of(const std::vector<Candidate>& candidates) {
-  const Candidate& best = candidates.front();
-  Choice choice{best.effect, best.offer.gain_nats, best.offer.surprise_nats, {}};
-  for (const Candidate& rival : std::span(candidates).subspan(1)) {
-    const double behind = best.offer.surprise_nats - rival.offer.surprise_nats;
+Choice choice_of(const std::vector<Proposal>& proposals) {
+  const Proposal& best = proposals.front();
+  Choice choice{best.effect, best.candidate.gain_nats, best.candidate.surprisal_nats, {}};
+  for (const Proposal& rival : std::span(proposals).subspan(1)) {
+    const double behind = best.candidate.surprisal_nats - rival.candidate.surprisal_nats;
     if (std::abs(behind) > kAlternativeNats) continue;
     choice.alternatives.push_back({std::string(rival.effect->name()), behind});
   }
@@ -63,15 +64,16 @@ Choice choice_of(const std::vector<Candidate>& candidates) {
 
 class Selector {
  public:
-  Selector(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects)
-      : problem_(problem), effects_(effects), state_(problem, {}) {}
+  Selector(const FitData& data, std::span<const std::unique_ptr<Effect>> effects)
+      : data_(data), effects_(effects), state_(data, {}) {}
 
   Selection select() {
     Selection selection;
-    std::vector<Candidate> candidates = candidates_for(state_, effects_);
-    selection.evidence = evidence_of(candidates);
-    grow(std::move(candidates));
-    if (split()) grow(candidates_for(state_, effects_));
+    std::vector<Proposal> proposals = proposals_for(state_, effects_);
+    selection.evidence = evidence_of(proposals);
+    add_not_examined(selection.evidence);
+    grow(std::move(proposals));
+    if (split()) grow(proposals_for(state_, effects_));
     selection.parts = state_.parts();
     for (Part& part : selection.parts) {
       if (!part.starts.empty()) part.starts = {state_.noise().spectrum};
@@ -85,19 +87,19 @@ class Selector {
  private:
   [[nodiscard]] bool has_room() const { return diagnose::has_room(state_.parts(), choices_); }
 
-  void grow(std::vector<Candidate> candidates) {
-    while (has_room() && is_surprising(candidates)) {
-      add(candidates);
+  void grow(std::vector<Proposal> proposals) {
+    while (has_room() && is_surprising(proposals)) {
+      add(proposals);
       if (choices_.size() > 1) reconsider();
-      if (has_room()) candidates = candidates_for(state_, effects_);
+      if (has_room()) proposals = proposals_for(state_, effects_);
     }
   }
 
-  void add(const std::vector<Candidate>& candidates) {
+  void add(const std::vector<Proposal>& proposals) {
     std::vector<Part> parts = state_.parts();
-    parts.push_back(candidates.front().offer.part);
-    choices_.push_back(choice_of(candidates));
-    state_ = Explanation(problem_, std::move(parts), &state_);
+    parts.push_back(proposals.front().candidate.part);
+    choices_.push_back(choice_of(proposals));
+    state_ = Hypothesis(data_, std::move(parts), &state_);
   }
 
   /// Each part but the latest, beside all others; but what is plain to see only beside the like of
@@ -110,11 +112,11 @@ class Selector {
         ++i;
         continue;
       }
-      const Explanation without = without_part(i);
-      const std::vector<Candidate> candidates = candidates_for(without, effects_);
+      const Hypothesis without = without_part(i);
+      const std::vector<Proposal> proposals = proposals_for(without, effects_);
       choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
       state_ = without;
-      if (is_surprising(candidates)) add(candidates);
+      if (is_surprising(proposals)) add(proposals);
       // What was added stands last now, so that the next earlier one is at place i again.
     }
   }
@@ -123,21 +125,21 @@ class Selector {
   /// but not of several functions of time and slow noise: with enough of them those draw it too.
   [[nodiscard]] bool stands_beside_latest(std::size_t i) const {
     const Choice& choice = choices_[i];
-    if (!is_beyond_doubt(*choice.effect, choice.surprise_nats)) return false;
+    if (!is_beyond_doubt(*choice.effect, choice.surprisal_nats)) return false;
     std::vector<Part> others;
     for (std::size_t j = 0; j < choices_.size(); ++j) {
       const bool is_latest = j + 1 == choices_.size();
       if (j != i && (is_latest || !is_slow(state_.parts()[j]))) others.push_back(state_.parts()[j]);
     }
-    const std::optional<Offer> offer =
-        choice.effect->examine(Explanation(problem_, std::move(others), &state_));
-    return offer && offer->surprise_nats > kLeastSurprise;
+    const std::optional<Candidate> candidate =
+        choice.effect->examine(Hypothesis(data_, std::move(others), &state_));
+    return candidate && candidate->surprisal_nats > kSelectionThreshold_nats;
   }
 
-  [[nodiscard]] Explanation without_part(std::size_t i) const {
+  [[nodiscard]] Hypothesis without_part(std::size_t i) const {
     std::vector<Part> others = state_.parts();
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    return {problem_, std::move(others), &state_};
+    return {data_, std::move(others), &state_};
   }
 
   /// One slow noise may describe a function of the temperature and another noise so well that
@@ -145,9 +147,9 @@ class Selector {
   /// place, with the best part that is then left. True if something was changed.
   bool split() {
     for (const auto& effect : effects_) {
-      if (!effect->is_measured()) continue;
+      if (!effect->has_measured_cause()) continue;
       for (std::size_t i = 0; i < choices_.size() && has_room(); ++i) {
-        if (state_.parts()[i].terms.wanders() && split(i, *effect)) return true;
+        if (state_.parts()[i].terms.has_slow_noise() && split(i, *effect)) return true;
       }
     }
     return false;
@@ -155,22 +157,22 @@ class Selector {
 
   bool split(std::size_t i, const Effect& measured) {
     if (std::ranges::find(choices_, &measured, &Choice::effect) != choices_.end()) return false;
-    const Explanation without = without_part(i);
+    const Hypothesis without = without_part(i);
     const Choice one = choices_[i];
-    const std::optional<Offer> whole = one.effect->examine(without);
-    const std::optional<Offer> first = measured.examine(without);
-    if (!whole || !first || !(first->surprise_nats > kLeastSurprise)) return false;
+    const std::optional<Candidate> whole = one.effect->examine(without);
+    const std::optional<Candidate> first = measured.examine(without);
+    if (!whole || !first || !(first->surprisal_nats > kSelectionThreshold_nats)) return false;
     std::vector<Part> parts = without.parts();
     parts.push_back(first->part);
-    Explanation beside(problem_, std::move(parts), &without);
-    const std::vector<Candidate> second = candidates_for(beside, effects_);
+    Hypothesis beside(data_, std::move(parts), &without);
+    const std::vector<Proposal> second = proposals_for(beside, effects_);
     if (!is_surprising(second)) return false;
     // Surprises along a chain add up; two choices cost once more than one.
-    const double better = first->surprise_nats + second.front().offer.surprise_nats -
-                          kLeastSurprise - whole->surprise_nats;
+    const double better = first->surprisal_nats + second.front().candidate.surprisal_nats -
+                          kSelectionThreshold_nats - whole->surprisal_nats;
     if (better <= 0.0) return false;
     choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
-    choices_.push_back({&measured, first->gain_nats, first->surprise_nats, {}});
+    choices_.push_back({&measured, first->gain_nats, first->surprisal_nats, {}});
     state_ = std::move(beside);
     add(second);
     add_alternative(*one.effect, better);
@@ -186,38 +188,46 @@ class Selector {
       return;
     }
     known.push_back({std::string(effect.name()), behind});
-    std::ranges::stable_sort(known, {}, &Alternative::behind_nats);
+    std::ranges::stable_sort(known, {}, &Alternative::less_likely_by_nats);
   }
 
-  static std::vector<Evidence> evidence_of(const std::vector<Candidate>& candidates) {
+  static std::vector<Evidence> evidence_of(const std::vector<Proposal>& proposals) {
     std::vector<Evidence> all;
-    all.reserve(candidates.size());
-    for (const Candidate& candidate : candidates) {
-      const Offer& offer = candidate.offer;
-      all.push_back({std::string(candidate.effect->name()),
-                     offer.gain_nats,
-                     kLeastSurprise + offer.gain_nats - offer.surprise_nats,
+    all.reserve(proposals.size());
+    for (const Proposal& proposal : proposals) {
+      const Candidate& candidate = proposal.candidate;
+      all.push_back({std::string(proposal.effect->name()),
+                     candidate.gain_nats,
+                     kSelectionThreshold_nats + candidate.gain_nats - candidate.surprisal_nats,
                      false,
                      {}});
     }
     return all;
   }
 
-  const Problem& problem_;
+  void add_not_examined(std::vector<Evidence>& all) const {
+    for (const auto& effect : effects_) {
+      const std::string_view obstacle = effect->obstacle(state_);
+      if (obstacle.empty()) continue;
+      all.push_back({.effect = std::string(effect->name()), .not_examined = std::string(obstacle)});
+    }
+  }
+
+  const FitData& data_;
   std::span<const std::unique_ptr<Effect>> effects_;
-  Explanation state_;
+  Hypothesis state_;
   std::vector<Choice> choices_;
 };
 
 }  // namespace
 
-bool is_beyond_doubt(const Effect& effect, double surprise_nats) {
+bool is_beyond_doubt(const Effect& effect, double surprisal_nats) {
   constexpr double kBeyondDoubt = 50.0;  // nats
-  return effect.is_measured() && surprise_nats > kBeyondDoubt;
+  return effect.has_measured_cause() && surprisal_nats > kBeyondDoubt;
 }
 
 bool is_slow(const Part& part) {
-  return !part.columns.empty() || part.terms.wanders();
+  return !part.columns.empty() || part.terms.has_slow_noise();
 }
 
 bool has_room(std::span<const Part> parts, std::span<const Choice> choices) {
@@ -236,8 +246,8 @@ void mark_selected(Selection& selection) {
   }
 }
 
-Selection select_effects(const Problem& problem, std::span<const std::unique_ptr<Effect>> effects) {
-  return Selector(problem, effects).select();
+Selection select_effects(const FitData& data, std::span<const std::unique_ptr<Effect>> effects) {
+  return Selector(data, effects).select();
 }
 
 }  // namespace zerorate::diagnose

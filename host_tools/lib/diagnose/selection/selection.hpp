@@ -16,22 +16,24 @@ namespace zerorate::diagnose {
 
 /// An effect must be less likely to be chance than this [nats], so that 16 of them together are
 /// seen in one clean recording of some 200.
-inline constexpr double kLeastSurprise = 8.1;
+inline constexpr double kSelectionThreshold_nats = 8.1;
 
 /// An effect that was chosen, and what else could have been in its place.
 struct Choice {
   const Effect* effect = nullptr;
   double gain_nats = 0.0;
-  double surprise_nats = 0.0;
+  double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
   std::size_t axes = 1;  ///< that gain and surprise are of
 
   /// What the gain had to exceed.
-  [[nodiscard]] double price_nats() const { return kLeastSurprise + gain_nats - surprise_nats; }
+  [[nodiscard]] double price_nats() const {
+    return kSelectionThreshold_nats + gain_nats - surprisal_nats;
+  }
 };
 
 /// What a record needs. It outlives the problem, and the parts bring the starts from which an
-/// explanation of them is found at once.
+/// hypothesis of them is found at once.
 struct Selection {
   std::vector<Part> parts;
   std::vector<Choice> choices;     ///< one for each part, in their order
@@ -40,7 +42,7 @@ struct Selection {
 };
 
 /// What causes the effect was measured beside the rate, and its part is beyond doubt.
-[[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprise_nats);
+[[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprisal_nats);
 
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
@@ -56,7 +58,7 @@ void mark_selected(Selection& selection);
 /// what is plain to see. After each addition every
 /// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
 /// another takes its place if that explains more.
-[[nodiscard]] Selection select_effects(const Problem& problem,
+[[nodiscard]] Selection select_effects(const FitData& data,
                                        std::span<const std::unique_ptr<Effect>> effects);
 
 }  // namespace zerorate::diagnose

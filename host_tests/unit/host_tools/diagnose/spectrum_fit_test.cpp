@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/hypothesis/noise_spectrum.hpp"
+#include "host_tools/lib/diagnose/hypothesis/spectrum_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ std::vector<SpectralBin> expected_bins(const NoiseSpectrum& spectrum) {
     const double phi = std::exp(-1.0 / spectrum.markov_samples);
     const double a = spectrum.low_pass_share;
     const double inner =
-        spectrum.white_variance + spectrum.flicker_variance * std::pow(square, -spectrum.order) +
+        spectrum.white_variance +
+        spectrum.flicker_variance * std::pow(square, -spectrum.flicker_order) +
         spectrum.walk_variance / square +
         spectrum.markov_variance * (1.0 - phi * phi) / (1.0 + phi * phi - 2.0 * phi * std::cos(w));
     const double pass = a * a / (1.0 + (1.0 - a) * (1.0 - a) - 2.0 * (1.0 - a) * std::cos(w));
@@ -42,7 +43,7 @@ TEST(SpectrumOfWhiteAndFlickerNoise, IsFittedFromARoughStart) {
   EXPECT_NEAR(result.spectrum.white_variance, 2.0, 0.002);
   EXPECT_NEAR(result.spectrum.flicker_variance, 0.05, 0.001);
   // Half the information of n white coefficients at least.
-  EXPECT_NEAR(result.errors.log_white_variance, std::sqrt(2.0 / kSize),
+  EXPECT_NEAR(result.error(NoiseParameterId::white_variance), std::sqrt(2.0 / kSize),
               0.6 * std::sqrt(2.0 / kSize));
 }
 
@@ -56,10 +57,10 @@ TEST(SpectrumWithARandomWalk, IsFitted) {
 }
 
 TEST(SpectrumOfAnotherOrder, IsFitted) {
-  const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.05, .order = 0.7};
+  const NoiseSpectrum truth{.white_variance = 1.0, .flicker_variance = 0.05, .flicker_order = 0.7};
   const SpectrumFit result =
       fit(truth, {.free_order = true}, {.white_variance = 1.0, .flicker_variance = 0.1});
-  EXPECT_NEAR(result.spectrum.order, 0.7, 0.01);
+  EXPECT_NEAR(result.spectrum.flicker_order, 0.7, 0.01);
 }
 
 TEST(SpectrumWithGaussMarkovNoise, IsFittedWithItsTimeConstant) {
@@ -150,10 +151,10 @@ TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOffDownToWhatRoundingLe
                       .low_pass_share = 0.5,
                       .rounding_variance = kRounding};
   const NoiseSpectrum recursive = start;
-  start.low_pass_order = 2;
+  start.filter_order = 2;
   const SpectrumFit result = fit_spectrum(bin_coefficients(coefficients), kSize, {.low_pass = true},
                                           std::vector{recursive, start});
-  EXPECT_EQ(result.spectrum.low_pass_order, 2);
+  EXPECT_EQ(result.spectrum.filter_order, 2);
   EXPECT_NEAR(result.spectrum.low_pass_share, 0.7, 0.001);
   EXPECT_NEAR(result.spectrum.white_variance, 1.0, 0.002);
 }

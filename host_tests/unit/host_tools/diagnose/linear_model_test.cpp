@@ -1,0 +1,86 @@
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr double kPeriod_s = 0.1;
+
+/// White noise of variance 1 with a warm-up and a ramp in it.
+EvenSeries warmed_up(double time_constant_s) {
+  EvenSeries series{.period_s = kPeriod_s, .rate_rad_s = std::vector<double>(4096)};
+  random::RandomStream(31).fill_normal(0, series.rate_rad_s);
+  for (std::size_t k = 0; k < series.rate_rad_s.size(); ++k) {
+    const double time_s = kPeriod_s * static_cast<double>(k);
+    series.rate_rad_s[k] += 3.0 * std::exp(-time_s / time_constant_s) + 2e-3 * time_s;
+  }
+  series.lost.resize(series.rate_rad_s.size());
+  return series;
+}
+
+double ramp(double time_s) {
+  return time_s;
+}
+
+/// Log likelihood at white noise of variance 1, so that nothing but amplitudes is fitted.
+double log_likelihood(const FitData& data, const std::vector<Column>& columns) {
+  const Hypothesis hypothesis(data, {Part{.columns = columns}}, std::vector(data.size(), 1.0));
+  return hypothesis.log_likelihood();
+}
+
+// The slower the warm-up, the more it is a ramp: at 10^6 record lengths no digit tells them apart.
+class WarmUpBesideARamp : public ::testing::TestWithParam<double> {};
+
+TEST_P(WarmUpBesideARamp, GainsInTheFitWhatTheSearchForetold) {
+  const EvenSeries series = warmed_up(50.0);
+  const FitData data(series, 1);
+  const std::vector<Column> fitted{column_of(data, ramp),
+                                   decay_column(data, GetParam() * data.span_s())};
+  const Column further = decay_column(data, 50.0);
+  const Hypothesis hypothesis(data, {Part{.columns = fitted}}, std::vector(data.size(), 1.0));
+  const double foretold = ColumnSearch(hypothesis).gain(further);
+  const double gained =
+      log_likelihood(data, {fitted[0], fitted[1], further}) - hypothesis.log_likelihood();
+  EXPECT_GT(gained, 1.0);
+  EXPECT_NEAR(foretold, gained, 1e-6 * gained);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfRecordLengths, WarmUpBesideARamp,
+                         ::testing::Values(0.2, 10.0, 1e3, 1e4, 1e5, 1e6));
+
+TEST(CollinearColumn, GainsNothingAndHasALargeErrorButNoAmplitude) {
+  const EvenSeries series = warmed_up(50.0);
+  const FitData data(series, 1);
+  const Column once = column_of(data, ramp);
+  const Column twice = column_of(data, [](double time_s) { return 2.0 * time_s; });
+  const Hypothesis hypothesis(data, {Part{.columns = {once, twice}}},
+                              std::vector(data.size(), 1.0));
+  EXPECT_EQ(hypothesis.amplitudes()[1], 0.0);
+  EXPECT_GT(hypothesis.amplitude_variances()[1], 1e6 * hypothesis.amplitude_variances()[0]);
+  EXPECT_EQ(ColumnSearch(hypothesis).gain(twice), 0.0);
+  EXPECT_DOUBLE_EQ(hypothesis.log_likelihood(), log_likelihood(data, {once}));
+}
+
+TEST(NormalEquations, SolveASystemByHand) {
+  NormalEquations equations;
+  equations.add({}, 4.0);
+  equations.add(std::vector{2.0}, 5.0);
+  // (4 2; 2 5) x = (8, 12) has x = (1, 2); the inverse is (5 -2; -2 4) / 16.
+  const std::vector<double> x = equations.amplitudes(std::vector{8.0, 12.0});
+  EXPECT_DOUBLE_EQ(x[0], 1.0);
+  EXPECT_DOUBLE_EQ(x[1], 2.0);
+  const std::vector<double> variances = equations.variances();
+  EXPECT_DOUBLE_EQ(variances[0], 5.0 / 16.0);
+  EXPECT_DOUBLE_EQ(variances[1], 0.25);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
