@@ -10,7 +10,7 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
-#include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/experiments/drives/presentation.hpp"
 
 namespace zerorate::cli {
 namespace {

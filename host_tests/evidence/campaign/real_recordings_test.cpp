@@ -14,7 +14,7 @@
 
 #include "host_tests/support/recordings_folder.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/experiments/drives.hpp"
+#include "host_tools/lib/experiments/drives/drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::diagnose {

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/causes.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
 #include "host_tools/lib/diagnose/held_out_gain.hpp"
-#include "host_tools/lib/diagnose/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/selection/causes.hpp"
 #include "host_tools/lib/diagnose/selection/common_order.hpp"
 #include "host_tools/lib/diagnose/selection/given_model.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
@@ -150,7 +150,11 @@ Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
   diagnosis.remarks = remarks_on(diagnosis, record, series);
   try {
     if (!choices.empty() || !options.base_model) {
-      diagnosis.gain = held_out_gain(record, choices, axis.others, options);
+      diagnosis.gain = held_out_gain(record, choices, axis.others,
+                                     {.recording = options.recording,
+                                      .base_model = options.base_model,
+                                      .share = options.holdout,
+                                      .seed = options.seed});
     }
   } catch (const ModelCannotRun& reason) {
     diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");

@@ -15,9 +15,6 @@
 
 namespace zerorate::diagnose {
 
-/// Fewest samples of a record that can be diagnosed.
-inline constexpr std::size_t kFewestSamples = 256;
-
 struct DiagnoseOptions {
   std::string recording;  ///< its name, for the sources of the models
   /// The model to be tested, as it stands: envelopes, misfit, adequacy and gain are against it, and
@@ -25,7 +22,7 @@ struct DiagnoseOptions {
   std::optional<model::SensorModel> base_model;
   double holdout = 0.3;    ///< share at the end that is not used for the fits the gain is told from
   std::uint64_t seed = 1;  ///< of the simulations
-  /// Of a longer record only so many from its beginning are diagnosed, and a remark says so: memory
+  /// Most samples that are diagnosed, from the beginning of a record. A remark says so: memory
   /// stays below about 1 GiB an axis, time below 3 minutes.
   std::size_t most_samples = 4'000'000;
   std::function<void(double)> on_progress;  ///< share of the work that is done
@@ -40,7 +37,7 @@ struct DiagnoseOptions {
 [[nodiscard]] std::vector<Diagnosis> diagnose(std::vector<Record> axes,
                                               const DiagnoseOptions& options = {});
 
-/// The same for one axis.
+/// Diagnoses one axis.
 [[nodiscard]] Diagnosis diagnose(Record record, const DiagnoseOptions& options = {});
 
 }  // namespace zerorate::diagnose

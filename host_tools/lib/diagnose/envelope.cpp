@@ -28,7 +28,7 @@ struct Band {
   double hi = 0.0;
 };
 
-/// Bounds that `rows` of them together keep with 95 %: each at 1 - .05 / rows.
+/// Bounds that `rows` of them together keep with 95 %: each at 1 - 0.05 / rows.
 double quantile_of_family(std::size_t rows) {
   return random::normal_quantile(1.0 - 0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
 }
@@ -168,7 +168,7 @@ std::vector<CurvePoint> density_curve(const Hypothesis& base, const Hypothesis& 
   const std::vector<double> mean = mean_coefficients(extended);
   const std::vector<Run> runs = frequency_bands(data.size());
   const double z = quantile_of_family(runs.size());
-  // Of a sample, two-sided, to one-sided of a hertz.
+  // From two-sided density per sample to one-sided density per hertz.
   const double unit = 2.0 * data.period_s();
   std::vector<CurvePoint> curve;
   curve.reserve(runs.size());

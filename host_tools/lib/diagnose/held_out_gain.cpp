@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
-#include "host_tools/lib/diagnose/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 
 namespace zerorate::diagnose {
@@ -24,12 +24,12 @@ std::optional<Part> part_of(const Choice& choice, const std::optional<OrderProfi
 }  // namespace
 
 Gain held_out_gain(const Record& record, const std::vector<Choice>& wanted,
-                   const std::optional<OrderProfile>& others, const DiagnoseOptions& options) {
-  const double share = 1.0 - options.holdout;
+                   const std::optional<OrderProfile>& others, const HoldOut& hold_out) {
+  const double share = 1.0 - hold_out.share;
   const Record first =
       beginning_of(record, static_cast<std::size_t>(share * static_cast<double>(record.size())));
-  if (options.holdout <= 0.0 || first.size() < kFewestSamples) return {};
-  const PreparedAxis axis(first, options.seed);
+  if (hold_out.share <= 0.0 || first.size() < kFewestSamples) return {};
+  const PreparedAxis axis(first, hold_out.seed);
   const FitData& data = axis.data();
   const Hypothesis base(data, {});
   Hypothesis extended = base;
@@ -43,9 +43,9 @@ Gain held_out_gain(const Record& record, const std::vector<Choice>& wanted,
     extended = Hypothesis(data, std::move(parts), &extended);
   }
   const model::SensorModel base_model =
-      options.base_model.value_or(model_of(base, {}, options.recording));
-  return measure_gain(record, base_model, model_of(extended, choices, options.recording),
-                      options.holdout, options.seed);
+      hold_out.base_model.value_or(model_of(base, {}, hold_out.recording));
+  return measure_gain(record, base_model, model_of(extended, choices, hold_out.recording),
+                      hold_out.share, hold_out.seed);
 }
 
 }  // namespace zerorate::diagnose

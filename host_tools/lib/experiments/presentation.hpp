@@ -5,11 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/experiments/drives.hpp"
-#include "host_tools/lib/experiments/figures.hpp"
-#include "host_tools/lib/experiments/filter_cost.hpp"
-#include "host_tools/lib/experiments/measured_sets.hpp"
-#include "host_tools/lib/experiments/table1.hpp"
 #include "host_tools/lib/report/report.hpp"
 
 namespace zerorate::experiments {
@@ -34,20 +29,5 @@ struct Presentation {
 [[nodiscard]] std::string to_text(const Presentation& presentation);
 /// @param provenance the command that made it
 [[nodiscard]] report::Report to_report(const Presentation& presentation, std::string provenance);
-
-/// Everything that `reproduce table1` finds.
-struct Table1 {
-  SimulationOptions options;
-  std::vector<SimulatedStanding> simulated;
-  std::vector<OrderStanding> orders;
-  std::vector<FilterCost> costs;
-  std::vector<MeasuredTable> measured;  ///< empty without recordings
-};
-
-[[nodiscard]] Presentation present(const Table1& table);
-[[nodiscard]] Presentation present(const std::vector<AllanCurve>& curves);
-/// @param number of the figure in the paper, 2 or 3
-[[nodiscard]] Presentation present(const ExampleRun& run, int number);
-[[nodiscard]] Presentation present(const DriveContest& contest);  ///< schema zerorate.drives/1
 
 }  // namespace zerorate::experiments

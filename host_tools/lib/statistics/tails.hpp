@@ -6,15 +6,15 @@
 
 namespace zerorate::statistics {
 
-/// Of a standard normal beyond |z|, both sides.
+/// log P of a standard normal beyond |z|, both sides.
 [[nodiscard]] double log_normal_tails(double z);
-/// Of chi squared above x.
+/// log P of chi squared above x.
 [[nodiscard]] double log_chi_squared_tail(double x, double freedom);
-/// Of chi squared below x.
+/// log P of chi squared below x.
 [[nodiscard]] double log_chi_squared_lower_tail(double x, double freedom);
-/// Of chi squared as far from its middle as x, both sides.
+/// log P of chi squared as far from its middle as x, both sides.
 [[nodiscard]] double log_chi_squared_tails(double x, double freedom);
-/// Of a Poisson number of at least `count`.
+/// log P of a Poisson number of at least `count`.
 [[nodiscard]] double log_poisson_tail(double count, double mean);
 /// The smallest of `places` such probabilities, at least.
 [[nodiscard]] double log_of_smallest(double log_p, double places);

@@ -8,6 +8,8 @@
 #include <stdexcept>
 
 #include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
@@ -154,6 +156,21 @@ TEST(DiagnosisOfARecord, IsTheSameTwice) {
     EXPECT_EQ(first.causes[i].gain_nats, second.causes[i].gain_nats);
   }
   EXPECT_EQ(first.extended_model, second.extended_model);
+}
+
+TEST(DiagnosisWithoutATemperature, SaysThatItsDriftWasNotExamined) {
+  const Diagnosis diagnosis = diagnose(simulated({}, 1), {.holdout = 0.0});
+  const auto drift = std::ranges::find(diagnosis.evidence, "temperature_drift", &Evidence::effect);
+  ASSERT_NE(drift, diagnosis.evidence.end());
+  EXPECT_EQ(drift->not_examined, "no temperature");
+  EXPECT_FALSE(drift->selected);
+}
+
+TEST(GainOfAModelThatTheNodeCannotRun, IsRefusedByAnErrorOfItsOwn) {
+  model::SensorModel loud = true_model();
+  loud.gauss_markov = {{.sigma_rad_s = 1e25, .time_constant_s = 1.0}};
+  EXPECT_THROW(static_cast<void>(measure_gain(simulated({}, 1), true_model(), loud, 0.3, 1)),
+               ModelCannotRun);
 }
 
 TEST(DiagnosisOfTooLittle, IsRefused) {

@@ -80,7 +80,8 @@ TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesF
   ASSERT_GT(order->surprisal_nats, std::max(markov->surprisal_nats, drift->surprisal_nats));
   const Hypothesis with_order(data, {order->part}, &base);
   ASSERT_LT(make_correlated_noise()->examine(with_order)->surprisal_nats, kSelectionThreshold_nats);
-  ASSERT_LT(make_temperature_drift()->examine(with_order)->surprisal_nats, kSelectionThreshold_nats);
+  ASSERT_LT(make_temperature_drift()->examine(with_order)->surprisal_nats,
+            kSelectionThreshold_nats);
 
   const Selection selection = select_effects(data, effects);
 

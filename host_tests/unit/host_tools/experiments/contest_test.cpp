@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/contest.hpp"
+#include "host_tools/lib/experiments/paper/contest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "host_tools/lib/experiments/node_predictors.hpp"
-#include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/experiments/paper/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/table1.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 

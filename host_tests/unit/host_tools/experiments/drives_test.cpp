@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/drives.hpp"
+#include "host_tools/lib/experiments/drives/drives.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "host_tests/support/made_recording.hpp"
 #include "host_tests/support/scratch_folder.hpp"
-#include "host_tools/lib/experiments/exponential_means.hpp"
+#include "host_tools/lib/experiments/drives/exponential_means.hpp"
 
 namespace zerorate::experiments {
 namespace {

@@ -21,7 +21,7 @@ struct Level {
   double count = 0.0;
 };
 
-/// What was measured and neither clipped nor replaced.
+/// Measured values that are neither clipped nor replaced.
 std::vector<Level> count_levels(const Hypothesis& hypothesis) {
   std::vector<double> values;
   for (std::size_t k = 0; k < hypothesis.data().size(); ++k) {
@@ -47,7 +47,7 @@ Tests test_repeated(const FitData& data, const std::vector<Level>& levels) {
     for (std::size_t j = i - kNeighbours; j <= i + kNeighbours; ++j) around += levels[j].count;
     around -= levels[i].count;
     places += 1.0;
-    // What the neighbours hold is an estimate itself, of at least a half.
+    // The count of the neighbours is an estimate itself, of at least a half.
     const double mean = (around + 3.0 * std::sqrt(around)) / (2.0 * double{kNeighbours});
     const double log_p = statistics::log_poisson_tail(levels[i].count - 1.0, mean);
     if (log_p >= least) continue;

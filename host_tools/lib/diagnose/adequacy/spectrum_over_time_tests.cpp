@@ -16,7 +16,8 @@
 namespace zerorate::diagnose {
 namespace {
 
-/// Of the search for a moving tone; a longer record takes too long and tells it by its patches.
+/// Longest record of the search for a moving tone; a longer one takes too long and tells it by its
+/// patches.
 constexpr std::size_t kMostStretches = 32;
 
 /// Power of each frequency in each stretch of time, of mean 1.

@@ -99,7 +99,7 @@ bool is_steady_tone(const Part& part) {
   return part.effect == "periodic_disturbance" && !part.columns.empty();
 }
 
-/// What a tone of another shape than a sine has at whole multiples of its frequency.
+/// Harmonics: a tone of another shape than a sine has power at whole multiples of its frequency.
 void test_harmonics(const Hypothesis& hypothesis, Tests& tests) {
   constexpr double kHighest = 6.0;
   constexpr double kNyquist = 0.49;  // cycles a sample

@@ -50,7 +50,7 @@ std::vector<double> lagged(const std::vector<double>& values, double lag) {
   return result;
 }
 
-/// What remains within `width` of the temperature before it is moved: play, as of a gear.
+/// Play, as of a gear: stays within `width` of the temperature, and is moved when it leaves that.
 std::vector<double> played(const std::vector<double>& values, double width) {
   std::vector<double> result(values.size());
   double state = values.front();

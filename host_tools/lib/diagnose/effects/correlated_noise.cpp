@@ -45,7 +45,7 @@ class CorrelatedNoise final : public Effect {
     for (double samples = 1.5; samples < 0.2 * size; samples *= 8.0) {
       NoiseSpectrum start = noise;
       start.markov_samples = samples;
-      // As strong as the rest at its corner.
+      // Its strength at its corner is that of the rest.
       start.markov_variance =
           0.5 * noise.density(1.0 / samples, 0, without.data().size()) / samples;
       part.starts.push_back(start);

@@ -32,7 +32,7 @@ class DroppedSamples final : public Effect {
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
     const Losses& losses = without.data().series().losses;
     if (losses.runs == 0) return std::nullopt;
-    // What a sound recording would have lost, against what did not arrive: one Poisson rate.
+    // One Poisson rate: losses of a sound recording against those that were found.
     const bool in_bursts = losses.in_bursts;
     const auto missing = static_cast<double>(in_bursts ? losses.runs : losses.lost);
     const double due =

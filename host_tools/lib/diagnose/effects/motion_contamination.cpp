@@ -31,7 +31,7 @@ struct Event {
   double peak_rad_s = 0.0;
 };
 
-/// Of neighbouring events of one length that overlap, the best.
+/// Keeps the best of neighbouring events of one length that overlap.
 void keep_better(std::vector<Event>& peaks, const Event& event) {
   if (!peaks.empty() && peaks.back().end - peaks.back().first == event.end - event.first &&
       event.first < peaks.back().end) {
@@ -272,7 +272,7 @@ class MotionContamination final : public Effect {
     return candidate;
   }
 
-  /// What the events have in common.
+  /// Figures that the events have in common.
   struct Shape {
     double events = 0.0;
     double duration_s = 0.0;        ///< mean

@@ -199,7 +199,8 @@ class Outliers final : public Effect {
  private:
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
     const std::vector<double> residuals = deletion_residuals(without);
-    // What rounding may have done was taken away, so that nothing may be left of the noise.
+    // The part that rounding may have done was taken away, so that nothing may be left of the
+    // noise.
     const Histogram histogram(residuals, without.is_replaced(), without.is_coarse() ? 1.0 : 0.0);
     Mixture best;
     double best_gain = 0.0;

@@ -200,7 +200,7 @@ class PeriodicDisturbance final : public Effect {
                 .shape = {cycles / data.period_s()}};
   }
 
-  /// Of a line at k / 2n cycles a sample, for every k.
+  /// Gains of a line at k / 2n cycles a sample, for every k.
   static std::vector<double> line_gains(const ColumnSearch& scan) {
     // The cosine transform of (-1)^i x_i, read backwards, is the sine transform of x.
     const std::size_t n = scan.data().size();

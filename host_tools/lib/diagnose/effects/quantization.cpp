@@ -16,7 +16,8 @@ namespace {
 
 using units::kDegPerRad;
 
-/// Of the white noise: finer steps are those of a number format and change nothing.
+/// Finest step that counts, over the white noise: finer ones are a number format and change
+/// nothing.
 constexpr double kFinest = 0.05;
 
 /// Rates that come in steps. The part's shape: the step in rad/s.
@@ -64,7 +65,7 @@ class Quantization final : public Effect {
     return Candidate{{.effect = name(), .shape = {lattice->step}}, gain, gain};
   }
 
-  /// What rounding adds to the variance of the values: step^2 / 12 where they reach over several
+  /// Variance that rounding adds to the values: step^2 / 12 where they reach over several
   /// levels; where they reach over few it depends on where between two levels the bias lies. So the
   /// spread before rounding is that which makes the levels most probable.
   static double rounding_variance(const Hypothesis& all, double step) {
@@ -80,7 +81,7 @@ class Quantization final : public Effect {
     return rounded - spread * spread;
   }
 
-  /// Of the levels, each value predicted from all others; of long records a part.
+  /// Log probability of the levels, each value predicted from all others; of long records a part.
   static double log_probability(const Hypothesis& all, double step, double spread) {
     constexpr std::size_t kMostValues = 20'000;
     const std::vector<double>& rate = all.data().rate_rad_s();

@@ -106,7 +106,7 @@ class SensorBandwidth final : public Effect {
     return -std::log1p(-share) / (2.0 * std::numbers::pi * period_s);
   }
 
-  /// Of the power between 0 and a frequency in cycles a sample.
+  /// Mean gain of the power between 0 and a frequency in cycles a sample.
   static double mean_gain(const NoiseSpectrum& noise, double highest) {
     constexpr int kNodes = 64;
     double sum = 0.0;

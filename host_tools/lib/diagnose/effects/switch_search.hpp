@@ -47,9 +47,9 @@ class SwitchSearch {
   };
 
   [[nodiscard]] std::size_t size() const { return record_.size() - 1; }
-  /// Of two steps.
+  /// Product of two steps.
   [[nodiscard]] double product(std::size_t a, std::size_t b) const;
-  /// Of a path with a step.
+  /// Product of a path with a step.
   [[nodiscard]] double product(const Switches& path, std::size_t step) const;
   [[nodiscard]] Products products(const Switches& path) const;
   [[nodiscard]] double score(const Products& products, std::size_t count) const;

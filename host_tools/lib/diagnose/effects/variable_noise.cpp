@@ -64,7 +64,7 @@ class Squares {
     return sums_[end] - sums_[first];
   }
 
-  /// Of another variance in [first, end) than elsewhere.
+  /// Gain of another variance in [first, end) than elsewhere.
   [[nodiscard]] double gain(std::size_t first, std::size_t end) const {
     const auto all = static_cast<double>(size());
     const auto inside = static_cast<double>(end - first);
@@ -96,7 +96,7 @@ double crossings_of_one_change(double gain, double shortest) {
   return std::sqrt(gain / std::numbers::pi) * 2.0 * std::log((1.0 - shortest) / shortest);
 }
 
-/// The same for a stretch of a share t of the record, whose beginning and end are such a place
+/// Crossings for a stretch of a share t of the record, whose beginning and end are such a place
 /// each: b^3 phi(b) / (2 t (1 - t))^2 with b^2 = 2 G, of either sign, integrated over both
 /// (Siegmund 1992).
 double crossings_of_two_changes(double gain, double shortest) {
@@ -105,7 +105,7 @@ double crossings_of_two_changes(double gain, double shortest) {
   return 0.5 * places * std::pow(2.0 * gain, 1.5) / std::sqrt(2.0 * std::numbers::pi);
 }
 
-/// The same for the frequency of a swing, up to so many cycles over the record (Baluev 2008).
+/// Crossings for the frequency of a swing, up to so many cycles over the record (Baluev 2008).
 double crossings_of_frequency(double gain, double cycles) {
   return cycles * std::sqrt(gain * std::numbers::pi / 3.0);
 }
@@ -213,7 +213,7 @@ Profile best_periodic(const Squares& squares) {
   const std::size_t block = std::max<std::size_t>(1, squares.size() / kPeriodicBlocks);
   const std::size_t n = spectrum::fast_length_below(squares.size() / block);
   const auto width = static_cast<double>(block);
-  // Of what the blocks cover: a mean of other values would be a gain of its own.
+  // Mean over what the blocks cover: a mean of other values would be a gain of its own.
   const double mean = squares.sum(0, n * block) / static_cast<double>(n * block);
   std::vector<double> relative(n);
   for (std::size_t b = 0; b < n; ++b) {

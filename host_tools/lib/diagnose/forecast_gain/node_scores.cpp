@@ -62,12 +62,12 @@ class Node {
     measure(mean.tick, static_cast<float>(sum / double{learnt}), learnt);
     level_.observe(screen_.squares_rad2_s2() / (learnt * node_.white_variance_rad2_s2), learnt);
   }
-  /// The same from its mean alone.
+  /// Learns a tick from its mean alone.
   core::Innovation learn(const identify::TickMean& mean) {
     return measure(mean.tick, mean.rate_rad_s[0], static_cast<float>(mean.samples));
   }
   [[nodiscard]] double bias_rad_s() const { return double{filter_.bias_rad_s(lead_)}; }
-  /// Of a mean of so many samples in the tick that was entered last, whatever they are.
+  /// Variance of a mean of so many samples in the tick that was entered last, whatever they are.
   [[nodiscard]] double measurement_variance(std::uint32_t samples) const {
     const core::SampleModel& model = node_.samples;
     float of_sample = white_variance();
@@ -76,7 +76,7 @@ class Node {
     return double{of_sample / static_cast<float>(samples) +
                   node_.measurement_floor_variance_rad2_s2};
   }
-  /// Of the drive that began after the newest measurement and ends now.
+  /// Heading sigma of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
     Filter::Transition drive{node_.modes.over(lead_.ticks)};
     temperature_.over_drive(lead_, lead_.ticks, drive);

@@ -34,7 +34,7 @@ struct ScoredDrive {
   std::size_t ticks = 0;
 };
 
-/// What a log score is of. Either way it is the same for all models that are compared.
+/// Object of a log score, which is the same for all models that are compared.
 enum class ScoreOf {
   tick_means,  ///< for models that take what is within a tick for white noise
   samples,     ///< each after those before it
@@ -48,12 +48,13 @@ class ModelCannotRun : public std::runtime_error {
 
 struct NodeScores {
   std::vector<ScoredDrive> drives;
-  /// Of each judged tick when all of them are stops: log density of its mean, or the sum of the log
-  /// scores of its samples (see log_score()), as predicted from the ticks and samples before.
+  /// Score of each judged tick when all of them are stops: log density of its mean, or the sum of
+  /// the log scores of its samples (see log_score()), as predicted from the ticks and samples
+  /// before.
   std::vector<double> log_scores;
 };
 
-/// What a model's score should be of: of samples where it says more of them than white noise.
+/// Object of a model's score: samples if the model says more of them than white noise.
 [[nodiscard]] ScoreOf level_of(const model::SensorModel& model);
 
 /// Two passes of the node's filter, in its single precision. Throws ModelCannotRun.

@@ -43,7 +43,7 @@ struct Component {
   }
 };
 
-/// Of the density, times the step: 1 unless the levels are far apart.
+/// Sum of the density over the levels, times the step: 1 unless the levels are far apart.
 double sum_over_levels(const std::array<Component, 3>& parts, double level, double step) {
   const double sigma = std::sqrt(parts.front().variance);
   if (step < sigma) return 1.0;  // to 1e-8

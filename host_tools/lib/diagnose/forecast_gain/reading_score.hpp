@@ -6,7 +6,7 @@
 
 namespace zerorate::diagnose {
 
-/// What readings are read off: nothing by default, then a reading is the rate itself.
+/// Scale that readings are read off; by default a reading is the rate itself.
 struct Scale {
   double step_rad_s = 0.0;  ///< of what readings are rounded to; 0: they are not
   /// Spacing of the levels that readings lie on, where the model does not know of them: its density

@@ -38,7 +38,7 @@ Column column_of(const FitData& data, std::span<const double> values) {
     for (std::size_t k = i * block; k < (i + 1) * block; ++k) means[i] += values[k] / width;
   }
   std::vector<double> coefficients = of_blocks(data, means);
-  // What averaging has taken away.
+  // Undo the attenuation by averaging.
   for (std::size_t k = 1; k <= coefficients.size(); ++k) {
     const double half =
         0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(data.size());

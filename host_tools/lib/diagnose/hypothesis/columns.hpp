@@ -13,17 +13,18 @@ namespace zerorate::diagnose {
 /// The DCT of a slow function of time given at each value. Of long records it is taken of the means
 /// over blocks, and coefficients beyond half of theirs are left out.
 [[nodiscard]] Column column_of(const FitData& data, std::span<const double> values);
-/// The same of a function that is smooth over a block.
+/// Column of a function that is smooth over a block.
 [[nodiscard]] Column column_of(const FitData& data,
                                const std::function<double(double time_s)>& function);
-/// Of a fast one, with all coefficients.
+/// Column of a fast function, with all coefficients.
 [[nodiscard]] Column fast_column_of(const FitData& data,
                                     const std::function<double(double time_s)>& function);
-/// Of 0 before value `first` and 1 from it on.
+/// Column of a step: 0 before value `first` and 1 from it on.
 [[nodiscard]] Column step_column(const FitData& data, std::size_t first);
-/// Of cosine and sine of a tone, `cycles` a value; what is far from its frequency is left out.
+/// Columns of cosine and sine of a tone, `cycles` a value; coefficients far from its frequency are
+/// left out.
 [[nodiscard]] std::pair<Column, Column> tone_columns(const FitData& data, double cycles);
-/// Of e^(-t / tau).
+/// Column of e^(-t / tau).
 [[nodiscard]] Column decay_column(const FitData& data, double tau_s);
 
 }  // namespace zerorate::diagnose

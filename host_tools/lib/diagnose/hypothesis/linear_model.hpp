@@ -23,7 +23,7 @@ namespace zerorate::diagnose {
 /// nothing. So the gain that a search foretells for a column is the gain of the fit with it.
 class NormalEquations {
  public:
-  static constexpr double kLeastShare = 1e-10;
+  static constexpr double kLeastShare = 1e-8;
 
   /// Adds a column.
   /// @param products  inner products with the columns before it

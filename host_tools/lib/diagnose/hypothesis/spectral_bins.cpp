@@ -14,7 +14,7 @@ constexpr double kBinGrowth = 1.03;
 constexpr double kShareOfEnd = 0.1;  // of the coefficients up to the last one, in a bin
 constexpr std::size_t kFewestInEnd = 8;
 
-/// Of a bin that begins at a coefficient, so that it does not blur a line.
+/// Width of a bin that begins at a coefficient, so that it does not blur a line.
 std::size_t width_near(std::size_t line, std::size_t first) {
   if (line == 0) return std::numeric_limits<std::size_t>::max() / 2;
   const std::size_t distance = line > first ? line - first : first - line;

@@ -50,7 +50,7 @@ std::string envelope_caption(const Diagnosis& diagnosis) {
   return text;
 }
 
-/// Of a recording of one axis there is nothing to add.
+/// A recording of one axis needs no name of the axis.
 std::string of_axis(const Diagnosis& diagnosis) {
   return diagnosis.axis == "rate" ? "." : " of axis " + diagnosis.axis + ".";
 }

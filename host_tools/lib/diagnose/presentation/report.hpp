@@ -16,9 +16,9 @@ struct ReportText {
   std::string provenance;  ///< what makes the report once more
 };
 
-/// Of each axis: the verdict in words, the causes and their parameters, Allan deviation and density
-/// over what the models simulate, the effect over the data, the evidence, what the extension buys,
-/// and the extended model with the commands that run it.
+/// Report of each axis: the verdict in words, the causes and their parameters, Allan deviation and
+/// density over what the models simulate, the effect over the data, the evidence, what the
+/// extension buys, and the extended model with the commands that run it.
 [[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
 
 }  // namespace zerorate::diagnose

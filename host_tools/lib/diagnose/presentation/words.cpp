@@ -51,11 +51,11 @@ const Misfit* worst_misfit(const Diagnosis& diagnosis) {
   return worst;
 }
 
-/// What speaks next best, when it alone is added, and does not do.
+/// The next best effect that does not do, each added alone.
 std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
   const auto chosen = std::ranges::find(diagnosis.evidence, true, &Evidence::selected);
   if (chosen == diagnosis.evidence.end()) return std::nullopt;
-  // As alternatives are compared: with the price of parameters and search taken off.
+  // Alternatives are compared this way: with the price of parameters and search taken off.
   const auto worth = [](const Evidence& evidence) {
     return evidence.gain_nats - evidence.price_nats;
   };

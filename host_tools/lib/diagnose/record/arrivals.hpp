@@ -16,7 +16,7 @@ struct Losses {
   std::size_t repeated = 0;  ///< of the lost: in their place the sample before came again
   std::size_t runs = 0;  ///< of lost samples; in bursts: gaps of more than kLongGap mean intervals
   double jitter = 0.0;   ///< rms deviation of the stamps from even ones, in periods
-  bool is_uneven = false;  ///< less than .7 of the grid of the median interval is filled
+  bool is_uneven = false;  ///< less than 0.7 of the grid is filled
   /// Uneven, and the stamps lie on no grid: batches that were stamped when they were read. How many
   /// samples are missing is unknown, `expected` and `lost` are 0.
   bool in_bursts = false;
@@ -25,7 +25,8 @@ struct Losses {
   static constexpr double kLongGap = 5.0;
 };
 
-/// The places of samples on a grid of their median interval, and what is missing there.
+/// Places of samples on a grid whose period is the mean of the intervals near the median one, and
+/// the samples that are missing there.
 struct Arrivals {
   double period_s = 0.0;
   std::vector<std::size_t> places;  ///< one a sample, not descending

@@ -31,11 +31,12 @@ struct EvenSeries {
   }
 };
 
-/// Samples go to the grid of their median interval where at least .7 of it is filled; else means
-/// are taken over ticks of which nearly all hold samples. Where holes are long, the longest stretch
-/// without a hole of more than 50 values is kept, if it is a third of the record or more.
-/// A sample that repeats the one before is as good as lost (find_repeated_samples).
-/// Lost values are filled by a straight line between the means on both sides.
+/// Samples go to a grid whose period is the mean of the intervals near the median one, where at
+/// least 0.7 of it is filled; else means are taken over ticks of which nearly all hold samples.
+/// Where holes are long, the longest stretch without a hole of more than 50 values is kept, if it
+/// is a third of the record or more. A sample that repeats the one before is as good as lost
+/// (find_repeated_samples). Lost values are filled by a straight line between the means on both
+/// sides.
 [[nodiscard]] EvenSeries even_series_of(const Record& record);
 
 }  // namespace zerorate::diagnose

@@ -28,6 +28,9 @@ struct Record {
 /// that of the sample before.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
+/// Fewest samples of a record that can be diagnosed.
+inline constexpr std::size_t kFewestSamples = 256;
+
 /// The first samples of a record; all of them where it has fewer.
 [[nodiscard]] Record beginning_of(const Record& record, std::size_t size);
 

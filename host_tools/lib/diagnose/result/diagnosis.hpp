@@ -116,7 +116,7 @@ struct Point {
   double rate_rad_s = 0.0;
 };
 
-/// What of an effect can be drawn over the data against time.
+/// Overlay of an effect on the time series: a curve and marked samples.
 struct Drawing {
   std::string effect;
   std::vector<Point> curve;  ///< the mean function, the constant bias included; may be empty

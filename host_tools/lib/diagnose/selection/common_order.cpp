@@ -39,17 +39,17 @@ KeptParts kept_parts(const FitData& data, const Selection& selection, const IsKe
   return {std::move(kept), prices, room, Hypothesis(data, std::move(parts), &base)};
 }
 
-SlowNoise slow_noise_beside(const KeptParts& rest, double selected_nats) {
-  const std::optional<Candidate> walk = make_rate_random_walk()->examine(rest.hypothesis);
+SlowNoise slow_noise_beside(const KeptParts& kept, double selected_nats) {
+  const std::optional<Candidate> walk = make_rate_random_walk()->examine(kept.hypothesis);
   return {
       .selected_nats = selected_nats,
-      .is_kept = rest.is_kept,
-      .prices_of_kept = rest.prices,
-      .by_order = OrderProfile(rest.hypothesis),
-      .random_walk_nats = rest.hypothesis.log_likelihood() + walk.value().gain_nats - rest.prices};
+      .is_kept = kept.is_kept,
+      .prices_of_kept = kept.prices,
+      .by_order = OrderProfile(kept.hypothesis),
+      .random_walk_nats = kept.hypothesis.log_likelihood() + walk.value().gain_nats - kept.prices};
 }
 
-/// What the axes lose to orders of their own is more than the chance of one in twenty.
+/// True if the axes lose more to orders of their own than the chance of one in twenty.
 bool is_refuted(std::span<const SlowNoise> axes, const OrderProfile::Peak& common) {
   constexpr double kChance = 0.05;
   double of_peaks = 0.0;

@@ -30,7 +30,7 @@ class OrderProfile {
     double standard_error = 0.0;
     double log_likelihood = 0.0;
   };
-  /// Of a parabola through the best three places.
+  /// Vertex of a parabola through the best three places.
   [[nodiscard]] Peak peak() const;
   [[nodiscard]] double at_base_order() const { return values_[kBase]; }
   /// Between the places on a straight line.
@@ -45,7 +45,7 @@ class OrderProfile {
   std::array<double, kOrders> values_{};
 };
 
-/// What one axis says of its slow noise. Log likelihoods are less the prices of the choices.
+/// Slow noise of one axis, in three ways. Log likelihoods are less the prices of the choices.
 struct SlowNoise {
   double selected_nats = 0.0;     ///< by what was selected for this axis alone
   std::vector<bool> is_kept;      ///< each of its choices, beside an order in common

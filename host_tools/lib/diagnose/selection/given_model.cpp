@@ -74,7 +74,7 @@ std::vector<double> element_temperature(const FitData& data, const model::Temper
   return excess;
 }
 
-/// What the node learns anew at each start.
+/// Mean functions that the node learns anew at each start.
 Part learned_part(const FitData& data, const model::SensorModel& model) {
   Part part{.effect = "given_model"};
   if (model.warm_up) {

@@ -13,7 +13,7 @@ struct Proposal {
   Candidate candidate;
 };
 
-/// What every effect that is not in the hypothesis yet has to offer, most surprising first.
+/// Candidates of all effects that are not in the hypothesis yet, most surprising first.
 std::vector<Proposal> proposals_for(const Hypothesis& without,
                                     std::span<const std::unique_ptr<Effect>> effects) {
   std::vector<Proposal> proposals;
@@ -117,7 +117,7 @@ class Selector {
       choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
       state_ = without;
       if (is_surprising(proposals)) add(proposals);
-      // What was added stands last now, so that the next earlier one is at place i again.
+      // The added part stands last now, so that the next earlier one is at place i again.
     }
   }
 

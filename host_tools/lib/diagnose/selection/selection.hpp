@@ -26,13 +26,13 @@ struct Choice {
   std::vector<Alternative> alternatives;
   std::size_t axes = 1;  ///< that gain and surprise are of
 
-  /// What the gain had to exceed.
+  /// Price: the gain had to exceed it.
   [[nodiscard]] double price_nats() const {
     return kSelectionThreshold_nats + gain_nats - surprisal_nats;
   }
 };
 
-/// What a record needs. It outlives the problem, and the parts bring the starts from which an
+/// Effects that a record needs. It outlives the data, and the parts bring the starts from which an
 /// hypothesis of them is found at once.
 struct Selection {
   std::vector<Part> parts;
@@ -41,23 +41,22 @@ struct Selection {
   double log_likelihood = 0.0;
 };
 
-/// What causes the effect was measured beside the rate, and its part is beyond doubt.
+/// True if the cause was measured beside the rate and the part is beyond doubt.
 [[nodiscard]] bool is_beyond_doubt(const Effect& effect, double surprisal_nats);
 
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
 
-/// With enough parts anything can be described; but not by what is plain to see and no function
-/// of time or slow noise.
+/// True while another cause may be added. Obvious causes that are neither functions of time nor
+/// slow noise do not count towards the limit, since they cannot describe just anything.
 [[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices);
 
-/// Makes the evidence say what the choices are.
+/// Marks the evidence of the effects that were chosen.
 void mark_selected(Selection& selection);
 
-/// Adds the most surprising effect until none is surprising enough, or there are kMostCauses beside
-/// what is plain to see. After each addition every
-/// earlier one is looked at again beside the others: it goes if they have made it superfluous, and
-/// another takes its place if that explains more.
+/// Adds the most surprising effect until none is surprising enough, or there is no room. After each
+/// addition every earlier effect is examined again beside the others: it goes if they have made it
+/// superfluous, and another takes its place if that explains more.
 [[nodiscard]] Selection select_effects(const FitData& data,
                                        std::span<const std::unique_ptr<Effect>> effects);
 

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/measured_sets.hpp"
+#include "host_tools/lib/experiments/paper/measured_sets.hpp"
 
 #include <gtest/gtest.h>
 

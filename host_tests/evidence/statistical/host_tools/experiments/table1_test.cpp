@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/experiments/paper/table1.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/experiments/measured_sets.hpp"
-#include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/experiments/paper/measured_sets.hpp"
+#include "host_tools/lib/experiments/paper/table1.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
 
 namespace zerorate::experiments {

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/contest.hpp"
+#include "host_tools/lib/experiments/paper/contest.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>

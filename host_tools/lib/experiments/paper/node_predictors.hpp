@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/noise/modes.hpp"
-#include "host_tools/lib/experiments/predictor.hpp"
+#include "host_tools/lib/experiments/paper/predictor.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/drives.hpp"
+#include "host_tools/lib/experiments/drives/drives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
-#include "host_tools/lib/experiments/exponential_means.hpp"
-#include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/experiments/drives/drive_models.hpp"
+#include "host_tools/lib/experiments/drives/exponential_means.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -86,65 +85,6 @@ struct AxisSums {
   }
 };
 
-using Fits = std::vector<DriveContest::AxisModels>;  ///< of one recording, by axis
-
-Fits diagnosed(const identify::RestSamples& samples, const std::string& recording) {
-  std::vector<diagnose::Record> axes;
-  axes.reserve(samples.axis_count);
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    axes.push_back(diagnose::record_of(samples, axis));
-  }
-  Fits fits;
-  for (auto& diagnosis :
-       diagnose::diagnose(std::move(axes), {.recording = recording, .holdout = 0.0})) {
-    fits.push_back({recording, fits.size(), std::move(diagnosis.extended_model),
-                    std::move(diagnosis.base_model)});
-  }
-  return fits;
-}
-
-Fits fit(const fs::path& path, FitBy fit_by) {
-  recording::Reader reader{path};
-  const identify::RestSamples samples = identify::read_rest_samples(reader);
-  if (fit_by == FitBy::diagnosis) return diagnosed(samples, path.filename().string());
-  identify::CharacterizeOptions options{.recording = path.filename().string()};
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) options.axes.push_back(axis);
-  const auto free_order = identify::characterize(samples, options);
-  options.order = 0.5;
-  const auto half_order = identify::characterize(samples, options);
-  Fits fits;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    fits.push_back(
-        {options.recording, axis, free_order.axes[axis].model, half_order.axes[axis].model});
-  }
-  return fits;
-}
-
-/// Means of log N, log B and d, which is the mean of the log spectra at every frequency. Recordings
-/// that showed no flicker noise have no say in it.
-model::SensorModel mean_model(const std::vector<model::SensorModel>& models) {
-  double log_n = 0.0;
-  double log_b = 0.0;
-  double order = 0.0;
-  double with_flicker = 0.0;
-  model::SensorModel mean = models.front();
-  for (const auto& model : models) {
-    log_n += std::log(model.white.angle_random_walk_rad_per_sqrt_s);
-    if (!model.flicker) continue;
-    mean.flicker = model.flicker;
-    log_b += std::log(model.flicker->bias_instability_rad_s);
-    order += model.flicker->order;
-    ++with_flicker;
-  }
-  mean.white.angle_random_walk_rad_per_sqrt_s =
-      std::exp(log_n / static_cast<double>(models.size()));
-  if (mean.flicker) {
-    mean.flicker->bias_instability_rad_s = std::exp(log_b / with_flicker);
-    mean.flicker->order = order / with_flicker;
-  }
-  return mean;
-}
-
 class Contest {
  public:
   Contest(const std::vector<fs::path>& paths, const DriveContestOptions& options)
@@ -169,7 +109,8 @@ class Contest {
 
   void fit_all() {
     parallel::for_each(paths_.size(), options_.threads,
-                       [&](std::size_t i) { fits_[i] = fit(paths_[i], options_.fit_by); }, {});
+                       [&](std::size_t i) { fits_[i] = fit_recording(paths_[i], options_.fit_by); },
+                       {});
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) clusters_.push_back({i, axis});
     }

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/causes.hpp"
+#include "host_tools/lib/diagnose/selection/causes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/experiments/predictor.hpp"
+#include "host_tools/lib/experiments/paper/predictor.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::experiments {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "host_tools/lib/experiments/predictor.hpp"
+#include "host_tools/lib/experiments/paper/predictor.hpp"
 #include "host_tools/lib/reference/best_linear_predictor.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "host_tools/lib/experiments/contest.hpp"
-#include "host_tools/lib/experiments/expectation.hpp"
+#include "host_tools/lib/experiments/paper/contest.hpp"
+#include "host_tools/lib/experiments/paper/expectation.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {

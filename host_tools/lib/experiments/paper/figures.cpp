@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/figures.hpp"
+#include "host_tools/lib/experiments/paper/figures.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -1,9 +1,9 @@
-#include "host_tools/lib/experiments/filter_cost.hpp"
+#include "host_tools/lib/experiments/paper/filter_cost.hpp"
 
 #include <algorithm>
 #include <chrono>
 
-#include "host_tools/lib/experiments/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/node_predictors.hpp"
 #include "host_tools/lib/reference/full_state_filter.hpp"
 
 namespace zerorate::experiments {

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/measured_sets.hpp"
+#include "host_tools/lib/experiments/paper/measured_sets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "host_tools/lib/experiments/node_predictors.hpp"
-#include "host_tools/lib/experiments/reference_predictors.hpp"
+#include "host_tools/lib/experiments/paper/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/reference_predictors.hpp"
 #include "host_tools/lib/identify/whittle_fit.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/expectation.hpp"
+#include "host_tools/lib/experiments/paper/expectation.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/experiments/drives/presentation.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/units/units.hpp"
 

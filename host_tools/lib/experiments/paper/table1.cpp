@@ -1,9 +1,9 @@
-#include "host_tools/lib/experiments/table1.hpp"
+#include "host_tools/lib/experiments/paper/table1.hpp"
 
 #include <cmath>
 
-#include "host_tools/lib/experiments/node_predictors.hpp"
-#include "host_tools/lib/experiments/reference_predictors.hpp"
+#include "host_tools/lib/experiments/paper/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/reference_predictors.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 

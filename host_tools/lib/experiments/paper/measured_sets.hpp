@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/experiments/contest.hpp"
+#include "host_tools/lib/experiments/paper/contest.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/experiments/paper/presentation.hpp"
 #include "host_tools/lib/recording/json.hpp"
 
 namespace zerorate::experiments {

@@ -2,7 +2,7 @@
 /// What is expected of a linear predictor under a noise model, without simulation.
 #pragma once
 
-#include "host_tools/lib/experiments/predictor.hpp"
+#include "host_tools/lib/experiments/paper/predictor.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {

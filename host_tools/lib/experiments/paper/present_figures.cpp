@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/experiments/paper/presentation.hpp"
 
 namespace zerorate::experiments {
 namespace {

@@ -1,0 +1,23 @@
+/// @file
+/// The models that the contestants of a contest on drives run.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "host_tools/lib/experiments/drives/drives.hpp"
+
+namespace zerorate::experiments {
+
+/// Models of one recording, by axis.
+using Fits = std::vector<DriveContest::AxisModels>;
+
+/// Fits each axis of a recording. Throws recording::DataError.
+[[nodiscard]] Fits fit_recording(const std::filesystem::path& path, FitBy fit_by);
+
+/// Mean of models: of log N, log B and d, which is the mean of the log spectra at every frequency.
+/// Recordings that showed no flicker noise have no say in it.
+/// @param models  at least one
+[[nodiscard]] model::SensorModel mean_model(const std::vector<model::SensorModel>& models);
+
+}  // namespace zerorate::experiments
