@@ -120,7 +120,7 @@ void Tally::count_coverage(const Scenario& scenario, const Answer& answer) {
       const auto interval = intervals.find(name);
       if (interval == intervals.end()) continue;
       const auto [lo, hi] = interval->second;
-      coverage_[effect + ": " + name].count(lo <= truth && truth <= hi);
+      coverage_[fmt::format("{}: {}", effect, name)].count(lo <= truth && truth <= hi);
     }
   }
 }
