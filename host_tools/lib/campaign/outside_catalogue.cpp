@@ -74,7 +74,7 @@ Mean without(const RecordingSetting& setting, Mean residual, Basis basis) {
   return residual;
 }
 
-/// What is left of a mean function when the catalogue has twice taken what it explains best.
+/// Remainder of a mean function when the catalogue has twice taken what it explains best.
 Mean unexplained_part(const RecordingSetting& setting, Mean residual) {
   for (int round = 0; round < 2; ++round) {
     Mean least = residual;
