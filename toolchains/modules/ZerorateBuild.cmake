@@ -97,15 +97,18 @@ zerorate_precompiled_headers(zerorate_standard_headers
   HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span> <stdexcept> <string>
           <string_view> <utility> <variant> <vector>)
 
-# zerorate_leaf(NAME [HOSTED] [SOURCES files...] [DEPENDS targets...])
+# zerorate_leaf(NAME [HOSTED] [FOLDER folder] [SOURCES files...] [DEPENDS targets...])
 #
-# Declares the folder's library as zerorate_NAME with the alias zerorate::NAME; one a leaf folder.
+# Declares the library of a folder (that of the CMakeLists.txt unless given; SOURCES are relative to it) as
+# zerorate_NAME with the alias zerorate::NAME. Each folder with headers has one.
 # Without SOURCES it is a header-only (INTERFACE) library. HOSTED leaves may use an operating
 # system, double precision and exceptions; the others are compiled for the microcontrollers too.
 # The folder's headers form a header set: the target all_verify_interface_header_sets compiles each
 # of them on its own, so that a template which nothing uses yet is still compiled for every processor.
 function(zerorate_leaf name)
-  cmake_parse_arguments(leaf "HOSTED" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(leaf "HOSTED" "FOLDER" "SOURCES;DEPENDS" ${ARGN})
+  cmake_path(APPEND CMAKE_CURRENT_SOURCE_DIR "${leaf_FOLDER}" OUTPUT_VARIABLE folder)
+  list(TRANSFORM leaf_SOURCES PREPEND "${folder}/" REGEX "^[^/]")
   set(flags zerorate_target_flags)
   if(leaf_HOSTED)
     set(flags zerorate_flags)
@@ -120,7 +123,7 @@ function(zerorate_leaf name)
     add_library(zerorate_${name} INTERFACE)
     target_link_libraries(zerorate_${name} INTERFACE ${flags} ${leaf_DEPENDS})
   endif()
-  file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.hpp")
+  file(GLOB headers CONFIGURE_DEPENDS "${folder}/*.hpp")
   if(headers)
     target_sources(zerorate_${name} INTERFACE
       FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${headers})
