@@ -87,7 +87,7 @@ TEST(ReplayThroughChipAndSource, AgreeToTheRoundingOfTheChip) {
 TEST(ReplayThroughEveryChip, AgreesToItsRounding) {
   const ScratchFolder folder;
   for (const ChipUnderTest& under_test : kChips) {
-    SCOPED_TRACE(std::string(name(under_test.chip)));
+    SCOPED_TRACE(under_test.chip);
     const auto path =
         write_rows(folder.path() / "rest.csv", under_test.columns, rows_at_rest(12'000, 0.01, 1));
     ReplayOptions options{.model = sensor_model(), .schedule = kShortDrives};
