@@ -8,7 +8,7 @@
 namespace zerorate::hal::linux_os {
 
 /// Text for a terminal or a journal that somebody else wrote, such as the name of a file: bytes
-/// that would steer the terminal stand there as \xNN. Line ends and tabs stay.
+/// that would steer the terminal stand there as `\xNN`. Line ends and tabs stay.
 [[nodiscard]] std::string printable(std::string_view text);
 
 /// Writes out what is still buffered. For the end of a program: text that was lost since its start,
