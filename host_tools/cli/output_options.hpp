@@ -7,7 +7,7 @@
 
 #include "host_tools/lib/experiments/presentation.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
 }
 

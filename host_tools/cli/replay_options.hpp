@@ -8,7 +8,7 @@
 
 #include "host_tools/lib/evaluate/replay.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
 }
 
