@@ -22,6 +22,12 @@ void examine_rates(Row& row, const Columns& columns) {
   }
 }
 
+bool misses_reference(const Row& row, const Columns& columns) {
+  return (columns.ref_heading && !std::isfinite(row.ref_heading_rad)) ||
+         (columns.ref_rate && !std::isfinite(row.ref_rate_rad_s)) ||
+         (columns.ref_speed && !std::isfinite(row.ref_speed_m_s));
+}
+
 /// later - earlier for later > earlier; the longest interval where 64 bits are not enough.
 std::int64_t interval(std::int64_t earlier, std::int64_t later) {
   const auto difference = static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
@@ -50,6 +56,8 @@ std::string_view description(Finding finding) {
       return "odometer count runs backwards";
     case Finding::line_unterminated:
       return "last line has no line end (file cut off?)";
+    case Finding::reference_missing:
+      return "heading, rate or speed of the reference is empty, nan or infinite";
   }
   return "unknown finding";
 }
@@ -89,6 +97,9 @@ void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
   examine_rates(row, columns);
   if (columns.temperature && !std::isfinite(row.temperature_degc)) {
     row.findings.add(Finding::temperature_lost);
+  }
+  if (misses_reference(row, columns)) {
+    row.findings.add(Finding::reference_missing);
   }
   if (rows_ == 0) {
     latest_time_ns_ = row.time_ns;

@@ -23,8 +23,9 @@ enum class Finding : std::uint8_t {
   gap,                 ///< more than kGapPeriods median periods since the latest time so far
   odometer_backwards,  ///< the pulse count is below that of the row before
   line_unterminated,   ///< the last line does not end in a newline: the file may have been cut
+  reference_missing,   ///< heading, rate or speed of the reference is empty, nan or infinite
 };
-inline constexpr std::size_t kFindingCount = 8;
+inline constexpr std::size_t kFindingCount = 9;
 
 /// A gap is an interval longer than this many median intervals.
 inline constexpr std::int64_t kGapPeriods = 10;

@@ -39,6 +39,9 @@ constexpr std::array kAcceptedNames = {
     AcceptedName{"temperature_c", Meaning::temperature},
     AcceptedName{"odometer_pulses", Meaning::odometer},
     AcceptedName{"still", Meaning::still},
+    AcceptedName{"ref_heading_deg", Meaning::ref_heading},
+    AcceptedName{"ref_rate_dps", Meaning::ref_rate},
+    AcceptedName{"ref_speed_mps", Meaning::ref_speed},
 };
 
 constexpr std::string_view kRateNames =
@@ -202,9 +205,13 @@ Header read_header(LineReader& lines) {
   Header header;
   header.columns.axis_count = rates.axis_count;
   header.columns.rate_unit = rates.unit;
-  header.columns.temperature = find_single(lines, named, Meaning::temperature) != nullptr;
-  header.columns.odometer = find_single(lines, named, Meaning::odometer) != nullptr;
-  header.columns.still = find_single(lines, named, Meaning::still) != nullptr;
+  const auto has = [&](Meaning meaning) { return find_single(lines, named, meaning) != nullptr; };
+  header.columns.temperature = has(Meaning::temperature);
+  header.columns.odometer = has(Meaning::odometer);
+  header.columns.still = has(Meaning::still);
+  header.columns.ref_heading = has(Meaning::ref_heading);
+  header.columns.ref_rate = has(Meaning::ref_rate);
+  header.columns.ref_speed = has(Meaning::ref_speed);
   for (const NamedColumn& column : named) {
     const AcceptedName* const accepted = column.accepted;
     header.layout.push_back(accepted != nullptr
@@ -225,6 +232,9 @@ std::string header_line(const Columns& columns) {
   line += columns.temperature ? ",temp_c" : "";
   line += columns.odometer ? ",odometer_pulses" : "";
   line += columns.still ? ",still" : "";
+  line += columns.ref_heading ? ",ref_heading_deg" : "";
+  line += columns.ref_rate ? ",ref_rate_dps" : "";
+  line += columns.ref_speed ? ",ref_speed_mps" : "";
   return line;
 }
 

@@ -13,7 +13,17 @@
 namespace zerorate::recording {
 
 /// Meaning of a column of the file.
-enum class Meaning : std::uint8_t { time, rate, temperature, odometer, still, ignored };
+enum class Meaning : std::uint8_t {
+  time,
+  rate,
+  temperature,
+  odometer,
+  still,
+  ref_heading,
+  ref_rate,
+  ref_speed,
+  ignored
+};
 
 /// One column of the file.
 struct Column {

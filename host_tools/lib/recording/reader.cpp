@@ -8,6 +8,11 @@
 #include "host_tools/lib/recording/number.hpp"
 
 namespace zerorate::recording {
+namespace {
+
+const double kRadPerDeg = rad_per_s_in(RateUnit::deg_per_s);
+
+}  // namespace
 
 Reader::Reader(const std::filesystem::path& path) : lines_(path), header_(read_header(lines_)) {}
 
@@ -84,6 +89,15 @@ void Reader::parse_field(const Column& column, const Fields& fields, Row& row) c
       break;
     case Meaning::still:
       row.still = parse_still(column, fields);
+      break;
+    case Meaning::ref_heading:
+      row.ref_heading_rad = to_si(parse_measured(column, fields), kRadPerDeg);
+      break;
+    case Meaning::ref_rate:
+      row.ref_rate_rad_s = to_si(parse_measured(column, fields), kRadPerDeg);
+      break;
+    case Meaning::ref_speed:
+      row.ref_speed_m_s = to_si(parse_measured(column, fields), 1.0);
       break;
     case Meaning::ignored:
       break;

@@ -31,6 +31,9 @@ struct Columns {
   bool temperature = false;
   bool odometer = false;
   bool still = false;
+  bool ref_heading = false;  ///< of a reference system, as ref_rate and ref_speed
+  bool ref_rate = false;
+  bool ref_speed = false;
 
   bool operator==(const Columns&) const = default;
 };
@@ -42,6 +45,11 @@ struct Row {
   float temperature_degc = std::numeric_limits<float>::quiet_NaN();
   std::int64_t odometer_pulses = 0;  ///< counted since some moment before the recording
   bool still = false;
+  /// Heading by a reference system, of any origin and sign, wrapped or not. Single precision
+  /// resolves 0.0000003 of its size: a wrapped heading to 0.00003 deg.
+  float ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
+  float ref_rate_rad_s = std::numeric_limits<float>::quiet_NaN();  ///< about the vertical
+  float ref_speed_m_s = std::numeric_limits<float>::quiet_NaN();
   FindingSet findings;  ///< what is odd about this row; set by the reader, ignored by the writer
 };
 

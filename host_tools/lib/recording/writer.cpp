@@ -65,6 +65,10 @@ void Writer::write(const Row& row) {
   if (columns_.still) {
     fmt::format_to(std::back_inserter(text_), ",{:d}", row.still);
   }
+  const double rad_per_deg = rad_per_s_in(RateUnit::deg_per_s);
+  if (columns_.ref_heading) append_measured(row.ref_heading_rad, rad_per_deg);
+  if (columns_.ref_rate) append_measured(row.ref_rate_rad_s, rad_per_deg);
+  if (columns_.ref_speed) append_measured(row.ref_speed_m_s, 1.0);
   text_ += '\n';
   if (text_.size() >= kTextBytes) {
     flush();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -78,6 +79,44 @@ TEST_F(RecordingWithAllColumns, IsReadByNameInAnyOrder) {
   EXPECT_FALSE(row.still);
   EXPECT_FALSE(reader.next(row));
   EXPECT_EQ(row.odometer_pulses, 13) << "the row stays as it was at the end of the file";
+}
+
+class RecordingWithReference : public Files {};
+
+TEST_F(RecordingWithReference, GivesHeadingAndRateInRadiansAndFlagsWhatIsMissing) {
+  Reader reader{folder_.write("run.csv",
+                              "t_s,rate_dps,ref_heading_deg,ref_rate_dps,ref_speed_mps\n"
+                              "0,1,360,-90,13.5\n1,1,,nan,inf\n2,1,1,1,1\n3,1,1,1,\n")};
+  EXPECT_THAT(reader.ignored_columns(), IsEmpty());
+  EXPECT_TRUE(reader.columns().ref_heading && reader.columns().ref_rate);
+  EXPECT_TRUE(reader.columns().ref_speed);
+  Row row;
+  ASSERT_TRUE(reader.next(row));
+  EXPECT_FLOAT_EQ(row.ref_heading_rad, 6.2831853F);
+  EXPECT_FLOAT_EQ(row.ref_rate_rad_s, -1.5707964F);
+  EXPECT_EQ(row.ref_speed_m_s, 13.5F);
+  EXPECT_TRUE(row.findings.empty());
+  ASSERT_TRUE(reader.next(row));
+  EXPECT_TRUE(std::isnan(row.ref_heading_rad) && std::isnan(row.ref_rate_rad_s));
+  EXPECT_TRUE(row.findings.has(Finding::reference_missing));
+  ASSERT_TRUE(reader.next(row) && reader.next(row));
+  EXPECT_EQ(reader.findings().count(Finding::reference_missing), 2);
+  EXPECT_EQ(reader.findings().first_line(Finding::reference_missing), 3);
+}
+
+TEST_F(RecordingWithReference, MayHoldAnySubsetOfIt) {
+  Reader reader{folder_.write("run.csv", "t_s,rate_dps,ref_speed_mps\n0,1,2\n")};
+  EXPECT_FALSE(reader.columns().ref_heading || reader.columns().ref_rate);
+  EXPECT_TRUE(reader.columns().ref_speed);
+  Row row;
+  ASSERT_TRUE(reader.next(row));
+  EXPECT_TRUE(std::isnan(row.ref_heading_rad));
+  EXPECT_TRUE(row.findings.empty()) << "a column that is absent is not missing";
+}
+
+TEST_F(RecordingWithReference, RefusesTextAndTwoOfAColumn) {
+  EXPECT_THROW(read("t_s,rate_dps,ref_heading_deg\n0,1,north\n"), Error);
+  EXPECT_THROW(read("t_s,rate_dps,ref_speed_mps,ref_speed_mps\n0,1,1,1\n"), Error);
 }
 
 class TextVariants : public Files {};

@@ -40,7 +40,12 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
   std::vector<Row> written;
   for (int i = 0; i < 20'000; ++i) {
     const float scale = std::exp(10.0F * normal(random));
-    Row row{static_cast<std::int64_t>(random() >> 2U), {}, 0.0F, i, random() % 2 == 0, {}};
+    Row row{.time_ns = static_cast<std::int64_t>(random() >> 2U),
+            .odometer_pulses = i,
+            .still = random() % 2 == 0,
+            .ref_heading_rad = 7.0F * normal(random),
+            .ref_rate_rad_s = scale * normal(random),
+            .ref_speed_m_s = 30.0F * normal(random)};
     for (float& rate : row.rate_rad_s) {
       rate = scale * normal(random);
     }
@@ -73,6 +78,15 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
     }
     EXPECT_EQ(row.odometer_pulses, columns.odometer ? expected.odometer_pulses : 0);
     EXPECT_EQ(row.still, columns.still && expected.still);
+    if (columns.ref_heading) {
+      ASSERT_EQ(row.ref_heading_rad, expected.ref_heading_rad);
+    }
+    if (columns.ref_rate) {
+      ASSERT_EQ(row.ref_rate_rad_s, expected.ref_rate_rad_s);
+    }
+    if (columns.ref_speed) {
+      ASSERT_EQ(row.ref_speed_m_s, expected.ref_speed_m_s);
+    }
   }
   Row row;
   EXPECT_FALSE(reader.next(row));
@@ -80,11 +94,14 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(
     Of, WrittenRecording,
-    ::testing::Combine(::testing::Values("run.csv", "run.csv.gz"),
-                       ::testing::Values(Columns{3, RateUnit::deg_per_s, true, true, true},
-                                         Columns{3, RateUnit::rad_per_s, false, true, false},
-                                         Columns{1, RateUnit::deg_per_s, true, false, false},
-                                         Columns{1, RateUnit::rad_per_s, false, false, true})));
+    ::testing::Combine(
+        ::testing::Values("run.csv", "run.csv.gz"),
+        ::testing::Values(Columns{3, RateUnit::deg_per_s, true, true, true},
+                          Columns{3, RateUnit::deg_per_s, false, true, false, true, true, true},
+                          Columns{3, RateUnit::rad_per_s, false, true, false, false, false, true},
+                          Columns{3, RateUnit::rad_per_s, false, true, false},
+                          Columns{1, RateUnit::deg_per_s, true, false, false},
+                          Columns{1, RateUnit::rad_per_s, false, false, true})));
 
 TEST(RewrittenText, IsTheSameText) {
   const zerorate::testing::ScratchFolder folder;
