@@ -31,6 +31,7 @@ struct Command {
 [[nodiscard]] Command add_diagnose(CLI::App& app);
 [[nodiscard]] Command add_monitor(CLI::App& app);
 [[nodiscard]] Command add_probe(CLI::App& app);
+[[nodiscard]] Command add_odometer(CLI::App& app);
 
 /// All that this build has: board_commands.cpp or desktop_commands.cpp.
 [[nodiscard]] std::vector<Command> add_commands(CLI::App& app);
