@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
@@ -17,12 +18,16 @@ namespace {
 struct Options {
   std::string recording;
   ReplayFlags flags;
+  TruthFlags truth;
   OutputOptions outputs;
   std::string out;
 };
 
 ExitCode run(const Options& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  // A schedule says that the sensor was at rest: then nothing else is the truth.
+  std::optional<truth::Truth> truth;
+  if (!replay_options.schedule) truth = read_truth(options.recording, options.truth);
   recording::Reader reader{options.recording};
   const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
 
@@ -32,7 +37,8 @@ ExitCode run(const Options& options) {
   const bool traced = !options.outputs.report.empty();
   const evaluate::ReplayResult result = replay_watched(
       reader, replay_options,
-      {.trace = traced ? &trace : nullptr, .corrected = corrected ? &*corrected : nullptr});
+      {.trace = traced ? &trace : nullptr, .corrected = corrected ? &*corrected : nullptr}, {},
+      std::move(truth));
   if (traced) {
     evaluate::make_report(
         result, axes, trace, {}, replay_options.model,
@@ -56,6 +62,7 @@ Command add_replay(CLI::App& app) {
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   add_replay_flags(*command, options->flags);
+  add_truth_flags(*command, options->truth);
   add_output_options(*command, options->outputs);
   command->add_option("--out", options->out, "write the corrected rate, bias and sigma as CSV");
   command->footer(

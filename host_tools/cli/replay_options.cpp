@@ -13,11 +13,13 @@
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
 
+using units::kDegPerRad;
 using units::kRadPerDeg;
 
 core::Duration seconds(double value, const char* option) {
@@ -88,6 +90,27 @@ void print_notes(const evaluate::ReplayResult& result) {
   }
 }
 
+void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_count) {
+  fmt::print("\n{}\n", evaluate::summary(drives, axis_count));
+  if (!drives.truth.obstacle.empty()) return;
+  fmt::print("true stops: {}, slower than {:.3g} m/s for {:g} s at least\n",
+             drives.truth.stops.size(), drives.truth.speed_limit_m_s, truth::kShortestStop_s);
+  for (const evaluate::ScoredDrive& scored : drives.drives) {
+    if (scored.flaw == truth::Flaw::none) continue;
+    fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
+               static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
+  }
+  fmt::print("\n{:<18}{:>7}{:>13}{:>12}{:>11}{:>13}{:>13}\n", "predictor", "drives",
+             "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
+  for (const app::Predictor predictor : evaluate::kAllPredictors) {
+    const evaluate::TrueScore score = drives.score(predictor);
+    fmt::print("{:<18}{:>7}{:>13.4f}{:>12.4f}{:>11.4f}{:>13.3f}{:>13.3f}\n",
+               evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
+               score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
+               score.coverage95_of_node);
+  }
+}
+
 }  // namespace
 
 model::SensorModel load_model(const std::string& name) {
@@ -150,6 +173,35 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   return options;
 }
 
+void add_truth_flags(CLI::App& app, TruthFlags& flags) {
+  app.add_option("--vertical-axis", flags.vertical_axis,
+                 "axis about which the reference's heading counts: x, y, z, or -z for the other "
+                 "sense, as in --vertical-axis=-z; default: found from the turns");
+  app.add_option("--reference-error", flags.reference_error_deg,
+                 "standard deviation of the reference's turn over a drive [deg]; default: its "
+                 "change over the stops")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--reference-from", flags.reference_from_s,
+                 "time of the recording before which the reference was still aligning [s]")
+      ->capture_default_str();
+}
+
+std::optional<truth::Truth> read_truth(const std::string& recording, const TruthFlags& flags) {
+  // A pipe can be read once only.
+  if (!std::filesystem::is_regular_file(recording)) return std::nullopt;
+  recording::Reader reader{recording};
+  const recording::Columns& columns = reader.columns();
+  if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
+  truth::TruthOptions options{.usable_from_s = flags.reference_from_s};
+  if (!flags.vertical_axis.empty()) {
+    options.vertical = truth::parse_vertical_axis(flags.vertical_axis);
+  }
+  if (flags.reference_error_deg) {
+    options.reference_error_rad = *flags.reference_error_deg * kRadPerDeg;
+  }
+  return truth::find_truth(truth::read_track(reader), options);
+}
+
 std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count) {
   if (name == "all") {
     return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
@@ -172,12 +224,13 @@ void print_findings(const recording::Findings& findings) {
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
-  using units::kDegPerRad;
   fmt::print("{} samples every {:.6g} s, filter ticks of {:.6g} s\n", result.rows,
              static_cast<double>(result.sample_period.ns()) * 1e-9,
              static_cast<double>(result.filter_tick.ns()) * 1e-9);
   print_notes(result);
+  if (result.true_drives) print_true_drives(*result.true_drives, result.axis_count);
   if (!result.truth_known) {
+    if (result.true_drives) return;
     fmt::print(
         "  note: the true rate is not known, so nothing is scored; --schedule says that the "
         "sensor was at rest\n");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/lib/evaluate/replay.hpp"
+#include "host_tools/lib/truth/truth.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
@@ -28,6 +29,20 @@ struct ReplayFlags {
   double settle_s = 1.0;
   double hold_back_s = 0.5;
 };
+
+/// Options of the scores against a reference, as typed.
+struct TruthFlags {
+  std::string vertical_axis;
+  std::optional<double> reference_error_deg;
+  double reference_from_s = 0.0;
+};
+
+void add_truth_flags(CLI::App& app, TruthFlags& flags);
+
+/// The true drives of a recording; nullopt where it has no reference columns, or cannot be read
+/// twice. Throws std::invalid_argument, recording::Error, recording::DataError.
+[[nodiscard]] std::optional<truth::Truth> read_truth(const std::string& recording,
+                                                     const TruthFlags& flags);
 
 /// A sensor model: a file if there is one of that name, else an entry of the catalogue. Throws
 /// model::ModelFileError, std::system_error, std::invalid_argument.

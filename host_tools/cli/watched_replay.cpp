@@ -8,8 +8,9 @@ namespace zerorate::cli {
 
 evaluate::ReplayResult replay_watched(recording::Reader& reader,
                                       const evaluate::ReplayOptions& options,
-                                      const ReplaySinks& sinks, evaluate::TrueRate true_rate) {
-  evaluate::ReplayObserver observer{.true_rate = std::move(true_rate)};
+                                      const ReplaySinks& sinks, evaluate::TrueRate true_rate,
+                                      std::optional<truth::Truth> truth) {
+  evaluate::ReplayObserver observer{.true_rate = std::move(true_rate), .truth = std::move(truth)};
   if (sinks.trace != nullptr || sinks.corrected != nullptr) {
     observer.on_sample = [&](const evaluate::ReplayedSample& sample) {
       if (sinks.corrected != nullptr) sinks.corrected->write(sample);

@@ -100,7 +100,11 @@ class Run {
         shift_(kStart - core::Instant::from_ns(rows.first_time_ns())),
         params_(make_params(options, result)),
         odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period)),
-        node_(params_) {}
+        node_(params_) {
+    if (!observer.truth) return;
+    true_drives_.emplace(*observer.truth, shift_, longest_interval(result.sample_period),
+                         options.published, double{params_.white_variance_rad2_s2});
+  }
 
   template <class Feed>
   void to_the_end(Feed feed) {
@@ -123,6 +127,7 @@ class Run {
     if (drive_open_) close_drive(newest_);
     result_.loop = feed.counters();
     result_.findings = reader_.findings();
+    if (true_drives_) result_.true_drives = true_drives_->finish();
   }
 
   Node& node() { return node_; }
@@ -133,6 +138,11 @@ class Run {
   static constexpr core::Instant kStart = core::Instant::from_ns(1'000'000'000);
   static constexpr std::uint64_t kProgressRows = 4096;
   static constexpr std::size_t kAxes = Node::kAxes;
+
+  /// Longest gap over which a rate is integrated for the heading of a true drive.
+  static core::Duration longest_interval(core::Duration sample_period) {
+    return std::max(core::Duration::nanoseconds(recording::kShortestHole), sample_period * 2);
+  }
 
   static typename Node::Params make_params(const ReplayOptions& options,
                                            const ReplayResult& result) {
@@ -186,9 +196,15 @@ class Run {
       const bool has_bias = core::is_finite(message.axes[0].sigma.in(core::rad_per_s));
       if (moving && has_bias) add_to_drive(message, truth);
       newest_ = message.time;
+      if (true_drives_) {
+        const std::size_t vertical = observer_.truth->vertical.axis;
+        const double rate = double{message.axes[vertical].measured.in(core::rad_per_s)};
+        true_drives_->take(row.time_ns, rate, has_bias, node_);
+      }
     }
     if (observer_.on_sample) {
-      observer_.on_sample({result_.rows, row.time_ns, moving, message, truth});
+      observer_.on_sample(
+          {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
     }
   }
 
@@ -256,6 +272,7 @@ class Run {
   std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;
+  std::optional<TrueDriveScorer> true_drives_;
 };
 
 template <core::ModelShape Shape>

@@ -19,7 +19,9 @@
 #include "host_tools/lib/evaluate/drive_scores.hpp"
 #include "host_tools/lib/evaluate/schedule.hpp"
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
+#include "host_tools/lib/evaluate/true_drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/truth/truth.hpp"
 
 namespace zerorate::evaluate {
 
@@ -56,6 +58,7 @@ struct ReplayedSample {
   bool moving;           ///< as the recording or the schedule has it
   const app::RateMessage& message;
   std::array<float, 3> true_rate_rad_s;
+  std::uint32_t learnt_ticks;  ///< filter ticks up to and with the newest one that was learnt
 };
 
 /// One predictor's outcome over one drive of one axis.
@@ -72,6 +75,8 @@ using TrueRate = std::function<std::array<float, 3>(std::uint64_t row)>;
 struct ReplayObserver {
   /// The true rate at a row (counted from 0) [rad/s]; unset: zero, the sensor was at rest.
   TrueRate true_rate;
+  /// True drives by a reference system, to be scored besides; unset: none.
+  std::optional<truth::Truth> truth;
   std::function<void(const ReplayedSample&)> on_sample;
   std::function<void(const ReplayedDrive&)> on_drive;
   /// Called now and then with the share of the recording that is done, if known.
@@ -96,6 +101,7 @@ struct ReplayResult {
   /// Whether the true rate was known, so that the scores mean something.
   bool truth_known = false;
   std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< by axis and predictor
+  std::optional<TrueDrives> true_drives;  ///< if the observer gave the truth
 };
 
 /// Replays to the end of the recording in constant memory. Throws recording::Error and

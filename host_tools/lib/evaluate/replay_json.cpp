@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host_tools/lib/evaluate/true_drives_json.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -53,6 +54,9 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
       predictors[std::string(name(kAllPredictors[p]))] = scores_json(scores[p], scores.back());
     }
     json["axes"][axis_name(result, axis)]["predictors"] = std::move(predictors);
+  }
+  if (result.true_drives) {
+    json["true_drives"] = true_drives_json(*result.true_drives, result.axis_count);
   }
   return json.dump(2) + "\n";
 }

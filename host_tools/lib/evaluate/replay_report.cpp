@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -238,6 +239,9 @@ std::vector<report::KeyFigure> key_figures(const ReplayResult& result, std::size
 std::string summary(const ReplayResult& result, std::size_t axis) {
   const DriveScores& kalman = result.scores[axis].front();
   const DriveScores& mean = result.scores[axis].back();
+  if (result.true_drives && !result.truth_known) {
+    return summary(*result.true_drives, result.axis_count);
+  }
   if (!result.truth_known) {
     return "The true rate of this recording is not known, so drift cannot be scored; add "
            "--schedule "
@@ -270,6 +274,7 @@ report::Report make_report(const ReplayResult& result, const std::vector<std::si
         .chart(drift_bars(result, axes))
         .table(score_table(result, axes));
   }
+  if (result.true_drives) add_true_drives(report, *result.true_drives, trace, result);
   if (!rest.rate_rad_s.empty()) {
     report.section("The sensor's noise").chart(allan_chart(rest, model));
   }

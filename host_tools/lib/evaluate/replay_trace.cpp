@@ -16,6 +16,9 @@ void accumulate(TracePoint& sum, const TracePoint& point, double weight) {
 
 void ReplayTrace::add(const ReplayedSample& sample) {
   const double time_s = static_cast<double>(sample.time_ns) * 1e-9;
+  if (!started_) start_s_ = time_s;
+  started_ = true;
+  follow_learning(sample.learnt_ticks);
   if (sample.moving) {
     in_stop_ = false;
   } else if (in_stop_) {
@@ -48,6 +51,19 @@ void ReplayTrace::add(const ReplayedDrive& drive) {
   const double start_s = static_cast<double>(drive.start_ns) * 1e-9;
   if (drives_.empty() || drives_.back().start_s != start_s) drives_.push_back({start_s, {}});
   drives_.back().outcomes[static_cast<std::size_t>(drive.predictor)] = drive.outcome;
+}
+
+/// A step lets few ticks go at once, those that were held back; what it leaps over further was a
+/// drive.
+void ReplayTrace::follow_learning(std::uint32_t learnt_ticks) {
+  constexpr std::uint32_t kMostHeld = 16;
+  const std::uint32_t before = learnt_.empty() ? 0 : learnt_.back().to;
+  if (learnt_ticks <= before) return;
+  if (!learnt_.empty() && learnt_ticks - before <= kMostHeld) {
+    learnt_.back().to = learnt_ticks;
+  } else {
+    learnt_.push_back({learnt_ticks - 1, learnt_ticks});
+  }
 }
 
 void ReplayTrace::close_stretch() {

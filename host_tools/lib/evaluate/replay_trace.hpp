@@ -50,8 +50,17 @@ class ReplayTrace {
     double to_s;
   };
   [[nodiscard]] const std::vector<Interval>& stops() const { return stops_; }
+  /// Runs of filter ticks that the node learnt from.
+  struct LearntTicks {
+    std::uint32_t from;  ///< counted from the first tick of the replay
+    std::uint32_t to;    ///< not learnt any more
+  };
+  [[nodiscard]] const std::vector<LearntTicks>& learnt() const { return learnt_; }
+  /// Time of the first sample, from which ticks are counted; of the recording.
+  [[nodiscard]] double start_s() const { return start_s_; }
 
  private:
+  void follow_learning(std::uint32_t learnt_ticks);
   void close_stretch();
   void merge_pairs();
 
@@ -63,6 +72,9 @@ class ReplayTrace {
   std::vector<TracedDrive> drives_;
   std::vector<Interval> stops_;
   bool in_stop_ = false;
+  std::vector<LearntTicks> learnt_;
+  bool started_ = false;
+  double start_s_ = 0.0;
 };
 
 }  // namespace zerorate::evaluate

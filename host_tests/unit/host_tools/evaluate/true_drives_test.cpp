@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "firmware/model/catalogue.hpp"
+#include "host_tests/support/made_recording.hpp"
+#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/scratch_folder.hpp"
+#include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/replay_trace.hpp"
+#include "host_tools/lib/evaluate/true_drives_report.hpp"
+
+namespace zerorate::evaluate {
+namespace {
+
+using testing::kRadPerDeg;
+using testing::sensor_model;
+
+constexpr recording::Columns kWithReference{.rate_unit = recording::RateUnit::rad_per_s,
+                                            .odometer = true,
+                                            .ref_heading = true,
+                                            .ref_speed = true};
+
+/// Stops of 40 s, drives of 60 s that turn by 5 deg/s for 30 s; the heading counts against z.
+std::vector<recording::Row> rows_of_a_drive(double length_s, std::uint64_t seed) {
+  constexpr double kPeriod_s = 0.1;
+  auto rows =
+      testing::rows_at_rest(static_cast<std::size_t>(length_s / kPeriod_s), kPeriod_s, seed);
+  double heading_deg = 350.0;
+  double travelled_m = 0.0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double phase = std::fmod(kPeriod_s * static_cast<double>(k), 100.0);
+    const bool moves = phase > 40.0;
+    const double rate_dps = phase > 55.0 && phase <= 85.0 ? 5.0 : 0.0;
+    heading_deg -= rate_dps * kPeriod_s;
+    travelled_m += moves ? 10.0 * kPeriod_s : 0.0;
+    rows[k].rate_rad_s[2] += static_cast<float>(rate_dps * kRadPerDeg);
+    rows[k].odometer_pulses = static_cast<std::int64_t>(travelled_m * 20.0);
+    rows[k].ref_heading_rad = static_cast<float>(std::remainder(heading_deg, 360.0) * kRadPerDeg);
+    rows[k].ref_speed_m_s = moves ? 10.0F : 0.0F;
+  }
+  return rows;
+}
+
+struct Scored {
+  ReplayResult result;
+  std::vector<app::RateMessage> messages;
+};
+
+Scored replay_with_truth(const std::filesystem::path& path, const ReplayOptions& options,
+                         const truth::TruthOptions& truth_options = {}) {
+  recording::Reader reference{path};
+  Scored scored;
+  const ReplayObserver observer{
+      .truth = truth::find_truth(truth::read_track(reference), truth_options),
+      .on_sample = [&](const ReplayedSample& sample) {
+        scored.messages.push_back(sample.message);
+      }};
+  recording::Reader reader{path};
+  scored.result = replay(reader, options, observer);
+  return scored;
+}
+
+/// The heading error of a drive by hand: from the messages alone, in integers of the sample period.
+double error_by_hand(const std::vector<app::RateMessage>& messages, std::size_t from,
+                     std::size_t departure, std::size_t to, double turned_about_z_deg) {
+  long double sum = 0.0L;
+  for (std::size_t k = from + 1; k <= to; ++k) {
+    sum += static_cast<long double>(messages[k].axes[2].measured.in(core::rad_per_s)) -
+           static_cast<long double>(messages[departure].axes[2].bias.in(core::rad_per_s));
+  }
+  return turned_about_z_deg * kRadPerDeg - static_cast<double>(0.1L * sum);
+}
+
+TEST(DrivesAgainstAReference, AreTheIntegralOfTheRateLessThePublishedBias) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
+                                        rows_of_a_drive(1000.0, 5));
+  const Scored scored = replay_with_truth(path, {.model = sensor_model()});
+  ASSERT_TRUE(scored.result.true_drives);
+  const TrueDrives& drives = *scored.result.true_drives;
+  EXPECT_EQ(name(drives.truth.vertical, 3), "-z");
+  ASSERT_EQ(drives.scored(), 9U);
+  for (std::size_t k = 0; k < 9; ++k) {
+    // Stops last from a multiple of 100 s to 40.0 s after it; the next begins with the row after a
+    // multiple of 100 s has passed.
+    const std::size_t from = 1000 * k + 200;
+    const double expected = error_by_hand(scored.messages, from, from + 200, from + 1000, 150.0);
+    // Heading of single precision: 2e-5 deg at either end.
+    EXPECT_NEAR(drives.drives[k].outcomes[0].drift_rad, expected, 5e-5 * kRadPerDeg) << k;
+    EXPECT_GT(drives.drives[k].outcomes[0].sigma_rad, 0.0);
+    EXPECT_GT(drives.drives[k].along.size(), 90U);
+    EXPECT_NEAR(drives.drives[k].along.back().error_rad, expected, 5e-5 * kRadPerDeg);
+    EXPECT_NEAR(drives.drives[k].along.front().error_rad, 0.0, 0.01 * kRadPerDeg);
+  }
+}
+
+TEST(DrivesAgainstAReference, HaveTheFiguresOfTheirErrors) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
+                                        rows_of_a_drive(1000.0, 6));
+  const TrueDrives drives = *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
+  const TrueScore score = drives.score(app::Predictor::kalman);
+  double squares = 0.0;
+  double worst = 0.0;
+  std::size_t below_median = 0;
+  for (const ScoredDrive& scored : drives.drives) {
+    const double error = scored.outcomes[0].drift_rad;
+    squares += error * error / 9.0;
+    worst = std::max(worst, std::abs(error));
+    below_median += std::abs(error) < score.median_rad ? 1U : 0U;
+  }
+  EXPECT_NEAR(score.rms_rad, std::sqrt(squares), 1e-12);
+  EXPECT_EQ(score.worst_rad, worst);
+  EXPECT_EQ(below_median, 4U);
+}
+
+TEST(DrivesAgainstAReference, LieInsideTheIntervalAsOftenAsItSays) {
+  const zerorate::testing::ScratchFolder folder;
+  std::size_t covered = 0;
+  std::size_t drives = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const auto path = testing::write_rows(folder.path() / "drive.csv", kWithReference,
+                                          rows_of_a_drive(1500.0, seed));
+    const auto scored = replay_with_truth(path, {.model = sensor_model()});
+    const TrueScore score = scored.result.true_drives->score(app::Predictor::kalman);
+    drives += score.drives;
+    covered += static_cast<std::size_t>(
+        std::lround(score.coverage95_of_node * static_cast<double>(score.drives)));
+  }
+  ASSERT_EQ(drives, 12U * 14U);
+  // 168 drives at 0.95: three standard deviations are 0.05. The interval is that of a drive as long
+  // as from middle to middle, which is a little longer than need be: no upper limit.
+  EXPECT_GE(static_cast<double>(covered) / static_cast<double>(drives), 0.90);
+}
+
+TEST(DrivesAgainstAReference, CountTheReferencesOwnError) {
+  const zerorate::testing::ScratchFolder folder;
+  auto rows = rows_of_a_drive(1000.0, 7);
+  // A reference that errs by some degrees a drive: the node's interval knows nothing of it.
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].ref_heading_rad += static_cast<float>(
+        3.0 * kRadPerDeg * std::sin(0.9 * std::floor(static_cast<double>(k + 300) / 1000.0)));
+  }
+  const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference, rows);
+  const auto score = [&](double error_deg) {
+    const auto scored = replay_with_truth(path, {.model = sensor_model()},
+                                          {.reference_error_rad = error_deg * kRadPerDeg});
+    return scored.result.true_drives->score(app::Predictor::kalman);
+  };
+  EXPECT_LT(score(0.0).coverage95, 0.5);
+  EXPECT_EQ(score(3.0).coverage95, 1.0);
+  EXPECT_EQ(score(3.0).coverage95_of_node, score(0.0).coverage95);
+}
+
+TEST(DrivesAgainstAReference, AreNotScoredWithoutABiasOrAcrossAGap) {
+  const zerorate::testing::ScratchFolder folder;
+  auto rows = rows_of_a_drive(600.0, 8);
+  for (std::size_t k = 0; k < 450; ++k) rows[k].odometer_pulses = static_cast<std::int64_t>(k);
+  for (std::size_t k = 450; k < rows.size(); ++k) rows[k].odometer_pulses += 450;
+  rows.erase(rows.begin() + 2700, rows.begin() + 2730);
+  const auto path = testing::write_rows(folder.path() / "drive.csv", kWithReference, rows);
+  const TrueDrives drives = *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
+  ASSERT_EQ(drives.drives.size(), 5U);
+  EXPECT_EQ(drives.drives[0].flaw, truth::Flaw::no_bias) << "the odometer never said still";
+  EXPECT_EQ(drives.drives[1].flaw, truth::Flaw::none);
+  EXPECT_TRUE(drives.drives[2].flaw == truth::Flaw::heading_missing ||
+              drives.drives[2].flaw == truth::Flaw::rate_missing)
+      << name(drives.drives[2].flaw);
+  EXPECT_EQ(drives.scored(), 3U);
+}
+
+TEST(ReplayWithAReference, TellsItInJsonAndReport) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path =
+      testing::write_rows(folder.path() / "drive.csv", kWithReference, rows_of_a_drive(500.0, 9));
+  recording::Reader reference{path};
+  ReplayTrace trace{2};
+  const ReplayObserver observer{
+      .truth = truth::find_truth(truth::read_track(reference), {}),
+      .on_sample = [&](const ReplayedSample& sample) { trace.add(sample); }};
+  recording::Reader reader{path};
+  const ReplayResult result = replay(reader, {.model = sensor_model()}, observer);
+  trace.finish();
+  const auto json = nlohmann::json::parse(to_json(result, {2}));
+  const auto& drives = json.at("true_drives");
+  EXPECT_EQ(drives.at("scored"), 4);
+  EXPECT_EQ(drives.at("stops").size(), 5U);
+  EXPECT_EQ(drives.at("drives").size(), 4U);
+  EXPECT_EQ(drives.at("vertical_axis"), "-z");
+  EXPECT_TRUE(drives.at("drives")[0].at("flaw").is_null());
+
+  // Stops of 40 s by odometer: learnt from but for the settle time and the hold-back at the end.
+  ASSERT_EQ(trace.learnt().size(), 5U);
+  for (const auto& ticks : trace.learnt()) {
+    EXPECT_NEAR(0.5 * (ticks.to - ticks.from), 38.5, 1.01);
+  }
+  const report::Chart chart = stop_chart(trace, *result.true_drives, 0.5);
+  ASSERT_EQ(chart.series.size(), 4U);
+  EXPECT_EQ(chart.series[0].x.size(), 3U * 5U);
+  report::Report report{"Title", "Lead."};
+  add_true_drives(report, *result.true_drives, trace, result);
+  EXPECT_NE(report.html().find("Against the reference"), std::string::npos);
+}
+
+TEST(RingLaserGyroInACar, IsScoredAsByHand) {
+  const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
+  if (!folder) GTEST_SKIP() << "no recordings";
+  const auto path = *folder / "vehicle_drives/kingston2008_10hz.csv.gz";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recordings of drives";
+  for (const char* model : {"adis16405", "lsm6dso", "bmi088"}) {
+    // Until the end of its first drive the reference aligns itself.
+    const auto scored =
+        replay_with_truth(path, {.model = model::find_model(model)}, {.usable_from_s = 600.0});
+    const TrueScore score = scored.result.true_drives->score(app::Predictor::kalman);
+    EXPECT_EQ(score.drives, 19U);
+    EXPECT_LT(score.rms_rad / kRadPerDeg, 0.20) << model;
+    EXPECT_LT(score.median_rad / kRadPerDeg, 0.10) << model;
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::evaluate

@@ -1,0 +1,134 @@
+#include "host_tools/lib/evaluate/true_drives.hpp"
+
+#include <limits>
+#include <utility>
+
+namespace zerorate::evaluate {
+namespace {
+
+constexpr double kSecondsPerNs = 1e-9;
+
+double seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * kSecondsPerNs;
+}
+
+/// Median of the sorted values; of an even number the mean of the middle two.
+double median_of_sorted(const std::vector<double>& sorted) {
+  const std::size_t middle = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
+}
+
+}  // namespace
+
+std::size_t TrueDrives::scored() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      drives, [](const ScoredDrive& scored) { return scored.flaw == truth::Flaw::none; }));
+}
+
+TrueScore TrueDrives::score(app::Predictor predictor) const {
+  constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> sizes;
+  double squares = 0.0;
+  double sigmas = 0.0;
+  double covered = 0.0;
+  double covered_by_node = 0.0;
+  for (const ScoredDrive& scored : drives) {
+    if (scored.flaw != truth::Flaw::none) continue;
+    const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(predictor)];
+    const double size = std::abs(outcome.drift_rad);
+    const double sigma = std::hypot(outcome.sigma_rad, truth.reference_error_rad);
+    sizes.push_back(size);
+    squares += size * size;
+    sigmas += sigma;
+    covered += size <= k95Percent * sigma ? 1.0 : 0.0;
+    covered_by_node += size <= k95Percent * outcome.sigma_rad ? 1.0 : 0.0;
+  }
+  if (sizes.empty()) return {0, kNan, kNan, kNan, kNan, kNan, kNan};
+  std::ranges::sort(sizes);
+  const auto count = static_cast<double>(sizes.size());
+  const double rms = std::sqrt(squares / count);
+  return {.drives = sizes.size(),
+          .rms_rad = rms,
+          .median_rad = median_of_sorted(sizes),
+          .worst_rad = sizes.back(),
+          .coverage95 = covered / count,
+          .coverage95_of_node = covered_by_node / count,
+          .sigma_over_rms = sigmas / count / rms};
+}
+
+TrueDriveScorer::TrueDriveScorer(truth::Truth truth, core::Duration shift,
+                                 core::Duration longest_interval, app::Predictor published,
+                                 double white_variance_rad2_s2)
+    : shift_(shift),
+      longest_ns_(longest_interval.ns()),
+      white_variance_rad2_s2_(white_variance_rad2_s2) {
+  result_.truth = std::move(truth);
+  result_.published = published;
+  for (const truth::Drive& drive : result_.truth.drives) {
+    result_.drives.push_back({.drive = drive, .flaw = drive.flaw});
+  }
+}
+
+void TrueDriveScorer::open() {
+  is_open_ = true;
+  has_departed_ = false;
+  turned_rad_ = 0.0;
+  white_rad2_ = 0.0;
+}
+
+/// The rate of a sample stands for the time since the one before, as far as it lies in the drive.
+void TrueDriveScorer::integrate(ScoredDrive& scored, std::int64_t time_ns, double rate_rad_s) {
+  const truth::Drive& drive = scored.drive;
+  const std::int64_t begin_ns = has_sample_ ? newest_ns_ : time_ns;
+  const std::int64_t overlap_ns =
+      std::min(time_ns, drive.to_ns) - std::max(begin_ns, drive.from_ns);
+  if (!has_sample_ && time_ns > drive.from_ns) scored.flaw = truth::Flaw::rate_missing;
+  if (time_ns - begin_ns > longest_ns_) scored.flaw = truth::Flaw::rate_missing;
+  const double elapsed_s = seconds(overlap_ns);
+  turned_rad_ += rate_rad_s * elapsed_s;
+  white_rad2_ += white_variance_rad2_s2_ * elapsed_s * elapsed_s;
+  const double now_s = seconds(std::min(time_ns, drive.to_ns));
+  if (scored.along.empty() || now_s - scored.along.back().time_s >= 1.0 || time_ns >= drive.to_ns) {
+    scored.along.push_back({now_s, turned_rad_});
+  }
+}
+
+/// Turns the integral along the drive into the error, for which the bias at departure is known now.
+void TrueDriveScorer::close(ScoredDrive& scored) {
+  const truth::Drive& drive = scored.drive;
+  const truth::Truth& truth = result_.truth;
+  const double from_s = seconds(drive.from_ns);
+  const double length_s = seconds(drive.to_ns - drive.from_ns);
+  for (std::size_t p = 0; p < app::kPredictors; ++p) {
+    const double corrected_rad = turned_rad_ - biases_[p] * length_s;
+    scored.outcomes[p] = {.drift_rad = truth.vertical.sign * corrected_rad - drive.turn_rad,
+                          .sigma_rad = std::sqrt(variances_[p] + white_rad2_),
+                          .rsse_rad_s = std::numeric_limits<double>::quiet_NaN()};
+  }
+  const std::int64_t longest_ns = truth.heading_rad.longest_interval_ns();
+  const auto start = truth.heading_rad.at(drive.from_ns, longest_ns);
+  std::vector<ScoredDrive::Point> along;
+  for (const ScoredDrive::Point& point : scored.along) {
+    const auto time_ns = static_cast<std::int64_t>(std::llround(point.time_s * 1e9));
+    const auto heading = truth.heading_rad.at(time_ns, longest_ns);
+    if (scored.flaw != truth::Flaw::none || !start || !heading) continue;
+    const double corrected_rad =
+        point.error_rad -
+        biases_[static_cast<std::size_t>(result_.published)] * (point.time_s - from_s);
+    along.push_back({point.time_s, truth.vertical.sign * corrected_rad - (*heading - *start)});
+  }
+  scored.along = std::move(along);
+  is_open_ = false;
+  ++next_;
+}
+
+TrueDrives TrueDriveScorer::finish() {
+  for (; next_ < result_.drives.size(); ++next_) {
+    result_.drives[next_].flaw = truth::Flaw::rate_missing;
+    result_.drives[next_].along.clear();
+  }
+  return std::move(result_);
+}
+
+}  // namespace zerorate::evaluate

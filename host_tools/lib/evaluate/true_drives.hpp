@@ -1,0 +1,124 @@
+/// @file
+/// Drives of a replay, scored against a reference system.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "firmware/app/node_params.hpp"
+#include "host_tools/lib/evaluate/drive_scores.hpp"
+#include "host_tools/lib/truth/truth.hpp"
+
+namespace zerorate::evaluate {
+
+/// A true drive after the node.
+struct ScoredDrive {
+  truth::Drive drive;
+  truth::Flaw flaw = truth::Flaw::none;  ///< of the reference, or of the replay; none: scored
+  /// By predictor. The drift counts as the heading does: positive where the node's heading is
+  /// ahead.
+  std::array<DriveOutcome, app::kPredictors> outcomes{};
+
+  /// Heading error of the published bias along the drive, a point a second.
+  struct Point {
+    double time_s = 0.0;  ///< of the recording
+    double error_rad = 0.0;
+  };
+  std::vector<Point> along;
+};
+
+/// One predictor over the scored drives. Without drives every figure is NaN.
+struct TrueScore {
+  std::size_t drives = 0;
+  double rms_rad = 0.0;
+  double median_rad = 0.0;          ///< of the error's size
+  double worst_rad = 0.0;           ///< largest size
+  double coverage95 = 0.0;          ///< share inside 1.96 sigma of node and reference together
+  double coverage95_of_node = 0.0;  ///< the same with a perfect reference
+  double sigma_over_rms = 0.0;      ///< mean sigma of node and reference over rms_rad
+};
+
+/// The scored drives of a replay.
+struct TrueDrives {
+  truth::Truth truth;
+  app::Predictor published = app::Predictor::kalman;  ///< whose bias ScoredDrive::along is of
+  std::vector<ScoredDrive> drives;
+
+  [[nodiscard]] std::size_t scored() const;
+  [[nodiscard]] TrueScore score(app::Predictor predictor) const;
+};
+
+/// Integrates the measured rate over each true drive, less the bias that the node published at its
+/// departure, and compares with the reference's turn. The interval is the node's prediction at
+/// departure over a time as long as from middle to middle.
+class TrueDriveScorer {
+ public:
+  /// @param shift of the node's clock over the recording's
+  /// @param longest_interval between samples that is integrated over
+  /// @param white_variance_rad2_s2 of one sample
+  TrueDriveScorer(truth::Truth truth, core::Duration shift, core::Duration longest_interval,
+                  app::Predictor published, double white_variance_rad2_s2);
+
+  /// A sample with a rate, after the node has stepped over it.
+  /// @param is_measured whether the node has measured a bias
+  template <class Node>
+  void take(std::int64_t time_ns, double rate_rad_s, bool is_measured, const Node& node) {
+    while (next_ < result_.drives.size()) {
+      ScoredDrive& scored = result_.drives[next_];
+      if (time_ns < scored.drive.from_ns) break;
+      if (!is_open_) open();
+      integrate(scored, time_ns, rate_rad_s);
+      if (!has_departed_ && time_ns >= scored.drive.departure_ns) {
+        has_departed_ = true;
+        if (is_measured) depart(node);
+        if (!is_measured && scored.flaw == truth::Flaw::none) scored.flaw = truth::Flaw::no_bias;
+      }
+      if (time_ns < scored.drive.to_ns) break;
+      close(scored);
+    }
+    newest_ns_ = time_ns;
+    has_sample_ = true;
+  }
+
+  /// After the last sample: a drive that is not over is flawed.
+  [[nodiscard]] TrueDrives finish();
+
+ private:
+  template <class Node>
+  void depart(const Node& node) {
+    const truth::Drive& drive = result_.drives[next_].drive;
+    const std::size_t axis = result_.truth.vertical.axis;
+    const core::Instant from = core::Instant::from_ns(drive.departure_ns) + shift_;
+    const core::Instant to = from + core::Duration::nanoseconds(drive.to_ns - drive.from_ns);
+    for (std::size_t p = 0; p < app::kPredictors; ++p) {
+      const auto predictor = static_cast<app::Predictor>(p);
+      biases_[p] = double{node.bias(predictor, axis).in(core::rad_per_s)};
+      variances_[p] = double{node.predict_heading(predictor, axis, from, to).variance_rad2};
+    }
+  }
+  void open();
+  void integrate(ScoredDrive& scored, std::int64_t time_ns, double rate_rad_s);
+  void close(ScoredDrive& scored);
+
+  TrueDrives result_;
+  core::Duration shift_;
+  std::int64_t longest_ns_;
+  double white_variance_rad2_s2_;
+
+  std::size_t next_ = 0;
+  bool has_sample_ = false;
+  bool is_open_ = false;
+  bool has_departed_ = false;
+  std::int64_t newest_ns_ = 0;
+  double turned_rad_ = 0.0;
+  double white_rad2_ = 0.0;
+  std::array<double, app::kPredictors> biases_{};
+  std::array<double, app::kPredictors> variances_{};
+};
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,225 @@
+#include "host_tools/lib/evaluate/true_drives_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::evaluate {
+namespace {
+
+using report::Chart;
+using report::Colour;
+using units::kDegPerRad;
+
+constexpr double k95Percent = 1.96;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+/// A row of bars along the time axis: a line at one height that is broken between them.
+class BandRow {
+ public:
+  BandRow(std::string name, double height, Colour colour)
+      : height_(height), series_{.name = std::move(name), .colour = colour} {}
+
+  void add(double from_s, double to_s) {
+    for (const double x : {from_s, to_s}) {
+      series_.x.push_back(x);
+      series_.y.push_back(height_);
+    }
+    series_.x.push_back(to_s);
+    series_.y.push_back(kNan);
+  }
+  [[nodiscard]] report::Series series() && { return std::move(series_); }
+
+ private:
+  double height_;
+  report::Series series_;
+};
+
+/// Parts of the odometer's stops that the node did not learn from.
+void add_discarded(BandRow& row, const ReplayTrace& trace, double filter_tick_s) {
+  auto learnt = trace.learnt().begin();
+  for (const ReplayTrace::Interval& stop : trace.stops()) {
+    double from_s = stop.from_s;
+    for (; learnt != trace.learnt().end(); ++learnt) {
+      const double begin_s = trace.start_s() + filter_tick_s * learnt->from;
+      const double end_s = trace.start_s() + filter_tick_s * learnt->to;
+      if (begin_s >= stop.to_s) break;
+      if (begin_s > from_s) row.add(from_s, begin_s);
+      from_s = std::max(from_s, end_s);
+      if (end_s > stop.to_s) break;
+    }
+    if (stop.to_s > from_s) row.add(from_s, stop.to_s);
+  }
+}
+
+/// The heading's error within each drive; between them the line is broken.
+Chart error_chart(const TrueDrives& drives) {
+  Chart chart{.title = "Heading error along each drive",
+              .caption =
+                  "From the middle of a true stop to the middle of the next: the integral "
+                  "of the measured rate less the bias published at departure, minus the "
+                  "turn of the reference. A drive that bends upwards turned while the gyro "
+                  "was told otherwise.",
+              .x = {"Time", "s"},
+              .y = {"Heading error", "deg"}};
+  report::Series series{.name = "heading error", .colour = Colour::blue};
+  for (const ScoredDrive& scored : drives.drives) {
+    if (scored.along.empty()) continue;
+    for (const ScoredDrive::Point& point : scored.along) {
+      series.x.push_back(point.time_s);
+      series.y.push_back(point.error_rad * kDegPerRad);
+    }
+    series.x.push_back(scored.along.back().time_s);
+    series.y.push_back(kNan);
+  }
+  chart.series.push_back(std::move(series));
+  for (const truth::Stop& stop : drives.truth.stops) {
+    chart.shaded.push_back({seconds(stop.from_ns), seconds(stop.to_ns)});
+  }
+  chart.shaded_name = "true stop";
+  return chart;
+}
+
+/// The error at the end of each drive, with the interval of node and reference.
+Chart end_chart(const TrueDrives& drives) {
+  Chart chart{.title = "Heading error at the end of each drive",
+              .caption =
+                  "The band is the 95 % interval of the Kalman predictor and the reference "
+                  "together.",
+              .x = {"Departure", "s"},
+              .y = {"Heading error", "deg"}};
+  constexpr std::array kColours{Colour::blue, Colour::green, Colour::vermilion};
+  for (const app::Predictor predictor : kAllPredictors) {
+    const auto p = static_cast<std::size_t>(predictor);
+    report::Series series{.name = std::string(name(predictor)),
+                          .style = report::SeriesStyle::points,
+                          .colour = kColours[p]};
+    for (const ScoredDrive& scored : drives.drives) {
+      if (scored.flaw != truth::Flaw::none) continue;
+      series.x.push_back(seconds(scored.drive.departure_ns));
+      series.y.push_back(scored.outcomes[p].drift_rad * kDegPerRad);
+      if (predictor != app::Predictor::kalman) continue;
+      const double half =
+          k95Percent * kDegPerRad *
+          std::hypot(scored.outcomes[p].sigma_rad, drives.truth.reference_error_rad);
+      series.lo.push_back(-half);
+      series.hi.push_back(half);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+report::Table score_table(const TrueDrives& drives) {
+  report::Table table{
+      .caption = fmt::format(
+          "Coverage: share of the drives inside the 95 % interval of node and reference, whose own "
+          "error is taken as {:.3f} deg; of the node: as if the reference were perfect.",
+          drives.truth.reference_error_rad * kDegPerRad),
+      .columns = {{"Predictor"},
+                  {.heading = "Drives"},
+                  {"Rms", "deg", 3},
+                  {"Median", "deg", 3},
+                  {"Worst", "deg", 3},
+                  {.heading = "Coverage", .decimals = 3},
+                  {.heading = "Coverage of the node", .decimals = 3}}};
+  for (const app::Predictor predictor : kAllPredictors) {
+    const TrueScore score = drives.score(predictor);
+    table.rows.push_back({std::string(name(predictor)), score.drives, score.rms_rad * kDegPerRad,
+                          score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad,
+                          score.coverage95, score.coverage95_of_node});
+  }
+  return table;
+}
+
+report::Table drive_table(const TrueDrives& drives) {
+  report::Table table{.caption = "Drives of the " + std::string(name(drives.published)) +
+                                 " predictor; those with a remark are not scored.",
+                      .columns = {{"Departure", "s", 1},
+                                  {"Length", "s", 1},
+                                  {"Turn", "deg", 1},
+                                  {"Error", "deg", 3},
+                                  {"Sigma", "deg", 3},
+                                  {"Remark"}}};
+  for (const ScoredDrive& scored : drives.drives) {
+    const truth::Drive& drive = scored.drive;
+    const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(drives.published)];
+    const bool is_scored = scored.flaw == truth::Flaw::none;
+    table.rows.push_back({seconds(drive.departure_ns), seconds(drive.to_ns - drive.from_ns),
+                          is_scored ? drive.turn_rad * kDegPerRad : kNan,
+                          is_scored ? outcome.drift_rad * kDegPerRad : kNan,
+                          is_scored ? outcome.sigma_rad * kDegPerRad : kNan,
+                          is_scored ? std::string() : std::string(name(scored.flaw))});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string summary(const TrueDrives& drives, std::size_t axis_count) {
+  const truth::Truth& truth = drives.truth;
+  if (!truth.obstacle.empty()) return "Drives are not scored: " + truth.obstacle + ".";
+  const TrueScore score = drives.score(app::Predictor::kalman);
+  if (score.drives == 0) return "No true drive could be scored.";
+  return fmt::format(
+      "Over {} drives between true stops the heading erred by {:.3f} deg rms (median {:.3f}, worst "
+      "{:.3f}) about axis {}; {:.0f} % of them lay inside the 95 % interval, with {:.3f} deg for "
+      "the reference's own error.",
+      score.drives, score.rms_rad * kDegPerRad, score.median_rad * kDegPerRad,
+      score.worst_rad * kDegPerRad, name(truth.vertical, axis_count), score.coverage95 * 100.0,
+      truth.reference_error_rad * kDegPerRad);
+}
+
+Chart stop_chart(const ReplayTrace& trace, const TrueDrives& drives, double filter_tick_s) {
+  Chart chart{.title = "Stops by truth and by odometer, and what was learnt",
+              .caption =
+                  "Rows from the top: true stops, stops by the odometer, what of them the "
+                  "node learnt from, and what it discarded: settle time, hold-back, and "
+                  "what it judged to be motion.",
+              .x = {"Time", "s"},
+              .y = {"Row", ""}};
+  BandRow truth{"true stop", 4.0, Colour::ink};
+  for (const truth::Stop& stop : drives.truth.stops) {
+    truth.add(seconds(stop.from_ns), seconds(stop.to_ns));
+  }
+  BandRow odometer{"stop by odometer", 3.0, Colour::grey};
+  for (const ReplayTrace::Interval& stop : trace.stops()) odometer.add(stop.from_s, stop.to_s);
+  BandRow learnt{"learnt", 2.0, Colour::green};
+  for (const ReplayTrace::LearntTicks& ticks : trace.learnt()) {
+    learnt.add(trace.start_s() + filter_tick_s * ticks.from,
+               trace.start_s() + filter_tick_s * ticks.to);
+  }
+  BandRow discarded{"discarded", 1.0, Colour::vermilion};
+  add_discarded(discarded, trace, filter_tick_s);
+  for (BandRow* row : {&truth, &odometer, &learnt, &discarded}) {
+    chart.series.push_back(std::move(*row).series());
+  }
+  return chart;
+}
+
+void add_true_drives(report::Report& report, const TrueDrives& drives, const ReplayTrace& trace,
+                     const ReplayResult& result) {
+  const double filter_tick_s = static_cast<double>(result.filter_tick.ns()) * 1e-9;
+  auto& section = report.section("Against the reference");
+  section.paragraph(summary(drives, result.axis_count));
+  section.chart(stop_chart(trace, drives, filter_tick_s));
+  if (drives.scored() == 0) return;
+  section.chart(error_chart(drives))
+      .chart(end_chart(drives))
+      .table(score_table(drives))
+      .table(drive_table(drives));
+}
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,26 @@
+/// @file
+/// Drives that were scored against a reference system, for a report and for a terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "host_tools/lib/evaluate/replay.hpp"
+#include "host_tools/lib/evaluate/replay_trace.hpp"
+#include "host_tools/lib/evaluate/true_drives.hpp"
+#include "host_tools/lib/report/report.hpp"
+
+namespace zerorate::evaluate {
+
+/// The result in one sentence or, where nothing is scored, the reason.
+[[nodiscard]] std::string summary(const TrueDrives& drives, std::size_t axis_count);
+
+/// Stops by odometer and by the reference, and what was learnt in them, along the time.
+[[nodiscard]] report::Chart stop_chart(const ReplayTrace& trace, const TrueDrives& drives,
+                                       double filter_tick_s);
+
+/// Adds a section with the scores of the drives.
+void add_true_drives(report::Report& report, const TrueDrives& drives, const ReplayTrace& trace,
+                     const ReplayResult& result);
+
+}  // namespace zerorate::evaluate

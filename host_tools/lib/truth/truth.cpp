@@ -1,0 +1,315 @@
+#include "host_tools/lib/truth/truth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::truth {
+namespace {
+
+using units::kRadPerDeg;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/// Root mean squares of a series over spans of 2 s that stay below walking pace, sorted.
+std::vector<double> slow_spans(const Series& speed_m_s) {
+  constexpr double kWalkingPace_m_s = 0.5;
+  std::vector<double> spans;
+  for (std::size_t first = 0, k = 0; k < speed_m_s.size(); first = k) {
+    double squares = 0.0;
+    double most = 0.0;
+    for (; k < speed_m_s.size() && speed_m_s.time_ns(k) < speed_m_s.time_ns(first) + 2 * kSecond;
+         ++k) {
+      squares += speed_m_s.value(k) * speed_m_s.value(k);
+      most = std::max(most, speed_m_s.value(k));
+    }
+    if (most < kWalkingPace_m_s) {
+      spans.push_back(std::sqrt(squares / static_cast<double>(k - first)));
+    }
+  }
+  std::ranges::sort(spans);
+  return spans;
+}
+
+/// Turns of at least a second: of the reference, and of the axes of the gyro.
+struct Turn {
+  double reference_rad;
+  std::array<double, recording::kMaxAxes> axes_rad;
+};
+
+std::vector<Turn> turns_of(const Track& track) {
+  const Series& heading = track.heading_rad;
+  const std::int64_t longest_ns = heading.longest_interval_ns();
+  std::vector<Turn> turns;
+  std::size_t first = 0;
+  for (std::size_t k = 1; k < heading.size(); ++k) {
+    if (heading.time_ns(k) - heading.time_ns(k - 1) > longest_ns) first = k;
+    if (heading.time_ns(k) - heading.time_ns(first) < kSecond) continue;
+    Turn turn{.reference_rad = heading.value(k) - heading.value(first), .axes_rad = {}};
+    for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
+      turn.axes_rad[axis] = track.turned_rad[k][axis] - track.turned_rad[first][axis];
+    }
+    turns.push_back(turn);
+    first = k;
+  }
+  return turns;
+}
+
+/// Sums of a least-squares line through turns, about their means: a bias does not count.
+VerticalAxis regress(const std::vector<Turn>& turns, std::size_t axis) {
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  const auto count = static_cast<double>(turns.size());
+  for (const Turn& turn : turns) {
+    mean_x += turn.axes_rad[axis] / count;
+    mean_y += turn.reference_rad / count;
+  }
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (const Turn& turn : turns) {
+    const double x = turn.axes_rad[axis] - mean_x;
+    const double y = turn.reference_rad - mean_y;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  if (!(xx > 0.0) || !(yy > 0.0)) return {.axis = axis, .correlation = 0.0, .turns_ratio = 0.0};
+  return {.axis = axis,
+          .sign = xy < 0.0 ? -1.0 : 1.0,
+          .correlation = std::abs(xy) / std::sqrt(xx * yy),
+          .turns_ratio = std::abs(xy) / xx};
+}
+
+bool is_followed(const VerticalAxis& candidate) {
+  constexpr double kLeastCorrelation = 0.7;
+  constexpr double kMostRatio = 1.25;
+  return candidate.correlation >= kLeastCorrelation && candidate.turns_ratio <= kMostRatio &&
+         candidate.turns_ratio >= 1.0 / kMostRatio;
+}
+
+/// Looks for jumps: places where reference and gyro part for good, not only for a latency.
+class JumpFinder {
+ public:
+  JumpFinder(const Track& track, const VerticalAxis& vertical)
+      : heading_(track.heading_rad), longest_ns_(heading_.longest_interval_ns()) {
+    Series parted;
+    for (std::size_t k = 0; k < heading_.size(); ++k) {
+      parted.add(heading_.time_ns(k),
+                 heading_.value(k) - vertical.sign * track.turned_rad[k][vertical.axis]);
+    }
+    find(parted);
+  }
+
+  [[nodiscard]] bool has_between(std::int64_t from_ns, std::int64_t to_ns) const {
+    const auto first = std::ranges::lower_bound(jumps_ns_, from_ns);
+    return first != jumps_ns_.end() && *first <= to_ns;
+  }
+
+ private:
+  static constexpr std::int64_t kBeside = 3 * kSecond;  ///< longer than a reference is late
+  static constexpr double kLeast_rad = 5.0 * kRadPerDeg;
+
+  void find(const Series& parted) {
+    // A bias parts them, too: it is the middle one of the steps.
+    std::vector<double> steps;
+    std::vector<std::int64_t> at_ns;
+    for (std::size_t k = 0; k < parted.size(); ++k) {
+      const auto before = parted.at(parted.time_ns(k) - kBeside, longest_ns_);
+      const auto after = parted.at(parted.time_ns(k) + kBeside, longest_ns_);
+      if (!before || !after) continue;
+      steps.push_back(*after - *before);
+      at_ns.push_back(parted.time_ns(k));
+    }
+    if (steps.empty()) return;
+    const double bias = middle_of(steps);
+    std::vector<double> sizes;
+    sizes.reserve(steps.size());
+    for (const double step : steps) sizes.push_back(std::abs(step - bias));
+    const double least = std::max(kLeast_rad, 20.0 * middle_of(sizes));
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      if (sizes[k] > least) jumps_ns_.push_back(at_ns[k]);
+    }
+  }
+
+  static double middle_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  }
+
+  const Series& heading_;
+  std::int64_t longest_ns_;
+  std::vector<std::int64_t> jumps_ns_;
+};
+
+/// Root mean square of the heading's change over the stops.
+double error_at_stops(const Series& heading_rad, const std::vector<Stop>& stops) {
+  const std::int64_t longest_ns = heading_rad.longest_interval_ns();
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (const Stop& stop : stops) {
+    const auto first = heading_rad.at(stop.from_ns, longest_ns);
+    const auto last = heading_rad.at(stop.to_ns, longest_ns);
+    if (!first || !last) continue;
+    squares += (*last - *first) * (*last - *first);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : kNan;
+}
+
+void find_drives(const Track& track, Truth& truth) {
+  const Series& heading = track.heading_rad;
+  const std::int64_t longest_ns = heading.longest_interval_ns();
+  const JumpFinder jumps{track, truth.vertical};
+  for (std::size_t k = 1; k < truth.stops.size(); ++k) {
+    const Stop& stop = truth.stops[k - 1];
+    Drive drive{.from_ns = stop.middle_ns(),
+                .departure_ns = stop.to_ns,
+                .to_ns = truth.stops[k].middle_ns()};
+    const auto first = heading.at(drive.from_ns, longest_ns);
+    const auto last = heading.at(drive.to_ns, longest_ns);
+    if (!first || !last || !heading.covers(drive.from_ns, drive.to_ns, longest_ns)) {
+      drive.flaw = Flaw::heading_missing;
+    } else {
+      drive.turn_rad = *last - *first;
+      if (jumps.has_between(drive.from_ns, drive.to_ns)) drive.flaw = Flaw::heading_jump;
+    }
+    truth.drives.push_back(drive);
+  }
+}
+
+}  // namespace
+
+VerticalAxis parse_vertical_axis(std::string_view text) {
+  const bool is_signed = text.starts_with('-') || text.starts_with('+');
+  const std::string_view axis = text.substr(is_signed ? 1 : 0);
+  if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z') {
+    throw std::invalid_argument(
+        fmt::format("--vertical-axis: expected x, y, z, -x, -y or -z, found '{}'", text));
+  }
+  return {.axis = static_cast<std::size_t>(axis[0] - 'x'),
+          .sign = text.starts_with('-') ? -1.0 : 1.0};
+}
+
+std::string name(const VerticalAxis& vertical, std::size_t axis_count) {
+  const std::string axis = axis_count == 1 ? "rate" : std::string(1, "xyz"[vertical.axis]);
+  return vertical.sign < 0.0 ? "-" + axis : axis;
+}
+
+std::string_view name(Flaw flaw) {
+  switch (flaw) {
+    case Flaw::none:
+      return "none";
+    case Flaw::heading_missing:
+      return "heading_missing";
+    case Flaw::heading_jump:
+      return "heading_jump";
+    case Flaw::rate_missing:
+      return "rate_missing";
+    case Flaw::no_bias:
+      return "no_bias";
+  }
+  return "unknown";
+}
+
+void find_stops(const Series& speed_m_s, Truth& truth) {
+  constexpr double kSigmas = 6.0;
+  constexpr double kLeastLimit_m_s = 0.02;
+  constexpr double kMostLimit_m_s = 0.3;
+  constexpr auto kShortestStop_ns = static_cast<std::int64_t>(kShortestStop_s * 1e9);
+  const std::vector<double> spans = slow_spans(speed_m_s);
+  truth.speed_noise_m_s = spans.empty() ? kNan : spans[spans.size() / 4];
+  truth.speed_limit_m_s =
+      spans.empty() ? kLeastLimit_m_s
+                    : std::clamp(kSigmas * truth.speed_noise_m_s, kLeastLimit_m_s, kMostLimit_m_s);
+  const std::int64_t longest_ns = speed_m_s.longest_interval_ns();
+  Stop stop;
+  bool is_open = false;
+  const auto close = [&] {
+    if (is_open && stop.to_ns - stop.from_ns >= kShortestStop_ns) truth.stops.push_back(stop);
+    is_open = false;
+  };
+  for (std::size_t k = 0; k < speed_m_s.size(); ++k) {
+    const std::int64_t at_ns = speed_m_s.time_ns(k);
+    if (is_open && at_ns - stop.to_ns > longest_ns) close();
+    if (speed_m_s.value(k) > truth.speed_limit_m_s) {
+      close();
+      continue;
+    }
+    if (!is_open) stop.from_ns = at_ns;
+    stop.to_ns = at_ns;
+    is_open = true;
+  }
+  close();
+}
+
+std::optional<VerticalAxis> find_vertical_axis(const Track& track) {
+  constexpr double kLeastTurns_rad = 30.0 * kRadPerDeg;
+  const std::vector<Turn> turns = turns_of(track);
+  double total_rad = 0.0;
+  for (const Turn& turn : turns) total_rad += std::abs(turn.reference_rad);
+  if (total_rad < kLeastTurns_rad) return std::nullopt;
+  VerticalAxis best{.correlation = -1.0};
+  std::string candidates;
+  for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
+    const VerticalAxis candidate = regress(turns, axis);
+    candidates += fmt::format("{}{} with correlation {:.2f} and {:.2f} of its turns",
+                              axis == 0 ? "" : ", ", name(candidate, track.axis_count),
+                              candidate.correlation, candidate.turns_ratio);
+    if (candidate.correlation > best.correlation) best = candidate;
+  }
+  if (!is_followed(best)) {
+    throw recording::DataError(fmt::format(
+        "no axis of the gyro follows the reference's heading: {}; expected a correlation of 0.7 "
+        "and 0.8 to 1.25 of its turns. Name the axis that points up or down with --vertical-axis, "
+        "or leave the reference columns out",
+        candidates));
+  }
+  return best;
+}
+
+Truth find_truth(const Track& track, const TruthOptions& options) {
+  Truth truth{.heading_rad = track.heading_rad};
+  find_stops(track.speed_m_s, truth);
+  if (track.speed_m_s.size() > 0) {
+    const auto usable_ns = static_cast<std::int64_t>(options.usable_from_s * 1e9);
+    std::erase_if(truth.stops, [&](const Stop& stop) { return stop.to_ns < usable_ns; });
+  }
+  truth.error_at_stops_rad = error_at_stops(track.heading_rad, truth.stops);
+  truth.reference_error_rad = options.reference_error_rad.value_or(
+      std::isfinite(truth.error_at_stops_rad) ? truth.error_at_stops_rad : 0.0);
+  if (track.speed_m_s.size() == 0) {
+    truth.obstacle = "without ref_speed_mps nothing tells the true stops";
+  } else if (track.heading_rad.size() == 0) {
+    truth.obstacle = "without ref_heading_deg or ref_rate_dps nothing tells the true turns";
+  } else if (truth.stops.size() < 2) {
+    truth.obstacle = fmt::format(
+        "the reference tells of {} stop{} below {:.2g} m/s for {:g} s, and a drive needs two",
+        truth.stops.size(), truth.stops.size() == 1 ? "" : "s", truth.speed_limit_m_s,
+        kShortestStop_s);
+  }
+  if (!truth.obstacle.empty()) return truth;
+  const auto vertical = options.vertical ? options.vertical : find_vertical_axis(track);
+  if (!vertical) {
+    truth.obstacle =
+        "the reference turns by less than 30 deg, which does not tell the vertical axis; name it "
+        "with --vertical-axis";
+    return truth;
+  }
+  if (vertical->axis >= track.axis_count) {
+    throw std::invalid_argument("--vertical-axis: the recording has one axis, x");
+  }
+  truth.vertical = *vertical;
+  find_drives(track, truth);
+  return truth;
+}
+
+}  // namespace zerorate::truth
