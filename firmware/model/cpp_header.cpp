@@ -27,12 +27,12 @@ std::string modes(const std::string& name, const Mode* first, std::size_t count)
 }
 
 /// An infinite variance, which is the default, has no literal.
-std::string turn_on(float variance) {
+std::string turn_on_member(float variance) {
   if (!core::is_finite(variance)) return {};
   return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
 }
 
-std::string temperature(const core::TemperatureDrift& drift) {
+std::string temperature_member(const core::TemperatureDrift& drift) {
   if (!drift.is_on()) return {};
   return "    .temperature = {.reference_degc = " + literal(drift.reference_degc) +
          ", .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
@@ -104,10 +104,11 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "    },\n"
          "    .white_variance_rad2_s2 = " +
          literal(node.white_variance_rad2_s2) + ",\n    .measurement_floor_variance_rad2_s2 = " +
-         literal(node.measurement_floor_variance_rad2_s2) + turn_on(node.turn_on_variance_rad2_s2) +
+         literal(node.measurement_floor_variance_rad2_s2) +
+         turn_on_member(node.turn_on_variance_rad2_s2) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
-         temperature(node.temperature) + samples(node.samples) +
+         temperature_member(node.temperature) + samples(node.samples) +
          "    .sample_period = " + nanoseconds(sample_period) +
          ",\n"
          "};\n"

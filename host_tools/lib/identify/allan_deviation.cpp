@@ -11,7 +11,6 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr std::size_t kFewestSamples = 8;
 // The estimate of alpha has a standard error of 2 / sqrt(averages): 100 round to the right integer
 // in 99 of 100 cases, and a wrong one can claim ten times the freedom.
 constexpr std::size_t kFewestAverages = 100;
@@ -24,14 +23,10 @@ Block block(std::span<const double> values, std::size_t first, std::size_t size)
   return {values.data() + first, static_cast<Eigen::Index>(size)};
 }
 
-double mean(std::span<const double> values) {
-  return block(values, 0, values.size()).mean();
-}
-
 // a_0 = 0, a_k = sum of the first k deviations from the mean, each rounded once (Neumaier's sum):
 // the second differences of a long plain sum drown in its rounding.
 std::vector<double> running_sum(std::span<const double> rate) {
-  const double centre = mean(rate);
+  const double centre = block(rate, 0, rate.size()).mean();
   if (!std::isfinite(centre)) throw recording::DataError("Allan deviation: a rate is not finite");
   std::vector<double> sums(rate.size() + 1);
   double sum = 0.0;
@@ -82,7 +77,7 @@ std::vector<double> averages_of(std::span<const double> angle, std::size_t facto
 
 double lag_one_autocorrelation(std::span<const double> values) {
   const auto size = values.size();
-  const double centre = mean(values);
+  const double centre = block(values, 0, values.size()).mean();
   const double power = (block(values, 0, size) - centre).square().sum();
   const double lagged =
       ((block(values, 0, size - 1) - centre) * (block(values, 1, size - 1) - centre)).sum();
@@ -167,7 +162,8 @@ PowerLaw identify_power_law(std::span<const double> averages) {
 
 std::vector<AllanPoint> allan_deviation(std::span<const double> rate, double sample_period_s,
                                         const AllanOptions& options) {
-  if (rate.size() < kFewestSamples) {
+  constexpr std::size_t kFewest = 8;
+  if (rate.size() < kFewest) {
     throw recording::DataError("allan_deviation: fewer than 8 samples");
   }
   const std::vector<std::size_t> factors =

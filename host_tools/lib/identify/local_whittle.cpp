@@ -1,27 +1,21 @@
 #include "host_tools/lib/identify/local_whittle.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/lib/identify/scalar_minimum.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::identify {
 namespace {
-
-constexpr double kLowestOrder = -0.5;
-constexpr double kHighestOrder = 1.0;
-constexpr int kScanSteps = 6;
-constexpr int kMinimumBits = 16;  // d to about 1e-5
 
 /// The objective R(d) of one record, and what does not depend on d.
 class LocalWhittle {
@@ -75,28 +69,16 @@ Estimate exact_local_whittle(std::span<const double> values, std::size_t frequen
   }
   const bool constant = std::ranges::adjacent_find(values, std::not_equal_to{}) == values.end();
   const LocalWhittle whittle(values.first(size), frequencies);
-  const auto objective = [&](double order) { return whittle.objective(order); };
-
-  // Where the lowest point is, roughly, before going down.
-  constexpr double kStep = (kHighestOrder - kLowestOrder) / kScanSteps;
-  double best = kLowestOrder;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int step = 0; step <= kScanSteps; ++step) {
-    const double order = kLowestOrder + kStep * step;
-    const double value = objective(order);
-    if (value < lowest) {
-      lowest = value;
-      best = order;
-    }
-  }
-  if (constant || !std::isfinite(lowest)) {
+  constexpr double kLowest = -0.5;
+  constexpr double kHighest = 1.0;
+  constexpr int kScanSteps = 6;
+  constexpr int kBits = 16;  // d to about 1e-5
+  const ScalarMinimum best = minimise([&](double order) { return whittle.objective(order); },
+                                      kLowest, kHighest, kScanSteps, kBits);
+  if (constant || !std::isfinite(best.value)) {
     throw recording::DataError("exact_local_whittle: the record is constant or not finite");
   }
-  const double left = std::max(best - kStep, kLowestOrder);
-  const double right = std::min(best + kStep, kHighestOrder);
-  const double order =
-      boost::math::tools::brent_find_minima(objective, left, right, kMinimumBits).first;
-  return {order, whittle.standard_error()};
+  return {best.at, whittle.standard_error()};
 }
 
 }  // namespace zerorate::identify

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/quadrature/tanh_sinh.hpp>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <vector>
 
+#include "host_tools/lib/identify/scalar_minimum.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
@@ -19,14 +18,9 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr std::size_t kFewestSamples = 64;
 constexpr std::size_t kSingleBins = 32;  // coefficients that stand alone, with their exact ratio
 constexpr double kBinGrowth = 1.03;
-constexpr double kLowestOrder = 0.05;
-constexpr double kHighestOrder = 1.0;
-constexpr double kLowestLogRatio = -20.0;  // of flicker to white variance: as good as none
-constexpr double kHighestLogRatio = 12.0;
-constexpr int kMinimumBits = 18;
+constexpr int kBits = 18;  // of a minimum
 
 /// Neighbouring coefficients of nearly the same density.
 struct Bin {
@@ -84,38 +78,22 @@ Profile profile(std::span<const Bin> bins, std::span<const double> shape, double
   return {logs + count * (std::log(white) + 1.0), white};
 }
 
-struct Minimum {
-  double at;
-  double value;
-};
-
-/// The lowest point of a smooth function: a scan, then Brent's method around its best step.
-template <class Function>
-Minimum minimise(const Function& function, double low, double high, int steps) {
-  const double step = (high - low) / steps;
-  Minimum best{low, std::numeric_limits<double>::infinity()};
-  for (int i = 0; i <= steps; ++i) {
-    const double at = low + step * i;
-    const double value = function(at);
-    if (value < best.value) best = {at, value};
-  }
-  const auto [at, value] = boost::math::tools::brent_find_minima(
-      function, std::max(low, best.at - step), std::min(high, best.at + step), kMinimumBits);
-  return value < best.value ? Minimum{at, value} : best;
-}
-
-Minimum best_log_ratio(std::span<const Bin> bins, std::span<const double> shape) {
+ScalarMinimum best_log_ratio(std::span<const Bin> bins, std::span<const double> shape) {
+  constexpr double kLowest = -20.0;  // of flicker to white variance: as good as none
+  constexpr double kHighest = 12.0;
   const auto objective = [&](double log_ratio) {
     return profile(bins, shape, std::exp(log_ratio)).minus_two_log_likelihood;
   };
-  return minimise(objective, kLowestLogRatio, kHighestLogRatio, 32);
+  return minimise(objective, kLowest, kHighest, 32, kBits);
 }
 
 double best_order(std::span<const Bin> bins) {
+  constexpr double kLowest = 0.05;
+  constexpr double kHighest = 1.0;
   const auto objective = [&](double order) {
     return best_log_ratio(bins, flicker_shape(bins, order)).value;
   };
-  return minimise(objective, kLowestOrder, kHighestOrder, 10).at;
+  return minimise(objective, kLowest, kHighest, 10, kBits).at;
 }
 
 /// Covariance of (r, s_f^2, d) by the expected information, 1/2 sum n_b dS dS' / S^2; the last row
@@ -169,7 +147,8 @@ double dct_power_ratio(double order, std::size_t index) {
 
 WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
                                   const WhiteFlickerOptions& options) {
-  if (rate.size() < kFewestSamples) {
+  constexpr std::size_t kFewest = 64;
+  if (rate.size() < kFewest) {
     throw recording::DataError("fit_white_flicker: fewer than 64 samples");
   }
   const bool constant = std::ranges::adjacent_find(rate, std::not_equal_to{}) == rate.end();
@@ -181,7 +160,7 @@ WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
   if (constant || !std::isfinite(white_alone.white_variance)) {
     throw recording::DataError("fit_white_flicker: the record is constant or not finite");
   }
-  const Minimum best = best_log_ratio(bins, shape);
+  const ScalarMinimum best = best_log_ratio(bins, shape);
 
   WhiteFlickerFit fit{};
   fit.likelihood_ratio = std::max(0.0, white_alone.minus_two_log_likelihood - best.value);

@@ -4,15 +4,12 @@
 #include <numbers>
 
 #include "core/base/assert.hpp"
+#include "host_tools/lib/spectrum/complex_product.hpp"
 
 namespace zerorate::spectrum {
 namespace {
 
 using Complex = std::complex<double>;
-
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <complex>
 
+#include "host_tools/lib/spectrum/complex_product.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::spectrum {
@@ -15,11 +16,7 @@ using Spectrum = std::vector<Complex>;
 constexpr std::size_t kLargestPartition = std::size_t{1} << 16U;
 
 void add_product(const Spectrum& a, const Spectrum& b, Spectrum& sum) {
-  for (std::size_t k = 0; k < sum.size(); ++k) {
-    // Written out: operator* of std::complex pays for NaN rules in the innermost loop.
-    sum[k] += Complex(a[k].real() * b[k].real() - a[k].imag() * b[k].imag(),
-                      a[k].real() * b[k].imag() + a[k].imag() * b[k].real());
-  }
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += product(a[k], b[k]);
 }
 
 /// Overlap-save: input segments and filter partitions are transformed at twice the partition's

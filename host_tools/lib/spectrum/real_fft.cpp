@@ -5,16 +5,12 @@
 #include <vector>
 
 #include "core/base/assert.hpp"
+#include "host_tools/lib/spectrum/complex_product.hpp"
 
 namespace zerorate::spectrum {
 namespace {
 
 using Complex = std::complex<double>;
-
-// Without the NaN rules of std::complex's operator*.
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 // The real sequence read as n/2 complex numbers; std::complex guarantees the layout.
 Complex* as_pairs(double* values) {

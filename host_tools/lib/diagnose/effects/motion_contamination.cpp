@@ -19,8 +19,6 @@ namespace {
 
 using units::kDegPerRad;
 
-constexpr std::size_t kShortest = 4;     // samples
-constexpr double kLongest = 1.0 / 16.0;  // of the record
 constexpr double kLengthGrid = 1.6;
 constexpr std::size_t kMostEvents = 40;
 
@@ -186,6 +184,8 @@ std::vector<Event> find_swings(const Hypothesis& hypothesis, double price) {
 /// side take little longer than one.
 std::vector<Event> find_pulses(const Hypothesis& hypothesis, double least_nats) {
   constexpr std::size_t kSideBySide = 4;
+  constexpr double kShortest = 4.0;        // samples
+  constexpr double kLongest = 1.0 / 16.0;  // of the record
   const double longest = kLongest * static_cast<double>(hypothesis.data().size());
   std::vector<Event> peaks;
   double length = kShortest;

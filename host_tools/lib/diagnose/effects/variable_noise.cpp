@@ -17,11 +17,11 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr std::size_t kBlocks = 240;  // a change is searched for between blocks, then refined
-constexpr double kMostCycles = 40.0;  // of a periodic strength over the record
-constexpr std::size_t kShortest = 2;  // blocks
-constexpr double kDeepest = 0.98;     // modulation
-constexpr double kWays = 3.0;         // one change, a stretch, a swing
+constexpr std::size_t kBlocks = 240;      // a change is searched for between blocks, then refined
+constexpr double kMostCycles = 40.0;      // of a periodic strength over the record
+constexpr std::size_t kFewestBlocks = 2;  // of a stretch
+constexpr double kDeepest = 0.98;         // modulation
+constexpr double kWays = 3.0;             // one change, a stretch, a swing
 constexpr std::size_t kPeriodicBlocks = 5000;  // a hundred and more in a period
 
 /// The strength of the noise over time, up to a factor.
@@ -116,7 +116,7 @@ Profile best_steps(const Squares& squares) {
   const std::size_t block = std::max<std::size_t>(1, n / kBlocks);
   Profile best;
   for (std::size_t first = 0; first < n; first += block) {
-    for (std::size_t end = first + kShortest * block; end <= n; end += block) {
+    for (std::size_t end = first + kFewestBlocks * block; end <= n; end += block) {
       const double gain = squares.gain(first, std::min(end, n));
       if (gain > best.gain_nats)
         best = {.gain_nats = gain, .first = first, .end = std::min(end, n)};
@@ -142,7 +142,7 @@ Profile best_steps(const Squares& squares) {
   if (best.gain_nats <= 0.0) return best;
   best.ratio = squares.ratio(best.first, best.end);
   const bool single = best.first == 0 || best.end == n;
-  const double shortest = static_cast<double>(kShortest * block) / static_cast<double>(n);
+  const double shortest = static_cast<double>(kFewestBlocks * block) / static_cast<double>(n);
   const double crossings = single ? crossings_of_one_change(best.gain_nats, shortest)
                                   : crossings_of_two_changes(best.gain_nats, shortest);
   best.surprisal_nats = statistics::surprisal_of_search(best.gain_nats, 1.0, crossings);
@@ -238,8 +238,8 @@ Profile best_periodic(const Squares& squares) {
                             .cosine = std::clamp(scale * bins[at].real(), -0.7, 0.7),
                             .sine = std::clamp(-scale * bins[at].imag(), -0.7, 0.7)});
   constexpr double kWorthPlacing = 5.0;  // nats
-  constexpr double kFinest = 0.01;       // cycles
-  for (double step = 0.5 / kPadding; best.gain_nats > kWorthPlacing && step > kFinest;
+  constexpr double kFinestStep = 0.01;   // cycles
+  for (double step = 0.5 / kPadding; best.gain_nats > kWorthPlacing && step > kFinestStep;
        step *= 0.5) {
     for (const double sign : {-1.0, 1.0}) {
       Profile start = best;

@@ -14,7 +14,7 @@ namespace zerorate::diagnose {
 namespace {
 
 constexpr int kMostRounds = 8;
-constexpr double kConverged = 0.02;  // nats
+constexpr double kSettled = 0.02;  // nats
 
 }  // namespace
 
@@ -123,7 +123,7 @@ void Hypothesis::fit(const Hypothesis* before) {
     update_bins(bins, *residual, end_of_columns());
     if (round > 0) starts = {noise_.spectrum};
     noise_ = fit_spectrum(bins, data_->size(), terms_, starts);
-    if (noise_.log_likelihood - reached < kConverged) break;
+    if (noise_.log_likelihood - reached < kSettled) break;
     reached = noise_.log_likelihood;
   }
 }
