@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -19,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/program.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/lib/campaign/answer.hpp"
 #include "host_tools/lib/campaign/gain_summary.hpp"
@@ -182,9 +183,8 @@ void run(const CampaignOptions& options) {
   if (!options.json.empty()) std::ofstream{options.json} << tally.json();
 }
 
-int main_of(int argc, char** argv) {
-  CampaignOptions options;
-  CLI::App app{"Diagnoses recordings with hidden effects and counts the answers"};
+/// Adds the options to the program itself, which has one command.
+cli::Command add_options(CLI::App& app, CampaignOptions& options) {
   app.footer(
       "Examples:\n"
       "  zerorate-campaign                                    416 recordings, as text\n"
@@ -218,19 +218,19 @@ int main_of(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--commit", options.commit, "of the program that is tried, for the document");
   app.add_option("--write-run", options.write_run, "write the recording of one run and stop");
-  CLI11_PARSE(app, argc, argv);
-  run(options);
-  return 0;
+  return {&app, [&options] {
+            run(options);
+            return cli::success;
+          }};
 }
 
 }  // namespace
 }  // namespace zerorate::campaign
 
 int main(int argc, char** argv) {
-  try {
-    return zerorate::campaign::main_of(argc, argv);
-  } catch (const std::exception& error) {
-    std::fputs(fmt::format("zerorate-campaign: {}\n", error.what()).c_str(), stderr);
-    return 1;
-  }
+  CLI::App app{"Diagnoses recordings with hidden effects and counts the answers",
+               "zerorate-campaign"};
+  zerorate::campaign::CampaignOptions options;
+  const zerorate::cli::Command command = zerorate::campaign::add_options(app, options);
+  return zerorate::cli::run_program(app, {command}, argc, argv);
 }

@@ -12,6 +12,7 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/identify/characterization_json.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
@@ -23,7 +24,7 @@ namespace {
 using units::kDegPerRad;
 using units::kDphPerRadS;
 
-struct Options {
+struct CharacterizeOptions {
   std::string recording;
   std::string axis = "all";
   std::string order = "free";
@@ -41,7 +42,7 @@ std::optional<double> parse_order(const std::string& text) {
   return order;
 }
 
-identify::Characterization run_identification(const Options& options) {
+identify::Characterization run_identification(const CharacterizeOptions& options) {
   const std::optional<double> order = parse_order(options.order);
   recording::Reader reader{options.recording};
   const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
@@ -95,7 +96,7 @@ void print_axis(const identify::AxisCharacterization& axis) {
   for (const std::string& remark : axis.remarks) fmt::print("  note: {}\n", remark);
 }
 
-void print_result(const identify::Characterization& result) {
+void print_characterization(const identify::Characterization& result) {
   fmt::print("{}: {} samples every {:.6g} s, {:.0f} s at rest; filter ticks of {:.6g} s\n",
              result.recording, result.rows, static_cast<double>(result.sample_period.ns()) * 1e-9,
              result.rest_s, static_cast<double>(result.tick.ns()) * 1e-9);
@@ -115,7 +116,7 @@ ExitCode judge(const identify::Characterization& result) {
   return drifts ? finding : success;
 }
 
-ExitCode run(const Options& options) {
+ExitCode run_characterize(const CharacterizeOptions& options) {
   const identify::Characterization result = run_identification(options);
   if (!options.outputs.report.empty()) {
     identify::make_report(
@@ -123,7 +124,7 @@ ExitCode run(const Options& options) {
         .write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) write_text(options.outputs.json, identify::to_json(result));
-  if (options.outputs.prints_text()) print_result(result);
+  if (options.outputs.prints_text()) print_characterization(result);
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
     write_text(options.model_out, model::format_model(axis.model));
@@ -140,7 +141,7 @@ ExitCode run(const Options& options) {
 Command add_characterize(CLI::App& app) {
   auto* command =
       app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CharacterizeOptions>();
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   command->add_option("--axis", options->axis, "x, y, z or all")
@@ -166,7 +167,7 @@ Command add_characterize(CLI::App& app) {
       "  zerorate replay other.csv.gz --model mine.toml --schedule still=60,drive=300,seed=1\n"
       "  zerorate characterize rest.csv --axis z --order 0.5 --json -\n"
       "The JSON is described in docs/reference/characterization-format.md.");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_characterize(*options); }};
 }
 
 }  // namespace zerorate::cli

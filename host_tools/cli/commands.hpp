@@ -23,7 +23,6 @@ struct Command {
 [[nodiscard]] Command add_replay(CLI::App& app);
 [[nodiscard]] Command add_demo(CLI::App& app);
 [[nodiscard]] Command add_model(CLI::App& app);
-[[nodiscard]] Command add_reproduce(CLI::App& app);
 [[nodiscard]] Command add_export(CLI::App& app);
 [[nodiscard]] Command add_simulate(CLI::App& app);
 [[nodiscard]] Command add_characterize(CLI::App& app);

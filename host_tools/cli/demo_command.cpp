@@ -8,9 +8,9 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/presentation/report.hpp"
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kYaw = 2;
 
-struct Options {
+struct DemoOptions {
   std::string recording;
   ReplayFlags flags;
   std::string directory = "zerorate-demo";
@@ -33,7 +33,7 @@ struct Options {
 };
 
 /// A replay that leaves its results in the demo's directory.
-void replay_and_report(const Options& options, const std::string& recording,
+void replay_and_report(const DemoOptions& options, const std::string& recording,
                        const evaluate::ReplayOptions& replay_options, evaluate::TrueRate true_rate,
                        const evaluate::RestRecord& rest, const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
@@ -52,7 +52,7 @@ void replay_and_report(const Options& options, const std::string& recording,
 }
 
 /// The drive once more, with the model that the diagnosis has extended.
-void replay_extended(const Options& options, evaluate::ReplayOptions replay_options,
+void replay_extended(const DemoOptions& options, evaluate::ReplayOptions replay_options,
                      const evaluate::SimulatedDrive& drive, const diagnose::Diagnosis& diagnosis) {
   if (diagnosis.causes.empty() || !diagnosis.gain.has_measured_cause()) return;
   replay_options.model = diagnosis.extended_model;
@@ -64,7 +64,8 @@ void replay_extended(const Options& options, evaluate::ReplayOptions replay_opti
 }
 
 /// Diagnoses what the sensor of the drive gave while the vehicle was parked.
-diagnose::Diagnosis diagnose_parked(const Options& options, const evaluate::SimulatedDrive& drive) {
+diagnose::Diagnosis diagnose_parked(const DemoOptions& options,
+                                    const evaluate::SimulatedDrive& drive) {
   constexpr double kParkedS = 1800.0;
   const std::filesystem::path directory = options.directory;
   const auto recording = directory / "parked.csv.gz";
@@ -93,7 +94,7 @@ diagnose::Diagnosis diagnose_parked(const Options& options, const evaluate::Simu
   return std::move(diagnosis.front());
 }
 
-ExitCode run_simulated(Options& options) {
+ExitCode run_simulated(DemoOptions& options) {
   const auto recording = std::filesystem::path(options.directory) / "drive.csv.gz";
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   fmt::print("Simulating a drive of {:g} h with {} ...\n", options.hours,
@@ -126,7 +127,7 @@ ExitCode run_simulated(Options& options) {
   return success;
 }
 
-ExitCode run_recorded(const Options& options) {
+ExitCode run_recorded(const DemoOptions& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   const bool at_rest = replay_options.schedule.has_value();
   evaluate::RestRecording rest;
@@ -146,7 +147,7 @@ ExitCode run_recorded(const Options& options) {
   return success;
 }
 
-ExitCode run(Options& options) {
+ExitCode run_demo(DemoOptions& options) {
   std::filesystem::create_directories(options.directory);
   return options.recording.empty() ? run_simulated(options) : run_recorded(options);
 }
@@ -156,7 +157,7 @@ ExitCode run(Options& options) {
 Command add_demo(CLI::App& app) {
   auto* command = app.add_subcommand(
       "demo", "Simulate a drive, or take a recording, and show what the node makes of it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DemoOptions>();
   command->add_option("RECORDING", options->recording,
                       "CSV or CSV.gz file; none: a simulated drive");
   add_replay_flags(*command, options->flags);
@@ -177,7 +178,7 @@ Command add_demo(CLI::App& app) {
               if (command->count("--model") == 0) options->flags.model = "lsm6dso";
               if (command->count("--through") == 0) options->flags.through = "chip";
             }
-            return run(*options);
+            return run_demo(*options);
           }};
 }
 

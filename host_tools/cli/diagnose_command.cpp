@@ -13,6 +13,7 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/presentation/json.hpp"
 #include "host_tools/lib/diagnose/presentation/report.hpp"
@@ -23,7 +24,7 @@ namespace {
 
 using diagnose::Diagnosis;
 
-struct Options {
+struct DiagnoseOptions {
   std::string recording;
   std::string axis = "all";
   std::string model;
@@ -37,7 +38,7 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-std::vector<Diagnosis> run_diagnosis(const Options& options) {
+std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options) {
   diagnose::DiagnoseOptions diagnose_options{.recording = file_name(options.recording),
                                              .holdout = options.holdout};
   if (!options.model.empty()) diagnose_options.base_model = load_model(options.model);
@@ -118,7 +119,7 @@ void print_diagnosis(const Diagnosis& diagnosis) {
 }
 
 /// FILE for a single axis; of several, FILE-x and so on before the extension.
-std::filesystem::path model_path(const Options& options, const Diagnosis& diagnosis,
+std::filesystem::path model_path(const DiagnoseOptions& options, const Diagnosis& diagnosis,
                                  std::size_t axes) {
   std::filesystem::path path = options.model_out;
   if (axes == 1) return path;
@@ -126,7 +127,7 @@ std::filesystem::path model_path(const Options& options, const Diagnosis& diagno
          fmt::format("{}-{}{}", path.stem().string(), diagnosis.axis, path.extension().string());
 }
 
-void write_results(const Options& options, const std::vector<Diagnosis>& diagnoses) {
+void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
     diagnose::make_report(diagnoses, {.title = "Diagnosis of " + recording,
@@ -145,7 +146,7 @@ void write_results(const Options& options, const std::vector<Diagnosis>& diagnos
   }
 }
 
-ExitCode run(const Options& options) {
+ExitCode run_diagnose(const DiagnoseOptions& options) {
   const std::vector<Diagnosis> diagnoses = run_diagnosis(options);
   if (options.outputs.prints_text()) {
     for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
@@ -164,7 +165,7 @@ Command add_diagnose(CLI::App& app) {
       "diagnose",
       "Find what white + 1/f noise does not explain in a recording, and extend the "
       "model");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiagnoseOptions>();
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   command->add_option("--axis", options->axis, "x, y, z or all")
@@ -201,7 +202,7 @@ Command add_diagnose(CLI::App& app) {
       "  zerorate replay other.csv.gz --model extended.toml --schedule still=60,drive=300,seed=1\n"
       "  zerorate diagnose rest.csv --model lsm6dso.toml --json -\n"
       "The JSON is described in docs/reference/diagnosis-json.md.");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_diagnose(*options); }};
 }
 
 }  // namespace zerorate::cli

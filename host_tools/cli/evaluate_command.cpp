@@ -15,7 +15,7 @@
 namespace zerorate::cli {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   std::vector<std::string> recordings;
   std::vector<std::string> schedules{"15/60", "30/120", "60/300", "20/300", "120/600"};
   std::string fit_on = "other";
@@ -35,7 +35,7 @@ evaluate::ScheduleParams schedule_of(const std::string& text) {
                                   ",drive=" + text.substr(slash + 1));
 }
 
-ExitCode run(Options options) {
+ExitCode run_evaluate(EvaluateOptions options) {
   for (const std::string& text : options.schedules) {
     options.contest.schedules.push_back(schedule_of(text));
   }
@@ -59,7 +59,7 @@ ExitCode run(Options options) {
 Command add_evaluate(CLI::App& app) {
   auto* command = app.add_subcommand(
       "evaluate", "Compare bias predictors on drives cut out of recordings at rest");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvaluateOptions>();
   auto* drives = command->add_subcommand(
       "drives", "Heading drift and interval of each predictor, by lengths of stop and drive");
   command->require_subcommand(1);
@@ -101,7 +101,7 @@ Command add_evaluate(CLI::App& app) {
       "  zerorate evaluate drives run1.csv.gz run2.csv.gz run3.csv.gz\n"
       "  zerorate evaluate drives run*.csv.gz --schedules 30/120,60/300 --seeds 20 --json -\n"
       "  zerorate evaluate drives rest.csv --fit-on itself --report drives.html");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_evaluate(*options); }};
 }
 
 }  // namespace zerorate::cli

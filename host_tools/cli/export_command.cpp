@@ -8,8 +8,8 @@
 #include "firmware/model/c_header.hpp"
 #include "firmware/model/cpp_header.hpp"
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 
 namespace zerorate::cli {
 namespace {

@@ -4,21 +4,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host_tools/lib/output/output_file.hpp"
+#include "host_tools/cli/text_output.hpp"
 
 namespace zerorate::cli {
 
 void add_output_options(CLI::App& command, OutputOptions& outputs) {
   command.add_option("--json", outputs.json, "write the figures as JSON; - for standard output");
   command.add_option("--report", outputs.report, "write a report with charts as HTML");
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  if (path == "-") {
-    fmt::print("{}", text);
-  } else {
-    output::write_file(path, text);
-  }
 }
 
 void present(const experiments::Presentation& presentation, const std::string& provenance,

@@ -2,7 +2,6 @@
 /// Where a command's results go besides the terminal.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "host_tools/lib/experiments/presentation.hpp"
@@ -24,9 +23,6 @@ struct OutputOptions {
 
 /// Adds --json and --report.
 void add_output_options(CLI::App& command, OutputOptions& outputs);
-
-/// Writes a text to a file (output::write_file), or to the standard output for "-".
-void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// Gives an experiment's results to each output, and to the terminal.
 /// @param provenance  the report's last line

@@ -8,6 +8,7 @@
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
@@ -15,7 +16,7 @@
 namespace zerorate::cli {
 namespace {
 
-struct Options {
+struct ReplayCommandOptions {
   std::string recording;
   ReplayFlags flags;
   TruthFlags truth;
@@ -23,7 +24,7 @@ struct Options {
   std::string out;
 };
 
-ExitCode run(const Options& options) {
+ExitCode run_replay(const ReplayCommandOptions& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   // A schedule says that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
@@ -58,7 +59,7 @@ ExitCode run(const Options& options) {
 
 Command add_replay(CLI::App& app) {
   auto* command = app.add_subcommand("replay", "Run a recording through the node's firmware");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayCommandOptions>();
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   add_replay_flags(*command, options->flags);
@@ -72,7 +73,7 @@ Command add_replay(CLI::App& app) {
       "  zerorate replay rest.csv --arw 0.004 --bias-instability 5 --schedule still=30,drive=120 "
       "--json -\n"
       "The format of recordings is described in docs/reference/recording-format.md.");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_replay(*options); }};
 }
 
 }  // namespace zerorate::cli

@@ -13,7 +13,7 @@
 namespace zerorate::cli {
 namespace {
 
-struct Options {
+struct SimulateOptions {
   std::string scenario;
   std::string output;
   std::uint64_t seed = 1;
@@ -33,7 +33,7 @@ void write(const simulate::ScenarioDrive& drive, const std::filesystem::path& pa
   writer.finish();
 }
 
-ExitCode run(const Options& options) {
+ExitCode run_simulate(const SimulateOptions& options) {
   if (options.scenario == "list") return list_scenarios();
   const simulate::Scenario& scenario = simulate::find_scenario(options.scenario);
   const std::string path =
@@ -55,7 +55,7 @@ ExitCode run(const Options& options) {
 
 Command add_simulate(CLI::App& app) {
   auto* command = app.add_subcommand("simulate", "Simulate a drive that goes wrong and replay it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   command->add_option("--scenario", options->scenario, "its name; list: all names")->required();
   command->add_option("--seed", options->seed, "another seed, other noise")->capture_default_str();
   command->add_option("-o,--output", options->output,
@@ -68,7 +68,7 @@ Command add_simulate(CLI::App& app) {
       "  zerorate simulate --scenario list\n"
       "  zerorate simulate --scenario dead-encoder\n"
       "  zerorate simulate --scenario cold-start --model mine.toml -o cold.csv");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_simulate(*options); }};
 }
 
 }  // namespace zerorate::cli

@@ -1,5 +1,5 @@
 /// @file
-/// What the diagnosis says of real recordings, against what is known of them.
+/// Diagnosis of real recordings, against what is known of them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

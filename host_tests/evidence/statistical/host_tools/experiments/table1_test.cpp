@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kRuns = 200;
 
 // All runs and their exact expectations, made once. A fifth of the paper's 1000, which
-// `zerorate reproduce table1` takes: every tolerance below is computed from the runs.
+// `zerorate-reproduce table1` takes: every tolerance below is computed from the runs.
 const std::vector<SimulatedStanding>& table() {
   static const std::vector<SimulatedStanding> standings =
       simulate_table1({.runs = kRuns, .seed = 1}, {});

@@ -1,14 +1,16 @@
+/// @file
+/// `zerorate-reproduce`, the table and the figures of the paper.
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
+#include "host_tools/cli/program.hpp"
 #include "host_tools/cli/progress_bar.hpp"
-#include "host_tools/cli/replay_options.hpp"
 #include "host_tools/lib/experiments/paper/presentation.hpp"
 
 namespace zerorate::cli {
@@ -17,7 +19,7 @@ namespace {
 using experiments::Presentation;
 using parallel::Progress;
 
-struct Options {
+struct ReproduceOptions {
   std::string experiment;
   experiments::SimulationOptions simulation;
   double white = 0.0;
@@ -26,13 +28,13 @@ struct Options {
   OutputOptions outputs;
 };
 
-std::vector<experiments::RestRecording> recordings(const Options& options) {
+std::vector<experiments::RestRecording> recordings(const ReproduceOptions& options) {
   if (options.data.empty()) return {};
   return experiments::read_rest_recordings({options.data.begin(), options.data.end()},
                                            options.highest_rate_hz);
 }
 
-experiments::MeasuredOptions measured_options(const Options& options) {
+experiments::MeasuredOptions measured_options(const ReproduceOptions& options) {
   return {.lengths = options.simulation.lengths,
           .decades = options.simulation.decades,
           .threads = options.simulation.threads};
@@ -45,7 +47,7 @@ auto watched(const char* what, Work work) {
   return work(Progress{[&bar](double share) { bar.update(share); }});
 }
 
-Presentation table1(const Options& options) {
+Presentation table1(const ReproduceOptions& options) {
   experiments::Table1 table{.options = options.simulation};
   table.simulated = watched("simulating Table I", [&](const Progress& progress) {
     return experiments::simulate_table1(options.simulation, progress);
@@ -64,7 +66,7 @@ Presentation table1(const Options& options) {
   return experiments::present(table);
 }
 
-Presentation make(Options options, bool lengths_given) {
+Presentation make(ReproduceOptions options, bool lengths_given) {
   if (options.experiment == "table1") return table1(options);
   if (options.experiment == "figure1") {
     return experiments::present(
@@ -78,72 +80,74 @@ Presentation make(Options options, bool lengths_given) {
       experiments::make_figure3(recordings(options), measured_options(options)), 3);
 }
 
-ExitCode run(Options options, bool lengths_given) {
+ExitCode run_reproduce(ReproduceOptions options, bool lengths_given) {
   options.simulation.noise.white_variance = options.white * options.white;
   present(make(options, lengths_given),
-          fmt::format("zerorate {}, zerorate reproduce {} --runs {} --order {:g} --seed {}",
+          fmt::format("zerorate {}, zerorate-reproduce {} --runs {} --order {:g} --seed {}",
                       ZERORATE_VERSION, options.experiment, options.simulation.runs,
                       options.simulation.noise.order, options.simulation.seed),
           options.outputs);
   return success;
 }
 
-}  // namespace
-
-Command add_reproduce(CLI::App& app) {
-  auto* command = app.add_subcommand(
-      "reproduce", "Reproduce the table and the figures of the paper, with errors");
-  const auto options = std::make_shared<Options>();
-  auto& simulation = options->simulation;
-  command->add_option("EXPERIMENT", options->experiment, "table1, figure1, figure2 or figure3")
+/// Adds the options to the program itself, which has one command.
+Command add_options(CLI::App& app, ReproduceOptions& options) {
+  auto& simulation = options.simulation;
+  app.add_option("EXPERIMENT", options.experiment, "table1, figure1, figure2 or figure3")
       ->required()
       ->check(CLI::IsMember({"table1", "figure1", "figure2", "figure3"}));
-  command->add_option("--runs", simulation.runs, "simulated sets; other orders take a quarter")
+  app.add_option("--runs", simulation.runs, "simulated sets; other orders take a quarter")
       ->check(CLI::Range(2, 1'000'000))
       ->capture_default_str();
-  command->add_option("--order", simulation.noise.order, "d of the simulated noise")
+  app.add_option("--order", simulation.noise.order, "d of the simulated noise")
       ->check(CLI::Range(0.05, 0.95))
       ->capture_default_str();
-  command->add_option("--white", options->white, "sigma of additional white noise; 1/f noise: 2.5")
+  app.add_option("--white", options.white, "sigma of additional white noise; 1/f noise: 2.5")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--decades", simulation.decades, "lags of the decade filter")
+  app.add_option("--decades", simulation.decades, "lags of the decade filter")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  auto* calibration =
-      command->add_option("--calibration", simulation.lengths.calibration, "samples")
-          ->check(CLI::Range(250, 10'000))
-          ->capture_default_str();
-  auto* prediction = command->add_option("--prediction", simulation.lengths.prediction, "samples")
+  auto* calibration = app.add_option("--calibration", simulation.lengths.calibration, "samples")
+                          ->check(CLI::Range(250, 10'000))
+                          ->capture_default_str();
+  auto* prediction = app.add_option("--prediction", simulation.lengths.prediction, "samples")
                          ->check(CLI::Range(1, 10'000))
                          ->capture_default_str();
-  command->add_option("--data", options->data,
-                      "recordings at rest, or folders of them: the measured half of table1, "
-                      "curves of figure1, the run of figure3 (its first recording; the noise is "
-                      "fitted on the second)");
-  command
-      ->add_option("--highest-rate", options->highest_rate_hz,
-                   "leave out recordings that are sampled faster [Hz]")
+  app.add_option("--data", options.data,
+                 "recordings at rest, or folders of them: the measured half of table1, "
+                 "curves of figure1, the run of figure3 (its first recording; the noise is "
+                 "fitted on the second)");
+  app.add_option("--highest-rate", options.highest_rate_hz,
+                 "leave out recordings that are sampled faster [Hz]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--seed", simulation.seed, "another seed, other runs")->capture_default_str();
-  command
-      ->add_option("--threads", simulation.threads,
-                   "0: as many as there are; the figures do not depend on it")
+  app.add_option("--seed", simulation.seed, "another seed, other runs")->capture_default_str();
+  app.add_option("--threads", simulation.threads,
+                 "0: as many as there are; the figures do not depend on it")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  add_output_options(*command, options->outputs);
-  command->footer(
+  add_output_options(app, options.outputs);
+  app.footer(
       "Examples:\n"
-      "  zerorate reproduce table1 --runs 1000\n"
-      "  zerorate reproduce table1 --runs 200 --order 0.7 --json -\n"
-      "  zerorate reproduce table1 --data static/ --report table1.html\n"
-      "  zerorate reproduce figure1 --data run1_1hz.csv.gz --report figure1.html\n"
-      "  zerorate reproduce figure3 --data run1_1hz.csv.gz run2_1hz.csv.gz --report figure3.html\n"
+      "  zerorate-reproduce table1 --runs 1000\n"
+      "  zerorate-reproduce table1 --runs 200 --order 0.7 --json -\n"
+      "  zerorate-reproduce table1 --data static/ --report table1.html\n"
+      "  zerorate-reproduce figure1 --data run1_1hz.csv.gz --report figure1.html\n"
+      "  zerorate-reproduce figure3 --data run1_1hz.csv.gz run2_1hz.csv.gz --report figure3.html\n"
       "docs/design/paper.md says what is reproduced and what differs.");
-  return {command, [options, calibration, prediction] {
-            return run(*options, calibration->count() + prediction->count() > 0);
+  return {&app, [&options, calibration, prediction] {
+            return run_reproduce(options, calibration->count() + prediction->count() > 0);
           }};
 }
 
+}  // namespace
 }  // namespace zerorate::cli
+
+int main(int argc, char** argv) {
+  CLI::App app{"Reproduces the table and the figures of the paper, with errors",
+               "zerorate-reproduce"};
+  zerorate::cli::ReproduceOptions options;
+  const zerorate::cli::Command command = zerorate::cli::add_options(app, options);
+  return zerorate::cli::run_program(app, {command}, argc, argv);
+}
