@@ -7,8 +7,7 @@
 /// The life of a tick:
 ///
 ///     GyroSample --> SampleScreening --> StopLearning --> AxisPredictors --> RateMessage
-///      (a driver)     wild samples are    settle,          learn from the     measured rate -
-///      bias,
+///      (a driver)     wild samples are    settle,          learn from the     rate less bias,
 ///                     left out            average,         mean, predict      sigma, Health,
 ///                                         hold back        the tick           Motion
 ///                                            ^                being filled

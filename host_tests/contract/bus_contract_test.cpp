@@ -1,5 +1,5 @@
 /// @file
-/// What hal/contract promises of SpiDevice and I2cBus, over every back end.
+/// Promises of hal/contract about SpiDevice and I2cBus, over every back end.
 
 #include <gtest/gtest.h>
 

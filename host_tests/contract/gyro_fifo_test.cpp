@@ -1,5 +1,5 @@
 /// @file
-/// What drivers/common promises of samples that wait in a chip's FIFO.
+/// Promises of drivers/common about samples that wait in a chip's FIFO.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// @file
-/// What drivers/common promises of the samples that GyroSource::read() gives, for every gyro on
+/// Promises of drivers/common about the samples that GyroSource::read() gives, for every gyro on
 /// every bus and in both modes.
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 /// @file
-/// What drivers/common promises of GyroSource::start() and verify_next(), for every gyro on every
+/// Promises of drivers/common about GyroSource::start() and verify_next(), for every gyro on every
 /// bus.
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 /// @file
-/// What the gyro suites run over.
+/// Wirings that the gyro suites run over.
 #pragma once
 
 #include <gtest/gtest.h>

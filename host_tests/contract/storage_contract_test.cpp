@@ -1,5 +1,5 @@
 /// @file
-/// What hal/contract promises of Storage, over every back end.
+/// Promises of hal/contract about Storage, over every back end.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// @file
-/// What hal/contract promises of MonotonicClock, PulseInput and DataReady.
+/// Promises of hal/contract about MonotonicClock, PulseInput and DataReady.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// @file
-/// What the fuzzers have in common: the input, and how a broken promise ends the run.
+/// Common ground of the fuzzers: the input, and how a broken promise ends the run.
 #pragma once
 
 #include <fuzzer/FuzzedDataProvider.h>

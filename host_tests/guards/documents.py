@@ -59,9 +59,10 @@ def comments_of(text):
     for number, line in enumerate(text.splitlines(), start=1):
         whole = COMMENT.match(line)
         part = whole or TRAILING_COMMENT.search(line)
+        words = (part.groups()[-1] or "") if part else ""
         if part:
-            yield number, part.groups()[-1] or "", not (whole and inside)
-        inside = bool(whole)
+            yield number, words, not (whole and inside)
+        inside = bool(whole) and words != "@file"
 
 
 class Tree:

@@ -85,6 +85,10 @@ class PoorOpening(unittest.TestCase):
             found = findings_in({"core/a.hpp": f"/// {words}\n"}, documents.poor_openings)
             self.assertEqual(found, [f"core/a.hpp:1: a comment starts with a noun or a verb: {words}"])
 
+    def test_of_a_file_is_found(self):
+        self.assertEqual(findings_in({"core/a.hpp": "/// @file\n/// What a file holds.\n"}, documents.poor_openings),
+                         ["core/a.hpp:2: a comment starts with a noun or a verb: What a file holds."])
+
     def test_inside_a_comment_is_left_alone(self):
         files = {"core/a.hpp": "/// Rate of the axis.\n/// So far in SI units.\nint of;  // Offset\n"}
         self.assertEqual(findings_in(files, documents.poor_openings), [])

@@ -1,5 +1,5 @@
 /// @file
-/// What happens to a node from outside, written down so that an emulated board and a replay on a PC
+/// Events that reach a node from outside, written down so that an emulated board and a replay on a PC
 /// see the same.
 #pragma once
 

@@ -1,5 +1,5 @@
 /// @file
-/// What simulations of a hypothesis look like, beside the record (docs/design/diagnosis.md,
+/// Curves of simulations of a hypothesis, beside those of the record (docs/design/diagnosis.md,
 /// section 7).
 #pragma once
 

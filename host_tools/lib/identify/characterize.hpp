@@ -1,5 +1,5 @@
 /// @file
-/// What a recording at rest tells about each axis of its sensor.
+/// Characterization of each axis of a sensor from a recording at rest.
 #pragma once
 
 #include <cstddef>

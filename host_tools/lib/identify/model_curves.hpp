@@ -1,5 +1,5 @@
 /// @file
-/// What a sensor model says of the curves that are drawn of recordings.
+/// Curves of a sensor model, beside those that are drawn of recordings.
 #pragma once
 
 #include "firmware/model/sensor_model.hpp"

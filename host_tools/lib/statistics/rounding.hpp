@@ -1,5 +1,5 @@
 /// @file
-/// What rounding to levels does to the mean of noisy values.
+/// Shift of the mean of noisy values by rounding to levels.
 #pragma once
 
 namespace zerorate::statistics {

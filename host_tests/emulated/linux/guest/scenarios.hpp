@@ -1,5 +1,5 @@
 /// @file
-/// What the emulated machine goes through. Each scenario has a zerorated of its own.
+/// Scenarios that the emulated machine goes through. Each scenario has a zerorated of its own.
 #pragma once
 
 #include "host_tests/emulated/linux/guest/device_world.hpp"

@@ -1,5 +1,5 @@
 /// @file
-/// The same devices on a kernel without a module of ours.
+/// Devices of the emulated machine on a kernel without a module of ours.
 #pragma once
 
 #include <linux/fuse.h>

@@ -1,5 +1,5 @@
 /// @file
-/// What is particular to the ADXRS453; the rest is in host_tests/contract.
+/// Particulars of the ADXRS453; the rest is in host_tests/contract.
 
 #include "drivers/adxrs453/driver.hpp"
 

@@ -1,5 +1,5 @@
 /// @file
-/// What is particular to the BMI088; the rest is in host_tests/contract.
+/// Particulars of the BMI088; the rest is in host_tests/contract.
 
 #include "drivers/bmi088/driver.hpp"
 

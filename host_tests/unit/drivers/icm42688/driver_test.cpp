@@ -1,5 +1,5 @@
 /// @file
-/// What is particular to the ICM-42688-P; the rest is in host_tests/contract.
+/// Particulars of the ICM-42688-P; the rest is in host_tests/contract.
 
 #include "drivers/icm42688/driver.hpp"
 

@@ -1,5 +1,5 @@
 /// @file
-/// What is particular to the LSM6DSO; the rest is in host_tests/contract.
+/// Particulars of the LSM6DSO; the rest is in host_tests/contract.
 
 #include "drivers/lsm6dso/driver.hpp"
 

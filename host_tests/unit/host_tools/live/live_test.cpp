@@ -1,5 +1,5 @@
 /// @file
-/// What zerorate monitor makes of messages.
+/// Display of messages by zerorate monitor.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// @file
-/// What effects that are mean functions of time or temperature have in common.
+/// Helpers of the effects that are mean functions of time or temperature.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 /// @file
-/// What an extension is worth on data that it was not fitted to (docs/design/diagnosis.md,
+/// Gain of an extension on data that it was not fitted to (docs/design/diagnosis.md,
 /// section 8).
 #pragma once
 

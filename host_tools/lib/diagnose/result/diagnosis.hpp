@@ -1,5 +1,5 @@
 /// @file
-/// What a diagnosis says of one axis: the verdict, the causes, what they explain and what they buy.
+/// Diagnosis of one axis: the verdict, the causes, what they explain and what they buy.
 #pragma once
 
 #include <cmath>

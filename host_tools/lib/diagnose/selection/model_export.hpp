@@ -1,5 +1,5 @@
 /// @file
-/// What a hypothesis says of a recording as a model that the node runs.
+/// Export of a hypothesis as a model that the node runs.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 /// @file
-/// What a bias predictor is worth on drives: real recordings made at rest, cut into stops, in which
+/// Worth of a bias predictor on drives: real recordings made at rest, cut into stops, in which
 /// the predictors may learn, and drives, in which they are compared with what the sensor did.
 #pragma once
 

@@ -1,5 +1,5 @@
 /// @file
-/// What is expected of a linear predictor under a noise model, without simulation.
+/// Expected error of a linear predictor under a noise model, without simulation.
 #pragma once
 
 #include "host_tools/lib/experiments/paper/predictor.hpp"

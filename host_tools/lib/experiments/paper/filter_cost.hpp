@@ -1,5 +1,5 @@
 /// @file
-/// What a sample costs the paper's full-state filter and the decade filter.
+/// Cost of a sample in the paper's full-state filter and in the decade filter.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 /// @file
-/// What takes part in an experiment: anything that turns a calibration into predictions.
+/// Participant of an experiment: anything that turns a calibration into predictions.
 #pragma once
 
 #include <Eigen/Core>
