@@ -43,7 +43,7 @@ Writer::Writer(const std::filesystem::path& path, const Columns& columns)
   }
   const bool compress = path.extension() == ".gz";
   // zlib closes its descriptor. T: it copies as it is.
-  compressor_.reset(gzdopen(::dup(file_->descriptor()), compress ? "wb6" : "wbT"));
+  compressor_.reset(gzdopen(::dup(file_->descriptor()), compress ? "wb1" : "wbT"));
   if (!compressor_) {
     throw cannot("create", last_fault());
   }
