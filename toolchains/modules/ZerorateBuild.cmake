@@ -88,14 +88,16 @@ function(zerorate_precompiled_headers name)
 endfunction()
 
 function(zerorate_use_precompiled_headers target name)
-  if(ZERORATE_PRECOMPILED_HEADERS)
+  if(TARGET ${name})
     target_precompile_headers(${target} REUSE_FROM ${name})
   endif()
 endfunction()
 
-zerorate_precompiled_headers(zerorate_standard_headers
-  HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span> <stdexcept> <string>
-          <string_view> <utility> <variant> <vector>)
+set(ZERORATE_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span>
+  <stdexcept> <string> <string_view> <utility> <variant> <vector>)
+zerorate_precompiled_headers(zerorate_standard_headers HEADERS ${ZERORATE_STANDARD_HEADERS})
+# The precompiled headers of the leaves that are declared below a folder.
+set(ZERORATE_LEAF_HEADERS zerorate_standard_headers)
 
 # zerorate_leaf(NAME [HOSTED] [FOLDER folder] [SOURCES files...] [DEPENDS targets...])
 #
@@ -117,7 +119,7 @@ function(zerorate_leaf name)
     add_library(zerorate_${name} STATIC ${leaf_SOURCES})
     target_link_libraries(zerorate_${name} PUBLIC ${flags} ${leaf_DEPENDS})
     if(leaf_HOSTED)
-      zerorate_use_precompiled_headers(zerorate_${name} zerorate_standard_headers)
+      zerorate_use_precompiled_headers(zerorate_${name} ${ZERORATE_LEAF_HEADERS})
     endif()
   else()
     add_library(zerorate_${name} INTERFACE)
