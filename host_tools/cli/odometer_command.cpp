@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/output_options.hpp"
+#include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/odometry/odometer_json.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -12,12 +12,12 @@
 namespace zerorate::cli {
 namespace {
 
-struct Options {
+struct OdometerOptions {
   std::string recording;
   std::string json;
 };
 
-void print_line(std::string_view what, const std::string& figure, std::string_view remark = "") {
+void print_figure(std::string_view what, const std::string& figure, std::string_view remark = "") {
   fmt::print("  {:<28}{:<28}{}\n", what, figure, remark);
 }
 
@@ -30,30 +30,30 @@ std::string text(const odometry::BootstrapFigure& figure, double unit = 1.0) {
 void print_sample(std::string_view what, const odometry::Sample& sample, std::string_view unit) {
   if (sample.sorted.empty()) return;
   using statistics::quantile_of_sorted;
-  print_line(what, text(sample.median),
-             fmt::format("{}; 5 to 95 %: {:.3g} to {:.3g}; {} times", unit,
-                         quantile_of_sorted(sample.sorted, 0.05),
-                         quantile_of_sorted(sample.sorted, 0.95), sample.sorted.size()));
+  print_figure(what, text(sample.median),
+               fmt::format("{}; 5 to 95 %: {:.3g} to {:.3g}; {} times", unit,
+                           quantile_of_sorted(sample.sorted, 0.05),
+                           quantile_of_sorted(sample.sorted, 0.95), sample.sorted.size()));
 }
 
 void print_zero(const odometry::SpeedRecord& record, const odometry::OdometerFigures& figures) {
   fmt::print("\nzero and not zero\n");
   if (figures.smallest_m_s) {
-    print_line("smallest speed but 0", fmt::format("{:.3g}", *figures.smallest_m_s), "m/s");
+    print_figure("smallest speed but 0", fmt::format("{:.3g}", *figures.smallest_m_s), "m/s");
   }
   print_sample("leaves 0 at a true", figures.leaves_zero_m_s, "m/s");
   print_sample("reaches 0 at a true", figures.reaches_zero_m_s, "m/s");
   print_sample("stays above 0 for", figures.holds_s, "s below the smallest speed");
-  if (figures.step_m_s) print_line("step", fmt::format("{:.3g}", *figures.step_m_s), "m/s");
+  if (figures.step_m_s) print_figure("step", fmt::format("{:.3g}", *figures.step_m_s), "m/s");
   if (record.counts_pulses) {
-    print_line("metres a pulse", fmt::format("{:.5g}", record.metres_per_pulse),
-               "by the distance of the reference");
+    print_figure("metres a pulse", fmt::format("{:.5g}", record.metres_per_pulse),
+                 "by the distance of the reference");
   }
 }
 
 void print_time(const odometry::OdometerFigures& figures) {
-  print_line("late by", text(figures.latency_s), "s");
-  print_line("scale", text(figures.scale), "odometer over reference");
+  print_figure("late by", text(figures.latency_s), "s");
+  print_figure("scale", text(figures.scale), "odometer over reference");
   print_sample("new speed every", figures.renewal_s, "s while braking or pulling away hard");
 }
 
@@ -62,20 +62,20 @@ void print_turning(std::string_view what, const std::vector<double>& sorted_rad_
   const auto dps = [&](double p) {
     return statistics::quantile_of_sorted(sorted_rad_s, p) * units::kDegPerRad;
   };
-  print_line(what, fmt::format("{:.3g}, {:.3g}, {:.3g}", dps(0.5), dps(0.95), dps(1.0)),
-             "deg/s: median, 95 %, most");
+  print_figure(what, fmt::format("{:.3g}, {:.3g}, {:.3g}", dps(0.5), dps(0.95), dps(1.0)),
+               "deg/s: median, 95 %, most");
 }
 
 void print_rolling(std::string_view what, const odometry::Rolling& rolling) {
   if (rolling.rows == 0) return;
-  print_line(what, text(rolling.share, 100.0) + " %",
-             fmt::format("of the time at 0; at {:.2g} m/s, at most {:.2g}",
-                         statistics::quantile_of_sorted(rolling.speeds_m_s, 0.5),
-                         rolling.speeds_m_s.back()));
+  print_figure(what, text(rolling.share, 100.0) + " %",
+               fmt::format("of the time at 0; at {:.2g} m/s, at most {:.2g}",
+                           statistics::quantile_of_sorted(rolling.speeds_m_s, 0.5),
+                           rolling.speeds_m_s.back()));
   print_turning("  turning at", rolling.turning_rad_s);
 }
 
-void print_result(const odometry::SpeedRecord& record, const odometry::OdometerFigures& figures) {
+void print_figures(const odometry::SpeedRecord& record, const odometry::OdometerFigures& figures) {
   fmt::print("{}: {} rows every {:.3g} s, {:.0f} s; {:.1f} % of them at 0\n", record.name,
              record.size(), figures.rows_s, figures.duration_s, 100.0 * figures.silent_share);
   if (record.rows_lost > 0) fmt::print("  note: {} rows without both speeds\n", record.rows_lost);
@@ -100,11 +100,11 @@ void print_result(const odometry::SpeedRecord& record, const odometry::OdometerF
   print_sample("pulls away with", figures.pulling_away_m_s2, "m/s2, the first 2 s");
 }
 
-ExitCode run(const Options& options) {
+ExitCode run_odometer(const OdometerOptions& options) {
   const odometry::SpeedRecord record = odometry::read_speed_record(options.recording);
   const odometry::OdometerFigures figures = odometry::measure_odometer(record);
   if (!options.json.empty()) write_text(options.json, odometry::to_json(record, figures));
-  if (options.json != "-") print_result(record, figures);
+  if (options.json != "-") print_figures(record, figures);
   return success;
 }
 
@@ -112,7 +112,7 @@ ExitCode run(const Options& options) {
 
 Command add_odometer(CLI::App& app) {
   auto* command = app.add_subcommand("odometer", "Measure an odometer against a reference's speed");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OdometerOptions>();
   command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
       ->required();
   command->add_option("--json", options->json, "write the figures as JSON; - for standard output");
@@ -124,7 +124,7 @@ Command add_odometer(CLI::App& app) {
       "  zerorate odometer drive.csv.gz --json odometer.json\n"
       "Cars in traffic: docs/reference/real-odometers.md. The JSON: "
       "docs/reference/odometer-json.md.");
-  return {command, [options] { return run(*options); }};
+  return {command, [options] { return run_odometer(*options); }};
 }
 
 }  // namespace zerorate::cli

@@ -10,6 +10,7 @@
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {
@@ -20,7 +21,6 @@ using report::Colour;
 
 using units::kDegPerRad;
 constexpr double kDphPerDps = 3600.0;
-constexpr double k95Percent = 1.96;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Title for readers.
@@ -106,7 +106,7 @@ Chart bias_chart(const ReplayTrace& trace, bool truth_known) {
   report::Series predicted{.name = "predicted bias", .colour = Colour::blue};
   for (const TracePoint& point : trace.points()) {
     const double bias = point.calibrated ? point.bias_dps * kDphPerDps : kNan;
-    const double half_width = k95Percent * point.sigma_dps * kDphPerDps;
+    const double half_width = statistics::kHalfWidth95 * point.sigma_dps * kDphPerDps;
     predicted.x.push_back(point.time_s);
     predicted.y.push_back(bias);
     predicted.lo.push_back(bias - half_width);
@@ -135,8 +135,8 @@ Chart drift_chart(const ReplayTrace& trace) {
       series.x.push_back(drive.start_s);
       series.y.push_back(outcome.drift_rad * kDegPerRad);
       if (predictor == app::Predictor::kalman) {
-        series.lo.push_back(-k95Percent * outcome.sigma_rad * kDegPerRad);
-        series.hi.push_back(k95Percent * outcome.sigma_rad * kDegPerRad);
+        series.lo.push_back(-statistics::kHalfWidth95 * outcome.sigma_rad * kDegPerRad);
+        series.hi.push_back(statistics::kHalfWidth95 * outcome.sigma_rad * kDegPerRad);
       }
     }
     chart.series.push_back(std::move(series));

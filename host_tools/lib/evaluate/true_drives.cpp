@@ -3,14 +3,12 @@
 #include <limits>
 #include <utility>
 
+#include "host_tools/lib/units/units.hpp"
+
 namespace zerorate::evaluate {
 namespace {
 
-constexpr double kSecondsPerNs = 1e-9;
-
-double seconds(std::int64_t ns) {
-  return static_cast<double>(ns) * kSecondsPerNs;
-}
+using units::seconds;
 
 /// Median of the sorted values; of an even number the mean of the middle two.
 double median_of_sorted(const std::vector<double>& sorted) {

@@ -12,10 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using recording::number;
 using units::kDegPerRad;
-
-double seconds(std::int64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
-}
+using units::seconds;
 
 Json score_json(const TrueScore& score) {
   return {{"drives", score.drives},

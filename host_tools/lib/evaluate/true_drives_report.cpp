@@ -1,4 +1,5 @@
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
+#include "host_tools/lib/statistics/normal.hpp"
 
 #include <fmt/format.h>
 
@@ -17,14 +18,11 @@ namespace {
 
 using report::Chart;
 using report::Colour;
+using statistics::kHalfWidth95;
 using units::kDegPerRad;
+using units::seconds;
 
-constexpr double k95Percent = 1.96;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-double seconds(std::int64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
-}
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();  // breaks a line
 
 /// A row of bars along the time axis: a line at one height that is broken between them.
 class BandRow {
@@ -38,7 +36,7 @@ class BandRow {
       series_.y.push_back(height_);
     }
     series_.x.push_back(to_s);
-    series_.y.push_back(kNan);
+    series_.y.push_back(kGap);
   }
   [[nodiscard]] report::Series series() && { return std::move(series_); }
 
@@ -82,7 +80,7 @@ Chart error_chart(const TrueDrives& drives) {
       series.y.push_back(point.error_rad * kDegPerRad);
     }
     series.x.push_back(scored.along.back().time_s);
-    series.y.push_back(kNan);
+    series.y.push_back(kGap);
   }
   chart.series.push_back(std::move(series));
   for (const truth::Stop& stop : drives.truth.stops) {
@@ -112,7 +110,7 @@ Chart end_chart(const TrueDrives& drives) {
       series.y.push_back(scored.outcomes[p].drift_rad * kDegPerRad);
       if (predictor != app::Predictor::kalman) continue;
       const double half =
-          k95Percent * kDegPerRad *
+          kHalfWidth95 * kDegPerRad *
           std::hypot(scored.outcomes[p].sigma_rad, drives.truth.reference_error_rad);
       series.lo.push_back(-half);
       series.hi.push_back(half);
@@ -158,9 +156,9 @@ report::Table drive_table(const TrueDrives& drives) {
     const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(drives.published)];
     const bool is_scored = scored.flaw == truth::Flaw::none;
     table.rows.push_back({seconds(drive.departure_ns), seconds(drive.to_ns - drive.from_ns),
-                          is_scored ? drive.turn_rad * kDegPerRad : kNan,
-                          is_scored ? outcome.drift_rad * kDegPerRad : kNan,
-                          is_scored ? outcome.sigma_rad * kDegPerRad : kNan,
+                          is_scored ? drive.turn_rad * kDegPerRad : kGap,
+                          is_scored ? outcome.drift_rad * kDegPerRad : kGap,
+                          is_scored ? outcome.sigma_rad * kDegPerRad : kGap,
                           is_scored ? std::string() : std::string(name(scored.flaw))});
   }
   return table;

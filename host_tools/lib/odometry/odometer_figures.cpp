@@ -86,11 +86,11 @@ std::vector<double> accelerations(const SpeedRecord& record) {
 }
 
 Sample measure_renewal(const SpeedRecord& record, const std::vector<double>& acceleration) {
-  constexpr double kMoving_m_s = 2.0;
+  constexpr double kSlowest_m_s = 2.0;
   std::vector<double> intervals;
   for (const Stretch& rows : stretches(record, [&](std::size_t row) {
          return std::abs(acceleration[row]) > kHardBraking_m_s2 &&
-                record.odometer_m_s[row] > kMoving_m_s;
+                record.odometer_m_s[row] > kSlowest_m_s;
        })) {
     std::optional<std::size_t> newest;
     for (std::size_t row = rows.begin + 1; row < rows.end; ++row) {
@@ -103,10 +103,10 @@ Sample measure_renewal(const SpeedRecord& record, const std::vector<double>& acc
 }
 
 BootstrapFigure measure_scale(const SpeedRecord& record) {
-  constexpr double kMoving_m_s = 3.0;
+  constexpr double kSlowest_m_s = 3.0;
   std::vector<std::pair<double, double>> drives;  // odometer times reference, reference squared
   for (const Stretch& rows : stretches(
-           record, [&](std::size_t row) { return record.reference_m_s[row] > kMoving_m_s; })) {
+           record, [&](std::size_t row) { return record.reference_m_s[row] > kSlowest_m_s; })) {
     auto& [product, square] = drives.emplace_back(0.0, 0.0);
     for (std::size_t row = rows.begin; row < rows.end; ++row) {
       product += record.odometer_m_s[row] * record.reference_m_s[row];

@@ -1,5 +1,5 @@
 /// @file
-/// What a reference system beside the gyro says: columns of a recording, kept in memory.
+/// Track of a reference system beside the gyro: columns of a recording, kept in memory.
 #pragma once
 
 #include <array>
