@@ -3,8 +3,9 @@
 
 usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
-Compile flags come from BUILD_FOLDER/compile_commands.json, of a build without precompiled headers. Each .cpp answers
-for the headers of its folder too. Flashed code is mostly headers: those are checked one by one.
+Compile flags come from BUILD_FOLDER/compile_commands.json, without its precompiled headers: a file that forgets an
+include fails here. Each .cpp answers for the headers of its folder too. Flashed code is mostly headers: those are
+checked one by one.
 
 The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
 the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed
@@ -73,6 +74,17 @@ class Cache:
         return digest(*(content_digest(os.path.join(self._root, file)) for file in files))
 
 
+def without_precompiled_headers(words):
+    """The flags without those by which CMake puts a precompiled header in front of a file."""
+    kept = []
+    for word in words:
+        if word.endswith("/cmake_pch.hxx"):
+            kept.pop()  # -include
+        elif word != "-Winvalid-pch":
+            kept.append(word)
+    return kept
+
+
 class Flags:
     """The compiler's flags for each file, from a compile database."""
 
@@ -81,7 +93,7 @@ class Flags:
         for entry in json.loads(database.read_text(encoding="utf-8")):
             words = shlex.split(entry["command"])[1:]
             words = [word for word in words[:words.index("-o")] if not word.startswith("-M")]
-            self._of.setdefault(os.path.relpath(entry["file"], root), words)
+            self._of.setdefault(os.path.relpath(entry["file"], root), without_precompiled_headers(words))
 
     def of(self, file):
         """The flags of a file; of one that no build compiles here, those of the file nearest by its path."""

@@ -53,6 +53,14 @@ class Project(unittest.TestCase):
         self.assertEqual(outcome, (1, "1 files: 0 unchanged since they were clean, 1 with findings"))
 
 
+class PrecompiledHeader(Project):
+    def test_of_the_build_hides_no_missing_include(self):
+        self.make(self.root, flags="-Winvalid-pch -include /build/cmake_pch.hxx")
+        self.assert_checked(self.tidy())
+        self.write(self.root, "core/a.cpp", '#include "core/a.hpp"\nstd::size_t size = 0;\n')
+        self.assert_refused(self.tidy())
+
+
 class OurConfiguration(Project):
     def test_refuses_untidy_code(self):
         self.write(self.root, ".clang-tidy", (REPOSITORY / ".clang-tidy").read_text(encoding="utf-8"))

@@ -68,8 +68,8 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
     -fstack-usage -Wstack-usage=${ZERORATE_STACK_FRAME_CEILING})
 endif()
 
-# Precompiled headers of hosted code. The preset host-release does without, so that a file which forgets an include
-# fails there; the headers alone are compiled by all_verify_interface_header_sets.
+# Precompiled headers of hosted code. A file that forgets an include fails in toolchains/tidy.py, a header in
+# all_verify_interface_header_sets.
 option(ZERORATE_PRECOMPILED_HEADERS "Precompile the standard library's headers for hosted code" OFF)
 
 # zerorate_precompiled_headers(NAME HEADERS headers... DEPENDS targets...)
