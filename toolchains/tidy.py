@@ -3,9 +3,9 @@
 
 usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
-Compile flags come from BUILD_FOLDER/compile_commands.json, without its precompiled headers: a file that forgets an
-include fails here. Each .cpp answers for the headers of its folder too. Flashed code is mostly headers: those are
-checked one by one.
+Compile flags come from BUILD_FOLDER/compile_commands.json, of a build that compiles file by file. Its precompiled
+headers are left out: a file that forgets an include fails here. Each .cpp answers for the headers of its folder too.
+Flashed code is mostly headers: those are checked one by one.
 
 The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
 the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed

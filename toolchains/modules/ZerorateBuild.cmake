@@ -93,11 +93,9 @@ function(zerorate_use_precompiled_headers target name)
   endif()
 endfunction()
 
-set(ZERORATE_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span>
-  <stdexcept> <string> <string_view> <utility> <variant> <vector>)
-zerorate_precompiled_headers(zerorate_standard_headers HEADERS ${ZERORATE_STANDARD_HEADERS})
-# The precompiled headers of the leaves that are declared below a folder.
-set(ZERORATE_LEAF_HEADERS zerorate_standard_headers)
+zerorate_precompiled_headers(zerorate_standard_headers
+  HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span> <stdexcept> <string>
+          <string_view> <utility> <variant> <vector>)
 
 # zerorate_leaf(NAME [HOSTED] [FOLDER folder] [SOURCES files...] [DEPENDS targets...])
 #
@@ -119,7 +117,7 @@ function(zerorate_leaf name)
     add_library(zerorate_${name} STATIC ${leaf_SOURCES})
     target_link_libraries(zerorate_${name} PUBLIC ${flags} ${leaf_DEPENDS})
     if(leaf_HOSTED)
-      zerorate_use_precompiled_headers(zerorate_${name} ${ZERORATE_LEAF_HEADERS})
+      zerorate_use_precompiled_headers(zerorate_${name} zerorate_standard_headers)
     endif()
   else()
     add_library(zerorate_${name} INTERFACE)
