@@ -1,6 +1,6 @@
 /// @file
-/// Events that reach a node from outside, written down so that an emulated board and a replay on a PC
-/// see the same.
+/// Events that reach a node from outside, written down so that an emulated board and a replay on a
+/// PC see the same.
 #pragma once
 
 #include <array>

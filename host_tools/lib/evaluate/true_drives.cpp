@@ -25,7 +25,7 @@ std::size_t TrueDrives::scored() const {
 
 TrueScore TrueDrives::score(app::Predictor predictor) const {
   constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> sizes;
   double squares = 0.0;
   double sigmas = 0.0;
@@ -42,7 +42,9 @@ TrueScore TrueDrives::score(app::Predictor predictor) const {
     covered += size <= k95Percent * sigma ? 1.0 : 0.0;
     covered_by_node += size <= k95Percent * outcome.sigma_rad ? 1.0 : 0.0;
   }
-  if (sizes.empty()) return {0, kNan, kNan, kNan, kNan, kNan, kNan};
+  if (sizes.empty()) {
+    return {0, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
+  }
   std::ranges::sort(sizes);
   const auto count = static_cast<double>(sizes.size());
   const double rms = std::sqrt(squares / count);

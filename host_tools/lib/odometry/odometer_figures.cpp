@@ -42,9 +42,8 @@ std::vector<double> held_speeds(const SpeedRecord& record) {
     }
   }
   std::ranges::sort(held);
-  const auto rest =
-      std::ranges::unique(held, [=](double a, double b) { return std::abs(a - b) < kAlike_m_s; });
-  held.erase(rest.begin(), rest.end());
+  const auto alike = [=](double a, double b) { return std::abs(a - b) < kAlike_m_s; };
+  held.erase(std::unique(held.begin(), held.end(), alike), held.end());
   return held;
 }
 
