@@ -3,20 +3,11 @@
 #include <limits>
 #include <utility>
 
+#include "host_tools/lib/statistics/order_statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {
-namespace {
-
 using units::seconds;
-
-/// Median of the sorted values; of an even number the mean of the middle two.
-double median_of_sorted(const std::vector<double>& sorted) {
-  const std::size_t middle = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
-}
-
-}  // namespace
 
 std::size_t TrueDrives::scored() const {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -50,7 +41,7 @@ TrueScore TrueDrives::score(app::Predictor predictor) const {
   const double rms = std::sqrt(squares / count);
   return {.drives = sizes.size(),
           .rms_rad = rms,
-          .median_rad = median_of_sorted(sizes),
+          .median_rad = statistics::quantile_of_sorted(sizes, 0.5),
           .worst_rad = sizes.back(),
           .coverage95 = covered / count,
           .coverage95_of_node = covered_by_node / count,
