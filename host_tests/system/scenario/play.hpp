@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 #include "host_tools/lib/simulate/scenario.hpp"
+#include "host_tools/lib/truth/truth.hpp"
 
 namespace zerorate::scenario {
 
@@ -100,21 +102,26 @@ struct Played {
   return model::find_model("lsm6dso");
 }
 
-/// @param seed of the vehicle and of the gyro
-[[nodiscard]] inline Played play(std::string_view name, const model::SensorModel& model = lsm6dso(),
-                                 std::uint64_t seed = 1) {
-  Played played{.drive = simulate::find_scenario(name).make(seed),
-                .result = {},
-                .messages = {},
-                .drives = {}};
+/// Whether true drives are scored against the scenario's reference too.
+enum class Scored : bool { no, against_reference };
+
+[[nodiscard]] inline Played play(simulate::ScenarioDrive scenario, const model::SensorModel& model,
+                                 Scored scored = Scored::no) {
+  Played played{.drive = std::move(scenario), .result = {}, .messages = {}, .drives = {}};
   const zerorate::testing::ScratchFolder folder;
   const auto path = folder.path() / "scenario.csv";
   recording::Writer writer{path, played.drive.columns};
   for (const auto& row : played.drive.rows) writer.write(row.row);
   writer.finish();
+  std::optional<truth::Truth> truth;
+  if (scored == Scored::against_reference) {
+    recording::Reader track{path};
+    truth = truth::find_truth(truth::read_track(track), {.vertical = truth::VerticalAxis{}});
+  }
   recording::Reader reader{path};
   const evaluate::ReplayObserver observer{
       .true_rate = [&](std::uint64_t row) { return played.drive.rows[row].true_rate_rad_s; },
+      .truth = std::move(truth),
       .on_sample =
           [&](const evaluate::ReplayedSample& sample) {
             played.messages.push_back(sample.message);
@@ -128,6 +135,12 @@ struct Played {
                                    observer);
   smooth_biases(played.drive.rows);
   return played;
+}
+
+/// @param seed of the vehicle and of the gyro
+[[nodiscard]] inline Played play(std::string_view name, const model::SensorModel& model = lsm6dso(),
+                                 std::uint64_t seed = 1) {
+  return play(simulate::find_scenario(name).make(seed), model);
 }
 
 }  // namespace zerorate::scenario

@@ -9,6 +9,8 @@
 #include <string>
 
 #include "host_tools/lib/simulate/legs.hpp"
+#include "host_tools/lib/simulate/odometer_scenarios.hpp"
+#include "host_tools/lib/simulate/scenario_gyro.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -17,68 +19,9 @@ namespace zerorate::simulate {
 namespace {
 
 using units::kRadPerDeg;
-constexpr double kPeriod_s = 1.0 / 104.0;
-constexpr std::size_t kYaw = 2;
+constexpr double kPeriod_s = kScenarioPeriod_s;
 
-/// Particulars of the gyro of a scenario.
-struct Gyro {
-  std::array<double, 3> bias_dps{0.3, -0.2, 0.1};
-  double arw_dps_rt_s = kScenarioArwDpsRtS;
-  double bias_instability_dph = kScenarioBiasInstabilityDph;
-  std::vector<Effect> drift{};                       ///< of the bias about z
-  std::vector<Effect> disturbance{};                 ///< of what is measured about every axis
-  std::function<double(double)> temperature_degc{};  ///< at a time in seconds; none: no thermometer
-};
-
-Signal signal_of(const VehicleMotion& motion, const Gyro& gyro) {
-  Signal signal{motion.size(), motion.sample_period_s};
-  if (!gyro.temperature_degc) return signal;
-  for (std::size_t k = 0; k < signal.size(); ++k) {
-    signal.temperature_degc.push_back(gyro.temperature_degc(signal.time_s(k)));
-  }
-  return signal;
-}
-
-/// The gyro on the vehicle.
-ScenarioDrive record(const VehicleMotion& motion, const Gyro& gyro, std::uint64_t seed) {
-  ScenarioDrive drive;
-  drive.columns.odometer = true;
-  drive.columns.temperature = static_cast<bool>(gyro.temperature_degc);
-  drive.rows.resize(motion.size());
-  const Signal empty = signal_of(motion, gyro);
-  const random::RandomStream stream{seed};
-  const double floor_rad_s = gyro.bias_instability_dph / 3600.0 * kRadPerDeg;
-  const double flicker_rad_s = floor_rad_s / std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::vector<Effect> drift{ConstantBias{.bias_rad_s = gyro.bias_dps[axis] * kRadPerDeg},
-                              FlickerNoise{.bias_instability_rad_s = flicker_rad_s}};
-    if (axis == kYaw) drift.insert(drift.end(), gyro.drift.begin(), gyro.drift.end());
-    std::vector<Effect> noise{
-        WhiteNoise{.angle_random_walk_rad_rt_s = gyro.arw_dps_rt_s * kRadPerDeg}};
-    noise.insert(noise.end(), gyro.disturbance.begin(), gyro.disturbance.end());
-    const Signal bias = simulate(empty, drift, stream.substream(axis));
-    const Signal fast = simulate(empty, noise, stream.substream(axis));
-    for (std::size_t k = 0; k < motion.size(); ++k) {
-      ScenarioRow& row = drive.rows[k];
-      const double rate = motion.rate_rad_s[k][axis];
-      row.true_rate_rad_s[axis] = static_cast<float>(rate);
-      row.bias_rad_s[axis] = static_cast<float>(bias.rate_rad_s[k]);
-      row.row.rate_rad_s[axis] = static_cast<float>(rate + bias.rate_rad_s[k] + fast.rate_rad_s[k]);
-    }
-  }
-  const random::RandomStream thermometer = stream.substream("thermometer");
-  for (std::size_t k = 0; k < motion.size(); ++k) {
-    recording::Row& row = drive.rows[k].row;
-    row.time_ns = std::llround(empty.time_s(k) * 1e9);
-    row.odometer_pulses = motion.odometer_pulses[k];
-    if (!gyro.temperature_degc) continue;
-    const double noise_k = 0.1 * thermometer.normal(static_cast<std::int64_t>(k));
-    row.temperature_degc = static_cast<float>(empty.temperature_degc[k] + noise_k);
-  }
-  return drive;
-}
-
-ScenarioDrive record(const std::vector<Leg>& legs, const Gyro& gyro, std::uint64_t seed) {
+ScenarioDrive record(const std::vector<Leg>& legs, const ScenarioGyro& gyro, std::uint64_t seed) {
   return record(follow(legs, kPeriod_s), gyro, seed);
 }
 
@@ -331,6 +274,10 @@ constexpr std::array kScenarios{
              time_backwards},
     Scenario{"rate-off", "2 % more samples a second than nominal", rate_off},
     Scenario{"no-data-ready", "the data-ready wire is broken", no_data_ready},
+    Scenario{"dead-band", "traffic; the speed signal is 0 below 0.8 m/s", dead_band},
+    Scenario{"inching", "the same in queues, forward bit by bit within the stops", inching},
+    Scenario{"parking-turn", "the same, and each creep turns at 2 to 9 deg/s", parking_turn},
+    Scenario{"speed-by-can", "dead-band with a new speed once a second", speed_by_can},
 };
 
 }  // namespace

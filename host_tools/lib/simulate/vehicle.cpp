@@ -83,7 +83,8 @@ class SimulatedDrive {
 VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
                                const random::RandomStream& stream) {
   Draws draws(stream.substream("vehicle"));
-  VehicleMotion motion{.sample_period_s = sample_period_s, .rate_rad_s = {}, .odometer_pulses = {}};
+  VehicleMotion motion{
+      .sample_period_s = sample_period_s, .rate_rad_s = {}, .speed_m_s = {}, .odometer_pulses = {}};
   // A trip begins with some time at the kerb.
   double next_drive_s = params.mean_stop_s + draws.exponential(params.mean_stop_s);
   SimulatedDrive drive(params, -1e9, 0.0, draws);
@@ -99,6 +100,7 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
     }
     distance_m += drive.speed(t) * sample_period_s;
     motion.rate_rad_s.push_back(drive.rate(t));
+    motion.speed_m_s.push_back(drive.speed(t));
     motion.odometer_pulses.push_back(
         static_cast<std::int64_t>(distance_m / params.metres_per_pulse));
   }

@@ -25,6 +25,7 @@ struct VehicleParams {
 struct VehicleMotion {
   double sample_period_s = 0.0;
   std::vector<std::array<double, 3>> rate_rad_s;  ///< true rate about x (roll), y (pitch), z (yaw)
+  std::vector<double> speed_m_s;                  ///< magnitude
   std::vector<std::int64_t> odometer_pulses;      ///< cumulative
 
   [[nodiscard]] std::size_t size() const { return odometer_pulses.size(); }
