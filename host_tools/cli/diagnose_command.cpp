@@ -18,6 +18,8 @@
 #include "host_tools/lib/diagnose/presentation/json.hpp"
 #include "host_tools/lib/diagnose/presentation/report.hpp"
 #include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/odometry/odometer_findings.hpp"
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -36,6 +38,40 @@ struct DiagnoseOptions {
 /// The last part of a path: what a report and a model say of where they come from.
 std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
+}
+
+using OdometerFindings = std::vector<odometry::OdometerFinding>;
+
+/// Faults of the odometer; nullopt where the recording has no reference to judge it by.
+std::optional<OdometerFindings> examine_odometer(const DiagnoseOptions& options) {
+  if (!std::filesystem::is_regular_file(options.recording)) return std::nullopt;
+  const recording::Columns columns = recording::Reader{options.recording}.columns();
+  if (!columns.ref_speed || !columns.odometer) return std::nullopt;
+  try {
+    const odometry::SpeedRecord record = odometry::read_speed_record(options.recording);
+    return odometry::find_odometer_faults(record, odometry::measure_odometer(record));
+  } catch (const recording::DataError& reason) {
+    if (options.outputs.prints_text()) {
+      fmt::print("  note: the odometer was not examined: {}\n", reason.what());
+    }
+    return std::nullopt;
+  }
+}
+
+void print_odometer(const OdometerFindings& findings) {
+  if (findings.empty()) {
+    fmt::print("odometer: healthy, as far as the reference's speed tells\n\n");
+    return;
+  }
+  for (const odometry::OdometerFinding& finding : findings) {
+    fmt::print("odometer: {}\n\n{}\n", finding.name, finding.sentence);
+    for (const auto& [name, figure] : finding.figures) {
+      fmt::print("    {:<38}{:>12.4g}", name, figure.value);
+      if (std::isfinite(figure.lo)) fmt::print(" [{:.4g}, {:.4g}]", figure.lo, figure.hi);
+      fmt::print("\n");
+    }
+    fmt::print("\n");
+  }
 }
 
 std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options) {
@@ -57,6 +93,10 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options) {
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
   diagnose_options.on_progress = [&](double share) {
     progress.update(kReading + (1.0 - kReading) * share);
+  };
+  const bool prints = options.outputs.prints_text();
+  diagnose_options.on_left_out = [prints](const std::string& axis, const std::string& reason) {
+    if (prints) fmt::print("  note: axis {} was not diagnosed: {}\n", axis, reason);
   };
   return diagnose::diagnose(std::move(records), diagnose_options);
 }
@@ -127,16 +167,20 @@ std::filesystem::path model_path(const DiagnoseOptions& options, const Diagnosis
          fmt::format("{}-{}{}", path.stem().string(), diagnosis.axis, path.extension().string());
 }
 
-void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses) {
+void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses,
+                   const OdometerFindings* odometer) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
-    diagnose::make_report(diagnoses, {.title = "Diagnosis of " + recording,
-                                      .recording = recording,
-                                      .provenance = fmt::format("zerorate {}, zerorate diagnose {}",
-                                                                ZERORATE_VERSION, recording)})
-        .write(options.outputs.report);
+    report::Report report = diagnose::make_report(
+        diagnoses, {.title = "Diagnosis of " + recording,
+                    .recording = recording,
+                    .provenance = fmt::format("zerorate {}, zerorate diagnose {}", ZERORATE_VERSION,
+                                              recording)});
+    if (odometer != nullptr) diagnose::add_odometer(report, *odometer);
+    report.write(options.outputs.report);
   }
-  if (!options.outputs.json.empty()) write_text(options.outputs.json, diagnose::to_json(diagnoses));
+  if (!options.outputs.json.empty())
+    write_text(options.outputs.json, diagnose::to_json(diagnoses, odometer));
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
     const auto path = model_path(options, diagnosis, diagnoses.size());
@@ -147,11 +191,13 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
 }
 
 ExitCode run_diagnose(const DiagnoseOptions& options) {
+  const std::optional<OdometerFindings> odometer = examine_odometer(options);
+  if (odometer && options.outputs.prints_text()) print_odometer(*odometer);
   const std::vector<Diagnosis> diagnoses = run_diagnosis(options);
   if (options.outputs.prints_text()) {
     for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
   }
-  write_results(options, diagnoses);
+  write_results(options, diagnoses, odometer ? &*odometer : nullptr);
   const bool unexplained = std::ranges::any_of(diagnoses, [](const Diagnosis& diagnosis) {
     return diagnosis.verdict == diagnose::Verdict::unexplained;
   });
@@ -190,6 +236,9 @@ Command add_diagnose(CLI::App& app) {
       "told\n"
       "by all of them.\n"
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
+      "With odometer_pulses and ref_speed_mps the odometer is examined, too: motion in stops, "
+      "dead\n"
+      "band, late messages, double counting, a sensor that dies.\n"
       "Verdicts: consistent (white + 1/f + constant does, or the model given), explained (the "
       "causes named are "
       "needed,\n"

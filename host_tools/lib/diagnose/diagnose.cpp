@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -13,12 +14,14 @@
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
 #include "host_tools/lib/diagnose/held_out_gain.hpp"
 #include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/selection/causes.hpp"
 #include "host_tools/lib/diagnose/selection/common_order.hpp"
 #include "host_tools/lib/diagnose/selection/given_model.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/order_statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -37,6 +40,24 @@ void require_usable(const Record& record) {
       !(least < most)) {
     throw recording::DataError("the record is constant or not finite");
   }
+}
+
+/// The commonest value may be nearly every value: then the resolution of the sensor hides its
+/// noise, and a fit has no density to hold on to.
+void require_noise(const EvenSeries& series) {
+  constexpr std::size_t kFewestOthers = 20;  // one sample in so many: a step of four sigma
+  std::vector<double> values;
+  for (std::size_t k = 0; k < series.size(); ++k) {
+    if (!series.lost[k]) values.push_back(series.rate_rad_s[k]);
+  }
+  if (!values.empty()) {
+    const double middle = statistics::median_of(values);
+    const auto equal = static_cast<std::size_t>(std::ranges::count(values, middle));
+    if (kFewestOthers * (values.size() - equal) >= values.size()) return;
+  }
+  throw recording::DataError(
+      "nearly all samples of the standstill are equal: the resolution of the sensor hides its "
+      "noise");
 }
 
 std::vector<std::unique_ptr<Effect>> make_effects() {
@@ -166,10 +187,19 @@ Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
 class DiagnosisRun {
  public:
   DiagnosisRun(std::vector<Record> records, const DiagnoseOptions& options) : options_(options) {
+    std::optional<recording::DataError> first_obstacle;
     for (Record& record : records) {
-      require_usable(record);
-      axes_.push_back({.record = std::move(record)});
+      try {
+        require_usable(record);
+        require_noise(even_series_of(record));
+        axes_.push_back({.record = std::move(record)});
+      } catch (const recording::DataError& obstacle) {
+        if (!options.on_left_out) throw;
+        if (!first_obstacle) first_obstacle = obstacle;
+        options.on_left_out(record.axis, obstacle.what());
+      }
     }
+    if (axes_.empty() && first_obstacle) throw recording::DataError(*first_obstacle);
   }
 
   std::vector<Diagnosis> run() {
@@ -219,21 +249,21 @@ class DiagnosisRun {
 }  // namespace
 
 std::vector<Diagnosis> diagnose(std::vector<Record> axes, const DiagnoseOptions& options) {
-  std::vector<std::string> remarks;
+  std::map<std::string, std::string> remarks;  // by axis
   for (Record& record : axes) {
     const std::size_t size = record.size();
-    remarks.emplace_back();
     if (size <= options.most_samples) continue;
     record = beginning_of(record, options.most_samples);
-    remarks.back() = fmt::format(
+    remarks[record.axis] = fmt::format(
         "Of the {} samples the first {}, {:.0f} s, were diagnosed, so that memory stays "
         "bounded.",
         size, record.size(), record.time_s.back() - record.time_s.front());
   }
   std::vector<Diagnosis> diagnoses = DiagnosisRun(std::move(axes), options).run();
-  for (std::size_t i = 0; i < diagnoses.size(); ++i) {
-    if (remarks[i].empty()) continue;
-    diagnoses[i].remarks.insert(diagnoses[i].remarks.begin(), remarks[i]);
+  for (Diagnosis& diagnosis : diagnoses) {
+    const auto remark = remarks.find(diagnosis.axis);
+    if (remark == remarks.end()) continue;
+    diagnosis.remarks.insert(diagnosis.remarks.begin(), remark->second);
   }
   return diagnoses;
 }

@@ -26,14 +26,16 @@ struct DiagnoseOptions {
   /// stays below about 1 GiB an axis, time below 3 minutes.
   std::size_t most_samples = 4'000'000;
   std::function<void(double)> on_progress;  ///< share of the work that is done
+  /// Called with an axis that cannot be diagnosed, and why, where another one can; unset: throws.
+  std::function<void(const std::string&, const std::string&)> on_left_out;
 };
 
 /// The whole chain, docs/design/diagnosis.md, for the axes of one sensor: each by itself, and then
 /// what they have in common. Deterministic. Time below 2 s for 20,000 samples and
 /// about 15 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
 /// by some 270 bytes each, and 24 bytes for those of other axes. Throws recording::DataError for
-/// fewer than 256 samples and a record that is constant or not finite.
-/// @return one diagnosis an axis
+/// fewer than 256 samples and a record that is not finite, constant or nearly so.
+/// @return one diagnosis an axis that was not left out
 [[nodiscard]] std::vector<Diagnosis> diagnose(std::vector<Record> axes,
                                               const DiagnoseOptions& options = {});
 

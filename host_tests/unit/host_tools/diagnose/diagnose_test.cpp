@@ -181,6 +181,23 @@ TEST(DiagnosisOfTooLittle, IsRefused) {
   Record constant = simulated({}, 5);
   constant.rate_rad_s.assign(constant.size(), 0.1);
   EXPECT_THROW(static_cast<void>(diagnose(constant)), recording::DataError);
+  // A stop in which a coarse sensor shows one level, but for a few samples.
+  for (std::size_t k = 0; k < constant.size() / 100; ++k) constant.rate_rad_s[97 * k] += 0.01;
+  EXPECT_THROW(static_cast<void>(diagnose(constant)), recording::DataError);
+}
+
+TEST(DiagnosisOfSeveralAxes, LeavesOutTheOneThatTellsNothingIfAsked) {
+  const Record record = simulated({}, 6);
+  Record constant = record;
+  constant.axis = "y";
+  constant.rate_rad_s.assign(constant.size(), 0.1);
+  EXPECT_THROW(static_cast<void>(diagnose({record, constant})), recording::DataError);
+  std::string left_out;
+  DiagnoseOptions options{.holdout = 0.0};
+  options.on_left_out = [&](const std::string& axis, const std::string&) { left_out += axis; };
+  EXPECT_EQ(diagnose({record, constant}, options).size(), 1U);
+  EXPECT_EQ(left_out, "y");
+  EXPECT_THROW(static_cast<void>(diagnose({constant}, options)), recording::DataError);
 }
 
 }  // namespace

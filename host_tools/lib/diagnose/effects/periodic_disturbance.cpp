@@ -191,6 +191,8 @@ class PeriodicDisturbance final : public Effect {
     const std::vector<double> gains = line_gains(scan);
     const auto first = static_cast<std::ptrdiff_t>(2.0 * kFewestCycles);
     const auto best = std::max_element(gains.begin() + first, gains.end() - 1) - gains.begin();
+    // Without any noise, as where almost all values are equal, no line has a finite gain.
+    if (!std::isfinite(*(gains.begin() + best))) return std::nullopt;
     const double cycles =
         refined(scan.precision_weighted_residual(), 0.5 * static_cast<double>(best)) /
         static_cast<double>(data.size());
@@ -227,7 +229,7 @@ class PeriodicDisturbance final : public Effect {
       const double above = power(cycles + step);
       // The vertex of the parabola through three points.
       const double bend = below - 2.0 * centre + above;
-      if (bend >= 0.0) continue;
+      if (!(bend < 0.0)) continue;
       cycles += step * std::clamp(0.5 * (below - above) / bend, -1.0, 1.0);
       centre = power(cycles);
     }

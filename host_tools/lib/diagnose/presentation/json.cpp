@@ -1,5 +1,6 @@
 #include "host_tools/lib/diagnose/presentation/json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -86,12 +87,35 @@ Json axis_json(const Diagnosis& axis) {
   return json;
 }
 
+Json odometer_json(const std::vector<odometry::OdometerFinding>& findings) {
+  Json json = Json::array();
+  for (const odometry::OdometerFinding& finding : findings) {
+    Json figures = Json::object();
+    for (const auto& [name, figure] : finding.figures) {
+      const bool has_interval = std::isfinite(figure.lo) && std::isfinite(figure.hi);
+      if (has_interval) {
+        add(figures, name, figure);
+      } else {
+        figures[name] = number(figure.value);
+      }
+    }
+    json.push_back({{"name", finding.name}, {"sentence", finding.sentence}, {"figures", figures}});
+  }
+  return json;
+}
+
 }  // namespace
 
-std::string to_json(std::span<const Diagnosis> axes) {
-  if (axes.size() == 1) return axis_json(axes.front()).dump(2) + "\n";
-  Json json{{"schema", kSchema}, {"axes", Json::array()}};
-  for (const Diagnosis& axis : axes) json["axes"].push_back(axis_json(axis));
+std::string to_json(std::span<const Diagnosis> axes,
+                    const std::vector<odometry::OdometerFinding>* odometer) {
+  Json json;
+  if (axes.size() == 1) {
+    json = axis_json(axes.front());
+  } else {
+    json = {{"schema", kSchema}, {"axes", Json::array()}};
+    for (const Diagnosis& axis : axes) json["axes"].push_back(axis_json(axis));
+  }
+  if (odometer != nullptr) json["odometer"] = odometer_json(*odometer);
   return json.dump(2) + "\n";
 }
 

@@ -4,12 +4,16 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
+#include "host_tools/lib/odometry/odometer_findings.hpp"
 
 namespace zerorate::diagnose {
 
 /// One axis: the object itself; several: a list of such objects under "axes".
-[[nodiscard]] std::string to_json(std::span<const Diagnosis> axes);
+/// @param odometer  what is wrong with the odometer, under "odometer"; nullptr: not examined
+[[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
+                                  const std::vector<odometry::OdometerFinding>* odometer = nullptr);
 
 }  // namespace zerorate::diagnose

@@ -229,4 +229,22 @@ report::Report make_report(std::span<const Diagnosis> axes, const ReportText& te
   return report;
 }
 
+void add_odometer(report::Report& report, const std::vector<odometry::OdometerFinding>& findings) {
+  auto& section = report.section("Odometer");
+  if (findings.empty()) {
+    section.paragraph("The odometer is healthy, as far as the reference's speed tells.");
+    return;
+  }
+  report::Table table{.caption = "Figures with their 95 % intervals",
+                      .columns = {{"Finding"}, {"Figure"}, {"Value"}, {"From"}, {"To"}}};
+  for (const odometry::OdometerFinding& finding : findings) {
+    section.paragraph(finding.name + ": " + finding.sentence);
+    for (const auto& [name, value] : finding.figures) {
+      table.rows.push_back(
+          {finding.name, name, figure(value.value), figure(value.lo), figure(value.hi)});
+    }
+  }
+  section.table(table);
+}
+
 }  // namespace zerorate::diagnose

@@ -4,8 +4,10 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
+#include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/report/report.hpp"
 
 namespace zerorate::diagnose {
@@ -20,5 +22,8 @@ struct ReportText {
 /// density over what the models simulate, the effect over the data, the evidence, what the
 /// extension buys, and the extended model with the commands that run it.
 [[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
+
+/// Adds a section with what is wrong with the odometer.
+void add_odometer(report::Report& report, const std::vector<odometry::OdometerFinding>& findings);
 
 }  // namespace zerorate::diagnose

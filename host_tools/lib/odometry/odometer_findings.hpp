@@ -1,0 +1,39 @@
+/// @file
+/// Faults of an odometer by name, judged against a reference's speed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/lib/odometry/odometer_figures.hpp"
+#include "host_tools/lib/odometry/speed_record.hpp"
+
+namespace zerorate::odometry {
+
+/// A figure of a finding, the unit at the end of its name, with its 95 % interval.
+struct FindingFigure {
+  std::string name;
+  BootstrapFigure figure;  ///< without an interval: a count, or an extreme value
+};
+
+struct OdometerFinding {
+  /// `motion_in_stops`, `odometer_dead_band`, `odometer_late`, `odometer_double_counting` or
+  /// `odometer_silent`.
+  std::string name;
+  std::string sentence;  ///< for a firmware engineer
+  std::vector<FindingFigure> figures;
+};
+
+/// Looks for five faults of an odometer; empty for a healthy one. A fault is told where the lower
+/// end of the 95 % interval of its figure lies beyond what a healthy odometer shows:
+///
+/// - motion_in_stops: metres rolled in a silence, beyond a pulse at each end, above 0.02 on
+///   average;
+/// - odometer_dead_band: the same before the stop alone, where a late odometer is silent too late;
+/// - odometer_late: latency above 0.1 s and above a row;
+/// - odometer_double_counting: spans of 10 s above 2 m/s with 1.5 times the usual pulses a metre;
+/// - odometer_silent: silence for 2 s and more above 2 m/s.
+[[nodiscard]] std::vector<OdometerFinding> find_odometer_faults(const SpeedRecord& record,
+                                                                const OdometerFigures& figures);
+
+}  // namespace zerorate::odometry
