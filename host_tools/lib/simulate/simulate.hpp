@@ -12,25 +12,10 @@
 #include <variant>
 
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/simulate/effects/bias_jump.hpp"
-#include "host_tools/lib/simulate/effects/constant_bias.hpp"
-#include "host_tools/lib/simulate/effects/correlated_noise.hpp"
-#include "host_tools/lib/simulate/effects/dropped_samples.hpp"
-#include "host_tools/lib/simulate/effects/flicker_noise.hpp"
-#include "host_tools/lib/simulate/effects/motion_contamination.hpp"
-#include "host_tools/lib/simulate/effects/outliers.hpp"
-#include "host_tools/lib/simulate/effects/periodic_disturbance.hpp"
-#include "host_tools/lib/simulate/effects/quantization.hpp"
-#include "host_tools/lib/simulate/effects/random_telegraph_noise.hpp"
-#include "host_tools/lib/simulate/effects/rate_ramp.hpp"
-#include "host_tools/lib/simulate/effects/rate_random_walk.hpp"
-#include "host_tools/lib/simulate/effects/saturation.hpp"
-#include "host_tools/lib/simulate/effects/sensor_bandwidth.hpp"
+#include "host_tools/lib/simulate/effects/bias.hpp"
+#include "host_tools/lib/simulate/effects/noise.hpp"
+#include "host_tools/lib/simulate/effects/samples.hpp"
 #include "host_tools/lib/simulate/effects/signal.hpp"
-#include "host_tools/lib/simulate/effects/temperature_drift.hpp"
-#include "host_tools/lib/simulate/effects/variable_noise.hpp"
-#include "host_tools/lib/simulate/effects/warm_up_transient.hpp"
-#include "host_tools/lib/simulate/effects/white_noise.hpp"
 
 namespace zerorate::simulate {
 

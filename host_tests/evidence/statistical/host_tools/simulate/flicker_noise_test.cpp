@@ -1,4 +1,4 @@
-#include "host_tools/lib/simulate/effects/flicker_noise.hpp"
+#include "host_tools/lib/simulate/effects/noise.hpp"
 
 #include <gtest/gtest.h>
 

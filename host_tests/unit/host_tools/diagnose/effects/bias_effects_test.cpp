@@ -1,0 +1,96 @@
+// Effects on the bias, each alone: found where it is, and not found where it is not.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host_tests/unit/host_tools/diagnose/effects/effect_alone.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+TEST(BiasJumpAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(make_bias_jump(),
+                          record_with({simulate::BiasJump{0.08 * kRadPerDeg, 300.0}}));
+  ASSERT_TRUE(alone.is_found());
+  alone.expect_within_three_sigma("height_dps", 0.08);
+  alone.expect_within_three_sigma("time_s", 300.0);
+  EXPECT_TRUE(alone.model().rate_random_walk);
+}
+
+TEST(BiasJumpAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_bias_jump(), record_with({})).is_found());
+}
+
+TEST(RateRampAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(make_rate_ramp(), record_with({simulate::RateRamp{6e-4 * kRadPerDeg}}));
+  ASSERT_TRUE(alone.is_found());
+  alone.expect_within_three_sigma("slope_dps_per_s", 6e-4);
+  EXPECT_TRUE(alone.model().rate_ramp);
+}
+
+TEST(RateRampAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_rate_ramp(), record_with({})).is_found());
+}
+
+TEST(WarmUpTransientAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(make_warm_up_transient(),
+                          record_with({simulate::WarmUpTransient{0.3 * kRadPerDeg, 60.0}}));
+  ASSERT_TRUE(alone.is_found());
+  alone.expect_within_three_sigma("amplitude_dps", 0.3);
+  alone.expect_within_three_sigma("time_constant_s", 60.0);
+  EXPECT_TRUE(alone.model().warm_up);
+}
+
+TEST(WarmUpTransientAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_warm_up_transient(), record_with({})).is_found());
+}
+
+/// A record whose temperature swings by `reach_k`, with the bias following it.
+Record warmed(double reach_k, double slope_dps_per_k) {
+  Record record = record_with({});
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double excess = reach_k * std::sin(0.02 * record.time_s[k]);
+    record.temperature_degc.push_back(25.0 + excess);
+    record.rate_rad_s[k] += slope_dps_per_k * kRadPerDeg * excess;
+  }
+  return record;
+}
+
+TEST(TemperatureDriftAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(make_temperature_drift(), warmed(5.0, 0.02));
+  ASSERT_TRUE(alone.is_found());
+  alone.expect_within_three_sigma("linear_dps_per_k", 0.02);
+  EXPECT_TRUE(alone.model().temperature);
+}
+
+TEST(TemperatureDriftAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_temperature_drift(), warmed(5.0, 0.0)).is_found());
+}
+
+TEST(TemperatureDriftAlone, CannotBeExaminedWithoutATemperature) {
+  const EffectAlone alone(make_temperature_drift(), record_with({}));
+  EXPECT_EQ(alone.obstacle(), "no temperature");
+  EXPECT_FALSE(alone.is_found());
+}
+
+TEST(TemperatureDriftAlone, CannotBeExaminedWhereTheTemperatureHardlyChanges) {
+  EXPECT_EQ(EffectAlone(make_temperature_drift(), warmed(0.01, 0.0)).obstacle(),
+            "the temperature hardly changes");
+}
+
+TEST(PeriodicDisturbanceAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(make_periodic_disturbance(),
+                          record_with({simulate::PeriodicDisturbance{0.03 * kRadPerDeg, 0.7}}));
+  ASSERT_TRUE(alone.is_found());
+  alone.expect_within_three_sigma("amplitude_dps", 0.03);
+  alone.expect_within_three_sigma("frequency_hz", 0.7);
+  EXPECT_EQ(alone.model().harmonic.size(), 1U);
+}
+
+TEST(PeriodicDisturbanceAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_periodic_disturbance(), record_with({})).is_found());
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose
