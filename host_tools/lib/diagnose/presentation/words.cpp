@@ -139,11 +139,10 @@ std::string plain_name(std::string_view effect) {
 std::string plain_statistic(std::string_view statistic) {
   if (statistic.starts_with("allan_deviation")) return "the Allan deviation";
   if (statistic.starts_with("density")) return "the noise density";
-  std::string name(statistic);
   for (const std::string_view unit : {"_dps2_per_hz", "_dps"}) {
-    if (name.ends_with(unit)) name.resize(name.size() - unit.size());
+    if (statistic.ends_with(unit)) statistic.remove_suffix(unit.size());
   }
-  return "the " + plain_name(name);
+  return "the " + plain_name(statistic);
 }
 
 std::string in_words(const Diagnosis& diagnosis) {
