@@ -92,36 +92,40 @@ class KalmanBank {
     }
   }
 
-  /// Learns from the mean measured rates of this tick [rad/s] and their white variance.
-  constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
+  /// Learns from the mean measured rates of this tick [rad/s].
+  /// @param white_variance of each [rad2/s2]
+  /// @param unit of all variances of the state and of the predictions [rad2/s2 of the model's]: the
+  ///   slow noise has so many times the variance that the model says
+  constexpr Innovations observe(const Rates& rates_rad_s, float white_variance, float unit = 1.0F) {
     for (const float rate_rad_s : rates_rad_s) {
       if (!is_measurement(rate_rad_s, white_variance)) return {};
     }
-    if (!state_.is_measured()) return observe_first(rates_rad_s, white_variance);
+    if (!state_.is_measured()) return observe_first(rates_rad_s, white_variance, unit);
+    const float white = white_variance / unit;
     Innovations innovations{};
     for (std::size_t i = 0; i < Axes; ++i) {
       const Axis& axis = state_.axes[i];
       innovations[i] = {.accepted = true,
                         .residual_rad_s = (rates_rad_s[i] - axis.reference_rad_s) - axis.bias_rad_s,
-                        .variance_rad2_s2 = state_.bias_variance + white_variance};
+                        .variance_rad2_s2 = (state_.bias_variance + white) * unit};
     }
     if (coefficients_->gate.is_on()) {
       const bool is_outlier =
           std::any_of(innovations.begin(), innovations.end(),
                       [&](const Innovation& one) { return coefficients_->gate.is_outlier(one); });
       // One of the two is wrong, and nobody knows which: the newer one must be confirmed now.
-      if (is_outlier && !state_.is_confirmed()) return observe_first(rates_rad_s, white_variance);
-      if (is_knock(is_outlier, innovations)) return innovations;
+      if (is_outlier && !state_.is_confirmed()) {
+        return observe_first(rates_rad_s, white_variance, unit);
+      }
+      if (is_knock(is_outlier, innovations, unit)) return innovations;
     }
     if (!state_.is_confirmed()) --state_.confirmations_left;
-    update(innovations, white_variance);
+    update(innovations, white, unit);
     return innovations;
   }
 
-  /// Adds the variance of an unseen change of the bias.
-  constexpr void inflate_variance(float variance_rad2_s2) {
-    state_.bias_variance += variance_rad2_s2;
-  }
+  /// Adds the variance of an unseen change of the bias, in the unit of observe().
+  constexpr void inflate_variance(float variance) { state_.bias_variance += variance; }
 
   /// Begins warm-up and ramp anew, each with another amplitude or slope: the sensor was switched on
   /// again. What the warm-up before has put on the bias is gone, what a ramp has put on it stays.
@@ -213,9 +217,9 @@ class KalmanBank {
   }
 
   /// Eq. 8: K = (v, p) / S; s += K_0 e, w += K e, v *= r / S, p *= r / S, W -= K p'.
-  constexpr void update(const Innovations& innovations, float white_variance) {
-    const float inverse = 1.0F / innovations[0].variance_rad2_s2;
-    const float remaining = white_variance * inverse;  // 1 - K_0, without the difference
+  constexpr void update(const Innovations& innovations, float white, float unit) {
+    const float inverse = unit / innovations[0].variance_rad2_s2;
+    const float remaining = white * inverse;  // 1 - K_0, without the difference
     Drifts gain{};
     ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) gain[i] =
         state_.bias_covariance[i] * inverse;
@@ -235,10 +239,10 @@ class KalmanBank {
     state_.bias_variance *= remaining;
   }
 
-  constexpr Innovations observe_first(const Rates& rates_rad_s, float white_variance) {
+  constexpr Innovations observe_first(const Rates& rates_rad_s, float white_variance, float unit) {
     // A diffuse level: s is what was measured, and its error is independent of the modes.
     state_.confirmations_left = coefficients_->confirmations;
-    state_.bias_variance = white_variance;
+    state_.bias_variance = white_variance / unit;
     state_.bias_covariance = {};
     Innovations innovations{};
     for (std::size_t i = 0; i < Axes; ++i) {
@@ -250,7 +254,7 @@ class KalmanBank {
   }
 
   /// Keeps account of what the gate makes of a measurement; false where it is to be learnt from.
-  constexpr bool is_knock(bool is_outlier, Innovations& innovations) {
+  constexpr bool is_knock(bool is_outlier, Innovations& innovations, float unit) {
     const Gate& gate = coefficients_->gate;
     const bool is_knock = is_outlier && state_.rejected < gate.longest_knock_ticks;
     state_.rejected = is_knock ? static_cast<std::uint16_t>(state_.rejected + 1) : std::uint16_t{0};
@@ -260,13 +264,13 @@ class KalmanBank {
       largest = std::max(largest, square);
       innovations[i].accepted = !is_knock;
       innovations[i].rejected = is_knock;
-      state_.axes[i].rejection_variance = is_knock
-                                              ? square * static_cast<float>(state_.rejected) /
-                                                    static_cast<float>(gate.longest_knock_ticks)
-                                              : 0.0F;
+      state_.axes[i].rejection_variance =
+          is_knock ? square / unit * static_cast<float>(state_.rejected) /
+                         static_cast<float>(gate.longest_knock_ticks)
+                   : 0.0F;
     }
     if (is_outlier && !is_knock) {  // it was a jump of this size
-      state_.bias_variance += largest;
+      state_.bias_variance += largest / unit;
       for (Innovation& innovation : innovations) innovation.variance_rad2_s2 += largest;
     }
     return is_knock;

@@ -36,6 +36,12 @@ class HoldBackLine {
     return discarded;
   }
 
+  /// Forgets the newest items as long as `is_doubted` says so.
+  template <class IsDoubted>
+  constexpr void discard_newest_while(IsDoubted is_doubted) {
+    while (used_ > 0 && is_doubted(item(used_ - 1U))) --used_;
+  }
+
   constexpr void clear() { used_ = 0; }
 
   /// Calls take(item), oldest first, for every item that ends no later than `until`.

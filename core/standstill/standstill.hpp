@@ -11,6 +11,12 @@
 
 namespace zerorate::core {
 
+/// What tells that the vehicle stands.
+enum class StandstillSource : std::uint8_t {
+  odometer,  ///< no pulse; and then the gyro, which may find motion all the same
+  gyro,      ///< the calm of the gyro alone: there is no odometer
+};
+
 enum class Motion : std::uint8_t {
   moving,    ///< a pulse arrived less than the settle time ago
   settling,  ///< no pulse for the settle time, but a sample does not count yet
@@ -40,6 +46,7 @@ class Standstill {
     Duration slowest = Duration::seconds(8);
     /// Larger: surer that a sample does not belong to the start of the next drive. Default 0.5 s.
     Duration hold_back = Duration::milliseconds(500);
+    StandstillSource source = StandstillSource::odometer;
   };
   struct State {
     Instant last_pulse;  ///< or the start: until the settle time has passed nothing is known

@@ -2,6 +2,7 @@
 /// Which measurements may be learnt from: samples and odometer pulses in, certain ticks out.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include "core/base/time.hpp"
 #include "core/monitor/odometer_check.hpp"
 #include "core/samples/tick_average.hpp"
+#include "core/standstill/calm_judge.hpp"
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
 
@@ -19,10 +21,13 @@ namespace zerorate::core {
 ///
 ///     sample ---> averaged ---> held back ---> released
 ///        |           |             |
-///        |           |             +-- dropped: a pulse follows within the hold-back (the newest
-///        |           |                 ticks), or a turn without pulses (all ticks)
+///        |           |             +-- dropped: a pulse follows within the hold-back, or the gyro
+///        |           |                 shows motion within 1.5 s (the newest ticks), or a turn
+///        |           |                 without pulses (all ticks)
 ///        |           +-- dropped: a pulse comes before the tick is over
 ///        +-- dropped: less than the settle time after a pulse
+///
+/// Without an odometer there are no pulses, and CalmJudge alone tells the standstill.
 ///
 /// @tparam Item what is held of a tick: a TickMean<3> and what else belongs to the measurement
 /// @tparam Capacity ticks that are held at most
@@ -40,6 +45,7 @@ class StopLearning {
     Standstill::State standstill;
     OdometerCheck::State odometer;
     typename TickAverage<kAxes>::State average;
+    CalmJudge::State calm;
     HoldBack held;
 
     constexpr bool operator==(const State&) const = default;
@@ -52,11 +58,14 @@ class StopLearning {
       : half_sample_(sample_period / 2),
         standstill_(standstill),
         odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
-        average_(tick, sample_period) {}
+        average_(tick, sample_period),
+        calm_(standstill.source, odometer.longest_bend, tick, white_variance_rad2_s2),
+        has_odometer_(standstill.source == StandstillSource::odometer),
+        wait_(longest_wait(standstill, tick) + half_sample_) {}
 
   [[nodiscard]] constexpr State state() const {
     return {newest_sample_,    has_sample_,      stop_is_open_, standstill_.state(),
-            odometer_.state(), average_.state(), held_};
+            odometer_.state(), average_.state(), calm_.state(), held_};
   }
   constexpr void restore(const State& state) {
     newest_sample_ = state.newest_sample;
@@ -65,6 +74,7 @@ class StopLearning {
     standstill_.restore(state.standstill);
     odometer_.restore(state.odometer);
     average_.restore(state.average);
+    calm_.restore(state.calm);
     held_ = state.held;
   }
 
@@ -74,6 +84,7 @@ class StopLearning {
   /// @return whether there were any
   template <class Learn>
   constexpr bool pulse(Instant at, Learn learn) {
+    if (!has_odometer_) return false;
     const bool learnt = release_until(standstill_.discard_after(at), learn);
     held_.discard_after(standstill_.discard_after(at));
     odometer_.pulse(at - standstill_.state().last_pulse);
@@ -83,6 +94,7 @@ class StopLearning {
 
   /// The vehicle moves, and nobody knows since when: no tick that is held is certain any more.
   constexpr void report_odometer_fault(Instant now) {
+    if (!has_odometer_) return;
     held_.clear();
     end_stop(now);
   }
@@ -104,18 +116,24 @@ class StopLearning {
     return begins_tick;
   }
 
-  /// Queues the tick that is over; on a rotation without pulses drops it and the whole queue.
+  /// Queues the tick that is over, if it was calm; drops what motion spoils (see above).
   /// @param predicted_rad_s the bias, or nullptr if none is known
+  /// @param variance_rad2_s2 of that prediction
   /// @param rest what an Item holds beside the mean
   template <class... Rest>
-  constexpr void close_tick(const Rates* predicted_rad_s, const Rest&... rest) {
+  constexpr void close_tick(const Rates* predicted_rad_s, float variance_rad2_s2,
+                            const Rest&... rest) {
     if (average_.is_empty()) return;
     const Item closed{average_.close(), rest...};
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
+    const Calm calm = calm_.judge(closed, predicted_rad_s, variance_rad2_s2);
     if (odometer_.turns()) {
       held_.clear();
-    } else {
+    } else if (calm == Calm::calm) {
       held_.push(closed);
+    } else if (calm == Calm::moved) {
+      held_.discard_newest_while(
+          [&](const Item& item) { return item.tick + calm_.reach_ticks() > closed.tick; });
     }
   }
   constexpr void enter_tick(Instant at) { average_.enter(at); }
@@ -128,6 +146,7 @@ class StopLearning {
       if (begins_tick) odometer_.on_driving_tick(rate_rad_s);
     } else if (is_usable()) {
       average_.add(at, rate_rad_s);
+      calm_.add(rate_rad_s);
     }
   }
 
@@ -136,20 +155,36 @@ class StopLearning {
   /// @return whether there were any
   template <class Learn>
   constexpr bool release_at(Instant now, Learn learn) {
-    return held_.size() > 0 && release_until(standstill_.release_until(now) - half_sample_, learn);
+    return held_.size() > 0 && release_until(now - wait_, learn);
   }
 
-  /// Never still while the vehicle turns without pulses: nothing is learnt then.
+  /// Never still while the gyro shows motion or a turn without pulses: nothing is learnt then.
+  /// Without an odometer that is what moving means.
   [[nodiscard]] constexpr Motion motion() const {
     const Motion motion = standstill_.motion(newest_sample_);
-    return motion == Motion::still && odometer_.turns() ? Motion::settling : motion;
+    const bool is_calm = calm_.is_calm() && !odometer_.turns();
+    if (!has_odometer_ && !is_calm) return Motion::moving;
+    return motion == Motion::still && !is_calm ? Motion::settling : motion;
   }
-  [[nodiscard]] constexpr bool odometer_disagrees() const { return odometer_.disagrees(); }
+  [[nodiscard]] constexpr bool odometer_disagrees() const {
+    return has_odometer_ && odometer_.disagrees();
+  }
+  [[nodiscard]] constexpr bool has_dead_band() const {
+    return has_odometer_ && calm_.has_dead_band();
+  }
+  [[nodiscard]] constexpr const CalmJudge& calm() const { return calm_; }
   /// The tick being filled, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
+  /// Of a tick, until nothing can speak against it any more: a late pulse, or motion that the two
+  /// windows after it show, as far as there is room.
+  static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {
+    constexpr auto kRoom = static_cast<std::int64_t>(Capacity) - 2;
+    return std::max(standstill.hold_back,
+                    tick * std::min(CalmJudge::ticks_of_verdict(tick), kRoom));
+  }
   /// Not inlined: it is called at two places, and a board counts bytes.
   template <class Learn>
   [[gnu::noinline]] constexpr bool release_until(Instant certain, Learn learn) {
@@ -164,6 +199,7 @@ class StopLearning {
   constexpr void end_stop(Instant pulse) {
     standstill_.pulse(pulse);
     average_.clear();
+    calm_.end_stop();
     stop_is_open_ = false;
   }
 
@@ -174,6 +210,9 @@ class StopLearning {
   Standstill standstill_;
   OdometerCheck odometer_;
   TickAverage<kAxes> average_;
+  CalmJudge calm_;
+  bool has_odometer_;
+  Duration wait_;  ///< of a tick for what may speak against it
   HoldBack held_;
 };
 

@@ -44,6 +44,7 @@ class GyroNode {
   using Params = NodeParams<Shape>;
   using Predictors = AxisPredictors<Shape, Capacity>;
   using Filter = typename Predictors::Filter;
+  using Scale = typename Predictors::Scale::State;
   using Transition = core::FilterTransition<Shape>;
   using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
   using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
@@ -177,9 +178,19 @@ class GyroNode {
     if (learning_.has_sample()) predict_tick();
   }
 
+  /// Variance of the white noise of a sample: as this sensor has shown it, or by the model.
+  [[nodiscard]] constexpr float white_variance_rad2_s2() const {
+    if (params_.learns_noise && !params_.samples.needs_screen()) {
+      return learning_.calm().white_variance_rad2_s2();
+    }
+    return model_white_variance_rad2_s2();
+  }
+
   /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, if
   /// is_confirmed(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
+  /// How much stronger the slow noise is than the model says; the unit of filter().
+  [[nodiscard]] constexpr const auto& scale() const { return predictors_.scale(); }
   /// Whether there is a measurement that later ones have confirmed.
   [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
   /// The temperature that the filter stands at, if it follows it: that of the newest measurement.
@@ -193,10 +204,11 @@ class GyroNode {
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
   /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
   /// the first sample.
-  constexpr void resume(const Filter& learnt, TickTemperature temperature, std::uint32_t ticks) {
+  constexpr void resume(const Filter& learnt, const Scale& scale, TickTemperature temperature,
+                        std::uint32_t ticks) {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
-    predictors_.resume(learnt, params_, ticks);
+    predictors_.resume(learnt, scale, params_, ticks);
     predict_tick();
   }
 
@@ -215,7 +227,8 @@ class GyroNode {
       const std::array<float, kAxes> predicted_rad_s{
           predicted_[0].bias_rad_s, predicted_[1].bias_rad_s, predicted_[2].bias_rad_s};
       learning_.close_tick(predicted_[0].is_available() ? &predicted_rad_s : nullptr,
-                           temperature_.tick(), screening_.squares());
+                           predicted_[0].variance_rad2_s2, temperature_.tick(),
+                           screening_.squares());
       learning_.enter_tick(sample.time);
       screening_.begin_tick(predicted_, params_.white_variance_rad2_s2,
                             params_.measurement_floor_variance_rad2_s2);
@@ -232,6 +245,11 @@ class GyroNode {
     if (begins_tick || learnt) predict_tick();
   }
 
+  /// The same by the model, whose single samples may be followed.
+  [[nodiscard]] constexpr float model_white_variance_rad2_s2() const {
+    return screening_.level() * params_.white_variance_rad2_s2;
+  }
+
   /// Callback of StopLearning for each tick that is certain.
   [[nodiscard]] constexpr auto learner() {
     return [this](const HeldTick& mean, bool begins_stop) { learn(mean, begins_stop); };
@@ -243,9 +261,10 @@ class GyroNode {
     screening_.advance(ticks);
     if (begins_stop) predictors_.begin_stop();
     const auto samples = static_cast<float>(mean.samples);
+    const float floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2;
     predictors_.observe(since_last, mean.rate_rad_s,
-                        screening_.level() * params_.white_variance_rad2_s2 / samples +
-                            params_.measurement_floor_variance_rad2_s2);
+                        white_variance_rad2_s2() / samples + floor_rad2_s2,
+                        model_white_variance_rad2_s2() / samples + floor_rad2_s2);
     screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
     measured_ticks_ = mean.tick + 1;
   }
@@ -271,6 +290,8 @@ class GyroNode {
     message.health.odometer_fault = odometer_fault_;
     odometer_fault_ = false;
     message.health.odometer_disagreement = learning_.odometer_disagrees();
+    message.health.odometer_dead_band = learning_.has_dead_band();
+    message.calm_percent = learning_.calm().percent();
     message.health.measurement_rejected = screening_.is_disturbed() || filter().rejected > 0;
     message.health.temperature_missing = temperature_.is_missed(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {

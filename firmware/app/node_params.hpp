@@ -51,6 +51,10 @@ struct NodeParams {
   core::Standstill::Params standstill;
   core::OdometerCheck::Params odometer;
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
+  /// Whether the strengths of white and slow noise are learnt in service, from those of the model.
+  /// False: they are as the model says. A model of single samples keeps its white noise, and one
+  /// that is not stationary its slow noise, because those were fitted to the sensor.
+  bool learns_noise = true;
 };
 
 /// How much a node remembers, for boards that count bytes. The results are the same as long as

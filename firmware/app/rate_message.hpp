@@ -8,6 +8,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "core/standstill/calm_judge.hpp"
 #include "core/standstill/standstill.hpp"
 
 namespace zerorate::app {
@@ -30,6 +31,9 @@ struct Health {
   /// Gyro and odometer cannot both be right (see core::OdometerCheck): a turn without pulses, from
   /// which nothing is learnt; pulses without any motion; pulses that follow too closely.
   bool odometer_disagreement = false;
+  /// The gyro found motion inside most of the newest stops: the odometer is silent while the
+  /// vehicle still rolls (see core::CalmJudge). Nothing is learnt from that motion.
+  bool odometer_dead_band = false;
 
   constexpr bool operator==(const Health&) const = default;
 };
@@ -44,9 +48,14 @@ struct AxisRate {
 };
 
 struct RateMessage {
+  static constexpr std::uint8_t kNoCalm = core::CalmJudge::kNoPercent;
+
   core::Instant time;
   core::Motion motion = core::Motion::moving;
   Health health;
+  /// Share of the newest stop that was calm enough to learn from; kNoCalm before anything was
+  /// judged.
+  std::uint8_t calm_percent = kNoCalm;
   std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
 
   [[nodiscard]] constexpr bool has_rate() const {

@@ -105,13 +105,15 @@ class Snapshot {
  public:
   using State = typename Node::State;
   using Filter = typename Node::Filter;
+  using Scale = typename Node::Scale;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
-  static constexpr std::uint16_t kLayout = 3;
+  static constexpr std::uint16_t kLayout = 4;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
-  static constexpr std::size_t kBytesOfFilters = 64 + sizeof(Filter) + kBytesOfTemperature + 4;
+  static constexpr std::size_t kBytesOfFilters =
+      64 + sizeof(Filter) + sizeof(Scale) + kBytesOfTemperature + 4;
   static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -134,6 +136,7 @@ class Snapshot {
     std::span<std::uint8_t> rest =
         begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
     put(rest, node.filter());
+    put(rest, node.scale());
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
   }
@@ -161,7 +164,7 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    return resume(node, state.predictors.kalman,
+    return resume(node, state.predictors.kalman, state.predictors.scale,
                   Node::TemperatureTrack::measured(state.temperature), *header, now);
   }
   /// restore() for boards whose records hold the filters only: no room for a whole state on the
@@ -175,11 +178,12 @@ class Snapshot {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
     }
     const auto payload = record.subspan(sizeof(Header));
+    const auto after_filter = payload.subspan(sizeof(Filter));
     Temperature temperature{};
     if constexpr (kBytesOfTemperature > 0) {
-      temperature = get<Temperature>(payload.subspan(sizeof(Filter)));
+      temperature = get<Temperature>(after_filter.subspan(sizeof(Scale)));
     }
-    return resume(node, get<Filter>(payload), temperature, *header, now);
+    return resume(node, get<Filter>(payload), get<Scale>(after_filter), temperature, *header, now);
   }
 
  private:
@@ -265,6 +269,7 @@ class Snapshot {
     print.add(params.gate.threshold_sigma);
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
+    print.add(params.learns_noise);
     return print.value();
   }
 
@@ -316,7 +321,8 @@ class Snapshot {
   }
 
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filter& learnt,
-                                                   Temperature temperature, const Header& header,
+                                                   const Scale& scale, Temperature temperature,
+                                                   const Header& header,
                                                    const SnapshotTime& now) const {
     using core::Unexpected;
     if (header.calibrated == 0) return Unexpected{SnapshotRefusal::nothing_learnt};
@@ -328,7 +334,7 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(learnt, temperature,
+    node.resume(learnt, scale, temperature,
                 header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
     return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
   }

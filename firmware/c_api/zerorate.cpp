@@ -40,6 +40,7 @@ static_assert(alignof(Instance) <=
               alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
 static_assert(Snapshot::kBytesOfFilters == ZERORATE_SNAPSHOT_BYTES);
 static_assert(Node::kAxes == ZERORATE_AXES);
+static_assert(app::RateMessage::kNoCalm == ZERORATE_NO_CALM);
 static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
 
 /// Null where the storage holds no instance.
@@ -154,7 +155,10 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
                           .lag_s = model.temperature.lag_s},
           .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
           .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
-                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns)},
+                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
+                         .source = config.standstill == ZERORATE_BY_GYRO
+                                       ? core::StandstillSource::gyro
+                                       : core::StandstillSource::odometer},
           .published = predictor_of(config.predictor)};
 }
 
@@ -196,10 +200,12 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .odometer_fault = message.health.odometer_fault,
                                 .measurement_rejected = message.health.measurement_rejected,
                                 .temperature_missing = message.health.temperature_missing,
-                                .odometer_disagreement = message.health.odometer_disagreement},
+                                .odometer_disagreement = message.health.odometer_disagreement,
+                                .odometer_dead_band = message.health.odometer_dead_band},
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
-                     .sigma_rad_s = {}};
+                     .sigma_rad_s = {},
+                     .calm_percent = message.calm_percent};
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
     rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
@@ -248,7 +254,8 @@ zerorate_config zerorate_default_config() {
   return {.settle_ns = standstill.settle.ns(),
           .hold_back_ns = standstill.hold_back.ns(),
           .predictor = ZERORATE_KALMAN,
-          .sensor_id = 0};
+          .sensor_id = 0,
+          .standstill = ZERORATE_BY_ODOMETER};
 }
 
 zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,

@@ -42,11 +42,13 @@ extern "C" {
 #define ZERORATE_DECAYING_MODES 7
 #define ZERORATE_ROTATING_MODES 1
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES 6144
+#define ZERORATE_INSTANCE_BYTES 6400
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES 584
+#define ZERORATE_SNAPSHOT_BYTES 612
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
+/** For zerorate_rate: no stop has been judged yet. */
+#define ZERORATE_NO_CALM 255
 /** For zerorate_model: what the bias changes by while the power is off is not known. */
 #define ZERORATE_UNKNOWN_VARIANCE (-1.0F)
 
@@ -79,6 +81,12 @@ typedef enum zerorate_motion {
   ZERORATE_SETTLING,   /**< still, but not yet for so long that it counts */
   ZERORATE_STILL       /**< samples are being learnt from */
 } zerorate_motion;
+
+/** What tells that the vehicle stands. */
+typedef enum zerorate_standstill {
+  ZERORATE_BY_ODOMETER = 0, /**< no pulse, or its own word, and no motion of the gyro */
+  ZERORATE_BY_GYRO          /**< the calm of the gyro alone: pulses are not looked at */
+} zerorate_standstill;
 
 typedef struct zerorate_complex {
   float re;
@@ -133,6 +141,7 @@ typedef struct zerorate_config {
   int64_t hold_back_ns;         /**< nor until it is so old and still no motion has followed */
   zerorate_predictor predictor; /**< whose bias corrects the rate */
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
+  zerorate_standstill standstill;
 } zerorate_config;
 
 /** Every flag is an alarm except `calibrated`. */
@@ -146,6 +155,7 @@ typedef struct zerorate_health {
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
+  bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
 } zerorate_health;
 
 /** One sample of the sensor. */
@@ -164,6 +174,8 @@ typedef struct zerorate_rate {
   float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias */
   float bias_rad_s[ZERORATE_AXES];
   float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
+  uint8_t
+      calm_percent; /**< of the newest stop, learnt from; ZERORATE_NO_CALM before there was one */
 } zerorate_rate;
 
 /** Heading error that the bias will cause, as far as it can be predicted. */

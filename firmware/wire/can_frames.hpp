@@ -69,9 +69,9 @@ namespace detail {
   }
   frames[3].id = id;
   LittleEndianWriter out{frames[3].data};
-  // The counter counts modulo 16; of the health the bits from the ninth on stand above it.
-  const unsigned health = encode_health(message.health);
-  static_assert(kHealthBits.size() <= 10);
+  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. There is no
+  // room for more: the dead band of the odometer is not an alarm of a single sample.
+  const unsigned health = encode_health(message.health) & 0x3FFU;
   out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
                                     (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
   out.put(static_cast<std::uint8_t>(health & 0xFFU));

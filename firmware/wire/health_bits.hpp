@@ -18,7 +18,7 @@ struct HealthBit {
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 10> kHealthBits{{
+inline constexpr std::array<HealthBit, 11> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -29,6 +29,7 @@ inline constexpr std::array<HealthBit, 10> kHealthBits{{
     {"measurement_rejected", &app::Health::measurement_rejected},
     {"temperature_missing", &app::Health::temperature_missing},
     {"odometer_disagreement", &app::Health::odometer_disagreement},
+    {"odometer_dead_band", &app::Health::odometer_dead_band},
 }};
 
 [[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {

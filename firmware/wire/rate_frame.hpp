@@ -61,7 +61,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   out.put(static_cast<std::uint64_t>(message.time.ns()));
   out.put(static_cast<std::uint8_t>(message.motion));
   out.put(encode_health(message.health));
-  out.put(std::uint8_t{0});
+  out.put(message.calm_percent);
   for (const app::AxisRate& axis : message.axes) {
     for (const auto rate : {axis.measured, axis.corrected, axis.bias, axis.sigma}) {
       detail::put_rate(out, rate);
@@ -94,7 +94,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   }
   message.motion = static_cast<core::Motion>(motion);
   message.health = decode_health(in.take<std::uint16_t>());
-  (void)in.take<std::uint8_t>();
+  message.calm_percent = in.take<std::uint8_t>();
   for (app::AxisRate& axis : message.axes) {
     for (auto* const rate : {&axis.measured, &axis.corrected, &axis.bias, &axis.sigma}) {
       *rate = detail::take_rate(in);

@@ -153,6 +153,10 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_option("--hold-back", flags.hold_back_s,
                  "how long a sample waits for a late pulse before it counts [s]")
       ->capture_default_str();
+  app.add_option("--still-from", flags.still_from,
+                 "what tells rest: odometer, or gyro: its own calm alone, as without an odometer")
+      ->check(CLI::IsMember({"odometer", "gyro"}))
+      ->capture_default_str();
 }
 
 evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
@@ -169,7 +173,9 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   }
   options.published = predictor_called(flags.predictor);
   options.standstill = {.settle = seconds(flags.settle_s, "--settle"),
-                        .hold_back = seconds(flags.hold_back_s, "--hold-back")};
+                        .hold_back = seconds(flags.hold_back_s, "--hold-back"),
+                        .source = flags.still_from == "gyro" ? core::StandstillSource::gyro
+                                                             : core::StandstillSource::odometer};
   return options;
 }
 

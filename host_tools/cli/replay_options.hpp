@@ -28,6 +28,7 @@ struct ReplayFlags {
   std::optional<double> filter_rate_hz;
   double settle_s = 1.0;
   double hold_back_s = 0.5;
+  std::string still_from = "odometer";
 };
 
 /// Options of the scores against a reference, as typed.

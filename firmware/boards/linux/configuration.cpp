@@ -29,6 +29,10 @@ constexpr Rule kFilterRate{[](double x) { return x >= 1e-3 && x <= 1e6; },
                            "a rate in Hz, from 0.001 to 1 000 000"};
 constexpr Rule kSeconds{[](double x) { return x >= 0.0 && x <= 1e6; },
                         "seconds, from 0 to 1 000 000"};
+constexpr Rule kDeadBand{[](double x) { return x >= 0.0 && x <= 10.0; },
+                         "a speed in m/s, from 0 to 10"};
+constexpr Rule kPulse{[](double x) { return x > 0.0 && x <= 1e3; },
+                      "a distance in m, above 0 and at most 1000"};
 constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
                          "seconds, from 1 to 1 000 000"};
 constexpr Rule kSpeed{[](double x) { return x >= 1e3 && x <= 1e8; },
@@ -135,6 +139,26 @@ hal::linux_os::LineSettings read_line(StrictTable& table) {
   line.edge = static_cast<hal::linux_os::Edge>(
       table.choice("edge", kEdges, Presence::optional).value_or(0));
   return line;
+}
+
+core::OdometerTraits read_odometer_traits(StrictTable& table) {
+  core::OdometerTraits odometer;
+  if (const auto speed = table.number("dead_band_mps", kDeadBand, Presence::optional)) {
+    odometer.dead_band_mps = static_cast<float>(*speed);
+  }
+  if (const auto latency = table.number("latency_s", kSeconds, Presence::optional)) {
+    odometer.latency = duration_of(*latency);
+  }
+  if (const auto distance = table.number("metres_per_pulse", kPulse, Presence::optional)) {
+    odometer.metres_per_pulse = static_cast<float>(*distance);
+  }
+  return odometer;
+}
+
+core::StandstillSource read_source(StrictTable& table) {
+  static constexpr std::array<std::string_view, 2> kSources{"odometer", "gyro"};
+  return static_cast<core::StandstillSource>(
+      table.choice("source", kSources, Presence::optional).value_or(0));
 }
 
 model::SensorModel read_sensor_model(StrictTable& table, const std::string& chip) {
@@ -259,8 +283,10 @@ void read_hardware(StrictTable& root, Configuration& configuration) {
              [&](StrictTable& table) { read_gyro(table, configuration.gyro); });
   with_table(root, "data_ready", Presence::optional,
              [&](StrictTable& table) { configuration.data_ready = read_line(table); });
-  with_table(root, "odometer", Presence::required,
-             [&](StrictTable& table) { configuration.odometer = read_line(table); });
+  with_table(root, "odometer", Presence::optional, [&](StrictTable& table) {
+    configuration.odometer = read_line(table);
+    configuration.odometer_traits = read_odometer_traits(table);
+  });
 }
 
 void read_node(StrictTable& root, Configuration& configuration) {
@@ -271,6 +297,18 @@ void read_node(StrictTable& root, Configuration& configuration) {
   FilterSettings filter;
   with_table(root, "filter", Presence::optional,
              [&](StrictTable& table) { read_filter(table, filter); });
+  with_table(root, "standstill", Presence::optional,
+             [&](StrictTable& table) { filter.standstill.source = read_source(table); });
+  const bool asks_gyro = filter.standstill.source == core::StandstillSource::gyro;
+  if (!asks_gyro && !configuration.odometer) {
+    root.fail_at("odometer",
+                 "missing: what tells that the vehicle stands? Without an odometer, "
+                 "[standstill] source = \"gyro\" takes the calm of the gyro for rest");
+  }
+  if (asks_gyro && configuration.odometer) {
+    root.fail_at("odometer", "not beside [standstill] source = \"gyro\": one of the two");
+  }
+  filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
   configuration.node = make_params(root, sensor ? *sensor : model::find_model(chip), filter,
                                    configuration.gyro.rate_hz);
 }

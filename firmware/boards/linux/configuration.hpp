@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/standstill/odometer_traits.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/boards/linux/chips/gyro.hpp"
 #include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
@@ -32,7 +33,8 @@ struct Configuration {
   std::string user;  ///< to become after the start as root; empty: stay
   GyroSettings gyro;
   std::optional<hal::linux_os::LineSettings> data_ready;
-  hal::linux_os::LineSettings odometer;
+  std::optional<hal::linux_os::LineSettings> odometer;  ///< absent: the gyro alone tells rest
+  core::OdometerTraits odometer_traits;
   Node::Params node;
   std::optional<StateSettings> state;
   MetricsSettings metrics;

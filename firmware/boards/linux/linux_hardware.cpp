@@ -25,14 +25,15 @@ drivers::Repetition repetition_of(const Configuration& configuration) {
 
 LinuxHardware::LinuxHardware(const Configuration& configuration)
     : gyro_(find_chip(configuration.gyro.chip)->make(configuration.gyro),
-            repetition_of(configuration)),
-      odometer_(configuration.odometer) {
+            repetition_of(configuration)) {
+  if (configuration.odometer) odometer_.emplace(*configuration.odometer);
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
 
 core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
     std::span<core::Instant> stamps) {
-  return odometer_.read_pulses(stamps);
+  if (!odometer_) return hal::PulseBatch{};
+  return odometer_->read_pulses(stamps);
 }
 core::Instant LinuxHardware::now() const {
   return hal::linux_os::KernelClock::now();
@@ -60,7 +61,7 @@ void LinuxHardware::wait() {
   // A negative descriptor, of a line that is not open, is passed over by the kernel.
   std::array<pollfd, 3> sources{{
       {.fd = wake_.descriptor(), .events = POLLIN, .revents = 0},
-      {.fd = odometer_.descriptor(), .events = POLLIN, .revents = 0},
+      {.fd = odometer_ ? odometer_->descriptor() : -1, .events = POLLIN, .revents = 0},
       {.fd = data_ready_ ? data_ready_->line.descriptor() : -1, .events = POLLIN, .revents = 0},
   }};
   (void)ppoll(sources.data(), sources.size(), &limit, nullptr);

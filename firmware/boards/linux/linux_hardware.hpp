@@ -41,7 +41,7 @@ class LinuxHardware final : public Hardware {
   [[nodiscard]] core::Duration longest_wait() const;
 
   WatchedGyro gyro_;
-  hal::linux_os::GpioLine odometer_;
+  std::optional<hal::linux_os::GpioLine> odometer_;
   std::optional<DataReadyLine> data_ready_;
   Event wake_;
 };

@@ -150,10 +150,11 @@ class Monitor(unittest.TestCase):
     def test_paints_over_itself_on_a_terminal_and_ends_with_the_file(self):
         terminal, screen = pty.openpty()
         line = {"sequence": 0, "time_ns": 10**9, "motion": "still", "rate_dps": [0.25, None, -1],
-                "measured_dps": [0, 0, 0], "bias_dps": [1, 2, 3], "sigma_dps": [0.001, None, 1], "calibrated": True}
+                "measured_dps": [0, 0, 0], "bias_dps": [1, 2, 3], "sigma_dps": [0.001, None, 1], "calm_percent": 93,
+                "calibrated": True}
         line |= {flag: False for flag in ("sample_refused", "time_refused", "saturated", "model_inconsistent",
                                           "odometer_fault", "sensor_fault", "measurement_rejected",
-                                          "temperature_missing", "odometer_disagreement")}
+                                          "temperature_missing", "odometer_disagreement", "odometer_dead_band")}
         pipe_end, pipe = os.pipe()
         self.process = subprocess.Popen([ZERORATE, "monitor", "--json", "-", "--interval", "0.05"], stdin=pipe_end,
                                         stdout=screen, stderr=subprocess.PIPE)

@@ -64,6 +64,15 @@ class StillColumn final : public Odometer {
   RegularPulses regular_;
 };
 
+/// Nothing tells when the vehicle moves.
+class NoOdometer final : public Odometer {
+ public:
+  bool pulses_until(core::Instant /*at*/, const recording::Row& /*row*/,
+                    std::vector<core::Instant>& /*pulses*/) override {
+    return false;
+  }
+};
+
 /// A cumulative count: its increments are spread evenly over the time since the row before. A count
 /// that falls was reset: the vehicle counts as moving then.
 class PulseColumn final : public Odometer {
@@ -103,13 +112,16 @@ class PulseColumn final : public Odometer {
 
 std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
                                         const std::optional<ScheduleParams>& schedule,
-                                        core::Instant start, core::Duration sample_period) {
+                                        core::Instant start, core::Duration sample_period,
+                                        bool is_needed) {
   if (schedule) return std::make_unique<ScheduledOdometer>(*schedule, start, sample_period);
   if (columns.odometer) return std::make_unique<PulseColumn>();
   if (columns.still) return std::make_unique<StillColumn>(sample_period);
+  if (!is_needed) return std::make_unique<NoOdometer>();
   throw std::invalid_argument(
       "the recording has no odometer_pulses and no still column: nothing tells when the vehicle "
-      "moves. If the sensor was at rest all the time, add --schedule still=60,drive=300,seed=1");
+      "moves. If the sensor was at rest all the time, add --schedule still=60,drive=300,seed=1; if "
+      "the vehicle has no odometer, add --still-from gyro");
 }
 
 }  // namespace zerorate::evaluate

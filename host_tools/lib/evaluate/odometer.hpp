@@ -25,10 +25,12 @@ class Odometer {
 
 /// The pulses of a schedule if there is one, else of the recording's odometer or still column.
 /// @param sample_period the nominal one; scheduled and still-flag pulses come at least that often
-/// Throws std::invalid_argument if nothing tells when the vehicle moves.
+/// @param is_needed false: the gyro alone tells rest, pulses serve the scores and may be missing
+/// Throws std::invalid_argument if nothing tells when the vehicle moves, and it is needed.
 [[nodiscard]] std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
                                                       const std::optional<ScheduleParams>& schedule,
                                                       core::Instant start,
-                                                      core::Duration sample_period);
+                                                      core::Duration sample_period,
+                                                      bool is_needed = true);
 
 }  // namespace zerorate::evaluate

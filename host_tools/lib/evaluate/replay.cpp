@@ -99,7 +99,8 @@ class Run {
         result_(result),
         shift_(kStart - core::Instant::from_ns(rows.first_time_ns())),
         params_(make_params(options, result)),
-        odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period)),
+        odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period,
+                                options.standstill.source == core::StandstillSource::odometer)),
         node_(params_) {
     if (!observer.truth) return;
     true_drives_.emplace(*observer.truth, shift_, longest_interval(result.sample_period),
@@ -246,7 +247,7 @@ class Run {
         const app::Predictor predictor = kAllPredictors[p];
         const DriveOutcome drive =
             outcome(drives_[i][p], node_.predict_heading(predictor, i, drive_start_, end),
-                    double{params_.white_variance_rad2_s2});
+                    double{node_.white_variance_rad2_s2()});
         result_.scores[i][p].add(drive);
         if (observer_.on_drive) {
           observer_.on_drive({i, predictor, (drive_start_ - shift_).ns(), drive});

@@ -37,6 +37,8 @@ wire::NumberedMessage read_message(const json& line) {
   read_rates(line.at("bias_dps"), message, &app::AxisRate::bias, 0.0F);
   read_rates(line.at("sigma_dps"), message, &app::AxisRate::sigma,
              std::numeric_limits<float>::infinity());
+  const json& calm = line.at("calm_percent");
+  if (!calm.is_null()) message.calm_percent = calm;
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     message.health.*bit.flag = line.at(std::string{bit.name});
   }

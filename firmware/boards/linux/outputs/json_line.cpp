@@ -56,6 +56,11 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
   line.add_rates("measured_dps", message, &app::AxisRate::measured, message.has_rate());
   line.add_rates("bias_dps", message, &app::AxisRate::bias, true);
   line.add_rates("sigma_dps", message, &app::AxisRate::sigma, true);
+  if (message.calm_percent == app::RateMessage::kNoCalm) {
+    line.add(",\"calm_percent\":null");
+  } else {
+    line.add(",\"calm_percent\":{}", message.calm_percent);
+  }
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     line.add(",\"{}\":{}", bit.name, message.health.*bit.flag);
   }

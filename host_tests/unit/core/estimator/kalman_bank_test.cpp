@@ -72,6 +72,48 @@ TEST(KalmanBankOfThreeAxes, GivesTheBitsOfThreePredictors) {
   }
 }
 
+// The oracle is a filter of a model whose slow noise is that much stronger.
+TEST(KalmanBankInAUnit, EstimatesAsIfTheSlowNoiseWereSoManyTimesStronger) {
+  constexpr float kUnit = 9.0F;
+  auto plain = modes();
+  auto strong = modes();
+  for (auto& mode : strong.decaying) {
+    mode.noise_variance *= kUnit;
+    mode.initial_variance *= kUnit;
+  }
+  for (auto& mode : strong.rotating) {
+    mode.noise_variance *= kUnit;
+    mode.initial_variance *= kUnit;
+  }
+  const KalmanCoefficients<kShape> of_plain{plain, kGate};
+  const KalmanCoefficients<kShape> of_strong{strong, kGate};
+  Bank bank{of_plain};
+  Bank oracle{of_strong};
+  for (std::int64_t k = 0; k < 300; ++k) {
+    auto rates = measured(k);
+    if (k >= 200 && k < 203) rates[0] += 100.0F;  // a knock
+    if (k >= 250) rates[1] += 100.0F;             // a jump
+    bank.advance(plain.one_tick());
+    oracle.advance(strong.one_tick());
+    const auto innovations = bank.observe(rates, kWhiteVariance, kUnit);
+    const auto expected = oracle.observe(rates, kWhiteVariance);
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(innovations[i].rejected, expected[i].rejected) << k;
+      ASSERT_NEAR(innovations[i].variance_rad2_s2, expected[i].variance_rad2_s2,
+                  1e-4F * expected[i].variance_rad2_s2)
+          << k;
+    }
+  }
+  const auto lead = plain.over(20);
+  const auto predicted = bank.predict(lead);
+  const auto expected = oracle.predict(strong.over(20));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(predicted[i].bias_rad_s, expected[i].bias_rad_s, 2e-3F);
+    EXPECT_NEAR(predicted[i].variance_rad2_s2 * kUnit, expected[i].variance_rad2_s2,
+                1e-3F * expected[i].variance_rad2_s2);
+  }
+}
+
 TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAllAndDoubtsEachByItsOwn) {
   const auto noise = modes();
   const KalmanCoefficients<kShape> coefficients{noise, kGate};

@@ -10,6 +10,10 @@
 namespace zerorate::app {
 namespace {
 
+float node_sigma(const testing::Node& node) {
+  return std::sqrt(node.white_variance_rad2_s2());
+}
+
 using core::Duration;
 using testing::at_ms;
 using testing::bias_of;
@@ -197,7 +201,8 @@ TEST(GyroNodeWhoseSensorIsTwoPercentOff, CountsTimeByTheStamps) {
 }
 
 TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
-  const auto params = node_params();
+  auto params = node_params();
+  params.learns_noise = false;
   Node full{params};
   Node thin{params};
   stand(full, 0, 60'000);
@@ -214,13 +219,14 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
 
 TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
   auto params = node_params();
-  params.gate = {.threshold_sigma = 6.0F, .longest_knock_ticks = 50};
+  params.gate = {.threshold_sigma = 3.6F, .longest_knock_ticks = 50};
   Node node{params};
   EXPECT_FALSE(stand(node, 0, 10'000).back().health.measurement_rejected);
-  // A knock of three ticks, held back for half a second and too small for a turn.
-  stand(node, 10'000, 10'300, kBias + 0.0015F);
-  EXPECT_TRUE(stand(node, 10'300, 10'800).back().health.measurement_rejected);
-  EXPECT_FALSE(stand(node, 10'800, 12'000).back().health.measurement_rejected);
+  // A knock of a tick, held back for a second and within the calm of half a second.
+  stand(node, 10'000, 10'100, kBias + 0.0016F);
+  stand(node, 10'100, 11'100);
+  EXPECT_TRUE(stand(node, 11'100, 11'110).back().health.measurement_rejected);
+  EXPECT_FALSE(stand(node, 11'110, 13'000).back().health.measurement_rejected);
 }
 
 TEST(GyroNodeWithASaturatedSample, PublishesItFlaggedAndDoesNotLearnFromIt) {
@@ -265,6 +271,45 @@ TEST(GyroNodeWhoseSensorIsLouderThanItsModel, SaysThatTheModelIsInconsistent) {
   params.white_variance_rad2_s2 *= 0.25F;
   Node deceived{params};
   EXPECT_TRUE(stand(deceived, 0, 60'000).back().health.model_inconsistent);
+}
+
+// 64 spreads know a standard deviation within some 5 %, and the biases of the two are 1 % apart.
+TEST(GyroNodeWhoseSensorIsLouderThanItsModel, LearnsHowLoudItIs) {
+  auto params = node_params();
+  Node honest{params};
+  stand(honest, 0, 60'000);
+  params.white_variance_rad2_s2 *= 0.01F;
+  Node deceived{params};
+  stand(deceived, 0, 60'000);
+  const auto sigma = [](const Node& node) {
+    return node.predict(Predictor::kalman, 0).sigma_rad_s();
+  };
+  EXPECT_NEAR(sigma(deceived) / sigma(honest), 1.0F, 0.25F);
+  EXPECT_NEAR(node_sigma(deceived), kWhiteSigmaRadS, 0.25F * kWhiteSigmaRadS);
+  params.learns_noise = false;
+  Node believing{params};
+  stand(believing, 0, 60'000);
+  EXPECT_FLOAT_EQ(node_sigma(believing), 0.1F * kWhiteSigmaRadS);
+}
+
+TEST(GyroNodeInAStopWithMotion, SaysHowMuchOfItWasCalm) {
+  const auto params = node_params();
+  Node node{params};
+  EXPECT_EQ(stand(node, 0, 2'000).back().calm_percent, RateMessage::kNoCalm);
+  EXPECT_EQ(stand(node, 2'000, 20'000).back().calm_percent, 100);
+  for (int stop = 1; stop <= 4; ++stop) {
+    const std::int64_t begin = 100'000 * stop;
+    drive(node, begin, begin + 10'000);
+    // It rolls for three seconds more, and turns by less than the odometer check tells.
+    for (std::int64_t ms = 10'000; ms < 13'000; ms += 500) {
+      stand(node, begin + ms, begin + ms + 500, kBias + (ms % 1000 == 0 ? 0.002F : 0.0F));
+    }
+    const RateMessage message = stand(node, begin + 13'000, begin + 30'000).back();
+    EXPECT_LT(message.calm_percent, 95) << stop;
+    EXPECT_GT(message.calm_percent, 70) << stop;
+    EXPECT_EQ(message.health.odometer_dead_band, stop == 4) << stop;
+    EXPECT_FALSE(message.health.odometer_disagreement) << stop;
+  }
 }
 
 }  // namespace

@@ -92,13 +92,16 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
     core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
     core::KalmanBank<core::ModelShape{.decaying = 4}, 3> oracle{coefficients};
     oracle.restore(learnt.node.filter());
+    core::SlowNoiseScale<3> scale;
+    scale.restore(learnt.node.scale());
     const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =
         oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)))[1];
     const auto resumed = again.predict(Predictor::kalman, 1);
     EXPECT_NEAR(resumed.bias_rad_s, expected.bias_rad_s, 1e-3F * expected.sigma_rad_s());
     EXPECT_NEAR(resumed.variance_rad2_s2,
-                expected.variance_rad2_s2 + learnt.params.turn_on_variance_rad2_s2,
+                expected.variance_rad2_s2 * scale.cautious_scale() +
+                    learnt.params.turn_on_variance_rad2_s2,
                 1e-3F * expected.variance_rad2_s2);
   }
 }
@@ -236,7 +239,7 @@ TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
 TEST(SnapshotOfASingleMeasurement, IsRefusedSinceNothingHasBorneItOut) {
   const Node::Params params = params_with_turn_on();
   Node node{params};
-  for (std::int64_t ms = 0; ms < 1'900; ms += 10) {
+  for (std::int64_t ms = 0; ms < 2'300; ms += 10) {
     (void)node.step(noisy_sample(at_ms(ms), kBias_rad_s));
   }
   ASSERT_TRUE(node.predict(Predictor::kalman, 0).is_available());

@@ -15,6 +15,7 @@ namespace zerorate::wire::testing {
   message.time = core::Instant::from_ns(static_cast<std::int64_t>(random() >> 1U));
   message.motion = static_cast<core::Motion>(random() % 3);
   for (const HealthBit& bit : kHealthBits) message.health.*bit.flag = random() % 2 == 0;
+  message.calm_percent = static_cast<std::uint8_t>(random() % 256);
   std::uniform_real_distribution<float> rate(-35.0F, 35.0F);
   for (app::AxisRate& axis : message.axes) {
     axis.measured = core::rad_per_s(rate(random));

@@ -37,13 +37,15 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   sent.message.motion = core::Motion::still;
   sent.message.health.calibrated = true;
   sent.message.health.sensor_fault = true;
+  sent.message.health.odometer_dead_band = true;
+  sent.message.calm_percent = 87;
   sent.message.axes[0].measured = core::rad_per_s(1.0F);
   sent.message.axes[2].sigma = core::rad_per_s(-2.0F);
   const RateFrame frame = encode_rate_frame(sent);
   const std::vector<std::uint8_t> head(frame.begin(), frame.begin() + 24);
   EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  1,    0,    0x04, 0x03, 0x02, 0x01,
                                              0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01,
-                                             2,    0x41, 0,    0,    0,    0,    0x80, 0x3F}));
+                                             2,    0x41, 0x04, 87,   0,    0,    0x80, 0x3F}));
   EXPECT_EQ(frame[66], 0x00);  // -2.0F = 0xC0000000, sigma of z
   EXPECT_EQ(frame[67], 0xC0);
   std::uint32_t checksum = 0;

@@ -13,6 +13,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
+constexpr const char* kOdometer =
+    "[odometer]\nchip = \"/dev/gpiochip0\"\nline = 24\nedge = \"both\"\n";
+
 constexpr const char* kFull = R"(schema = "zerorate.daemon/1"
 user = "gyro"
 [gyro]
@@ -90,8 +93,9 @@ TEST(ConfigurationWithEverything, IsReadAsItStandsThere) {
   EXPECT_TRUE(c.gyro.fifo);
   EXPECT_EQ(c.data_ready->chip, "/dev/gpiochip1");
   EXPECT_EQ(c.data_ready->line, "GYRO_DRDY");
-  EXPECT_EQ(c.odometer.line, "24");
-  EXPECT_EQ(c.odometer.edge, hal::linux_os::Edge::both);
+  ASSERT_TRUE(c.odometer);
+  EXPECT_EQ(c.odometer->line, "24");
+  EXPECT_EQ(c.odometer->edge, hal::linux_os::Edge::both);
   EXPECT_EQ(c.node.modes.tick, core::Duration::milliseconds(250));
   EXPECT_EQ(c.node.sample_period, core::Duration::nanoseconds(4807692));  // 1 / 208 Hz
   EXPECT_EQ(c.node.standstill.settle, core::Duration::seconds(2));
@@ -188,11 +192,39 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
       {with("\"can0\"", "\"an-interface-of-no-bus\""),
        "z.toml:45:13: \"interface\" in [sink]: can: \"an-interface-of-no-bus\" is not"},
       {with("0x310", "0x7FD"), "z.toml:46:6: \"id\" in [sink]: expected an identifier from 0 to"},
+      {with("edge = \"both\"", "dead_band_mps = -1"),
+       "z.toml:17:17: \"dead_band_mps\" in [odometer]: expected a speed in m/s"},
+      {with("edge = \"both\"", "latency_s = -1"),
+       "z.toml:17:13: \"latency_s\" in [odometer]: expected seconds"},
+      {with("edge = \"both\"", "metres_per_pulse = 0"),
+       "z.toml:17:20: \"metres_per_pulse\" in [odometer]: expected a distance in m"},
+      {with("[model]", "[standstill]\nsource = \"wheel\"\n[model]"),
+       "z.toml:19:10: \"source\" in [standstill]: expected \"odometer\" or \"gyro\""},
+      {with("[model]", "[standstill]\nsource = \"gyro\"\n[model]"),
+       "z.toml:14:1: \"odometer\": not beside [standstill] source = \"gyro\""},
+      {with(kOdometer, ""), "\"odometer\": missing: what tells that the vehicle stands?"},
       {with("interface", "interfaces"), "z.toml:45:1: unknown key \"interfaces\" in [sink]"},
   };
   for (const Mistake& mistake : mistakes) {
     EXPECT_THAT(message_of(mistake.toml), HasSubstr(mistake.message));
   }
+}
+
+TEST(ConfigurationOfAnOdometer, HoldsBackByWhatIsKnownOfIt) {
+  const Configuration c =
+      parse_configuration(with("edge = \"both\"",
+                               "dead_band_mps = 0.75\nlatency_s = 0.1\nmetres_per_pulse = 0.05"),
+                          "z.toml");
+  EXPECT_EQ(c.node.standstill.hold_back, core::Duration::milliseconds(1100));
+  EXPECT_LT(c.node.standstill.slowest, core::Duration::milliseconds(134));
+  EXPECT_EQ(c.node.standstill.source, core::StandstillSource::odometer);
+}
+
+TEST(ConfigurationWithoutAnOdometer, TakesTheCalmOfTheGyro) {
+  const Configuration c =
+      parse_configuration(with(kOdometer, "[standstill]\nsource = \"gyro\"\n"), "z.toml");
+  EXPECT_FALSE(c.odometer);
+  EXPECT_EQ(c.node.standstill.source, core::StandstillSource::gyro);
 }
 
 TEST(ConfigurationWithFastSpi, IsRefusedBeyondTheChipsLimit) {
