@@ -104,7 +104,7 @@ class Run {
         node_(params_) {
     if (!observer.truth) return;
     true_drives_.emplace(*observer.truth, shift_, longest_interval(result.sample_period),
-                         options.published, double{params_.white_variance_rad2_s2});
+                         options.published);
   }
 
   template <class Feed>

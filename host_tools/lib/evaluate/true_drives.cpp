@@ -49,11 +49,8 @@ TrueScore TrueDrives::score(app::Predictor predictor) const {
 }
 
 TrueDriveScorer::TrueDriveScorer(truth::Truth truth, core::Duration shift,
-                                 core::Duration longest_interval, app::Predictor published,
-                                 double white_variance_rad2_s2)
-    : shift_(shift),
-      longest_ns_(longest_interval.ns()),
-      white_variance_rad2_s2_(white_variance_rad2_s2) {
+                                 core::Duration longest_interval, app::Predictor published)
+    : shift_(shift), longest_ns_(longest_interval.ns()) {
   result_.truth = std::move(truth);
   result_.published = published;
   for (const truth::Drive& drive : result_.truth.drives) {
@@ -65,7 +62,7 @@ void TrueDriveScorer::open() {
   is_open_ = true;
   has_departed_ = false;
   turned_rad_ = 0.0;
-  white_rad2_ = 0.0;
+  squared_intervals_s2_ = 0.0;
 }
 
 /// The rate of a sample stands for the time since the one before, as far as it lies in the drive.
@@ -78,7 +75,7 @@ void TrueDriveScorer::integrate(ScoredDrive& scored, std::int64_t time_ns, doubl
   if (time_ns - begin_ns > longest_ns_) scored.flaw = truth::Flaw::rate_missing;
   const double elapsed_s = seconds(overlap_ns);
   turned_rad_ += rate_rad_s * elapsed_s;
-  white_rad2_ += white_variance_rad2_s2_ * elapsed_s * elapsed_s;
+  squared_intervals_s2_ += elapsed_s * elapsed_s;
   const double now_s = seconds(std::min(time_ns, drive.to_ns));
   if (scored.along.empty() || now_s - scored.along.back().time_s >= 1.0 || time_ns >= drive.to_ns) {
     scored.along.push_back({now_s, turned_rad_});
@@ -93,9 +90,10 @@ void TrueDriveScorer::close(ScoredDrive& scored) {
   const double length_s = seconds(drive.to_ns - drive.from_ns);
   for (std::size_t p = 0; p < app::kPredictors; ++p) {
     const double corrected_rad = turned_rad_ - biases_[p] * length_s;
-    scored.outcomes[p] = {.drift_rad = truth.vertical.sign * corrected_rad - drive.turn_rad,
-                          .sigma_rad = std::sqrt(variances_[p] + white_rad2_),
-                          .rsse_rad_s = std::numeric_limits<double>::quiet_NaN()};
+    scored.outcomes[p] = {
+        .drift_rad = truth.vertical.sign * corrected_rad - drive.turn_rad,
+        .sigma_rad = std::sqrt(variances_[p] + white_variance_rad2_s2_ * squared_intervals_s2_),
+        .rsse_rad_s = std::numeric_limits<double>::quiet_NaN()};
   }
   const std::int64_t longest_ns = truth.heading_rad.longest_interval_ns();
   const auto start = truth.heading_rad.at(drive.from_ns, longest_ns);

@@ -60,9 +60,8 @@ class TrueDriveScorer {
  public:
   /// @param shift of the node's clock over the recording's
   /// @param longest_interval between samples that is integrated over
-  /// @param white_variance_rad2_s2 of one sample
   TrueDriveScorer(truth::Truth truth, core::Duration shift, core::Duration longest_interval,
-                  app::Predictor published, double white_variance_rad2_s2);
+                  app::Predictor published);
 
   /// A sample with a rate, after the node has stepped over it.
   /// @param is_measured whether the node has measured a bias
@@ -95,6 +94,7 @@ class TrueDriveScorer {
     const std::size_t axis = result_.truth.vertical.axis;
     const core::Instant from = core::Instant::from_ns(drive.departure_ns) + shift_;
     const core::Instant to = from + core::Duration::nanoseconds(drive.to_ns - drive.from_ns);
+    white_variance_rad2_s2_ = double{node.white_variance_rad2_s2()};
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       const auto predictor = static_cast<app::Predictor>(p);
       biases_[p] = double{node.bias(predictor, axis).in(core::rad_per_s)};
@@ -108,7 +108,6 @@ class TrueDriveScorer {
   TrueDrives result_;
   core::Duration shift_;
   std::int64_t longest_ns_;
-  double white_variance_rad2_s2_;
 
   std::size_t next_ = 0;
   bool has_sample_ = false;
@@ -116,7 +115,8 @@ class TrueDriveScorer {
   bool has_departed_ = false;
   std::int64_t newest_ns_ = 0;
   double turned_rad_ = 0.0;
-  double white_rad2_ = 0.0;
+  double squared_intervals_s2_ = 0.0;
+  double white_variance_rad2_s2_ = 0.0;  ///< of a sample, as known at departure
   std::array<double, app::kPredictors> biases_{};
   std::array<double, app::kPredictors> variances_{};
 };

@@ -183,7 +183,7 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
 TEST(GyroNodeOfASensorWithOneAxis, FollowsTheStrengthOfTheNoiseByThatAxisAlone) {
   auto params = screening_params();
   params.samples = {};
-  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
+  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-5F};
   ScreeningNode three{params};
   ScreeningNode one{params};
   for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
