@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 
 namespace zerorate::diagnose {
 namespace {

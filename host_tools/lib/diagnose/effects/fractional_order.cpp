@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/noise_effect.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/hypothesis/standardised_residual.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"

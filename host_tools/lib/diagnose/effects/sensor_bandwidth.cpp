@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/node_model_terms.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/noise_effect.hpp"
 #include "host_tools/lib/statistics/logit.hpp"
 #include "host_tools/lib/statistics/normal.hpp"

@@ -1,8 +1,9 @@
-#include "host_tools/lib/diagnose/effects/interval_parameter.hpp"
+#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 
 #include <cmath>
 #include <utility>
 
+#include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/statistics/normal.hpp"
 
 namespace zerorate::diagnose {
@@ -17,6 +18,15 @@ Parameter positive_parameter(std::string name, double value, double log_error) {
 Parameter parameter(std::string name, double value, double standard_error) {
   const double reach = kHalfWidth95 * standard_error;
   return {std::move(name), value, value - reach, value + reach};
+}
+
+double node_tick_s(const FitData& data) {
+  const auto nanoseconds = [](double seconds) {
+    return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+  };
+  const core::Duration tick =
+      identify::identification_tick(nanoseconds(data.span_s()), nanoseconds(data.period_s()));
+  return static_cast<double>(tick.ns()) * 1e-9;
 }
 
 }  // namespace zerorate::diagnose
