@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,8 +19,11 @@
 #include "host_tools/lib/diagnose/presentation/json.hpp"
 #include "host_tools/lib/diagnose/presentation/report.hpp"
 #include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -40,30 +44,103 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-using OdometerFindings = std::vector<odometry::OdometerFinding>;
+using odometry::OdometerDiagnosis;
+
+void print_note(const DiagnoseOptions& options, const std::string& note) {
+  if (options.outputs.prints_text()) fmt::print("  note: {}\n", note);
+}
 
 /// Faults of the odometer; nullopt where the recording has no reference to judge it by.
-std::optional<OdometerFindings> examine_odometer(const DiagnoseOptions& options) {
+std::optional<OdometerDiagnosis> examine_odometer(const DiagnoseOptions& options) {
   if (!std::filesystem::is_regular_file(options.recording)) return std::nullopt;
   const recording::Columns columns = recording::Reader{options.recording}.columns();
   if (!columns.ref_speed || !columns.odometer) return std::nullopt;
   try {
     const odometry::SpeedRecord record = odometry::read_speed_record(options.recording);
-    return odometry::find_odometer_faults(record, odometry::measure_odometer(record));
+    OdometerDiagnosis odometer;
+    odometer.findings = odometry::find_odometer_faults(record, odometry::measure_odometer(record));
+    odometer.configuration = odometry::configuration_of(record, odometer.findings);
+    return odometer;
   } catch (const recording::DataError& reason) {
-    if (options.outputs.prints_text()) {
-      fmt::print("  note: the odometer was not examined: {}\n", reason.what());
-    }
+    print_note(options, fmt::format("the odometer was not examined: {}", reason.what()));
     return std::nullopt;
   }
 }
 
-void print_odometer(const OdometerFindings& findings) {
-  if (findings.empty()) {
+/// Findings of the gyro alone about an odometer that is silent while the vehicle moves.
+std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRest& motion) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto single = [&](double value) { return odometry::BootstrapFigure{value, kNone, kNone}; };
+  const auto turning = [&](double share) {
+    return single(statistics::quantile_of_sorted(motion.turning_rad_s, share) * units::kDegPerRad);
+  };
+  return {
+      {.name = "motion_in_stops",
+       .sentence = fmt::format("In {:.1f} % of the time in which the odometer says that it "
+                               "stands, the gyro shows motion.",
+                               100.0 * motion.share()),
+       .figures = {{"share", single(motion.share())},
+                   {"turning_median_dps", turning(0.5)},
+                   {"turning_95_percent_dps", turning(0.95)}}},
+      {.name = "odometer_dead_band",
+       .sentence = fmt::format("In {} of {} stops it is silent while the vehicle moves; its "
+                               "speed takes a ref_speed_mps column to tell.",
+                               motion.stops_with_motion, motion.stops),
+       .figures = {{"stops_with_motion", single(static_cast<double>(motion.stops_with_motion))}}}};
+}
+
+/// Leaves out the motion in the stops of an odometer that is known or seen to be silent too early,
+/// and adds what the gyro says where no reference speed does.
+void keep_calm(identify::RestSamples& samples, std::optional<OdometerDiagnosis>& odometer) {
+  const identify::MotionAtRest motion = identify::find_motion(samples);
+  const bool is_told = odometer && odometer->find("motion_in_stops") != nullptr;
+  if (!is_told && (odometer || !motion.is_usual())) return;
+  if (!odometer) odometer = OdometerDiagnosis{.findings = motion_by_gyro(motion)};
+  identify::leave_out_motion(samples, motion);
+}
+
+evaluate::TrueScore true_score(const DiagnoseOptions& options, const truth::Truth& truth,
+                               const model::SensorModel& model,
+                               core::StandstillSource standstill_source) {
+  recording::Reader reader{options.recording};
+  evaluate::ReplayOptions replay{.model = model};
+  replay.standstill.source = standstill_source;
+  const auto result = evaluate::replay(reader, replay, {.truth = truth});
+  return result.true_drives->score(replay.published);
+}
+
+/// Heading errors with and without the judgement of the calm; nullopt without a true heading.
+std::optional<odometry::HeadingGain> measure_gain(const DiagnoseOptions& options,
+                                                  const std::vector<Diagnosis>& diagnoses) {
+  try {
+    const std::optional<truth::Truth> truth = read_truth(options.recording, {});
+    if (!truth || !truth->obstacle.empty()) return std::nullopt;
+    const std::string vertical{"xyz"[truth->vertical.axis]};
+    const auto found = std::ranges::find(diagnoses, vertical, &Diagnosis::axis);
+    const Diagnosis& diagnosis = found == diagnoses.end() ? diagnoses.front() : *found;
+    const auto score = [&](core::StandstillSource source) {
+      return true_score(options, *truth, diagnosis.base_model, source);
+    };
+    const auto every_stop = score(core::StandstillSource::odometer_alone);
+    const auto calm = score(core::StandstillSource::odometer);
+    if (calm.drives == 0) return std::nullopt;
+    return odometry::HeadingGain{.drives = calm.drives,
+                                 .every_stop_rms_rad = every_stop.rms_rad,
+                                 .every_stop_coverage95 = every_stop.coverage95,
+                                 .calm_rms_rad = calm.rms_rad,
+                                 .calm_coverage95 = calm.coverage95};
+  } catch (const recording::DataError& reason) {
+    print_note(options, fmt::format("the gain in heading was not measured: {}", reason.what()));
+    return std::nullopt;
+  }
+}
+
+void print_odometer(const OdometerDiagnosis& odometer) {
+  if (odometer.findings.empty()) {
     fmt::print("odometer: healthy, as far as the reference's speed tells\n\n");
     return;
   }
-  for (const odometry::OdometerFinding& finding : findings) {
+  for (const odometry::OdometerFinding& finding : odometer.findings) {
     fmt::print("odometer: {}\n\n{}\n", finding.name, finding.sentence);
     for (const auto& [name, figure] : finding.figures) {
       fmt::print("    {:<38}{:>12.4g}", name, figure.value);
@@ -72,9 +149,14 @@ void print_odometer(const OdometerFindings& findings) {
     }
     fmt::print("\n");
   }
+  if (!odometer.configuration.empty()) {
+    fmt::print("for the configuration of zerorated:\n\n{}\n", odometer.configuration);
+  }
+  if (odometer.gain) fmt::print("{}\n\n", diagnose::in_words(*odometer.gain));
 }
 
-std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options) {
+std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
+                                     std::optional<OdometerDiagnosis>& odometer) {
   diagnose::DiagnoseOptions diagnose_options{.recording = file_name(options.recording),
                                              .holdout = options.holdout};
   if (!options.model.empty()) diagnose_options.base_model = load_model(options.model);
@@ -87,16 +169,16 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options) {
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
-  const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  if (reader.columns().odometer) keep_calm(samples, odometer);
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
   diagnose_options.on_progress = [&](double share) {
     progress.update(kReading + (1.0 - kReading) * share);
   };
-  const bool prints = options.outputs.prints_text();
-  diagnose_options.on_left_out = [prints](const std::string& axis, const std::string& reason) {
-    if (prints) fmt::print("  note: axis {} was not diagnosed: {}\n", axis, reason);
+  diagnose_options.on_left_out = [&](const std::string& axis, const std::string& reason) {
+    print_note(options, fmt::format("axis {} was not diagnosed: {}", axis, reason));
   };
   return diagnose::diagnose(std::move(records), diagnose_options);
 }
@@ -168,7 +250,7 @@ std::filesystem::path model_path(const DiagnoseOptions& options, const Diagnosis
 }
 
 void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses,
-                   const OdometerFindings* odometer) {
+                   const std::optional<OdometerDiagnosis>& odometer) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
     report::Report report = diagnose::make_report(
@@ -176,11 +258,12 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
                     .recording = recording,
                     .provenance = fmt::format("zerorate {}, zerorate diagnose {}", ZERORATE_VERSION,
                                               recording)});
-    if (odometer != nullptr) diagnose::add_odometer(report, *odometer);
+    if (odometer) diagnose::add_odometer(report, *odometer);
     report.write(options.outputs.report);
   }
-  if (!options.outputs.json.empty())
-    write_text(options.outputs.json, diagnose::to_json(diagnoses, odometer));
+  if (!options.outputs.json.empty()) {
+    write_text(options.outputs.json, diagnose::to_json(diagnoses, odometer ? &*odometer : nullptr));
+  }
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
     const auto path = model_path(options, diagnosis, diagnoses.size());
@@ -191,13 +274,16 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
 }
 
 ExitCode run_diagnose(const DiagnoseOptions& options) {
-  const std::optional<OdometerFindings> odometer = examine_odometer(options);
-  if (odometer && options.outputs.prints_text()) print_odometer(*odometer);
-  const std::vector<Diagnosis> diagnoses = run_diagnosis(options);
+  std::optional<OdometerDiagnosis> odometer = examine_odometer(options);
+  const std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer);
+  if (odometer && odometer->find("motion_in_stops") != nullptr) {
+    odometer->gain = measure_gain(options, diagnoses);
+  }
   if (options.outputs.prints_text()) {
+    if (odometer) print_odometer(*odometer);
     for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
   }
-  write_results(options, diagnoses, odometer ? &*odometer : nullptr);
+  write_results(options, diagnoses, odometer);
   const bool unexplained = std::ranges::any_of(diagnoses, [](const Diagnosis& diagnosis) {
     return diagnosis.verdict == diagnose::Verdict::unexplained;
   });
@@ -238,7 +324,8 @@ Command add_diagnose(CLI::App& app) {
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
       "With odometer_pulses and ref_speed_mps the odometer is examined, too: motion in stops, "
       "dead\n"
-      "band, late messages, double counting, a sensor that dies.\n"
+      "band, late messages, double counting, a sensor that dies. Where the vehicle moves in its\n"
+      "stops, the sensor is diagnosed in their calm, and the gain in heading is measured.\n"
       "Verdicts: consistent (white + 1/f + constant does, or the model given), explained (the "
       "causes named are "
       "needed,\n"

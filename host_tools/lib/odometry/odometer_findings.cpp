@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -57,25 +58,20 @@ std::vector<Silence> silences_of_stops(const SpeedRecord& record) {
   return silences;
 }
 
-/// Metres that a vehicle rolls in each silence, by situation, beyond a pulse at each end.
-struct Excess {
-  std::vector<double> all_m;
-  std::vector<double> before_m;
-};
-
-Excess excess_of(const SpeedRecord& record, const std::vector<Silence>& silences) {
-  Excess excess;
+/// Metres that a vehicle rolls in each silence, beyond a pulse in each situation.
+std::vector<double> excess_m(const SpeedRecord& record, const std::vector<Silence>& silences,
+                             std::initializer_list<Situation> situations) {
+  std::vector<double> excess;
   for (const Silence& silence : silences) {
     std::array<double, kSituations.size()> rolled_m{};
     for (const RollingRow& rolling : silence.rolling) {
       rolled_m[static_cast<std::size_t>(rolling.situation)] += row_m(record, rolling.row);
     }
-    const auto beyond = [&](Situation situation) {
-      return std::max(0.0, rolled_m[static_cast<std::size_t>(situation)] - record.metres_per_pulse);
-    };
-    excess.before_m.push_back(beyond(Situation::before_stop));
-    excess.all_m.push_back(excess.before_m.back() + beyond(Situation::after_stop) +
-                           beyond(Situation::inching));
+    excess.push_back(0.0);
+    for (const Situation situation : situations) {
+      excess.back() +=
+          std::max(0.0, rolled_m[static_cast<std::size_t>(situation)] - record.metres_per_pulse);
+    }
   }
   return excess;
 }
@@ -86,11 +82,12 @@ bool is_rolled(const BootstrapFigure& metres) {
   return metres.lo > kLeast_m;
 }
 
-void find_motion(const SpeedRecord& record, const OdometerFigures& figures,
-                 std::vector<OdometerFinding>& findings) {
+void find_motion(const SpeedRecord& record, std::vector<OdometerFinding>& findings) {
   const std::vector<Silence> silences = silences_of_stops(record);
-  const Excess excess = excess_of(record, silences);
-  const BootstrapFigure rolled_m = mean_of(excess.all_m, "rolled");
+  const BootstrapFigure rolled_m =
+      mean_of(excess_m(record, silences,
+                       {Situation::before_stop, Situation::after_stop, Situation::inching}),
+              "rolled");
   if (!is_rolled(rolled_m)) return;
   const Rolling rolling = describe_rolling(record, silences, std::nullopt);
   const auto quantile = [](const std::vector<double>& sorted, double share, double unit) {
@@ -113,22 +110,34 @@ void find_motion(const SpeedRecord& record, const OdometerFigures& figures,
         {"turning_95_percent_dps", quantile(rolling.turning_rad_s, 0.95, units::kDegPerRad)});
   }
   findings.push_back(std::move(motion));
+}
 
-  const BootstrapFigure before_m = mean_of(excess.before_m, "before");
-  if (!is_rolled(before_m)) return;
-  const std::vector<double>& reached = rolling.speeds_m_s;
-  // A latency makes the odometer leave zero late and reach it late: the middle of both is free of
-  // it.
+/// Speed below which the odometer is silent: it leaves zero there, later by its latency.
+BootstrapFigure dead_band_of(const OdometerFigures& figures) {
   const BootstrapFigure& leaves = figures.leaves_zero_m_s.median;
-  const BootstrapFigure& reaches = figures.reaches_zero_m_s.median;
-  const BootstrapFigure band{0.5 * (leaves.value + reaches.value), 0.5 * (leaves.lo + reaches.lo),
-                             0.5 * (leaves.hi + reaches.hi)};
+  const double acceleration = figures.pulling_away_m_s2.median.value;
+  const BootstrapFigure& latency = figures.latency_s;
+  return {leaves.value - acceleration * latency.value, leaves.lo - acceleration * latency.hi,
+          leaves.hi - acceleration * latency.lo};
+}
+
+void find_dead_band(const SpeedRecord& record, const OdometerFigures& figures,
+                    std::vector<OdometerFinding>& findings) {
+  const BootstrapFigure band = dead_band_of(figures);
+  // A vehicle gathers speed unseen until the first pulse, half of one away in the median, and until
+  // the next row.
+  const double acceleration = figures.pulling_away_m_s2.median.hi;
+  const double healthy_m_s =
+      std::sqrt(acceleration * record.metres_per_pulse) + acceleration * figures.rows_s;
+  // A late odometer is silent too late: whoever is silent before the stop has a dead band.
+  const std::vector<Silence> silences = silences_of_stops(record);
+  const BootstrapFigure before_m =
+      mean_of(excess_m(record, silences, {Situation::before_stop}), "before");
+  if (!(band.lo > healthy_m_s) && !is_rolled(before_m)) return;
   findings.push_back(
       {.name = "odometer_dead_band",
-       .sentence = fmt::format("Below about {:.2g} m/s the odometer says 0 (at most {:.2g} m/s was "
-                               "seen): it is silent before the vehicle stands.",
-                               band.value, reached.back()),
-       .figures = {{"dead_band_mps", band}, {"rolled_before_stop_m", before_m}}});
+       .sentence = fmt::format("Below about {:.2g} m/s the odometer says 0.", band.value),
+       .figures = {{"dead_band_mps", band}}});
 }
 
 void find_latency(const OdometerFigures& figures, std::vector<OdometerFinding>& findings) {
@@ -214,11 +223,33 @@ void find_dead(const SpeedRecord& record, std::vector<OdometerFinding>& findings
 std::vector<OdometerFinding> find_odometer_faults(const SpeedRecord& record,
                                                   const OdometerFigures& figures) {
   std::vector<OdometerFinding> findings;
-  find_motion(record, figures, findings);
+  find_motion(record, findings);
+  find_dead_band(record, figures, findings);
   find_latency(figures, findings);
   find_double_counting(record, findings);
   find_dead(record, findings);
   return findings;
+}
+
+const OdometerFinding* OdometerDiagnosis::find(std::string_view name) const {
+  const auto found = std::ranges::find(findings, name, &OdometerFinding::name);
+  return found == findings.end() ? nullptr : &*found;
+}
+
+std::string configuration_of(const SpeedRecord& record,
+                             const std::vector<OdometerFinding>& findings) {
+  constexpr std::array<std::string_view, 2> kKeys{"dead_band_mps", "latency_s"};
+  std::string lines;
+  for (const OdometerFinding& finding : findings) {
+    for (const auto& [name, figure] : finding.figures) {
+      if (std::ranges::find(kKeys, name) == kKeys.end()) continue;
+      lines += fmt::format("{} = {:.2g}\n", name, figure.value);
+    }
+  }
+  if (lines.empty()) return {};
+  if (record.counts_pulses)
+    lines += fmt::format("metres_per_pulse = {:.3g}\n", record.metres_per_pulse);
+  return "[odometer]\n" + lines;
 }
 
 }  // namespace zerorate::odometry

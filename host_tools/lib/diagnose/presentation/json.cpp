@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "host_tools/lib/recording/json.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -87,27 +88,40 @@ Json axis_json(const Diagnosis& axis) {
   return json;
 }
 
-Json odometer_json(const std::vector<odometry::OdometerFinding>& findings) {
-  Json json = Json::array();
-  for (const odometry::OdometerFinding& finding : findings) {
-    Json figures = Json::object();
-    for (const auto& [name, figure] : finding.figures) {
-      const bool has_interval = std::isfinite(figure.lo) && std::isfinite(figure.hi);
-      if (has_interval) {
-        add(figures, name, figure);
-      } else {
-        figures[name] = number(figure.value);
-      }
+Json figures_json(const odometry::OdometerFinding& finding) {
+  Json figures = Json::object();
+  for (const auto& [name, figure] : finding.figures) {
+    const bool has_interval = std::isfinite(figure.lo) && std::isfinite(figure.hi);
+    if (has_interval) {
+      add(figures, name, figure);
+    } else {
+      figures[name] = number(figure.value);
     }
-    json.push_back({{"name", finding.name}, {"sentence", finding.sentence}, {"figures", figures}});
+  }
+  return figures;
+}
+
+Json odometer_json(const odometry::OdometerDiagnosis& odometer) {
+  Json json{{"findings", Json::array()}, {"configuration", odometer.configuration}};
+  for (const odometry::OdometerFinding& finding : odometer.findings) {
+    json["findings"].push_back({{"name", finding.name},
+                                {"sentence", finding.sentence},
+                                {"figures", figures_json(finding)}});
+  }
+  if (odometer.gain) {
+    const odometry::HeadingGain& gain = *odometer.gain;
+    json["gain"] = {{"drives", gain.drives},
+                    {"heading_rms_deg_every_stop", gain.every_stop_rms_rad * units::kDegPerRad},
+                    {"coverage95_every_stop", gain.every_stop_coverage95},
+                    {"heading_rms_deg_calm", gain.calm_rms_rad * units::kDegPerRad},
+                    {"coverage95_calm", gain.calm_coverage95}};
   }
   return json;
 }
 
 }  // namespace
 
-std::string to_json(std::span<const Diagnosis> axes,
-                    const std::vector<odometry::OdometerFinding>* odometer) {
+std::string to_json(std::span<const Diagnosis> axes, const odometry::OdometerDiagnosis* odometer) {
   Json json;
   if (axes.size() == 1) {
     json = axis_json(axes.front());

@@ -14,6 +14,6 @@ namespace zerorate::diagnose {
 /// One axis: the object itself; several: a list of such objects under "axes".
 /// @param odometer  what is wrong with the odometer, under "odometer"; nullptr: not examined
 [[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
-                                  const std::vector<odometry::OdometerFinding>* odometer = nullptr);
+                                  const odometry::OdometerDiagnosis* odometer = nullptr);
 
 }  // namespace zerorate::diagnose

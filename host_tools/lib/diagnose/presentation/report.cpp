@@ -229,15 +229,15 @@ report::Report make_report(std::span<const Diagnosis> axes, const ReportText& te
   return report;
 }
 
-void add_odometer(report::Report& report, const std::vector<odometry::OdometerFinding>& findings) {
+void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer) {
   auto& section = report.section("Odometer");
-  if (findings.empty()) {
+  if (odometer.findings.empty()) {
     section.paragraph("The odometer is healthy, as far as the reference's speed tells.");
     return;
   }
   report::Table table{.caption = "Figures with their 95 % intervals",
                       .columns = {{"Finding"}, {"Figure"}, {"Value"}, {"From"}, {"To"}}};
-  for (const odometry::OdometerFinding& finding : findings) {
+  for (const odometry::OdometerFinding& finding : odometer.findings) {
     section.paragraph(finding.name + ": " + finding.sentence);
     for (const auto& [name, value] : finding.figures) {
       table.rows.push_back(
@@ -245,6 +245,11 @@ void add_odometer(report::Report& report, const std::vector<odometry::OdometerFi
     }
   }
   section.table(table);
+  if (!odometer.configuration.empty()) {
+    section.paragraph("What a node should know of this odometer:");
+    section.listing(odometer.configuration);
+  }
+  if (odometer.gain) section.paragraph(in_words(*odometer.gain));
 }
 
 }  // namespace zerorate::diagnose

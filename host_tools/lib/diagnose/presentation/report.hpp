@@ -24,6 +24,6 @@ struct ReportText {
 [[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
 
 /// Adds a section with what is wrong with the odometer.
-void add_odometer(report::Report& report, const std::vector<odometry::OdometerFinding>& findings);
+void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer);
 
 }  // namespace zerorate::diagnose

@@ -9,6 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "host_tools/lib/units/units.hpp"
+
 namespace zerorate::diagnose {
 namespace {
 
@@ -167,6 +169,17 @@ std::string in_words(const Diagnosis& diagnosis) {
   if (diagnosis.verdict == Verdict::unexplained) text += what_is_left(diagnosis);
   if (!diagnosis.causes.empty()) text += gain_sentence(diagnosis.gain);
   return text;
+}
+
+std::string in_words(const odometry::HeadingGain& gain) {
+  return fmt::format(
+      "Learnt from every stop by the odometer, the bias leaves a heading error of {:.2f} deg rms "
+      "over "
+      "{} drives, {:.0f} % of them inside the 95 % interval; learnt from the calm in the stops, "
+      "{:.2f} "
+      "deg and {:.0f} %.",
+      gain.every_stop_rms_rad * units::kDegPerRad, gain.drives, 100.0 * gain.every_stop_coverage95,
+      gain.calm_rms_rad * units::kDegPerRad, 100.0 * gain.calm_coverage95);
 }
 
 }  // namespace zerorate::diagnose
