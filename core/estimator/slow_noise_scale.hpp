@@ -47,7 +47,7 @@ class SlowNoiseScale {
   constexpr void restore(const State& state) { state_ = state; }
 
   [[nodiscard]] constexpr float scale() const { return state_.scale; }
-  /// The same with what is not known of it: about the mean of a scale whose logarithm is normal.
+  /// Scale with its uncertainty: about the mean of a scale whose logarithm is normal.
   [[nodiscard]] constexpr float cautious_scale() const {
     return state_.scale * (1.0F + 0.5F / state_.information);
   }

@@ -169,7 +169,7 @@ class CalmJudge {
   static constexpr float kSmallestWhite = 1e-4F;
   static constexpr float kLargestRise = 8.0F;   ///< of the white variance, by one spread
   static constexpr std::uint8_t kSpreads = 64;  ///< memory of the white variance, half a minute
-  static constexpr float kFirstStep = 0.5F;  ///< of the levels; it shrinks by a tenth a window
+  static constexpr float kFirstStep = 0.5F;     ///< of the levels; it shrinks by a tenth a window
   static constexpr std::uint16_t kShareWindows = 256;
   static constexpr std::uint8_t kStopsOfDeadBand = 3;
   static constexpr std::uint8_t kMostStops = 8;

@@ -11,10 +11,11 @@
 
 namespace zerorate::core {
 
-/// What tells that the vehicle stands.
+/// Source of the word that the vehicle stands.
 enum class StandstillSource : std::uint8_t {
-  odometer,  ///< no pulse; and then the gyro, which may find motion all the same
-  gyro,      ///< the calm of the gyro alone: there is no odometer
+  odometer,        ///< no pulse; and then the gyro, which may find motion all the same
+  gyro,            ///< the calm of the gyro alone: there is no odometer
+  odometer_alone,  ///< no pulse, whatever the gyro shows: for an odometer without a dead band
 };
 
 enum class Motion : std::uint8_t {

@@ -60,7 +60,8 @@ class StopLearning {
         odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
         average_(tick, sample_period),
         calm_(standstill.source, odometer.longest_bend, tick, white_variance_rad2_s2),
-        has_odometer_(standstill.source == StandstillSource::odometer),
+        has_odometer_(standstill.source != StandstillSource::gyro),
+        asks_gyro_(standstill.source != StandstillSource::odometer_alone),
         wait_(longest_wait(standstill, tick) + half_sample_) {}
 
   [[nodiscard]] constexpr State state() const {
@@ -126,7 +127,8 @@ class StopLearning {
     if (average_.is_empty()) return;
     const Item closed{average_.close(), rest...};
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
-    const Calm calm = calm_.judge(closed, predicted_rad_s, variance_rad2_s2);
+    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2);
+    const Calm calm = asks_gyro_ ? judged : Calm::calm;
     if (odometer_.turns()) {
       held_.clear();
     } else if (calm == Calm::calm) {
@@ -162,7 +164,7 @@ class StopLearning {
   /// Without an odometer that is what moving means.
   [[nodiscard]] constexpr Motion motion() const {
     const Motion motion = standstill_.motion(newest_sample_);
-    const bool is_calm = calm_.is_calm() && !odometer_.turns();
+    const bool is_calm = (calm_.is_calm() || !asks_gyro_) && !odometer_.turns();
     if (!has_odometer_ && !is_calm) return Motion::moving;
     return motion == Motion::still && !is_calm ? Motion::settling : motion;
   }
@@ -178,8 +180,8 @@ class StopLearning {
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
-  /// Of a tick, until nothing can speak against it any more: a late pulse, or motion that the two
-  /// windows after it show, as far as there is room.
+  /// Wait of a tick until nothing can speak against it any more: neither a late pulse nor motion
+  /// that the two windows after it show, as far as there is room.
   static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {
     constexpr auto kRoom = static_cast<std::int64_t>(Capacity) - 2;
     return std::max(standstill.hold_back,
@@ -212,6 +214,7 @@ class StopLearning {
   TickAverage<kAxes> average_;
   CalmJudge calm_;
   bool has_odometer_;
+  bool asks_gyro_;
   Duration wait_;  ///< of a tick for what may speak against it
   HoldBack held_;
 };

@@ -134,7 +134,9 @@ class GyroNode {
   }
   /// Bias with its variance.
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return predictors_.predict(which, lead_)[axis];
+    core::Prediction predicted = predictors_.predict(which, lead_)[axis];
+    predicted.variance_rad2_s2 += params_.earth.heading_variance_rad2_s2[axis];
+    return predicted;
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
@@ -147,7 +149,10 @@ class GyroNode {
     Transition drive{params_.modes.over(last - first)};
     const std::uint32_t now = std::clamp(measured_ticks_ + lead_.ticks, first, last);
     temperature_.over_drive(lead_, now - first, drive);
-    return predictors_.predict_heading(which, lead, drive)[axis];
+    core::HeadingPrediction heading = predictors_.predict_heading(which, lead, drive)[axis];
+    const float length_s = (params_.modes.tick * std::int64_t{last - first}).in_seconds();
+    heading.variance_rad2 += params_.earth.heading_variance_rad2_s2[axis] * length_s * length_s;
+    return heading;
   }
 
   [[nodiscard]] constexpr core::Motion motion() const { return learning_.motion(); }
@@ -236,16 +241,17 @@ class GyroNode {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     temperature_.take(sample.time, begins_tick,
                       sample.has_temperature ? sample.temperature.degc() : kNone);
-    const std::array<float, kAxes> rate_rad_s{sample.rate[0].in(core::rad_per_s),
-                                              sample.rate[1].in(core::rad_per_s),
-                                              sample.rate[2].in(core::rad_per_s)};
+    std::array<float, kAxes> rate_rad_s{};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      rate_rad_s[i] = sample.rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
+    }
     learning_.add(sample.time, begins_tick, rate_rad_s,
                   [&] { return sample.saturated_axes == 0 && screening_.take(rate_rad_s); });
     const bool learnt = learning_.release_at(sample.time, learner());
     if (begins_tick || learnt) predict_tick();
   }
 
-  /// The same by the model, whose single samples may be followed.
+  /// White variance by the model, whose single samples may be followed.
   [[nodiscard]] constexpr float model_white_variance_rad2_s2() const {
     return screening_.level() * params_.white_variance_rad2_s2;
   }
@@ -297,10 +303,13 @@ class GyroNode {
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.health.model_inconsistent |= !predictors_.is_consistent(i);
       const core::AngularRate bias = core::rad_per_s(predicted_[i].bias_rad_s);
-      message.axes[i] = {.measured = rate[i],
-                         .corrected = rate[i] - bias,
-                         .bias = bias,
-                         .sigma = core::rad_per_s(predicted_[i].sigma_rad_s())};
+      core::Prediction predicted = predicted_[i];
+      predicted.variance_rad2_s2 += params_.earth.heading_variance_rad2_s2[i];
+      message.axes[i] = {
+          .measured = rate[i],
+          .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
+          .bias = bias,
+          .sigma = core::rad_per_s(predicted.sigma_rad_s())};
     }
   }
 

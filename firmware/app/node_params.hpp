@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/earth_rate.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
@@ -50,6 +51,7 @@ struct NodeParams {
   core::Duration sample_period;  ///< nominal; the stamps of the samples decide
   core::Standstill::Params standstill;
   core::OdometerCheck::Params odometer;
+  core::EarthRate earth;                    ///< at the vehicle's latitude; zero: not known
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
   /// Whether the strengths of white and slow noise are learnt in service, from those of the model.
   /// False: they are as the model says. A model of single samples keeps its white noise, and one

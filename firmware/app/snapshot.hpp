@@ -270,6 +270,7 @@ class Snapshot {
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
     print.add(params.learns_noise);
+    for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
     return print.value();
   }
 

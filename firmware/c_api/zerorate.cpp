@@ -137,6 +137,33 @@ app::Predictor predictor_of(zerorate_predictor predictor) {
   return app::Predictor::kalman;
 }
 
+bool is_sound_place(const zerorate_config& config) {
+  constexpr float kPole_deg = 90.0F;
+  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
+         (config.up_axis == 0 ||
+          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
+}
+
+core::EarthRate earth_of(const zerorate_config& config) {
+  if (config.up_axis == 0) return {};
+  const bool points_down = config.up_axis < 0;
+  const int axis = (points_down ? -config.up_axis : config.up_axis) - 1;
+  return core::earth_rate(config.latitude_deg,
+                          {.axis = static_cast<std::uint8_t>(axis), .points_down = points_down});
+}
+
+core::StandstillSource source_of(zerorate_standstill standstill) {
+  switch (standstill) {
+    case ZERORATE_BY_GYRO:
+      return core::StandstillSource::gyro;
+    case ZERORATE_BY_ODOMETER_ALONE:
+      return core::StandstillSource::odometer_alone;
+    case ZERORATE_BY_ODOMETER:
+      break;
+  }
+  return core::StandstillSource::odometer;
+}
+
 Node::Params params_of(const zerorate_model& model, const zerorate_config& config) {
   const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
   return {.modes = modes_of(model),
@@ -156,9 +183,8 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
           .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
           .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
                          .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
-                         .source = config.standstill == ZERORATE_BY_GYRO
-                                       ? core::StandstillSource::gyro
-                                       : core::StandstillSource::odometer},
+                         .source = source_of(config.standstill)},
+          .earth = earth_of(config),
           .published = predictor_of(config.predictor)};
 }
 
@@ -255,7 +281,9 @@ zerorate_config zerorate_default_config() {
           .hold_back_ns = standstill.hold_back.ns(),
           .predictor = ZERORATE_KALMAN,
           .sensor_id = 0,
-          .standstill = ZERORATE_BY_ODOMETER};
+          .standstill = ZERORATE_BY_ODOMETER,
+          .up_axis = 0,
+          .latitude_deg = 0.0F};
 }
 
 zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
@@ -265,6 +293,7 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
   if (!c_api::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
   if (!c_api::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
+  if (!c_api::is_sound_place(chosen)) return ZERORATE_BAD_ARGUMENT;
   const c_api::Node::Params params = c_api::params_of(*model, chosen);
   if (!c_api::Node::check(params)) return ZERORATE_BAD_TIMES;
   new (self) c_api::Instance{params, chosen.sensor_id};

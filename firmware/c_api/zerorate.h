@@ -84,8 +84,9 @@ typedef enum zerorate_motion {
 
 /** What tells that the vehicle stands. */
 typedef enum zerorate_standstill {
-  ZERORATE_BY_ODOMETER = 0, /**< no pulse, or its own word, and no motion of the gyro */
-  ZERORATE_BY_GYRO          /**< the calm of the gyro alone: pulses are not looked at */
+  ZERORATE_BY_ODOMETER = 0,  /**< no pulse, or its own word, and no motion of the gyro */
+  ZERORATE_BY_GYRO,          /**< the calm of the gyro alone: pulses are not looked at */
+  ZERORATE_BY_ODOMETER_ALONE /**< no pulse, or its own word, whatever the gyro shows */
 } zerorate_standstill;
 
 typedef struct zerorate_complex {
@@ -142,6 +143,9 @@ typedef struct zerorate_config {
   zerorate_predictor predictor; /**< whose bias corrects the rate */
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
   zerorate_standstill standstill;
+  int8_t up_axis;     /**< 1, 2, 3: x, y, z points up; negative: it points down; 0: not known, and
+                         the Earth's rotation stays in the bias */
+  float latitude_deg; /**< if up_axis is known; north positive */
 } zerorate_config;
 
 /** Every flag is an alarm except `calibrated`. */

@@ -4,10 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
@@ -57,6 +60,19 @@ app::Predictor predictor_called(const std::string& name) {
     if (evaluate::name(predictor) == name) return predictor;
   }
   throw std::invalid_argument("--predictor: expected kalman, moving_average or calibration_mean");
+}
+
+constexpr std::array<const char*, 3> kSources{"odometer", "gyro", "odometer-alone"};
+
+core::StandstillSource source_called(const std::string& name) {
+  return static_cast<core::StandstillSource>(std::ranges::find(kSources, name) - kSources.begin());
+}
+
+constexpr std::array<const char*, 6> kUpAxes{"x", "y", "z", "-x", "-y", "-z"};
+
+core::UpAxis up_axis_called(const std::string& name) {
+  const auto found = std::ranges::find(kUpAxes, name) - kUpAxes.begin();
+  return {.axis = static_cast<std::uint8_t>(found % 3), .points_down = found >= 3};
 }
 
 void print_notes(const evaluate::ReplayResult& result) {
@@ -154,8 +170,21 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "how long a sample waits for a late pulse before it counts [s]")
       ->capture_default_str();
   app.add_option("--still-from", flags.still_from,
-                 "what tells rest: odometer, or gyro: its own calm alone, as without an odometer")
-      ->check(CLI::IsMember({"odometer", "gyro"}))
+                 "what tells rest: odometer (and the calm in its stops), gyro (its calm alone, as "
+                 "without an odometer) or odometer-alone (whatever the gyro shows)")
+      ->check(CLI::IsMember(std::vector<std::string>(kSources.begin(), kSources.end())))
+      ->capture_default_str();
+  app.add_flag("--trust-model", flags.trusts_model,
+               "take the strengths of the noise from the model; without it they are learnt from "
+               "the stops");
+  auto* latitude =
+      app.add_option("--latitude", flags.latitude_deg,
+                     "latitude [deg], north positive: the Earth's rotation is taken out of the "
+                     "bias; default: not known, it stays there")
+          ->check(CLI::Range(-90.0, 90.0));
+  app.add_option("--up", flags.up, "axis of the sensor that points up, with --latitude")
+      ->check(CLI::IsMember(std::vector<std::string>(kUpAxes.begin(), kUpAxes.end())))
+      ->needs(latitude)
       ->capture_default_str();
 }
 
@@ -174,8 +203,12 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   options.published = predictor_called(flags.predictor);
   options.standstill = {.settle = seconds(flags.settle_s, "--settle"),
                         .hold_back = seconds(flags.hold_back_s, "--hold-back"),
-                        .source = flags.still_from == "gyro" ? core::StandstillSource::gyro
-                                                             : core::StandstillSource::odometer};
+                        .source = source_called(flags.still_from)};
+  options.learns_noise = !flags.trusts_model;
+  if (flags.latitude_deg) {
+    options.earth =
+        core::earth_rate(static_cast<float>(*flags.latitude_deg), up_axis_called(flags.up));
+  }
   return options;
 }
 

@@ -29,6 +29,9 @@ struct ReplayFlags {
   double settle_s = 1.0;
   double hold_back_s = 0.5;
   std::string still_from = "odometer";
+  std::optional<double> latitude_deg;
+  std::string up = "z";
+  bool trusts_model = false;
 };
 
 /// Options of the scores against a reference, as typed.

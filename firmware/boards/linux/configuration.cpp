@@ -33,6 +33,8 @@ constexpr Rule kDeadBand{[](double x) { return x >= 0.0 && x <= 10.0; },
                          "a speed in m/s, from 0 to 10"};
 constexpr Rule kPulse{[](double x) { return x > 0.0 && x <= 1e3; },
                       "a distance in m, above 0 and at most 1000"};
+constexpr Rule kLatitude{[](double x) { return x >= -90.0 && x <= 90.0; },
+                         "degrees from -90 to 90, north positive"};
 constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
                          "seconds, from 1 to 1 000 000"};
 constexpr Rule kSpeed{[](double x) { return x >= 1e3 && x <= 1e8; },
@@ -156,9 +158,18 @@ core::OdometerTraits read_odometer_traits(StrictTable& table) {
 }
 
 core::StandstillSource read_source(StrictTable& table) {
-  static constexpr std::array<std::string_view, 2> kSources{"odometer", "gyro"};
+  static constexpr std::array<std::string_view, 3> kSources{"odometer", "gyro", "odometer-alone"};
   return static_cast<core::StandstillSource>(
       table.choice("source", kSources, Presence::optional).value_or(0));
+}
+
+core::EarthRate read_earth(StrictTable& table) {
+  const double latitude = *table.number("latitude_deg", kLatitude, Presence::required);
+  static constexpr std::array<std::string_view, 6> kUp{"x", "y", "z", "-x", "-y", "-z"};
+  constexpr std::size_t kZ = 2;
+  const std::size_t up = table.choice("up", kUp, Presence::optional).value_or(kZ);
+  return core::earth_rate(static_cast<float>(latitude), {.axis = static_cast<std::uint8_t>(up % 3),
+                                                         .points_down = up >= kUp.size() / 2});
 }
 
 model::SensorModel read_sensor_model(StrictTable& table, const std::string& chip) {
@@ -311,6 +322,8 @@ void read_node(StrictTable& root, Configuration& configuration) {
   filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
   configuration.node = make_params(root, sensor ? *sensor : model::find_model(chip), filter,
                                    configuration.gyro.rate_hz);
+  with_table(root, "earth", Presence::optional,
+             [&](StrictTable& table) { configuration.node.earth = read_earth(table); });
 }
 
 void read_outputs(StrictTable& root, Configuration& configuration) {

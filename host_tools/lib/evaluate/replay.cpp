@@ -100,7 +100,7 @@ class Run {
         shift_(kStart - core::Instant::from_ns(rows.first_time_ns())),
         params_(make_params(options, result)),
         odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period,
-                                options.standstill.source == core::StandstillSource::odometer)),
+                                options.standstill.source != core::StandstillSource::gyro)),
         node_(params_) {
     if (!observer.truth) return;
     true_drives_.emplace(*observer.truth, shift_, longest_interval(result.sample_period),
@@ -158,7 +158,9 @@ class Run {
         .sample_period = result.sample_period,
         .standstill = options.standstill,
         .odometer = options.odometer,
-        .published = options.published};
+        .earth = options.earth,
+        .published = options.published,
+        .learns_noise = options.learns_noise};
     if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
@@ -199,7 +201,7 @@ class Run {
       newest_ = message.time;
       if (true_drives_) {
         const std::size_t vertical = observer_.truth->vertical.axis;
-        const double rate = double{message.axes[vertical].measured.in(core::rad_per_s)};
+        const double rate = measured_rad_s(message, vertical);
         true_drives_->take(row.time_ns, rate, has_bias, node_);
       }
     }
@@ -222,11 +224,17 @@ class Run {
     }
     const double elapsed_s = static_cast<double>((message.time - newest_).ns()) * 1e-9;
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
-      const double rate = double{message.axes[i].measured.in(core::rad_per_s)} - double{truth[i]};
+      const double rate = measured_rad_s(message, i) - double{truth[i]};
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
         drives_[i][p].add(rate - biases_[i][p], elapsed_s);
       }
     }
+  }
+
+  /// Rate over the Earth, with the bias still in it.
+  [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
+    return double{message.axes[axis].measured.in(core::rad_per_s)} -
+           double{params_.earth.vertical_rad_s[axis]};
   }
 
   void predict_biases() {

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
@@ -49,6 +50,8 @@ struct ReplayOptions {
   core::Standstill::Params standstill;
   /// With a schedule nobody doubts pulses without motion: the sensor was at rest.
   core::OdometerCheck::Params odometer;
+  core::EarthRate earth;     ///< zero: the latitude is not known
+  bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
 };
 
 /// One row of the recording after the node.

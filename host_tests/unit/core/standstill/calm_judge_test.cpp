@@ -140,7 +140,7 @@ TEST(CalmJudgeWhereHalfOfAStopIsMotion, LearnsFromTheOtherHalf) {
     });
     (rests ? calm_at_rest : calm_in_motion) += verdict == Calm::calm ? 1 : 0;
   }
-  // Of the 20 ticks of a rest two see the motion before it.
+  // Two of the 20 ticks of a rest see the motion before it.
   EXPECT_GE(calm_at_rest, 1000 * 17 / 20);
   EXPECT_LE(calm_in_motion, 10);
 }

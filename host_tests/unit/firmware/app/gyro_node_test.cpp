@@ -64,6 +64,36 @@ TEST(GyroNodeAfterAStop, HasTheSensorsBiasAndTakesItOffTheRate) {
   }
 }
 
+TEST(GyroNodeThatKnowsItsLatitude, LeavesTheEarthsRotationOutOfTheBias) {
+  const auto params = node_params();
+  auto params_at_60 = params;
+  params_at_60.earth = core::earth_rate(60.0F, {});
+  Node unaware{params};
+  Node aware{params_at_60};
+  stand(unaware, 0, 61'500);
+  stand(aware, 0, 61'500);
+  const RateMessage without = drive(unaware, 61'500, 61'510).back();
+  const RateMessage with = drive(aware, 61'500, 61'510).back();
+  constexpr float kRounding = 1e-6F;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float earth = params_at_60.earth.vertical_rad_s[axis];
+    EXPECT_NEAR(with.axes[axis].bias.in(core::rad_per_s),
+                without.axes[axis].bias.in(core::rad_per_s)-earth, kRounding);
+    EXPECT_NEAR(with.axes[axis].corrected.in(core::rad_per_s),
+                without.axes[axis].corrected.in(core::rad_per_s), kRounding);
+    const float added = params_at_60.earth.heading_variance_rad2_s2[axis];
+    const float sigma = without.axes[axis].sigma.in(core::rad_per_s);
+    EXPECT_NEAR(with.axes[axis].sigma.in(core::rad_per_s), std::sqrt(sigma * sigma + added),
+                1e-3F * sigma);
+    const auto heading = [&](const Node& node) {
+      return node.predict_heading(Predictor::kalman, axis, at_ms(61'510), at_ms(361'510));
+    };
+    EXPECT_NEAR(heading(aware).variance_rad2,
+                heading(unaware).variance_rad2 + added * 300.0F * 300.0F,
+                1e-2F * heading(aware).variance_rad2);
+  }
+}
+
 TEST(GyroNodeOnTheMove, LearnsNothing) {
   const auto params = node_params();
   Node node{params};

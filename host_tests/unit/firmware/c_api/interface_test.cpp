@@ -208,6 +208,36 @@ TEST(CInterfaceWithTimesThatCannotBe, RefusesThem) {
   EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_TIMES);
 }
 
+TEST(CInterfaceAtALatitude, TakesTheEarthsRotationOutOfTheBias) {
+  zerorate_config config = zerorate_default_config();
+  zerorate_node unaware;
+  ASSERT_EQ(zerorate_init(&unaware, &front_gyro, &config), ZERORATE_OK);
+  config.up_axis = -2;
+  config.latitude_deg = 90.0F;
+  zerorate_node aware;
+  ASSERT_EQ(zerorate_init(&aware, &front_gyro, &config), ZERORATE_OK);
+  zerorate_rate without{};
+  zerorate_rate with{};
+  for (std::int64_t k = 0; k < kStopSamples; ++k) {
+    without = feed(unaware, moment(k, 1));
+    with = feed(aware, moment(k, 1));
+  }
+  EXPECT_NEAR(with.bias_rad_s[1] - without.bias_rad_s[1], 7.292e-5F, 1e-6F);
+  EXPECT_NEAR(with.corrected_rad_s[1], without.corrected_rad_s[1], 1e-6F);
+  EXPECT_EQ(with.bias_rad_s[0], without.bias_rad_s[0]);
+}
+
+TEST(CInterfaceAtAPlaceThatCannotBe, RefusesIt) {
+  zerorate_node node;
+  for (const auto& [up_axis, latitude_deg] :
+       {std::pair{4, 0.0F}, {-4, 0.0F}, {3, 90.1F}, {3, -90.1F}, {3, kNan}}) {
+    zerorate_config config = zerorate_default_config();
+    config.up_axis = static_cast<std::int8_t>(up_axis);
+    config.latitude_deg = latitude_deg;
+    EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << latitude_deg;
+  }
+}
+
 TEST(CInterfaceAskedForAHeadingBeyondItsClock, RefusesIt) {
   zerorate_model model = front_gyro;
   model.sample_period_ns = model.tick_ns = 3'600'000'000'000;

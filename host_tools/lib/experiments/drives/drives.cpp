@@ -216,8 +216,11 @@ class Contest {
                                  const model::SensorModel& model,
                                  const evaluate::ReplayObserver& observer = {}) const {
     recording::Reader reader{paths_[recording]};
-    const evaluate::ReplayOptions options{
-        .model = model, .filter_rate_hz = options_.filter_rate_hz, .schedule = schedule};
+    // Models that were fitted are compared: they are taken at their word.
+    const evaluate::ReplayOptions options{.model = model,
+                                          .filter_rate_hz = options_.filter_rate_hz,
+                                          .schedule = schedule,
+                                          .learns_noise = false};
     return evaluate::replay(reader, options, observer).scores;
   }
 

@@ -199,9 +199,13 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
       {with("edge = \"both\"", "metres_per_pulse = 0"),
        "z.toml:17:20: \"metres_per_pulse\" in [odometer]: expected a distance in m"},
       {with("[model]", "[standstill]\nsource = \"wheel\"\n[model]"),
-       "z.toml:19:10: \"source\" in [standstill]: expected \"odometer\" or \"gyro\""},
+       "z.toml:19:10: \"source\" in [standstill]: expected \"odometer\""},
       {with("[model]", "[standstill]\nsource = \"gyro\"\n[model]"),
        "z.toml:14:1: \"odometer\": not beside [standstill] source = \"gyro\""},
+      {with("[model]", "[earth]\nlatitude_deg = 91\n[model]"),
+       "z.toml:19:16: \"latitude_deg\" in [earth]: expected degrees from -90 to 90"},
+      {with("[model]", "[earth]\nlatitude_deg = 0\nup = \"w\"\n[model]"),
+       "z.toml:20:6: \"up\" in [earth]: expected \"x\""},
       {with(kOdometer, ""), "\"odometer\": missing: what tells that the vehicle stands?"},
       {with("interface", "interfaces"), "z.toml:45:1: unknown key \"interfaces\" in [sink]"},
   };
@@ -211,13 +215,18 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
 }
 
 TEST(ConfigurationOfAnOdometer, HoldsBackByWhatIsKnownOfIt) {
-  const Configuration c =
-      parse_configuration(with("edge = \"both\"",
-                               "dead_band_mps = 0.75\nlatency_s = 0.1\nmetres_per_pulse = 0.05"),
-                          "z.toml");
+  const Configuration c = parse_configuration(
+      with("edge = \"both\"", "dead_band_mps = 0.75\nlatency_s = 0.1\nmetres_per_pulse = 0.05"),
+      "z.toml");
   EXPECT_EQ(c.node.standstill.hold_back, core::Duration::milliseconds(1100));
   EXPECT_LT(c.node.standstill.slowest, core::Duration::milliseconds(134));
   EXPECT_EQ(c.node.standstill.source, core::StandstillSource::odometer);
+}
+
+TEST(ConfigurationAtALatitude, KnowsTheEarthsRotation) {
+  const Configuration c = parse_configuration(
+      with("[model]", "[earth]\nlatitude_deg = 60.2\nup = \"-x\"\n[model]"), "z.toml");
+  EXPECT_EQ(c.node.earth, core::earth_rate(60.2F, {.axis = 0, .points_down = true}));
 }
 
 TEST(ConfigurationWithoutAnOdometer, TakesTheCalmOfTheGyro) {

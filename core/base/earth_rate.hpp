@@ -1,0 +1,56 @@
+/// @file
+/// The Earth's rotation, as a sensor at rest sees it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// Axis of a sensor that points up, or down.
+struct UpAxis {
+  std::uint8_t axis = 2;  ///< 0, 1, 2: x, y, z
+  bool points_down = false;
+
+  constexpr bool operator==(const UpAxis&) const = default;
+};
+
+/// Shares of the Earth's rotation in the rates of a level sensor; zero where the latitude is not
+/// known, and the rotation stays in the bias (docs/reference/earth-rate.md).
+struct EarthRate {
+  std::array<float, 3> vertical_rad_s{};  ///< the same whatever the heading: taken out of the rates
+  /// Variance of what a level axis sees at another heading than that of the stop.
+  std::array<float, 3> heading_variance_rad2_s2{};
+
+  constexpr bool operator==(const EarthRate&) const = default;
+};
+
+/// Earth's rotation at a latitude. An axis that points up sees W sin(latitude), W = 7.292115e-5
+/// rad/s (WGS 84), northern latitudes positive; a level one W cos(latitude) cos(heading), whose
+/// difference between two unrelated headings has the variance (W cos(latitude))^2.
+/// Relative error below 1e-5.
+/// @param latitude_deg from -90 to 90
+[[nodiscard]] constexpr EarthRate earth_rate(float latitude_deg, UpAxis up) {
+  constexpr float kRotation_rad_s = 7.292115e-5F;
+  const float x = deg(latitude_deg).in(rad);
+  const float square = x * x;
+  // Taylor's series to the ninth order: 4e-6 at the pole.
+  const float sine =
+      x * (1.0F - square / 6.0F *
+                      (1.0F - square / 20.0F * (1.0F - square / 42.0F * (1.0F - square / 72.0F))));
+  const float level_variance = kRotation_rad_s * kRotation_rad_s * (1.0F - sine * sine);
+  EarthRate earth;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (i != up.axis) {
+      earth.heading_variance_rad2_s2[i] = level_variance > 0.0F ? level_variance : 0.0F;
+    } else {
+      earth.vertical_rad_s[i] = (up.points_down ? -kRotation_rad_s : kRotation_rad_s) * sine;
+    }
+  }
+  return earth;
+}
+
+}  // namespace zerorate::core
