@@ -26,16 +26,16 @@ test('a chip with a wrong identity is not used, is asked again, and is named', (
 test('an SPI that stalls in the middle of a drive costs messages, and nothing once it goes on', () => {
   const rig = new Rig();
   rig.measureForEver([10, 20, 30]);
-  rig.board.at(3.25e6, () => { rig.port.isStalled = true; });  // calibrated since 3.2 s
-  rig.board.at(4.25e6, () => {
+  rig.board.at(3.85e6, () => { rig.port.isStalled = true; });  // calibrated since 3.7 s
+  rig.board.at(4.85e6, () => {
     rig.port.isStalled = false;
     rig.board.mcu.spi[0].completeTransmit(0xff);
   });
-  rig.board.run(6.1e6);
-  const during = between(rig, 3.55e6, 4.25e6);
+  rig.board.run(6.7e6);
+  const during = between(rig, 4.15e6, 4.85e6);
   assert.ok(during.length >= 2 && during.every(({ health }) => health & SENSOR_FAULT));
   assert.ok(during.every(({ health }) => health & CALIBRATED), 'the bias is kept');
-  assert.ok(between(rig, 5.5e6, 6e6).length > 45, 'it runs again');
+  assert.ok(between(rig, 6.1e6, 6.6e6).length > 45, 'it runs again');
   assert.equal(last(rates(rig.frames)).health, CALIBRATED);
   const status = lastStatus(rig);
   assert.ok(status.starts >= 2 && status.read_errors + status.start_errors > 0);
@@ -46,12 +46,12 @@ test('an SPI that stalls in the middle of a drive costs messages, and nothing on
 test('without its data-ready line the node finds the samples by looking for them', () => {
   const rig = new Rig();
   rig.measureForEver([10, 20, 30]);
-  rig.board.at(3.25e6, () => {
+  rig.board.at(3.75e6, () => {
     rig.chip.pinIsConnected = false;
     rig.chip.pin.setInputValue(false);
   });
-  rig.board.run(5.15e6);
-  const found = between(rig, 3.25e6, 5.15e6);
+  rig.board.run(5.65e6);
+  const found = between(rig, 3.75e6, 5.65e6);
   // Looked for every 10 ms, made every 9.6 ms.
   assert.ok(found.length > 180 && found.length <= 198, `${found.length}`);
   assert.ok(found.every(({ health }) => health === CALIBRATED));
@@ -84,7 +84,7 @@ test('pulses lost while the main loop is held up are reported', () => {
   const rig = new Rig();
   rig.measureForEver([10, 20, 30]);
   // A stalled SPI holds the loop for a millisecond: 100 pulses fit in, the queue holds 32.
-  rig.board.at(3.25e6, () => { rig.port.isStalled = true; });  // calibrated since 3.2 s
+  rig.board.at(3e6, () => { rig.port.isStalled = true; });
   const pin = rig.board.mcu.gpio[15];
   const edge = (i) => rig.board.at(3e6 + 5 * i, () => {
     pin.setInputValue(i % 2 === 0);

@@ -30,7 +30,7 @@ struct Rest {
   std::vector<Axes> rate_dps;
 };
 
-/// What the node is given, and the truth about it.
+/// Input of a node, and the truth about it.
 struct Drive {
   std::string name;
   double period_s = 0.1;

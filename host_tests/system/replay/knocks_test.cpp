@@ -31,9 +31,19 @@ model::SensorModel gated_model() {
   return model;
 }
 
-/// The gate alone: to the check of the odometer a knock, and a jump too, is a turn without pulses.
+/// The gate alone: to the check of the odometer a knock, and a jump too, is a turn without pulses,
+/// and to the judge of the calm it is motion.
 ReplayOptions of(const model::SensorModel& model) {
-  return {.model = model, .odometer = {.turn_rad_s = std::numeric_limits<float>::infinity()}};
+  return {.model = model,
+          .standstill = {.source = core::StandstillSource::odometer_alone},
+          .odometer = {.turn_rad_s = std::numeric_limits<float>::infinity()}};
+}
+
+/// The judge of the calm alone.
+ReplayOptions calm_of(const model::SensorModel& model) {
+  ReplayOptions options = of(model);
+  options.standstill.source = core::StandstillSource::odometer;
+  return options;
 }
 
 /// Stops of 60 s and drives of 300 s on the average.
@@ -72,10 +82,11 @@ double drift(const Replayed& replayed, app::Predictor predictor) {
   return std::sqrt(squares);
 }
 
-TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGate) {
+TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGateOrTheCalm) {
   const ScratchFolder folder;
   double checked = 0.0;
   double gated = 0.0;
+  double calmed = 0.0;
   double open = 0.0;
   double mean = 0.0;
   double untouched = 0.0;
@@ -89,24 +100,28 @@ TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGate) {
     const auto knocked = write_rows(folder.path() / "knocked.csv", kStill, rows);
     const Replayed with_gate = replay_file(knocked, of(gated_model()));
     const Replayed without = replay_file(knocked, of(sensor_model()));
+    const Replayed with_calm = replay_file(knocked, calm_of(sensor_model()));
     const Replayed with_check = replay_file(knocked, {.model = gated_model()});
     EXPECT_GT(with_gate.result.samples_doubted, 0U);
     // Everything as a ratio to the plain mean of the last stop without knocks.
     const double yardstick = drift(before, app::Predictor::calibration_mean);
     checked += std::log(drift(with_check, app::Predictor::kalman) / yardstick) / kSeeds;
     gated += std::log(drift(with_gate, app::Predictor::kalman) / yardstick) / kSeeds;
+    calmed += std::log(drift(with_calm, app::Predictor::kalman) / yardstick) / kSeeds;
     open += std::log(drift(without, app::Predictor::kalman) / yardstick) / kSeeds;
     mean += std::log(drift(without, app::Predictor::calibration_mean) / yardstick) / kSeeds;
     untouched += std::log(drift(before, app::Predictor::kalman) / yardstick) / kSeeds;
     for (const auto& axis : with_gate.result.scores) covered += axis[0].coverage95() / 12.0;
   }
   RecordProperty("gated_x1000", static_cast<int>(1000.0 * std::exp(gated)));
+  RecordProperty("calmed_x1000", static_cast<int>(1000.0 * std::exp(calmed)));
   RecordProperty("ungated_x1000", static_cast<int>(1000.0 * std::exp(open)));
   RecordProperty("mean_x1000", static_cast<int>(1000.0 * std::exp(mean)));
   RecordProperty("without_knocks_x1000", static_cast<int>(1000.0 * std::exp(untouched)));
   RecordProperty("coverage_x1000", static_cast<int>(1000.0 * covered));
   EXPECT_LE(std::exp(checked), 0.80);
   EXPECT_LE(std::exp(gated), 0.80);
+  EXPECT_LE(std::exp(calmed), 0.80);
   EXPECT_GE(std::exp(open), 1.2);
   EXPECT_GE(std::exp(mean), 2.5);
   EXPECT_NEAR(covered, 0.95, 0.04);
@@ -139,6 +154,10 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   RecordProperty("reacquired_after_ms", static_cast<int>(100 * (reacquired - kJump)));
   EXPECT_LE(reacquired, kJump + 70);
   EXPECT_FALSE(replayed.messages[kJump + 80].health.measurement_rejected);
+  // The judge of the calm doubts it for 5 s of its own before the gate does.
+  const Replayed calm = replay_file(path, calm_of(gated_model()));
+  const double late = double{calm.messages[kJump + 130].axes[2].bias.in(core::rad_per_s)} - truth;
+  EXPECT_LT(std::abs(late), 0.1 * kSize);
 }
 
 // A jump this large could be a turn that the odometer does not know of: it must last two minutes.
