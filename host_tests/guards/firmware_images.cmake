@@ -32,9 +32,13 @@ foreach(processor cortex-m7 cortex-m4f cortex-m0plus)
   set(images "${PROJECT_SOURCE_DIR}/build/mcu-${processor}")
   configure_test(guards.${processor}.configure "${PROJECT_SOURCE_DIR}" "${images}" ${processor}
     SETS_UP images_${processor} OPTIONS -DZERORATE_TEST_IMAGES=ON)
-  build_test(guards.${processor}.images_and_every_header "${images}"
-    REQUIRES images_${processor} TARGETS all all_verify_interface_header_sets)
-  set_tests_properties(guards.${processor}.images_and_every_header PROPERTIES
+  # A header that compiles alone for one processor does so for all.
+  set(targets all)
+  if(processor STREQUAL "cortex-m0plus")
+    list(APPEND targets all_verify_interface_header_sets)
+  endif()
+  build_test(guards.${processor}.images "${images}" REQUIRES images_${processor} TARGETS ${targets})
+  set_tests_properties(guards.${processor}.images PROPERTIES
     FIXTURES_SETUP built_${processor})
 
   if(processor STREQUAL "cortex-m7")

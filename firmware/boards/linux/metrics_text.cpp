@@ -101,6 +101,10 @@ void add_message(Text& text, const app::RateMessage& message) {
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     text.add("zerorate_health{{flag=\"{}\"}} {}\n", bit.name, message.health.*bit.flag ? 1 : 0);
   }
+  if (message.calm_percent != app::RateMessage::kNoCalm) {
+    text.gauge("calm_ratio", "Share of the newest stop that was calm enough to learn from.",
+               static_cast<float>(message.calm_percent) / 100.0F);
+  }
   text.rates("bias_dps", "Predicted bias in deg/s.", message, &app::AxisRate::bias);
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
 }

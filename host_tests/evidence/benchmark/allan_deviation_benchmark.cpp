@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <numeric>
+#include <string_view>
 
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
@@ -19,13 +20,14 @@ namespace {
 using zerorate::identify::allan_deviation;
 using zerorate::identify::allan_variances;
 
-constexpr std::size_t kSamples = 10'000'000;
+/// `--short`, after the options of the library, takes a tenth of the samples: that is the test.
+std::size_t samples = 10'000'000;
 
 const std::vector<double>& recording() {
   static const std::vector<double> rate = [] {
     const std::vector<zerorate::simulate::Effect> effects{
         zerorate::simulate::WhiteNoise{1.0}, zerorate::simulate::FlickerNoise{0.3, 0.5, 0.0}};
-    return zerorate::simulate::simulate(zerorate::simulate::Signal(kSamples, 1.0), effects,
+    return zerorate::simulate::simulate(zerorate::simulate::Signal(samples, 1.0), effects,
                                         zerorate::random::RandomStream(20120416))
         .rate_rad_s;
   }();
@@ -34,8 +36,8 @@ const std::vector<double>& recording() {
 
 const std::vector<std::size_t>& factors() {
   static const std::vector<std::size_t> grid = [] {
-    std::vector<std::size_t> all = zerorate::identify::averaging_factors(kSamples, 17.5);
-    all.resize(100);
+    std::vector<std::size_t> all = zerorate::identify::averaging_factors(samples, 17.5);
+    all.resize(std::min(all.size(), std::size_t{100}));
     return all;
   }();
   return grid;
@@ -43,8 +45,8 @@ const std::vector<std::size_t>& factors() {
 
 Eigen::ArrayXd angles() {
   const double mean =
-      std::accumulate(recording().begin(), recording().end(), 0.0) / static_cast<double>(kSamples);
-  Eigen::ArrayXd angle(static_cast<Eigen::Index>(kSamples) + 1);
+      std::accumulate(recording().begin(), recording().end(), 0.0) / static_cast<double>(samples);
+  Eigen::ArrayXd angle(static_cast<Eigen::Index>(samples) + 1);
   angle[0] = 0.0;
   for (Eigen::Index k = 0; k < angle.size() - 1; ++k) {
     angle[k + 1] = angle[k] + (recording()[static_cast<std::size_t>(k)] - mean);
@@ -106,3 +108,9 @@ BENCHMARK(tiled)->Unit(benchmark::kMillisecond);
 BENCHMARK(tiled_with_intervals)->Unit(benchmark::kMillisecond);
 
 }  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (argc > 1 && std::string_view(argv[1]) == "--short") samples /= 10;
+  benchmark::RunSpecifiedBenchmarks();
+}

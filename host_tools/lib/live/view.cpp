@@ -37,6 +37,11 @@ std::string format_counters(const wire::Status& status) {
                      status.frames_dropped);
 }
 
+std::string calm_line(const app::RateMessage& message) {
+  if (message.calm_percent == app::RateMessage::kNoCalm) return {};
+  return fmt::format("newest stop: {} % calm\n", message.calm_percent);
+}
+
 /// Lines of less than 80 characters, broken at spaces: a terminal that wrapped them itself would
 /// have more lines than were counted.
 std::string wrapped(std::string text) {
@@ -72,7 +77,7 @@ std::string format_screen(const Tally& tally, std::string_view source,
   } else {
     text += wrapped(fmt::format("{}: {}", core::name(tally.newest->message.motion),
                                 describe(tally.newest->message.health))) +
-            "\n";
+            "\n" + calm_line(tally.newest->message);
   }
   text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
   const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};

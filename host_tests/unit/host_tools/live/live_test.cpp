@@ -99,6 +99,11 @@ TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
       format_screen(tally_of(calibrated_message(7)), "udp 127.0.0.1:1", milliseconds{10});
   EXPECT_NE(screen.find("udp 127.0.0.1:1: 1 messages, 0 lost, 0 damaged\n"), std::string::npos);
   EXPECT_NE(screen.find("still: fine\n"), std::string::npos);
+  EXPECT_EQ(screen.find("calm"), std::string::npos) << "nothing was judged";
+  NumberedMessage judged = calibrated_message(7);
+  judged.message.calm_percent = 83;
+  EXPECT_NE(format_screen(tally_of(judged), "x", milliseconds{10}).find("newest stop: 83 % calm\n"),
+            std::string::npos);
   // 0.001 deg/s are 3.6 deg/h; 95 % of a normal distribution lie within 1.96 deviations.
   EXPECT_NE(screen.find("x         -0.25000      +0.50000              7.06\n"), std::string::npos)
       << screen;
