@@ -26,6 +26,8 @@ import sys
 
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
 HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
+# Files that CMake makes: their flags are none to borrow.
+GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
 INCLUDED = re.compile(r"^\.+ (.*)$")
 # GCC's flags that clang does not know or takes for something else.
 EXTRA_FLAGS = ["-Wno-double-promotion", "-Wno-ignored-optimization-argument", "-Wno-unknown-warning-option"]
@@ -91,6 +93,8 @@ class Flags:
     def __init__(self, database, root):
         self._of = {}
         for entry in json.loads(database.read_text(encoding="utf-8")):
+            if GENERATED.search(entry["file"]):
+                continue
             words = shlex.split(entry["command"])[1:]
             words = [word for word in words[:words.index("-o")] if not word.startswith("-M")]
             self._of.setdefault(os.path.relpath(entry["file"], root), without_precompiled_headers(words))

@@ -36,10 +36,10 @@ class Project(unittest.TestCase):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
 
-    def tidy(self, root=None):
-        """(exit code, last line) of a run over the source file."""
+    def tidy(self, root=None, file="core/a.cpp"):
+        """(exit code, last line) of a run over a file."""
         root = root or self.root
-        run = subprocess.run([sys.executable, "-B", TIDY, "--root", root, root, "core/a.cpp"], capture_output=True,
+        run = subprocess.run([sys.executable, "-B", TIDY, "--root", root, root, file], capture_output=True,
                              text=True, env={**os.environ, "XDG_CACHE_HOME": str(self.memory)}, timeout=50)
         return run.returncode, run.stdout.splitlines()[-1]
 
@@ -59,6 +59,17 @@ class PrecompiledHeader(Project):
         self.assert_checked(self.tidy())
         self.write(self.root, "core/a.cpp", '#include "core/a.hpp"\nstd::size_t size = 0;\n')
         self.assert_refused(self.tidy())
+
+
+class HeaderWithoutANeighbour(Project):
+    def test_borrows_the_flags_of_a_source_file_and_not_of_the_precompiled_header(self):
+        database = json.loads((self.root / "compile_commands.json").read_text(encoding="utf-8"))
+        made = f"{self.root}/build/cmake_pch.hxx.cxx"
+        database.insert(0, {"directory": str(self.root), "file": made,
+                            "command": f"c++ -x c++-header -include build/cmake_pch.hxx -o a.gch -c {made}"})
+        self.write(self.root, "compile_commands.json", json.dumps(database))
+        self.write(self.root, "hal/b.hpp", '#pragma once\n#include "core/a.hpp"\n')
+        self.assert_checked(self.tidy(file="hal/b.hpp"))
 
 
 class OurConfiguration(Project):
