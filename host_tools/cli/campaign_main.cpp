@@ -224,13 +224,16 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
           }};
 }
 
+std::vector<cli::Command> add(CLI::App& app) {
+  static CampaignOptions options;
+  return {add_options(app, options)};
+}
+
 }  // namespace
 }  // namespace zerorate::campaign
 
 int main(int argc, char** argv) {
-  CLI::App app{"Diagnoses recordings with hidden effects and counts the answers",
-               "zerorate-campaign"};
-  zerorate::campaign::CampaignOptions options;
-  const zerorate::cli::Command command = zerorate::campaign::add_options(app, options);
-  return zerorate::cli::run_program(app, {command}, argc, argv);
+  return zerorate::cli::run_program(
+      "Diagnoses recordings with hidden effects and counts the answers", "zerorate-campaign",
+      zerorate::campaign::add, argc, argv);
 }

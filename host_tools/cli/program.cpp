@@ -58,12 +58,14 @@ ExitCode parse_and_run(CLI::App& app, const std::vector<Command>& commands, int 
 
 }  // namespace
 
-int run_program(CLI::App& app, const std::vector<Command>& commands, int argc,
-                char** argv) noexcept {
+int run_program(const char* description, const char* name, std::vector<Command> (*add)(CLI::App&),
+                int argc, char** argv) noexcept {
   try {
     output::remove_partial_files_on_signals();
+    CLI::App app{description, name};
+    const std::vector<Command> commands = add(app);
     return after_output(app, parse_and_run(app, commands, argc, argv));
-  } catch (...) {  // only what the error stream itself refused to print comes this far
+  } catch (...) {  // no memory, or what the error stream itself refused to print
     return bad_data;
   }
 }

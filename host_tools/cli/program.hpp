@@ -9,12 +9,13 @@
 
 namespace zerorate::cli {
 
-/// Parses the command line, runs the command that was asked for, and flushes the standard output.
-/// An exception of the command becomes one line on the standard error.
-/// @param app its name opens each message
-/// @param commands sub-commands of `app`, or `app` itself
+/// Names the program, adds its commands, parses the command line, runs the command that was asked
+/// for, and flushes the standard output. An exception becomes one line on the standard error.
+/// @param name opens each message
+/// @param add adds options to the program; returns its sub-commands, or the program as the only one
 /// @return the exit code of the process
-[[nodiscard]] int run_program(CLI::App& app, const std::vector<Command>& commands, int argc,
+[[nodiscard]] int run_program(const char* description, const char* name,
+                              std::vector<Command> (*add)(CLI::App&), int argc,
                               char** argv) noexcept;
 
 }  // namespace zerorate::cli

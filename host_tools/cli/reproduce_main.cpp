@@ -141,13 +141,16 @@ Command add_options(CLI::App& app, ReproduceOptions& options) {
           }};
 }
 
+std::vector<Command> add(CLI::App& app) {
+  static ReproduceOptions options;
+  return {add_options(app, options)};
+}
+
 }  // namespace
 }  // namespace zerorate::cli
 
 int main(int argc, char** argv) {
-  CLI::App app{"Reproduces the table and the figures of the paper, with errors",
-               "zerorate-reproduce"};
-  zerorate::cli::ReproduceOptions options;
-  const zerorate::cli::Command command = zerorate::cli::add_options(app, options);
-  return zerorate::cli::run_program(app, {command}, argc, argv);
+  return zerorate::cli::run_program(
+      "Reproduces the table and the figures of the paper, with errors", "zerorate-reproduce",
+      zerorate::cli::add, argc, argv);
 }
