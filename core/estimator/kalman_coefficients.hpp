@@ -9,10 +9,15 @@
 
 #include "core/estimator/forgetting.hpp"
 #include "core/estimator/gate.hpp"
+#include "core/noise/hypotheses.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
 
 namespace zerorate::core {
+
+/// Hypotheses of a filter whose model is known.
+template <ModelShape Shape>
+inline constexpr HypothesesOf<Shape> kKnownModel{};
 
 /// The filter does not hold a mode z but its drift w = beta z, scaled so that the bias moves over
 /// one tick by the plain sum of the drifts: w = -alpha z for a decaying mode; for a rotating one
@@ -51,15 +56,19 @@ struct KalmanCoefficients {
   std::array<Complex, kRotating> rotating_alpha{};
   Drifts initial_variance{};
   Drifts initial_mean{};
-  Noise tick_noise;
+  const HypothesesOf<Shape>* hypotheses;
+  std::array<Noise, Shape.hypotheses> tick_noise;
   Forgetting<Shape> tick_forgetting;
 
+  /// @param guesses at the slow noise: must outlive the coefficients
   constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
                                         const Gate& innovation_gate = {},
-                                        const TemperatureBlock<kWeights>& temperature = {})
+                                        const TemperatureBlock<kWeights>& temperature = {},
+                                        const HypothesesOf<Shape>& guesses = kKnownModel<Shape>)
       : tick_s(modes.tick.in_seconds()),
         gate(innovation_gate),
         confirmations(confirmations_at(modes.tick)),
+        hypotheses(&guesses),
         tick_forgetting(forgetting_of(modes.one_tick())) {
     for (std::size_t i = 0; i < kDecaying; ++i) {
       const DecayingMode& mode = modes.decaying[i];
@@ -81,25 +90,45 @@ struct KalmanCoefficients {
       initial_variance[kTemperature + 1] =
           temperature.curvature_sigma_rad_s_per_k2 * temperature.curvature_sigma_rad_s_per_k2;
     }
-    tick_noise = noise_of(modes.one_tick());
+    for (std::size_t m = 0; m < Shape.hypotheses; ++m) {
+      tick_noise[m] = noise_of(modes.one_tick(), m);
+    }
+  }
+
+  /// Hypotheses that a filter weighs; 1 where the model is known.
+  [[nodiscard]] constexpr std::size_t used_hypotheses() const {
+    return std::max(std::size_t{1}, hypotheses->count);
+  }
+  /// Strengths of the modes under a hypothesis.
+  [[nodiscard]] constexpr auto strength(std::size_t hypothesis) const {
+    if constexpr (Shape.hypotheses == 1) {
+      return AsModelled{};
+    } else {
+      return StrengthOf{*this, hypothesis};
+    }
+  }
+  [[nodiscard]] constexpr float initial_variance_of(std::size_t hypothesis, std::size_t i) const {
+    return i < kDecaying ? strength(hypothesis)[i] * initial_variance[i] : initial_variance[i];
   }
 
   /// Whether drift i belongs to a warm-up or a ramp: it starts with a mean or with more variance
   /// than its noise keeps up. Only a decaying mode can.
   [[nodiscard]] constexpr bool is_transient(std::size_t i) const {
     return initial_mean[i] != 0.0F ||
-           tick_noise.drift[i] < 0.5F * decaying_alpha[i] * initial_variance[i];
+           tick_noise[0].drift[i] < 0.5F * decaying_alpha[i] * initial_variance_of(0, i);
   }
   /// Share of the bias that a drift of 1 stands for, if it ends with the drift: a ramp's stays.
   [[nodiscard]] constexpr float contribution(std::size_t i) const {
     return decaying_alpha[i] > kNearlyConstant ? -1.0F / decaying_alpha[i] : 0.0F;
   }
 
-  [[nodiscard]] constexpr Noise noise_of(const ModeTransitions& span) const {
-    Noise noise{.bias = span.noise()};
+  [[nodiscard]] constexpr Noise noise_of(const ModeTransitions& span,
+                                         std::size_t hypothesis) const {
+    const auto of_mode = strength(hypothesis);
+    Noise noise{.bias = span.noise(of_mode)};
     for (std::size_t i = 0; i < kDecaying; ++i) {
-      noise.cross[i] = scale(i) * span.decaying[i].noise;
-      noise.drift[i] = scale(i) * scale(i) * span.decaying[i].noise;
+      noise.cross[i] = scale(i) * (of_mode[i] * span.decaying[i].noise);
+      noise.drift[i] = scale(i) * scale(i) * (of_mode[i] * span.decaying[i].noise);
     }
     for (std::size_t i = 0; i < kRotating; ++i) {
       const Complex beta = rotating_scale(i);
@@ -147,6 +176,16 @@ struct KalmanCoefficients {
   }
 
  private:
+  /// A filter of several hypotheses may be told that there is one.
+  struct StrengthOf {
+    const KalmanCoefficients& coefficients;
+    std::size_t hypothesis;
+    constexpr float operator[](std::size_t mode) const {
+      const auto& guesses = *coefficients.hypotheses;
+      return guesses.count == 0 ? 1.0F : guesses.all[hypothesis].strength[mode];
+    }
+  };
+
   static constexpr std::uint16_t confirmations_at(Duration tick) {
     constexpr std::int64_t kMost = 0xFFFE;
     return static_cast<std::uint16_t>(

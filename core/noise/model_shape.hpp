@@ -14,9 +14,16 @@ struct ModelShape {
   std::size_t decaying = 0;             ///< first-order Gauss-Markov modes
   std::size_t rotating = 0;             ///< damped oscillations, two states each
   std::size_t temperature_weights = 0;  ///< TemperatureDrift::kWeights; 0: no temperature
+  std::size_t hypotheses = 1;           ///< of the strength of the slow noise; 1: it is known
 
   constexpr bool operator==(const ModelShape&) const = default;
 };
+
+/// The shape of a filter that learns its noise model among so many hypotheses.
+[[nodiscard]] constexpr ModelShape with_hypotheses(ModelShape shape, std::size_t count) {
+  shape.hypotheses = count;
+  return shape;
+}
 
 template <ModelShape Shape>
 using ModesOf = Modes<Shape.decaying, Shape.rotating>;

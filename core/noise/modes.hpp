@@ -14,6 +14,11 @@
 
 namespace zerorate::core {
 
+/// Strength of every mode in the model itself.
+struct AsModelled {
+  constexpr float operator[](std::size_t /*mode*/) const { return 1.0F; }
+};
+
 /// Transition of R decaying modes, C rotating modes and the level over a span of ticks. A plain
 /// value: transitions compose (`then`), so any gap costs the logarithm of its length and no
 /// transcendental function (docs/adr/0005).
@@ -28,19 +33,25 @@ struct Transition {
   constexpr bool operator==(const Transition&) const = default;
 
   /// Variance that the whole bias gains over the span [rad2/s2].
-  [[nodiscard]] constexpr float noise() const {
-    return total(&ModeTransition<float>::noise, &ModeTransition<Complex>::noise);
+  /// @param strength of decaying mode i: factor of its variance
+  template <class Strength = AsModelled>
+  [[nodiscard]] constexpr float noise(const Strength& strength = {}) const {
+    return total(&ModeTransition<float>::noise, &ModeTransition<Complex>::noise, strength);
   }
   /// Variance that the sum of the bias over the span gains [rad2/s2 ticks2].
-  [[nodiscard]] constexpr float sum_variance() const {
-    return total(&ModeTransition<float>::sum_variance, &ModeTransition<Complex>::sum_variance);
+  template <class Strength = AsModelled>
+  [[nodiscard]] constexpr float sum_variance(const Strength& strength = {}) const {
+    return total(&ModeTransition<float>::sum_variance, &ModeTransition<Complex>::sum_variance,
+                 strength);
   }
 
  private:
+  template <class Strength>
   [[nodiscard]] constexpr float total(float ModeTransition<float>::*of_decaying,
-                                      float ModeTransition<Complex>::*of_rotating) const {
+                                      float ModeTransition<Complex>::*of_rotating,
+                                      const Strength& strength) const {
     float sum = level.*of_decaying;
-    for (const auto& span : decaying) sum += span.*of_decaying;
+    for (std::size_t i = 0; i < R; ++i) sum += strength[i] * (decaying[i].*of_decaying);
     for (const auto& span : rotating) sum += span.*of_rotating;
     return sum;
   }

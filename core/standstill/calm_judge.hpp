@@ -138,6 +138,9 @@ class CalmJudge {
   /// Variance of the white noise of a sample, as the means over half a second show it: by the
   /// model, until three windows were calm.
   [[nodiscard]] constexpr float white_variance_rad2_s2() const { return state_.white_rad2_s2; }
+  [[nodiscard]] constexpr bool has_seen_white_noise() const { return state_.spreads > 0; }
+  /// Whether the mean is of as many spreads as it ever is.
+  [[nodiscard]] constexpr bool knows_white_noise() const { return state_.spreads == kSpreads; }
   /// Whether the newest window is calm; true before there are three.
   [[nodiscard]] constexpr bool is_calm() const { return state_.is_calm; }
   /// Share of the newest stop that was calm, rounded down; of a long stop that of its last two

@@ -5,17 +5,32 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "core/estimator/calibration_mean.hpp"
 #include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/estimator/no_predictor.hpp"
-#include "core/estimator/slow_noise_scale.hpp"
 #include "core/monitor/innovation_monitor.hpp"
+#include "firmware/app/learnt_noise.hpp"
 #include "firmware/app/node_params.hpp"
 
 namespace zerorate::app {
+
+/// White noise of the mean of a tick's samples.
+struct WhiteNoise {
+  float averaged_rad2_s2 = 0.0F;  ///< by the model: the variance that averaging leaves
+  float floor_rad2_s2 = 0.0F;     ///< by the model: what averaging does not remove
+  float model_level = 1.0F;       ///< by a model of single samples, over its mean
+  float level = 1.0F;             ///< variance of a sample, over the model's mean
+  bool is_seen = false;           ///< the level is the sensor's own
+  bool is_known = false;          ///< and will not be known better
+
+  [[nodiscard]] constexpr float variance(float at_level) const {
+    return at_level * averaged_rad2_s2 + floor_rad2_s2;
+  }
+};
 
 /// Predictors of all axes, fed alike, and monitors of the Kalman predictor's innovations.
 template <ModelShape Shape, NodeCapacity Capacity>
@@ -32,7 +47,7 @@ class AxisPredictors {
       std::conditional_t<Capacity.runs_calibration_mean, core::CalibrationMean<Shape>,
                          core::NoPredictor<Shape>>;
   using Filter = typename Kalman::State;
-  using Scale = core::SlowNoiseScale<kAxes>;
+  static constexpr bool kLearns = Kalman::kLearns;
 
   struct State {
     struct Axis {
@@ -42,8 +57,10 @@ class AxisPredictors {
 
       constexpr bool operator==(const Axis&) const = default;
     };
-    Filter kalman;  ///< in units of the scale
-    typename Scale::State scale;
+    Filter kalman;
+    float white_level = 0.0F;  ///< that the learnt scales are relative to; 0: not seen yet
+    bool knows_white = false;  ///< that level stays
+    float stops = 0.0F;        ///< that were learnt from, older ones counted in part
     std::array<Axis, kAxes> axes;
 
     constexpr bool operator==(const State&) const = default;
@@ -53,16 +70,15 @@ class AxisPredictors {
 
   /// @param params must outlive the predictors
   constexpr explicit AxisPredictors(const NodeParams<Shape>& params)
-      : coefficients_(params.modes, params.gate, params.temperature),
+      : coefficients_(params.modes, params.gate, params.temperature, params.hypotheses),
         kalman_(coefficients_),
-        learns_scale_(params.learns_noise && params.modes.is_stationary),
         axes_{Axis{params.modes}, Axis{params.modes}, Axis{params.modes}} {}
   AxisPredictors(const AxisPredictors&) = delete;  // the filter points to its coefficients
   AxisPredictors& operator=(const AxisPredictors&) = delete;
   ~AxisPredictors() = default;
 
   [[nodiscard]] constexpr State state() const {
-    State state{.kalman = kalman_.state(), .scale = scale_.state(), .axes = {}};
+    State state{.kalman = kalman_.state(), .white_level = white_level_, .knows_white = knows_white_, .stops = stops_, .axes = {}};
     for (std::size_t i = 0; i < kAxes; ++i) {
       state.axes[i] = {.monitor = axes_[i].monitor.state(),
                        .moving_average = axes_[i].moving_average.state(),
@@ -72,7 +88,9 @@ class AxisPredictors {
   }
   constexpr void restore(const State& state) {
     kalman_.restore(state.kalman);
-    scale_.restore(state.scale);
+    white_level_ = state.white_level;
+    knows_white_ = state.knows_white;
+    stops_ = state.stops;
     for (std::size_t i = 0; i < kAxes; ++i) {
       axes_[i].monitor.restore(state.axes[i].monitor);
       axes_[i].moving_average.restore(state.axes[i].moving_average);
@@ -82,32 +100,28 @@ class AxisPredictors {
 
   /// Predictors without memory across stops start again.
   constexpr void begin_stop() {
+    ++stops_;
     for (Axis& axis : axes_) {
       axis.moving_average.begin_stop();
       axis.calibration_mean.begin_stop();
     }
   }
   /// Time passes by `since_last`, at the end of which the rates are measured.
-  /// @param white_variance of their white noise, as learnt
-  /// @param model_white_variance the same by the model, against which the innovations are monitored
   constexpr void observe(const Transition& since_last, const Rates& rates_rad_s,
-                         float white_variance, float model_white_variance) {
-    const bool begins_stop = learns_scale_ && since_last.ticks >= kTicksOfDrive;
-    if (begins_stop) end_stop(white_variance / model_white_variance);
+                         const WhiteNoise& white) {
+    if (learns() && white.is_seen && !knows_white_) follow_white_level(white);
     kalman_.advance(since_last);
-    const float model_variance = filter().bias_variance + model_white_variance;
-    if (begins_stop && filter().is_confirmed()) {
-      scale_.begin_stop(biases_rad_s(), filter().bias_variance);
-    }
-    const float unit = unit_of_variances();
-    auto innovations = kalman_.observe(rates_rad_s, white_variance, unit);
-    if (learns_scale_) scale_.on_tick(biases_rad_s(), filter().bias_variance);
-    const float white = white_variance / unit;
+    if constexpr (kLearns) stops_ *= coefficients_.hypotheses->kept;
+    auto innovations = kalman_.observe(rates_rad_s, white.variance(level_of(white)));
     for (std::size_t i = 0; i < kAxes; ++i) {
-      innovations[i].variance_rad2_s2 = model_variance;
+      if (!learns()) {  // the monitor asks whether the model is right, not what was made of it
+        innovations[i].variance_rad2_s2 +=
+            white.variance(white.model_level) - white.variance(white.level);
+      }
+      const float own = white.variance(white.level) / slow_level(i);
       axes_[i].monitor.observe(innovations[i]);
-      (void)axes_[i].moving_average.step(since_last, rates_rad_s[i], white);
-      (void)axes_[i].calibration_mean.step(since_last, rates_rad_s[i], white);
+      (void)axes_[i].moving_average.step(since_last, rates_rad_s[i], own);
+      (void)axes_[i].calibration_mean.step(since_last, rates_rad_s[i], own);
     }
   }
 
@@ -127,21 +141,27 @@ class AxisPredictors {
       Predictor which, const Transition& lead) const {
     auto predictions =
         of_all_axes(which, [&](const auto& predictor) { return predictor.predict(lead); });
-    for (core::Prediction& one : predictions) one.variance_rad2_s2 *= unit_of_variances();
+    if (which == Predictor::kalman) return predictions;
+    for (std::size_t i = 0; i < kAxes; ++i) predictions[i].variance_rad2_s2 *= slow_level(i);
     return predictions;
   }
   [[nodiscard]] constexpr std::array<core::HeadingPrediction, kAxes> predict_heading(
       Predictor which, const Transition& lead, const Transition& drive) const {
     auto headings = of_all_axes(
         which, [&](const auto& predictor) { return predictor.predict_heading(lead, drive); });
-    for (core::HeadingPrediction& one : headings) one.variance_rad2 *= unit_of_variances();
+    if (which == Predictor::kalman) return headings;
+    for (std::size_t i = 0; i < kAxes; ++i) headings[i].variance_rad2 *= slow_level(i);
     return headings;
   }
 
-  /// The Kalman predictor, in units of scale().
   [[nodiscard]] constexpr const Filter& filter() const { return kalman_.state(); }
-  /// How much stronger the slow noise is than the model says.
-  [[nodiscard]] constexpr const typename Scale::State& scale() const { return scale_.state(); }
+  [[nodiscard]] constexpr const Kalman& kalman() const { return kalman_; }
+  /// White noise that the learnt scales are relative to, over the model's; 0: not known yet.
+  [[nodiscard]] constexpr float white_level() const { return white_level_; }
+  /// Noise of an axis as it was learnt.
+  [[nodiscard]] constexpr LearntNoise learnt_noise(std::size_t axis) const {
+    return app::learnt_noise(kalman_, axis, stops_);
+  }
   [[nodiscard]] constexpr bool is_consistent(std::size_t axis) const {
     return axes_[axis].monitor.is_consistent();
   }
@@ -149,18 +169,28 @@ class AxisPredictors {
   /// Starts the Kalman predictor from what another run learnt; the others begin anew.
   /// Not inlined: what stands on the stack here is gone when the bias is predicted.
   /// @param ticks since its newest measurement
-  [[gnu::noinline]] constexpr void resume(const Filter& learnt, const typename Scale::State& scale,
-                                          const NodeParams<Shape>& params, std::uint32_t ticks) {
+  [[gnu::noinline]] void resume(std::span<const std::uint8_t, sizeof(Filter)> learnt,
+                                float white_level, const NodeParams<Shape>& params,
+                                std::uint32_t ticks) {
     kalman_.restore(learnt);
-    scale_.restore(scale);
+    white_level_ = white_level;
+    knows_white_ = true;
     kalman_.advance(Transition{params.modes.over(ticks)});
     kalman_.restart_transients();
-    kalman_.inflate_variance(params.turn_on_variance_rad2_s2 / unit_of_variances());
+    kalman_.inflate_variance(params.turn_on_variance_rad2_s2);
+  }
+
+  /// Variance of the white noise of a tick, as learnt.
+  [[nodiscard]] constexpr float white_variance(const WhiteNoise& white, std::size_t axis) const {
+    if (!learns()) return white.variance(white.level);
+    return white.variance(level_of(white)) *
+           kalman_.expected(axis, 1.0F, [](const auto& /*one*/, float scale) { return scale; });
   }
 
  private:
-  /// A pause after which the bias may have wandered: two and a half seconds at the default tick.
-  static constexpr std::uint32_t kTicksOfDrive = 5;
+  /// Factor of the white noise that is more than its estimate's error: the sensor is shaken, or no
+  /// longer.
+  static constexpr float kChanged = 2.0F;
 
   struct Axis {
     core::InnovationMonitor monitor;
@@ -171,21 +201,30 @@ class AxisPredictors {
         : moving_average(modes), calibration_mean(modes) {}
   };
 
-  constexpr void end_stop(float white_level) {
-    scale_.end_stop(biases_rad_s(), filter().bias_variance);
-    if (filter().is_confirmed()) scale_.anchor(white_level);
+  [[nodiscard]] constexpr bool learns() const {
+    return kLearns && coefficients_.hypotheses->count > 0;
   }
-  [[nodiscard]] constexpr Rates biases_rad_s() const {
-    Rates biases{};
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      const auto& axis = filter().axes[i];
-      biases[i] = axis.reference_rad_s + axis.bias_rad_s;
+  /// White noise over that which the model's is taken to be: a learning bank has its own scale.
+  [[nodiscard]] constexpr float level_of(const WhiteNoise& white) const {
+    if (!learns()) return white.level;
+    if (!white.is_known || !knows_white_) return 1.0F;
+    const float change = white.level / white_level_;
+    return change < kChanged && change * kChanged > 1.0F ? 1.0F : change;
+  }
+  /// The scales are relative to the white noise of the first half minute, as well as it is known.
+  constexpr void follow_white_level(const WhiteNoise& white) {
+    if (white_level_ == 0.0F) {
+      kalman_.start_learning(white.level);
+    } else {
+      kalman_.rescale(white.level / white_level_);
     }
-    return biases;
+    white_level_ = white.level;
+    knows_white_ = white.is_known;
   }
-  /// All variances of the predictors are in this unit.
-  [[nodiscard]] constexpr float unit_of_variances() const {
-    return learns_scale_ ? scale_.cautious_scale() : 1.0F;
+  /// How much stronger the slow noise is than the model says.
+  [[nodiscard]] constexpr float slow_level(std::size_t axis) const {
+    return kalman_.expected(axis, 1.0F,
+                            [](const auto& one, float scale) { return scale * one.level; });
   }
 
   /// Answers of action(predictor) for all axes: of a bank at once, of the others one by one.
@@ -206,8 +245,9 @@ class AxisPredictors {
 
   typename Kalman::Coefficients coefficients_;
   Kalman kalman_;
-  Scale scale_;
-  bool learns_scale_;
+  float white_level_ = 0.0F;
+  bool knows_white_ = false;
+  float stops_ = 0.0F;
   std::array<Axis, kAxes> axes_;
 };
 

@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -44,7 +45,6 @@ class GyroNode {
   using Params = NodeParams<Shape>;
   using Predictors = AxisPredictors<Shape, Capacity>;
   using Filter = typename Predictors::Filter;
-  using Scale = typename Predictors::Scale::State;
   using Transition = core::FilterTransition<Shape>;
   using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
   using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
@@ -183,19 +183,23 @@ class GyroNode {
     if (learning_.has_sample()) predict_tick();
   }
 
-  /// Variance of the white noise of a sample: as this sensor has shown it, or by the model.
-  [[nodiscard]] constexpr float white_variance_rad2_s2() const {
-    if (params_.learns_noise && !params_.samples.needs_screen()) {
-      return learning_.calm().white_variance_rad2_s2();
-    }
-    return model_white_variance_rad2_s2();
+  /// Variance of the white noise of a sample on an axis: as this sensor has shown it, or by the
+  /// model.
+  [[nodiscard]] constexpr float white_variance_rad2_s2(std::size_t axis) const {
+    WhiteNoise white = white_noise(1.0F);
+    white.floor_rad2_s2 = 0.0F;
+    return predictors_.white_variance(white, axis);
   }
 
   /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, if
   /// is_confirmed(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
-  /// How much stronger the slow noise is than the model says; the unit of filter().
-  [[nodiscard]] constexpr const auto& scale() const { return predictors_.scale(); }
+  /// White noise that filter() is relative to, over the model's; 0: the model's.
+  [[nodiscard]] constexpr float white_level() const { return predictors_.white_level(); }
+  /// Noise of an axis as it was learnt; all zero in a node of a known model.
+  [[nodiscard]] constexpr LearntNoise learnt_noise(std::size_t axis) const {
+    return predictors_.learnt_noise(axis);
+  }
   /// Whether there is a measurement that later ones have confirmed.
   [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
   /// The temperature that the filter stands at, if it follows it: that of the newest measurement.
@@ -209,11 +213,12 @@ class GyroNode {
   /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
   /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
   /// the first sample.
-  constexpr void resume(const Filter& learnt, const Scale& scale, TickTemperature temperature,
-                        std::uint32_t ticks) {
+  /// @param learnt bytes of filter()
+  void resume(std::span<const std::uint8_t, sizeof(Filter)> learnt, float white_level,
+              TickTemperature temperature, std::uint32_t ticks) {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
-    predictors_.resume(learnt, scale, params_, ticks);
+    predictors_.resume(learnt, white_level, params_, ticks);
     predict_tick();
   }
 
@@ -251,9 +256,20 @@ class GyroNode {
     if (begins_tick || learnt) predict_tick();
   }
 
-  /// White variance by the model, whose single samples may be followed.
-  [[nodiscard]] constexpr float model_white_variance_rad2_s2() const {
-    return screening_.level() * params_.white_variance_rad2_s2;
+  /// White noise of the mean of so many samples.
+  [[nodiscard]] constexpr WhiteNoise white_noise(float samples) const {
+    WhiteNoise white{
+        .averaged_rad2_s2 = params_.white_variance_rad2_s2 / samples,
+        .floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2,
+        .model_level = screening_.level(),
+        .level = screening_.level()};
+    if (params_.learns_white_noise && !params_.samples.needs_screen()) {
+      white.level =
+          learning_.calm().white_variance_rad2_s2() / params_.white_variance_rad2_s2;
+      white.is_seen = learning_.calm().has_seen_white_noise();
+      white.is_known = learning_.calm().knows_white_noise();
+    }
+    return white;
   }
 
   /// Callback of StopLearning for each tick that is certain.
@@ -267,10 +283,7 @@ class GyroNode {
     screening_.advance(ticks);
     if (begins_stop) predictors_.begin_stop();
     const auto samples = static_cast<float>(mean.samples);
-    const float floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2;
-    predictors_.observe(since_last, mean.rate_rad_s,
-                        white_variance_rad2_s2() / samples + floor_rad2_s2,
-                        model_white_variance_rad2_s2() / samples + floor_rad2_s2);
+    predictors_.observe(since_last, mean.rate_rad_s, white_noise(samples));
     screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
     measured_ticks_ = mean.tick + 1;
   }

@@ -12,6 +12,7 @@
 #include "core/estimator/gate.hpp"
 #include "core/estimator/prediction.hpp"
 #include "core/monitor/odometer_check.hpp"
+#include "core/noise/hypotheses.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "core/samples/sample_model.hpp"
@@ -53,10 +54,11 @@ struct NodeParams {
   core::OdometerCheck::Params odometer;
   core::EarthRate earth;                    ///< at the vehicle's latitude; zero: not known
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
-  /// Whether the strengths of white and slow noise are learnt in service, from those of the model.
-  /// False: they are as the model says. A model of single samples keeps its white noise, and one
-  /// that is not stationary its slow noise, because those were fitted to the sensor.
-  bool learns_noise = true;
+  /// Whether the strength of the white noise is learnt from the calm of the stops. A model of single
+  /// samples keeps its own.
+  bool learns_white_noise = true;
+  /// Slow noises that the sensor may have; none: the model is taken at its word.
+  [[no_unique_address]] core::HypothesesOf<Shape> hypotheses{};
 };
 
 /// How much a node remembers, for boards that count bytes. The results are the same as long as

@@ -105,15 +105,16 @@ class Snapshot {
  public:
   using State = typename Node::State;
   using Filter = typename Node::Filter;
-  using Scale = typename Node::Scale;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
-  static constexpr std::uint16_t kLayout = 4;
+  using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
+
+  static constexpr std::uint16_t kLayout = 5;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfFilters =
-      64 + sizeof(Filter) + sizeof(Scale) + kBytesOfTemperature + 4;
+      64 + sizeof(Filter) + sizeof(float) + kBytesOfTemperature + 4;
   static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -136,7 +137,7 @@ class Snapshot {
     std::span<std::uint8_t> rest =
         begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
     put(rest, node.filter());
-    put(rest, node.scale());
+    put(rest, node.white_level());
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
   }
@@ -164,7 +165,10 @@ class Snapshot {
       node.restore(state);
       return Resumption::continued;
     }
-    return resume(node, state.predictors.kalman, state.predictors.scale,
+    const Filter& learnt = state.predictors.kalman;
+    return resume(
+        node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
+        state.predictors.white_level,
                   Node::TemperatureTrack::measured(state.temperature), *header, now);
   }
   /// restore() for boards whose records hold the filters only: no room for a whole state on the
@@ -181,9 +185,9 @@ class Snapshot {
     const auto after_filter = payload.subspan(sizeof(Filter));
     Temperature temperature{};
     if constexpr (kBytesOfTemperature > 0) {
-      temperature = get<Temperature>(after_filter.subspan(sizeof(Scale)));
+      temperature = get<Temperature>(after_filter.subspan(sizeof(float)));
     }
-    return resume(node, get<Filter>(payload), get<Scale>(after_filter), temperature, *header, now);
+    return resume(node, payload.first<sizeof(Filter)>(), get<float>(after_filter), temperature, *header, now);
   }
 
  private:
@@ -269,10 +273,22 @@ class Snapshot {
     print.add(params.gate.threshold_sigma);
     print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
-    print.add(params.learns_noise);
+    print.add(params.learns_white_noise);
+    add_hypotheses(print, params.hypotheses);
     for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
     return print.value();
   }
+
+  template <core::ModelShape Shape>
+  static constexpr void add_hypotheses(Fingerprint& print,
+                                       const core::Hypotheses<Shape>& hypotheses) {
+    for (std::size_t m = 0; m < hypotheses.count; ++m) {
+      const auto& one = hypotheses.all[m];
+      for (const float strength : one.strength) print.add(strength);
+      print.add(one.log_prior);
+    }
+  }
+  static constexpr void add_hypotheses(Fingerprint& /*print*/, const core::KnownModel& /*none*/) {}
 
   template <class Value>
   static void put(std::span<std::uint8_t>& to, const Value& value) {
@@ -321,8 +337,8 @@ class Snapshot {
     return header;
   }
 
-  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Filter& learnt,
-                                                   const Scale& scale, Temperature temperature,
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
+                                                   float white_level, Temperature temperature,
                                                    const Header& header,
                                                    const SnapshotTime& now) const {
     using core::Unexpected;
@@ -335,7 +351,7 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(learnt, scale, temperature,
+    node.resume(learnt, white_level, temperature,
                 header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
     return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
   }

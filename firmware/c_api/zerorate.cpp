@@ -18,7 +18,8 @@ namespace {
 
 constexpr core::ModelShape kShape{.decaying = ZERORATE_DECAYING_MODES,
                                   .rotating = ZERORATE_ROTATING_MODES,
-                                  .temperature_weights = core::TemperatureDrift::kWeights};
+                                  .temperature_weights = core::TemperatureDrift::kWeights,
+                                  .hypotheses = ZERORATE_HYPOTHESES};
 using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_levels = 12}>;
 using Snapshot = app::Snapshot<Node>;
 using Modes = core::ModesOf<kShape>;
@@ -85,6 +86,18 @@ bool is_sound(const zerorate_temperature_drift& drift) {
          is_magnitude(drift.slope_sigma_rad_s_per_k) && is_figure(drift.curvature_rad_s_per_k2) &&
          is_magnitude(drift.curvature_sigma_rad_s_per_k2) && is_magnitude(drift.lag_s);
 }
+bool is_sound(const zerorate_hypothesis& hypothesis) {
+  return std::ranges::all_of(hypothesis.strength, is_magnitude) &&
+         is_figure(hypothesis.log_prior) && is_magnitude(hypothesis.level) &&
+         is_magnitude(hypothesis.order) && is_magnitude(hypothesis.bias_instability_rad_s) &&
+         is_magnitude(hypothesis.angle_random_walk_rad_per_sqrt_s);
+}
+bool are_sound_hypotheses(const zerorate_model& model) {
+  if (model.hypothesis_count == 0) return true;
+  return ZERORATE_HYPOTHESES > 1 && model.hypothesis_count <= ZERORATE_HYPOTHESES &&
+         model.evidence_kept > 0.0F && model.evidence_kept <= 1.0F &&
+         std::ranges::all_of(model.hypotheses, [](const auto& one) { return is_sound(one); });
+}
 bool is_sound(const zerorate_model& model) {
   const auto sound = [](const auto& mode) { return is_sound(mode); };
   return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
@@ -93,7 +106,8 @@ bool is_sound(const zerorate_model& model) {
          is_magnitude(model.measurement_floor_variance_rad2_s2) &&
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
-         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature);
+         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&
+         are_sound_hypotheses(model);
 }
 
 /// Upper limits only: the node checks that times are positive and fit each other.
@@ -123,6 +137,25 @@ core::ModesOf<kShape> modes_of(const zerorate_model& model) {
                          mode.initial_mean};
   }
   return modes;
+}
+
+core::HypothesesOf<kShape> hypotheses_of(const zerorate_model& model) {
+  core::HypothesesOf<kShape> hypotheses;
+  if constexpr (kShape.hypotheses > 1) {
+    hypotheses.count = model.hypothesis_count;
+    hypotheses.kept = model.evidence_kept;
+    for (std::size_t m = 0; m < hypotheses.count; ++m) {
+      const zerorate_hypothesis& given = model.hypotheses[m];
+      auto& one = hypotheses.all[m];
+      std::ranges::copy(given.strength, one.strength.begin());
+      one.log_prior = given.log_prior;
+      one.level = given.level;
+      one.order = given.order;
+      one.bias_instability_rad_s = given.bias_instability_rad_s;
+      one.angle_random_walk_rad_per_sqrt_s = given.angle_random_walk_rad_per_sqrt_s;
+    }
+  }
+  return hypotheses;
 }
 
 app::Predictor predictor_of(zerorate_predictor predictor) {
@@ -185,7 +218,8 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
                          .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
                          .source = source_of(config.standstill)},
           .earth = earth_of(config),
-          .published = predictor_of(config.predictor)};
+          .published = predictor_of(config.predictor),
+          .hypotheses = hypotheses_of(model)};
 }
 
 zerorate_motion motion_of(core::Motion motion) {
@@ -355,6 +389,22 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
       params.published, axis, from, from + params.sample_period * std::int64_t{samples});
   if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;
   *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
+  return ZERORATE_OK;
+}
+
+zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axis,
+                                          zerorate_learnt_noise* learnt) {
+  if (axis >= c_api::Node::kAxes || learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
+  const auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  const app::LearntNoise noise = instance->node.learnt_noise(axis);
+  const auto figure = [](const app::LearntFigure& one) {
+    return zerorate_figure{.value = one.value, .sigma = one.sigma};
+  };
+  *learnt = {.order = figure(noise.order),
+             .bias_instability_rad_s = figure(noise.bias_instability_rad_s),
+             .angle_random_walk_rad_per_sqrt_s = figure(noise.angle_random_walk_rad_per_sqrt_s),
+             .stops = noise.stops};
   return ZERORATE_OK;
 }
 

@@ -41,10 +41,16 @@ extern "C" {
 #define ZERORATE_AXES 3
 #define ZERORATE_DECAYING_MODES 7
 #define ZERORATE_ROTATING_MODES 1
+/** Noise models that an instance weighs: 12, 4 or, without learning, 1. The same for the library and
+ *  for all that includes this header; the model file says how many `zerorate export --c` writes. */
+#ifndef ZERORATE_HYPOTHESES
+#define ZERORATE_HYPOTHESES 12
+#endif
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES 6400
+#define ZERORATE_INSTANCE_BYTES (5760 + 640 * ZERORATE_HYPOTHESES)
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES 612
+#define ZERORATE_SNAPSHOT_BYTES \
+  (132 + 456 * ZERORATE_HYPOTHESES + (ZERORATE_HYPOTHESES > 1 ? 4 + 36 * ZERORATE_HYPOTHESES : 0))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
 /** For zerorate_rate: no stop has been judged yet. */
@@ -120,6 +126,16 @@ typedef struct zerorate_temperature_drift {
   float lag_s; /**< of the sensing element behind the thermometer; 0: none */
 } zerorate_temperature_drift;
 
+/** A flicker noise that the sensor may have; `zerorate export --c` writes it. */
+typedef struct zerorate_hypothesis {
+  float strength[ZERORATE_DECAYING_MODES]; /**< variance of each mode over that of the model */
+  float log_prior;                         /**< of its probability */
+  float level;                             /**< of the slow noise, over that of the model */
+  float order;                             /**< d */
+  float bias_instability_rad_s;            /**< B */
+  float angle_random_walk_rad_per_sqrt_s;  /**< N */
+} zerorate_hypothesis;
+
 /** The noise of a sensor at its rates: `zerorate export --c` writes it from a model file. */
 typedef struct zerorate_model {
   int64_t sample_period_ns;     /**< nominal; the stamps of the samples decide */
@@ -135,6 +151,9 @@ typedef struct zerorate_model {
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
   zerorate_temperature_drift temperature; /**< zeros: the bias does not follow it */
+  uint8_t hypothesis_count; /**< of those below; 0: the model is taken at its word */
+  float evidence_kept;      /**< share of the evidence that a measurement leaves, at most 1 */
+  zerorate_hypothesis hypotheses[ZERORATE_HYPOTHESES];
 } zerorate_model;
 
 typedef struct zerorate_config {
@@ -154,7 +173,7 @@ typedef struct zerorate_health {
   bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
   bool time_refused;          /**< not after the sample before: no rate */
   bool saturated;             /**< an axis at full scale: the rate is a lower bound */
-  bool model_inconsistent;    /**< innovations larger or smaller than the model allows */
+  bool model_inconsistent;    /**< no hypothesis, or not the model, explains the innovations */
   bool odometer_fault;        /**< pulses were lost since the last sample */
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
@@ -187,6 +206,20 @@ typedef struct zerorate_heading_error {
   float angle_rad; /**< of an uncorrected rate; already taken off where the rate is corrected */
   float sigma_rad; /**< of what remains after correction */
 } zerorate_heading_error;
+
+/** A figure with its standard deviation. */
+typedef struct zerorate_figure {
+  float value;
+  float sigma;
+} zerorate_figure;
+
+/** The noise of an axis as it was learnt from the stops; all zero where nothing is learnt. */
+typedef struct zerorate_learnt_noise {
+  zerorate_figure order;                            /**< d */
+  zerorate_figure bias_instability_rad_s;           /**< B */
+  zerorate_figure angle_random_walk_rad_per_sqrt_s; /**< N */
+  float stops; /**< that the figures rest on, older ones counted in part */
+} zerorate_learnt_noise;
 
 /** Storage of one sensor. Opaque. */
 typedef struct zerorate_node {
@@ -236,6 +269,10 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error);
+
+/** The noise of an axis as it was learnt. */
+zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axis,
+                                          zerorate_learnt_noise* learnt);
 
 /**
  * Writes what has been learnt as a record for the time without power, ZERORATE_SNAPSHOT_BYTES long.

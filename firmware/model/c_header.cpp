@@ -81,6 +81,30 @@ std::string temperature(const core::TemperatureDrift& drift) {
           ",\n        .lag_s = " + literal(drift.lag_s) + "}");
 }
 
+/// A list of numbers in braces.
+std::string numbers(const auto& values) {
+  std::string text;
+  for (const float value : values) text += (text.empty() ? "" : ", ") + literal(value);
+  return "{" + text + "}";
+}
+
+/// Hypotheses of the flicker; nothing where the model is taken at its word.
+std::string hypotheses(const core::HypothesesOf<kCApiShape>& all) {
+  if (all.count == 0) return {};
+  std::string text;
+  for (std::size_t m = 0; m < all.count; ++m) {
+    const auto& one = all.all[m];
+    text += "        {.strength = " + numbers(one.strength) +
+            ",\n         .log_prior = " + literal(one.log_prior) +
+            ", .level = " + literal(one.level) + ", .order = " + literal(one.order) +
+            ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+            ", .angle_random_walk_rad_per_sqrt_s = " +
+            literal(one.angle_random_walk_rad_per_sqrt_s) + "},\n";
+  }
+  return "#if ZERORATE_HYPOTHESES >= " + std::to_string(all.count) + "\n" + field("hypothesis_count", std::to_string(all.count)) +
+         field("evidence_kept", all.kept) + field("hypotheses", "{\n" + text + "    }") + "#endif\n";
+}
+
 }  // namespace
 
 std::string format_c_header(const SensorModel& model, core::Duration sample_period,
@@ -123,7 +147,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
-         temperature(node.temperature) +
+         temperature(node.temperature) + hypotheses(node.hypotheses) +
          "};\n"
          "// clang-format on\n\n"
          "#endif\n";

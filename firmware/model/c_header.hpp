@@ -8,13 +8,17 @@
 
 #include "core/base/time.hpp"
 #include "core/noise/temperature_drift.hpp"
+#include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
 
 /// The modes that a node behind the C interface has room for.
 inline constexpr core::ModelShape kCApiShape{
-    .decaying = 7, .rotating = 1, .temperature_weights = core::TemperatureDrift::kWeights};
+    .decaying = 7,
+    .rotating = 1,
+    .temperature_weights = core::TemperatureDrift::kWeights,
+    .hypotheses = kMostHypotheses};
 
 /// A header that defines `static const zerorate_model NAME`. Every number is the shortest decimal
 /// from which the compiler makes the same bits.

@@ -1,5 +1,6 @@
 #include "firmware/model/cpp_header.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "firmware/model/node_model.hpp"
@@ -63,13 +64,36 @@ std::string samples(const core::SampleModel& samples) {
          range(samples.range) + "},\n";
 }
 
+std::string numbers(const float* first, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + literal(first[i]);
+  return "{" + text + "}";
+}
+
+/// Hypotheses of the flicker; nothing where the model is taken at its word.
+std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& all,
+                              std::size_t decaying) {
+  if (all.count == 0) return {};
+  std::string text = "    .hypotheses = {.count = " + std::to_string(all.count) +
+                     ", .kept = " + literal(all.kept) + ", .all = {{\n";
+  for (std::size_t m = 0; m < all.count; ++m) {
+    const auto& one = all.all[m];
+    text += "        {.strength = " + numbers(one.strength.data(), decaying) +
+            ",\n         .log_prior = " + literal(one.log_prior) +
+            ", .level = " + literal(one.level) + ", .order = " + literal(one.order) +
+            ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+            ", .angle_random_walk_rad_per_sqrt_s = " +
+            literal(one.angle_random_walk_rad_per_sqrt_s) + "},\n";
+  }
+  return text + "    }}},\n";
+}
+
 }  // namespace
 
 std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
                               core::Duration filter_tick) {
   auto node = make_full_node_model(model, sample_period, filter_tick);
-  const std::size_t decaying = detail::move_active_to_front(node.modes.decaying);
-  const std::size_t rotating = detail::move_active_to_front(node.modes.rotating);
+  const auto [decaying, rotating] = move_active_to_front(node);
   const bool is_stationary = node.modes.start == core::Start::stationary;
   return "/// @file\n"
          "/// Sensor model: " +
@@ -86,6 +110,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          std::to_string(decaying) + ", .rotating = " + std::to_string(rotating) +
          ", .temperature_weights = " +
          std::to_string(node.temperature.is_on() ? kLargestShape.temperature_weights : 0) +
+         ", .hypotheses = " + std::to_string(std::max(node.hypotheses.count, std::size_t{1})) +
          "};\n\n"
          "inline constexpr app::NodeParams<kModelShape> kNodeParams{\n"
          "    .modes = {.tick = " +
@@ -110,7 +135,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +
          "    .sample_period = " + nanoseconds(sample_period) +
-         ",\n"
+         ",\n" + hypotheses_member(node.hypotheses, decaying) +
          "};\n"
          "// clang-format on\n\n"
          "}  // namespace zerorate::exported\n";

@@ -31,6 +31,11 @@ inline constexpr Rule kProbability{[](double x) { return x > 0.0 && x < 0.5; },
 inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
                                "a whole number from 1 to 8"};
 
+inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || x == 12.0; },
+                                  "1 (nothing is learnt), 4 or 12"};
+inline constexpr Rule kFactor{[](double x) { return x > 1.0 && x <= 1000.0; },
+                              "a factor above 1, at most 1000"};
+
 [[nodiscard]] constexpr std::string_view start_name(core::Start start) {
   return start == core::Start::zero ? "zero" : "stationary";
 }
@@ -158,6 +163,19 @@ void visit_fields(auto& visitor, MaybeConst<TurnOn> auto& turn_on) {
   visitor.text("source", turn_on.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<Learning> auto& learning) {
+  visitor.number("hypotheses", learning.hypotheses, FileUnit::si, kHypotheses, Presence::optional);
+  visitor.number("half_life_s", learning.half_life_s, FileUnit::si, kPositive, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Prior> auto& prior) {
+  visitor.number("order", prior.order, FileUnit::si, kOrder, Presence::optional);
+  visitor.number("order_sigma", prior.order_sigma, FileUnit::si, kPositive, Presence::optional);
+  visitor.number("amplitude_factor", prior.amplitude_factor, FileUnit::si, kFactor,
+                 Presence::optional);
+  visitor.text("source", prior.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Node> auto& node) {
   visitor.start("start", node.start);
 }
@@ -181,6 +199,8 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.table("saturation", model.saturation);
   visitor.table("gate", model.gate);
   visitor.table("turn_on", model.turn_on);
+  visitor.table("learning", model.learning);
+  visitor.table("prior", model.prior);
   visitor.table("node", model.node, Presence::optional);
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 #include <tuple>
+#include <vector>
 
 #include "core/base/numeric.hpp"
 #include "core/noise/flicker.hpp"
@@ -55,7 +56,7 @@ Decades decades_of(const FlickerFit& fit) {
 }
 
 /// Squares of single-precision numbers may still overflow.
-void require_finite(const core::ModesOf<kLargestShape>& modes) {
+void require_finite(const core::ModesOf<kLargestLearningShape>& modes) {
   bool finite = core::is_finite(modes.walk_variance);
   for (const auto& mode : modes.decaying) {
     finite = finite && core::is_finite(mode.noise_variance) &&
@@ -169,6 +170,49 @@ double measurement_floor_variance(double step, double sigma) {
   return variance;
 }
 
+/// Share of the strongest hypothesis that a lag has at least, so that there is something to multiply
+/// where the model gives it no weight.
+constexpr double kTrace = 1e-6;
+
+/// The hypotheses of a model beside the fit of its own flicker, whose lags without weight get a
+/// trace.
+core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model, double tick_s,
+                                                       FlickerFit& own) {
+  core::Hypotheses<kLargestLearningShape> weighed;
+  const std::vector<FlickerHypothesis> guesses = hypotheses_of(model);
+  std::vector<FlickerFit> fits;
+  for (const FlickerHypothesis& guess : guesses) {
+    fits.push_back(fit_flicker(guess.flicker, tick_s));
+    for (std::size_t i = 0; i < own.variances_rad2_s2.size(); ++i) {
+      own.variances_rad2_s2[i] =
+          std::max(own.variances_rad2_s2[i], kTrace * fits.back().variances_rad2_s2[i]);
+    }
+  }
+  const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
+  const double own_white = arw * arw / tick_s + own.white_variance_rad2_s2;
+  for (std::size_t m = 0; m < guesses.size(); ++m) {
+    // What is white at the tick is the unit of a hypothesis, flicker or not.
+    const double white = arw * arw / tick_s + fits[m].white_variance_rad2_s2;
+    const double unit = own_white > 0.0 && white > 0.0 ? own_white / white : 1.0;
+    core::Hypothesis<kLargestShape.decaying>& one = weighed.all[m];
+    one.strength.fill(1.0F);
+    for (std::size_t i = 0; i < own.variances_rad2_s2.size(); ++i) {
+      const double of_own = own.variances_rad2_s2[i];
+      one.strength[i] =
+          of_own > 0.0 ? single_or_zero(unit * fits[m].variances_rad2_s2[i] / of_own) : 0.0F;
+    }
+    one.log_prior = single(guesses[m].log_prior);
+    one.level = single(unit * guesses[m].level);
+    one.order = single(guesses[m].flicker.order);
+    one.bias_instability_rad_s =
+        single(std::sqrt(unit) * guesses[m].flicker.bias_instability_rad_s);
+    one.angle_random_walk_rad_per_sqrt_s = single(std::sqrt(unit) * arw);
+  }
+  weighed.count = guesses.size();
+  weighed.kept = single(std::exp2(-tick_s / model.learning.value_or(Learning{}).half_life_s));
+  return weighed;
+}
+
 }  // namespace
 
 bool fits_six_decades(const SensorModel& model) {
@@ -176,7 +220,7 @@ bool fits_six_decades(const SensorModel& model) {
          !model.rate_ramp && !model.temperature && (!model.flicker || model.flicker->decades <= 6);
 }
 
-NodeModel<kLargestShape> make_full_node_model(const SensorModel& model,
+NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
                                               core::Duration sample_period,
                                               core::Duration filter_tick) {
   validate(model);
@@ -187,13 +231,14 @@ NodeModel<kLargestShape> make_full_node_model(const SensorModel& model,
   const double tick_s = seconds(filter_tick);
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   double white_variance_of_tick = arw * arw / tick_s;
+  NodeModel<kLargestLearningShape> node;
   Decades decades = decades_of({});
   if (model.flicker) {
-    const FlickerFit fit = fit_flicker(*model.flicker, tick_s);
+    FlickerFit fit = fit_flicker(*model.flicker, tick_s);
+    node.hypotheses = weigh_flickers(model, tick_s, fit);
     decades = decades_of(fit);
     white_variance_of_tick += fit.white_variance_rad2_s2;
   }
-  NodeModel<kLargestShape> node;
   const auto markovs = blocks_of<core::GaussMarkov, kMostGaussMarkov, GaussMarkov>(
       model.gauss_markov, "gauss_markov");
   const auto lines = blocks_of<core::Harmonic, kMostLines, Harmonic>(model.harmonic, "harmonic");

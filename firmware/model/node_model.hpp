@@ -11,9 +11,11 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
+#include "core/noise/hypotheses.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "core/samples/sample_model.hpp"
+#include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
@@ -26,6 +28,9 @@ inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
     .temperature_weights = core::TemperatureDrift::kWeights};
+/// The same with every hypothesis.
+inline constexpr core::ModelShape kLargestLearningShape =
+    core::with_hypotheses(kLargestShape, kMostHypotheses);
 
 /// The noise of one axis as the node needs it.
 template <core::ModelShape Shape>
@@ -39,6 +44,7 @@ struct NodeModel {
   core::Gate gate;
   core::TemperatureDrift temperature;  ///< off where the model has none
   core::SampleModel samples;           ///< off where the model has nothing of it
+  core::HypothesesOf<Shape> hypotheses;  ///< none where nothing is to be learnt
   /// Step that samples are rounded to, for whoever wants the probability of a reading: the filter
   /// takes its error for noise, which the two variances above hold already.
   float quantization_step_rad_s = 0.0F;
@@ -59,15 +65,25 @@ template <class Mode>
   return mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F;
 }
 /// Modes of one kind that do something, moved to the front; how many there are.
-template <class Mode, std::size_t N>
-[[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes) {
+/// @param moved told where each of them comes from and goes to
+template <class Mode, std::size_t N, class Moved>
+[[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes, Moved moved) {
   std::size_t active = 0;
-  for (const Mode mode : modes) {
-    if (is_active(mode)) modes[active++] = mode;
+  for (std::size_t i = 0; i < N; ++i) {
+    const Mode mode = modes[i];
+    if (!is_active(mode)) continue;
+    moved(i, active);
+    modes[active++] = mode;
   }
   return active;
 }
 }  // namespace detail
+
+/// Modes of a model that do something, which stand first.
+struct ActiveModes {
+  std::size_t decaying = 0;
+  std::size_t rotating = 0;
+};
 
 /// The model at its full size, unused modes being zero.
 ///
@@ -78,9 +94,20 @@ template <class Mode, std::size_t N>
 /// Throws std::invalid_argument for an impossible model (see validate()), unless
 /// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
 /// nothing white is left (a filter needs some: it never trusts a single sample completely).
-[[nodiscard]] NodeModel<kLargestShape> make_full_node_model(const SensorModel& model,
+[[nodiscard]] NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
                                                             core::Duration sample_period,
                                                             core::Duration filter_tick);
+
+/// Moves the modes that do something to the front, and the strengths of the hypotheses with them.
+template <core::ModelShape Shape>
+[[nodiscard]] constexpr ActiveModes move_active_to_front(NodeModel<Shape>& node) {
+  const auto move_strengths = [&](std::size_t from, std::size_t to) {
+    for (auto& one : node.hypotheses.all) one.strength[to] = one.strength[from];
+  };
+  return {.decaying = detail::move_active_to_front(node.modes.decaying, move_strengths),
+          .rotating = detail::move_active_to_front(node.modes.rotating,
+                                                   [](std::size_t, std::size_t) {})};
+}
 
 /// Makes the model of a node of this shape. Lags that the flicker fit gave no weight take no place.
 /// Also throws std::invalid_argument where the model needs more.
@@ -89,8 +116,7 @@ template <core::ModelShape Shape>
                                                core::Duration sample_period,
                                                core::Duration filter_tick) {
   auto full = make_full_node_model(model, sample_period, filter_tick);
-  const std::size_t decaying = detail::move_active_to_front(full.modes.decaying);
-  const std::size_t rotating = detail::move_active_to_front(full.modes.rotating);
+  const auto [decaying, rotating] = move_active_to_front(full);
   if (decaying > Shape.decaying || rotating > Shape.rotating) {
     throw std::invalid_argument(
         "the model \"" + model.name + "\" needs " + std::to_string(decaying) + " decaying and " +
@@ -115,6 +141,22 @@ template <core::ModelShape Shape>
   fitting.temperature = full.temperature;
   fitting.samples = full.samples;
   fitting.quantization_step_rad_s = full.quantization_step_rad_s;
+  if constexpr (Shape.hypotheses > 1) {
+    static_assert(Shape.hypotheses == kMostHypotheses);
+    fitting.hypotheses.count = full.hypotheses.count;
+    fitting.hypotheses.kept = full.hypotheses.kept;
+    for (std::size_t m = 0; m < full.hypotheses.count; ++m) {
+      const auto& one = full.hypotheses.all[m];
+      auto& fits = fitting.hypotheses.all[m];
+      fits = {.strength = {},
+              .log_prior = one.log_prior,
+              .level = one.level,
+              .order = one.order,
+              .bias_instability_rad_s = one.bias_instability_rad_s,
+              .angle_random_walk_rad_per_sqrt_s = one.angle_random_walk_rad_per_sqrt_s};
+      std::copy_n(one.strength.begin(), decaying, fits.strength.begin());
+    }
+  }
   return fitting;
 }
 

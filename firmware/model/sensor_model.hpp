@@ -171,6 +171,25 @@ struct TurnOn {
   bool operator==(const TurnOn&) const = default;
 };
 
+/// How a node learns the slow noise of its sensor, from the figures of the model.
+struct Learning {
+  int hypotheses = 12;         ///< 12, 4 (of one order) or 1: the model is taken at its word
+  double half_life_s = 100.0;  ///< of the evidence, in time at standstill
+
+  bool operator==(const Learning&) const = default;
+};
+
+/// What is known of a sensor like this one beside its data sheet: how far from the model's its
+/// flicker may be. A population of sensors tells.
+struct Prior {
+  double order = 0.62;  ///< d: mean over sensors
+  double order_sigma = 0.12;
+  double amplitude_factor = 5.0;  ///< one standard deviation of B / N, as a factor
+  std::string source{};
+
+  bool operator==(const Prior&) const = default;
+};
+
 /// Settings of the node besides the noise.
 struct Node {
   core::Start start = core::Start::stationary;
@@ -197,6 +216,8 @@ struct SensorModel {
   std::optional<Saturation> saturation;
   std::optional<Gate> gate;
   std::optional<TurnOn> turn_on;
+  std::optional<Learning> learning;  ///< absent: the defaults
+  std::optional<Prior> prior;
   Node node;
 
   bool operator==(const SensorModel&) const = default;

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +22,7 @@ struct ExportFlags {
   std::string name = "sensor_model";
   double sample_rate_hz = 6667.0 / 64.0;
   double filter_rate_hz = 2.0;
+  std::optional<int> hypotheses;
   std::string output = "-";
 };
 
@@ -33,7 +35,11 @@ core::Duration period_of(double rate_hz, const char* option) {
 }
 
 ExitCode run_export(const ExportFlags& flags) {
-  const model::SensorModel model = load_model(flags.model);
+  model::SensorModel model = load_model(flags.model);
+  if (flags.hypotheses) {
+    if (!model.learning) model.learning.emplace();
+    model.learning->hypotheses = *flags.hypotheses;
+  }
   const core::Duration sample = period_of(flags.sample_rate_hz, "--sample-rate");
   const core::Duration tick = period_of(flags.filter_rate_hz, "--filter-rate");
   write_text(flags.output, flags.c ? model::format_c_header(model, sample, tick, flags.name)
@@ -60,11 +66,16 @@ Command add_export(CLI::App& app) {
       ->add_option("--filter-rate", flags->filter_rate_hz,
                    "ticks of the predictors per second [Hz]")
       ->capture_default_str();
+  command
+      ->add_option("--hypotheses", flags->hypotheses,
+                   "instead of those of the model; 1: the node takes the model at its word, and is "
+                   "small")
+      ->check(CLI::IsMember({1, 4, 12}));
   command->add_option("-o,--output", flags->output, "file to write; - is the standard output")
       ->capture_default_str();
   command->footer(
       "Examples:\n"
-      "  zerorate export mine.toml --cpp -o firmware/boards/pico/model.hpp\n"
+      "  zerorate export mine.toml --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp\n"
       "  zerorate export mine.toml --c --name front_gyro --sample-rate 100 -o front_gyro.h");
   return {command, [flags] { return run_export(*flags); }};
 }

@@ -220,7 +220,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
                       .standstill = filter.standstill,
                       .published = filter.published};
   const auto noise = at_key(root, "model", [&] {
-    return model::make_node_model<model::kLargestShape>(sensor, period, tick);
+    return model::make_node_model<model::kLargestLearningShape>(sensor, period, tick);
   });
   params.modes = noise.modes;
   params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
@@ -229,6 +229,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
   params.gate = noise.gate;
   params.temperature = noise.temperature;
   params.samples = noise.samples;
+  params.hypotheses = noise.hypotheses;
   if (const auto possible = Node::check(params); !possible) {
     root.fail_at("filter", "hold_back_s is longer than the node can hold at this rate_hz");
   }

@@ -10,7 +10,7 @@
 namespace zerorate::exported {
 
 // clang-format off
-inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0};
+inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0, .hypotheses = 1};
 
 inline constexpr app::NodeParams<kModelShape> kNodeParams{
     .modes = {.tick = core::Duration::nanoseconds(500000000),

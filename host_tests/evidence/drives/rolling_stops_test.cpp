@@ -21,7 +21,7 @@
 namespace zerorate::drives {
 namespace {
 
-constexpr core::ModelShape kShape{.decaying = 6};
+constexpr core::ModelShape kShape{.decaying = 6, .hypotheses = model::kMostHypotheses};
 using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 8,
                                                      .runs_moving_average = false,
                                                      .runs_calibration_mean = false}>;
@@ -72,7 +72,8 @@ Published run(const Drive& drive, const char* model, core::StandstillSource sour
       .gate = noise.gate,
       .samples = noise.samples,
       .sample_period = period,
-      .standstill = {.source = source}};
+      .standstill = {.source = source},
+      .hypotheses = noise.hypotheses};
   Node node{params};
   Published published;
   double counted = drive.odometer_pulses.front();

@@ -69,7 +69,7 @@ typename app::GyroNode<core::ModelShape{.decaying = R}>::Params params_of(
   typename app::GyroNode<core::ModelShape{.decaying = R}>::Params params{
       .white_variance_rad2_s2 = static_cast<float>(arw * arw / kSlowPeriod_s),
       .sample_period = kPeriod,
-      .learns_noise = false};  // the model is the sensor
+      .learns_white_noise = false};  // the model is the sensor
   if constexpr (R == 6) {
     params.modes = core::compose(kPeriod, core::Start::stationary, lags);
   } else {

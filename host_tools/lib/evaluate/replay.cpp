@@ -160,7 +160,8 @@ class Run {
         .odometer = options.odometer,
         .earth = options.earth,
         .published = options.published,
-        .learns_noise = options.learns_noise};
+        .learns_white_noise = options.learns_noise};
+    if (options.learns_noise) params.hypotheses = model.hypotheses;
     if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
@@ -255,7 +256,7 @@ class Run {
         const app::Predictor predictor = kAllPredictors[p];
         const DriveOutcome drive =
             outcome(drives_[i][p], node_.predict_heading(predictor, i, drive_start_, end),
-                    double{node_.white_variance_rad2_s2()});
+                    double{node_.white_variance_rad2_s2(i)});
         result_.scores[i][p].add(drive);
         if (observer_.on_drive) {
           observer_.on_drive({i, predictor, (drive_start_ - shift_).ns(), drive});
@@ -327,9 +328,9 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
   if (model::fits_six_decades(options.model)) {
-    run<core::ModelShape{.decaying = 6}>(rows, reader, options, observer, result);
+    run<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>(rows, reader, options, observer, result);
   } else {
-    run<model::kLargestShape>(rows, reader, options, observer, result);
+    run<model::kLargestLearningShape>(rows, reader, options, observer, result);
   }
   return result;
 }

@@ -94,7 +94,7 @@ class TrueDriveScorer {
     const std::size_t axis = result_.truth.vertical.axis;
     const core::Instant from = core::Instant::from_ns(drive.departure_ns) + shift_;
     const core::Instant to = from + core::Duration::nanoseconds(drive.to_ns - drive.from_ns);
-    white_variance_rad2_s2_ = double{node.white_variance_rad2_s2()};
+    white_variance_rad2_s2_ = double{node.white_variance_rad2_s2(axis)};
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       const auto predictor = static_cast<app::Predictor>(p);
       biases_[p] = double{node.bias(predictor, axis).in(core::rad_per_s)};

@@ -72,46 +72,104 @@ TEST(KalmanBankOfThreeAxes, GivesTheBitsOfThreePredictors) {
   }
 }
 
-// The oracle is a filter of a model whose slow noise is that much stronger.
-TEST(KalmanBankInAUnit, EstimatesAsIfTheSlowNoiseWereSoManyTimesStronger) {
-  constexpr float kUnit = 9.0F;
-  auto plain = modes();
+constexpr ModelShape kLearningShape = with_hypotheses(kShape, 3);
+using LearningBank = KalmanBank<kLearningShape, 3>;
+constexpr std::array kStrengths{0.5F, 1.0F, 9.0F};
+
+/// All decaying modes a half, once and nine times as strong.
+Hypotheses<kLearningShape> guesses() {
+  Hypotheses<kLearningShape> all;
+  all.count = kStrengths.size();
+  for (std::size_t m = 0; m < all.count; ++m) {
+    all.all[m].strength.fill(kStrengths[m]);
+    all.all[m].log_prior = -0.1F * static_cast<float>(m);
+  }
+  return all;
+}
+
+/// The modes of one hypothesis as a model of its own.
+ModesOf<kShape> strong_modes(float strength) {
   auto strong = modes();
   for (auto& mode : strong.decaying) {
-    mode.noise_variance *= kUnit;
-    mode.initial_variance *= kUnit;
+    mode.noise_variance *= strength;
+    mode.initial_variance *= strength;
   }
-  for (auto& mode : strong.rotating) {
-    mode.noise_variance *= kUnit;
-    mode.initial_variance *= kUnit;
-  }
-  const KalmanCoefficients<kShape> of_plain{plain, kGate};
-  const KalmanCoefficients<kShape> of_strong{strong, kGate};
-  Bank bank{of_plain};
-  Bank oracle{of_strong};
+  return strong;
+}
+
+// The oracle is one bank a hypothesis, each of a known model, mixed in double precision.
+TEST(KalmanBankOfThreeHypotheses, IsTheMixtureOfThreeBanks) {
+  const auto base = modes();
+  const auto hypotheses = guesses();
+  const KalmanCoefficients<kLearningShape> coefficients{base, {}, {}, hypotheses};
+  LearningBank bank{coefficients};
+  std::array<ModesOf<kShape>, 3> models{};
+  for (std::size_t m = 0; m < 3; ++m) models[m] = strong_modes(kStrengths[m]);
+  const std::array<KalmanCoefficients<kShape>, 3> of_models{
+      KalmanCoefficients{models[0]}, KalmanCoefficients{models[1]}, KalmanCoefficients{models[2]}};
+  std::array<Bank, 3> alone{Bank{of_models[0]}, Bank{of_models[1]}, Bank{of_models[2]}};
   for (std::int64_t k = 0; k < 300; ++k) {
-    auto rates = measured(k);
-    if (k >= 200 && k < 203) rates[0] += 100.0F;  // a knock
-    if (k >= 250) rates[1] += 100.0F;             // a jump
-    bank.advance(plain.one_tick());
-    oracle.advance(strong.one_tick());
-    const auto innovations = bank.observe(rates, kWhiteVariance, kUnit);
-    const auto expected = oracle.observe(rates, kWhiteVariance);
-    for (std::size_t i = 0; i < 3; ++i) {
-      ASSERT_EQ(innovations[i].rejected, expected[i].rejected) << k;
-      ASSERT_NEAR(innovations[i].variance_rad2_s2, expected[i].variance_rad2_s2,
-                  1e-4F * expected[i].variance_rad2_s2)
-          << k;
+    const std::uint32_t ticks = k % 50 == 49 ? 137 : 1;
+    bank.advance(base.over(ticks));
+    (void)bank.observe(measured(k), kWhiteVariance);
+    for (std::size_t m = 0; m < 3; ++m) {
+      alone[m].advance(models[m].over(ticks));
+      (void)alone[m].observe(measured(k), kWhiteVariance);
     }
   }
-  const auto lead = plain.over(20);
-  const auto predicted = bank.predict(lead);
-  const auto expected = oracle.predict(strong.over(20));
+  constexpr std::uint32_t kDrive = 60;
+  const auto predicted = bank.predict(base.over(20));
+  const auto headings = bank.predict_heading(base.over(2), base.over(kDrive));
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(predicted[i].bias_rad_s, expected[i].bias_rad_s, 2e-3F);
-    EXPECT_NEAR(predicted[i].variance_rad2_s2 * kUnit, expected[i].variance_rad2_s2,
-                1e-3F * expected[i].variance_rad2_s2);
+    // Seen from the level of the axis, so that the squares do not lose their digits.
+    const double level = 100.0 * static_cast<double>(i + 1);
+    const double turned = level * kDrive * 0.1;
+    double bias = 0.0;
+    double square = 0.0;
+    double angle = 0.0;
+    double angle_square = 0.0;
+    double weights = 0.0;
+    for (std::size_t m = 0; m < 3; ++m) {
+      const double weight = double{bank.weight(m, i)};
+      const double scale = double{bank.mean_scale(m, i)};
+      const Prediction one = alone[m].predict(models[m].over(20))[i];
+      const HeadingPrediction turn =
+          alone[m].predict_heading(models[m].over(2), models[m].over(kDrive))[i];
+      const double own = double{one.bias_rad_s} - level;
+      const double own_angle = double{turn.angle_rad} - turned;
+      weights += weight;
+      bias += weight * own;
+      square += weight * (scale * double{one.variance_rad2_s2} + own * own);
+      angle += weight * own_angle;
+      angle_square += weight * (scale * double{turn.variance_rad2} + own_angle * own_angle);
+    }
+    EXPECT_NEAR(weights, 1.0, 1e-6);
+    EXPECT_NEAR(double{predicted[i].bias_rad_s} - level, bias, 1e-4);
+    EXPECT_NEAR(double{bank.bias_rad_s(base.over(20), i)} - level, bias, 1e-4);
+    const double variance = square - bias * bias;
+    EXPECT_NEAR(double{predicted[i].variance_rad2_s2}, variance, 2e-3 * variance);
+    EXPECT_NEAR(double{headings[i].angle_rad} - turned, angle, 1e-3);
+    const double of_heading = angle_square - angle * angle;
+    EXPECT_NEAR(double{headings[i].variance_rad2}, of_heading, 2e-3 * of_heading);
   }
+}
+
+TEST(KalmanBankOfThreeHypotheses, ThatIsToldTheModelIsKnown_GivesTheBitsOfOne) {
+  const auto base = modes();
+  const Hypotheses<kLearningShape> none;
+  const KalmanCoefficients<kLearningShape> coefficients{base, kGate, {}, none};
+  const KalmanCoefficients<kShape> of_one{base, kGate};
+  LearningBank bank{coefficients};
+  Bank one{of_one};
+  for (std::int64_t k = 0; k < 100; ++k) {
+    bank.advance(base.one_tick());
+    one.advance(base.one_tick());
+    (void)bank.observe(measured(k), kWhiteVariance);
+    (void)one.observe(measured(k), kWhiteVariance);
+  }
+  EXPECT_EQ(bank.state().filters[0].bias_variance, one.state().filters[0].bias_variance);
+  EXPECT_EQ(bank.predict(base.over(9))[2].variance_rad2_s2,
+            one.predict(base.over(9))[2].variance_rad2_s2);
 }
 
 TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAllAndDoubtsEachByItsOwn) {
@@ -128,12 +186,7 @@ TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAllAndDoubtsEachByItsOwn)
     EXPECT_TRUE(innovation.rejected);
     EXPECT_FALSE(innovation.accepted);
   }
-  EXPECT_EQ(bank.state().covariance, silent.state().covariance);
-  EXPECT_EQ(bank.state().bias_variance, silent.state().bias_variance);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(bank.state().axes[i].drift, silent.state().axes[i].drift);
-    EXPECT_EQ(bank.state().axes[i].bias_rad_s, silent.state().axes[i].bias_rad_s);
-  }
+  EXPECT_EQ(bank.state().filters, silent.state().filters);
   // A fifth of the square of each axis' residual: 1,000 and some sigmas of 2.
   EXPECT_NEAR(bank.state().axes[1].rejection_variance, 2e5F, 1e4F);
   EXPECT_LT(bank.state().axes[0].rejection_variance, 100.0F);
@@ -184,7 +237,7 @@ TEST(KalmanBankWhoseTemperatureIsUnknown,
   KalmanBank<kWarm, 3> bank{coefficients};
   (void)bank.observe({1.0F, 2.0F, 3.0F}, kWhiteVariance);
   auto state = bank.state();
-  state.axes[2].drift[coefficients.kTemperature] = 3.0F;  // three times the slope of the others
+  state.filters[0].axes[2].drift[coefficients.kTemperature] = 3.0F;  // three times the slope of the others
   bank.restore(state);
   KalmanBank<kWarm, 3> knowing = bank;
   KalmanBank<kWarm, 3>::Transition gap{noise.over(8)};
@@ -195,7 +248,8 @@ TEST(KalmanBankWhoseTemperatureIsUnknown,
   EXPECT_FLOAT_EQ(unknown[0].variance_rad2_s2, known[0].variance_rad2_s2 + 4.0F);
   EXPECT_FLOAT_EQ(unknown[2].variance_rad2_s2, known[2].variance_rad2_s2 + 36.0F);
   bank.advance(gap);
-  EXPECT_FLOAT_EQ(bank.state().bias_variance, knowing.state().bias_variance + 36.0F);
+  EXPECT_FLOAT_EQ(bank.state().filters[0].bias_variance,
+                  knowing.state().filters[0].bias_variance + 36.0F);
 }
 
 }  // namespace

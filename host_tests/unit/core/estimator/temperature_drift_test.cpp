@@ -142,8 +142,8 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTempe
   // that it began with.
   for (const auto& [at, truth, prior] : {std::tuple{0U, 5.0, 4.0}, std::tuple{1U, 0.15, 0.3}}) {
     const std::size_t i = Filter::Coefficients::kTemperature + at;
-    const double sigma = std::sqrt(double{filter.state().covariance(i, i)});
-    EXPECT_NEAR(double{filter.state().axes[0].drift[i]}, truth, 4.0 * sigma);
+    const double sigma = std::sqrt(double{filter.state().filters[0].covariance(i, i)});
+    EXPECT_NEAR(double{filter.state().filters[0].axes[0].drift[i]}, truth, 4.0 * sigma);
     EXPECT_LT(sigma, 0.2 * prior);
   }
 }
@@ -187,7 +187,7 @@ TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
   const float narrow = filter.predict_heading(none, drive).variance_rad2;
   EXPECT_NEAR((wide - narrow) / (16.0F * 9.0F * 26.0F), 1.0F, 1e-4F);  // (8 ticks of 0.5 s)^2
   filter.advance(lead);
-  EXPECT_FLOAT_EQ(filter.state().bias_variance, unknown);
+  EXPECT_FLOAT_EQ(filter.state().filters[0].bias_variance, unknown);
 }
 
 }  // namespace

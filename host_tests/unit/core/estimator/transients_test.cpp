@@ -164,7 +164,7 @@ TEST(WarmUpThatIsLongOver, LeavesNoDenormalNumbers) {
   const KalmanCoefficients coefficients{modes};
   KalmanPredictor filter{coefficients};
   for (int k = 0; k < 20'000; ++k) filter.step(modes.one_tick(), 0.0F, 2.0F);
-  EXPECT_TRUE(std::isnormal(filter.state().covariance(3, 3)));
+  EXPECT_TRUE(std::isnormal(filter.state().filters[0].covariance(3, 3)));
 }
 
 }  // namespace

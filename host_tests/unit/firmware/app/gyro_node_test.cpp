@@ -11,7 +11,7 @@ namespace zerorate::app {
 namespace {
 
 float node_sigma(const testing::Node& node) {
-  return std::sqrt(node.white_variance_rad2_s2());
+  return std::sqrt(node.white_variance_rad2_s2(0));
 }
 
 using core::Duration;
@@ -232,7 +232,7 @@ TEST(GyroNodeWhoseSensorIsTwoPercentOff, CountsTimeByTheStamps) {
 
 TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
   auto params = node_params();
-  params.learns_noise = false;
+  params.learns_white_noise = false;
   Node full{params};
   Node thin{params};
   stand(full, 0, 60'000);
@@ -316,7 +316,7 @@ TEST(GyroNodeWhoseSensorIsLouderThanItsModel, LearnsHowLoudItIs) {
   };
   EXPECT_NEAR(sigma(deceived) / sigma(honest), 1.0F, 0.25F);
   EXPECT_NEAR(node_sigma(deceived), kWhiteSigmaRadS, 0.25F * kWhiteSigmaRadS);
-  params.learns_noise = false;
+  params.learns_white_noise = false;
   Node believing{params};
   stand(believing, 0, 60'000);
   EXPECT_FLOAT_EQ(node_sigma(believing), 0.1F * kWhiteSigmaRadS);

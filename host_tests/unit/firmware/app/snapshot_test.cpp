@@ -92,17 +92,14 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
     core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
     core::KalmanBank<core::ModelShape{.decaying = 4}, 3> oracle{coefficients};
     oracle.restore(learnt.node.filter());
-    core::SlowNoiseScale<3> scale;
-    scale.restore(learnt.node.scale());
     const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =
         oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)))[1];
     const auto resumed = again.predict(Predictor::kalman, 1);
     EXPECT_NEAR(resumed.bias_rad_s, expected.bias_rad_s, 1e-3F * expected.sigma_rad_s());
-    EXPECT_NEAR(
-        resumed.variance_rad2_s2,
-        expected.variance_rad2_s2 * scale.cautious_scale() + learnt.params.turn_on_variance_rad2_s2,
-        1e-3F * expected.variance_rad2_s2);
+    EXPECT_NEAR(resumed.variance_rad2_s2,
+                expected.variance_rad2_s2 + learnt.params.turn_on_variance_rad2_s2,
+                1e-3F * expected.variance_rad2_s2);
   }
 }
 

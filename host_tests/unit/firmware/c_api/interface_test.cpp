@@ -54,7 +54,8 @@ TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
       .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
       .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
       .gate = noise.gate,
-      .sample_period = period};
+      .sample_period = period,
+      .hypotheses = noise.hypotheses};
   Node expected{params};
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
@@ -77,6 +78,42 @@ TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
       ASSERT_EQ(rate.sigma_rad_s[i], message.axes[i].sigma.in(core::rad_per_s)) << k;
     }
   }
+}
+
+TEST(CInterfaceAfterAStop, TellsTheNoiseThatItLearnt) {
+  zerorate_node node;
+  stand(node);
+  zerorate_learnt_noise learnt{};
+  ASSERT_EQ(zerorate_get_learnt_noise(&node, 0, &learnt), ZERORATE_OK);
+  EXPECT_EQ(learnt.stops > 0.0F && learnt.stops <= 1.0F, true) << learnt.stops;
+  EXPECT_GT(learnt.angle_random_walk_rad_per_sqrt_s.value, 0.0F);
+  EXPECT_GT(learnt.bias_instability_rad_s.sigma, 0.0F);
+  EXPECT_EQ(zerorate_get_learnt_noise(&node, 3, &learnt), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_get_learnt_noise(&node, 0, nullptr), ZERORATE_BAD_ARGUMENT);
+}
+
+TEST(CInterfaceToldNotToLearn, HasNothingToTell) {
+  zerorate_model known = front_gyro;
+  known.hypothesis_count = 0;
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &known, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < kStopSamples; ++k) feed(node, moment(k));
+  zerorate_learnt_noise learnt{};
+  ASSERT_EQ(zerorate_get_learnt_noise(&node, 0, &learnt), ZERORATE_OK);
+  EXPECT_EQ(learnt.order.value, 0.0F);
+}
+
+TEST(CInterfaceGivenAnImpossibleHypothesis, RefusesTheModel) {
+  zerorate_node node;
+  zerorate_model model = front_gyro;
+  model.hypotheses[3].strength[2] = -1.0F;
+  EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_MODEL);
+  model = front_gyro;
+  model.hypothesis_count = ZERORATE_HYPOTHESES + 1;
+  EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_MODEL);
+  model = front_gyro;
+  model.evidence_kept = 0.0F;
+  EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_MODEL);
 }
 
 TEST(CInterfaceWithPulses, IsTheSameAsWithTheVehiclesWord) {
@@ -303,7 +340,8 @@ TEST(CInterfaceWithATemperature, FollowsItAndSaysWhereThereIsNone) {
   for (std::int64_t k = 0; k < 200; ++k) rate = feed_at(kStopSamples + k, 35.0F, true);
   EXPECT_FALSE(rate.health.temperature_missing);
   EXPECT_NEAR(rate.bias_rad_s[0], testing::kBias[0] + 0.01F, 4.0F * rate.sigma_rad_s[0]);
-  EXPECT_GT(rate.sigma_rad_s[0], 1e-4F);  // a percent of 10 mrad/s
+  // A percent of 10 mrad/s, at a scale of all variances that is known to a fifth.
+  EXPECT_GT(rate.sigma_rad_s[0], 0.9e-4F);
   for (std::int64_t k = 200; k < 2000; ++k) rate = feed_at(kStopSamples + k, 0.0F, false);
   EXPECT_TRUE(rate.health.temperature_missing);
 }

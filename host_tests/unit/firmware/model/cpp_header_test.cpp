@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "firmware/boards/pico/node.hpp"
 #include "firmware/model/catalogue.hpp"
@@ -16,11 +17,18 @@ namespace {
 constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'599'520);
 constexpr auto kTick = core::Duration::milliseconds(500);
 
+/// A model of the catalogue for an image without room for hypotheses.
+SensorModel known_model(std::string_view name) {
+  SensorModel model = find_model(name);
+  model.learning = Learning{.hypotheses = 1};
+  return model;
+}
+
 TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model.hpp");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_EQ(text, format_cpp_header(find_model("lsm6dso"), kSamplePeriod, kTick))
-      << "run: zerorate export lsm6dso --cpp -o firmware/boards/pico/model.hpp";
+  EXPECT_EQ(text, format_cpp_header(known_model("lsm6dso"), kSamplePeriod, kTick))
+      << "run: zerorate export lsm6dso --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp";
 }
 
 TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
@@ -34,7 +42,7 @@ TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
         Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
     std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_" + chip + ".hpp");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_EQ(text, format_cpp_header(find_model(chip), sample_period, kTick)) << chip;
+    EXPECT_EQ(text, format_cpp_header(known_model(chip), sample_period, kTick)) << chip;
   }
 }
 
@@ -47,6 +55,12 @@ TEST(HeaderOfAModelOfSingleSamples, HoldsWhatTheNodeScreens) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find(".range = {.lower_rad_s = -4.0F, .upper_rad_s = 4.0F}"), std::string::npos);
+}
+
+TEST(HeaderOfALearningNode, HoldsItsHypotheses) {
+  const std::string text = format_cpp_header(find_model("lsm6dso"), kSamplePeriod, kTick);
+  EXPECT_NE(text.find(".hypotheses = 12};"), std::string::npos);
+  EXPECT_NE(text.find(".hypotheses = {.count = 12, .kept = "), std::string::npos);
 }
 
 // The header as compiled, beside the values that the tools compute with.
@@ -88,7 +102,7 @@ TEST(HeaderOfAModelWithGateWarmUpAndTemperature, HoldsAll) {
       WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
   model.temperature = TemperatureDrift{.reference_degc = 25.0, .slope_sigma_rad_s_per_k = 0.5};
   const std::string text = format_cpp_header(model, kSamplePeriod, kTick);
-  EXPECT_NE(text.find(".temperature_weights = 2}"), std::string::npos);
+  EXPECT_NE(text.find(".temperature_weights = 2,"), std::string::npos);
   EXPECT_NE(text.find(".temperature = {.reference_degc = 25.0F, .slope_rad_s_per_k = 0.0F, "
                       ".slope_sigma_rad_s_per_k = 0.5F,"),
             std::string::npos);

@@ -90,6 +90,16 @@ upper_dps = 250
 threshold_sigma = 5
 longest_knock_s = 3
 
+[learning]
+hypotheses = 4
+half_life_s = 600
+
+[prior]
+order = 0.55
+order_sigma = 0.1
+amplitude_factor = 3
+source = "twelve sensors"
+
 [node]
 start = "zero"
 )";
@@ -148,6 +158,12 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.saturation->lower_rad_s, -240.5 * kDeg);
   EXPECT_EQ(model.gate->threshold_sigma, 5.0);
   EXPECT_EQ(model.gate->longest_knock_s, 3.0);
+  EXPECT_EQ(model.learning->hypotheses, 4);
+  EXPECT_EQ(model.learning->half_life_s, 600.0);
+  EXPECT_EQ(model.prior->order, 0.55);
+  EXPECT_EQ(model.prior->order_sigma, 0.1);
+  EXPECT_EQ(model.prior->amplitude_factor, 3.0);
+  EXPECT_EQ(model.prior->source, "twelve sensors");
   EXPECT_EQ(model.node.start, core::Start::zero);
 }
 
@@ -262,7 +278,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:74:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:84:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/1'\ngauss_markov = 3\nname = 'g'\n"

@@ -207,7 +207,7 @@ std::vector<ScoredDrive> drives(const NodeModel& model, const ScoredTicks& score
 }
 
 NodeModel node_model_of(const model::SensorModel& model, const ScoredTicks& ticks) try {
-  return model::make_full_node_model(model, ticks.sample_period, ticks.tick);
+  return model::make_node_model<model::kLargestShape>(model, ticks.sample_period, ticks.tick);
 } catch (const std::invalid_argument& reason) {
   throw ModelCannotRun(reason.what());
 }

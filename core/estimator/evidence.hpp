@@ -1,0 +1,108 @@
+/// @file
+/// Evidence for and against the hypotheses of a filter, and the scale of each.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "core/base/numeric.hpp"
+
+namespace zerorate::core {
+
+/// Weights and scales of hypotheses, axis by axis (docs/design/learning.md, sections 2 and 3).
+///
+/// A hypothesis predicts a measurement with the variance S in units of an unknown scale. The scale
+/// is inverse-gamma with the shape a and the value s = rate / a, so that the prediction is
+/// Student's t with 2 a degrees of freedom and the squared scale s S. A residual e moves
+///
+///     log w += -1/2 log(s S) - (a + 1/2) log(1 + e^2 / (2 a s S)),
+///     s += (e^2 / S - s) / (2 a + 1),   a += 1/2.
+///
+/// Before each measurement a and log w fade.
+///
+/// Plain data: may be stored and restored bit for bit. Cost of a measurement of M hypotheses on A
+/// axes: 2 M A logarithms and 2 M A divisions.
+template <std::size_t Hypotheses, std::size_t Axes>
+struct Evidence {
+  struct OfAxis {
+    float log_weight = 0.0F;  ///< less that of the likeliest hypothesis
+    float weight = 1.0F;      ///< posterior probability
+    float scale = 1.0F;       ///< s
+
+    constexpr bool operator==(const OfAxis&) const = default;
+  };
+  static constexpr float kPriorShape = 2.0F;  ///< a factor of three either way
+
+  float shape = kPriorShape;  ///< a: half the number of measurements that the scales rest on
+  std::array<std::array<OfAxis, Axes>, Hypotheses> hypotheses{};
+
+  constexpr bool operator==(const Evidence&) const = default;
+
+  /// Begins with the prior probabilities of `count` hypotheses, all at the scale of the model.
+  template <class LogPrior>
+  constexpr void start(std::size_t count, LogPrior log_prior) {
+    shape = kPriorShape;
+    for (std::size_t m = 0; m < count; ++m) {
+      for (OfAxis& one : hypotheses[m]) one = {.log_weight = log_prior(m)};
+    }
+    weigh(count);
+  }
+
+  /// The unit of all scales was wrong by this factor.
+  constexpr void rescale(float factor) {
+    for (auto& of_axes : hypotheses) {
+      for (OfAxis& one : of_axes) one.scale *= factor;
+    }
+  }
+
+  /// A measurement that hypothesis m predicted with the variance S and missed by e.
+  /// @param kept share of the older evidence that counts
+  constexpr void observe(std::size_t m, std::size_t axis, float variance, float residual,
+                         float log_prior, float kept) {
+    OfAxis& one = hypotheses[m][axis];
+    const float a = faded_shape(kept);
+    const float scaled = one.scale * variance;
+    const float squared = residual * residual / scaled;
+    one.log_weight = kept * one.log_weight + (1.0F - kept) * log_prior - 0.5F * log_of(scaled) -
+                     (a + 0.5F) * log_of(1.0F + squared / (a + a));
+    one.scale += one.scale * (squared - 1.0F) / (a + a + 1.0F);
+  }
+  /// All hypotheses were told the measurement.
+  constexpr void conclude(std::size_t count, float kept) {
+    shape = faded_shape(kept) + 0.5F;
+    weigh(count);
+  }
+
+  /// Mean of the scale: a / (a - 1) times s.
+  [[nodiscard]] constexpr float mean_scale(std::size_t m, std::size_t axis) const {
+    return hypotheses[m][axis].scale * shape / (shape - 1.0F);
+  }
+
+ private:
+  static constexpr float log_of(float x) { return natural_log(std::max(x, 1e-37F)); }
+
+  [[nodiscard]] constexpr float faded_shape(float kept) const {
+    return std::max(kept * shape, kPriorShape);
+  }
+
+  /// Probabilities from the logarithms, of which the largest becomes 0.
+  constexpr void weigh(std::size_t count) {
+    for (std::size_t i = 0; i < Axes; ++i) {
+      float largest = hypotheses[0][i].log_weight;
+      for (std::size_t m = 1; m < count; ++m) {
+        largest = std::max(largest, hypotheses[m][i].log_weight);
+      }
+      float sum = 0.0F;
+      for (std::size_t m = 0; m < count; ++m) {
+        OfAxis& one = hypotheses[m][i];
+        one.log_weight -= largest;
+        one.weight = 1.0F - one_minus_exp_neg(-one.log_weight);
+        sum += one.weight;
+      }
+      for (std::size_t m = 0; m < count; ++m) hypotheses[m][i].weight /= sum;
+    }
+  }
+};
+
+}  // namespace zerorate::core

@@ -1,0 +1,45 @@
+/// @file
+/// Hypotheses of the slow noise of a sensor whose model is a data sheet's.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+#include "core/noise/model_shape.hpp"
+
+namespace zerorate::core {
+
+/// A flicker noise that the sensor may have, in the modes of the model that it is tried beside
+/// (docs/design/learning.md, section 1). All figures hold for a white noise as the model says; a
+/// filter learns the factor of both.
+/// @tparam Decaying number of decaying modes
+template <std::size_t Decaying>
+struct Hypothesis {
+  std::array<float, Decaying> strength{};    ///< variance of each mode over the model's
+  float log_prior = 0.0F;                    ///< logarithm of the prior probability, less any constant
+  float level = 1.0F;                        ///< of the slow noise over half a minute, over the model's
+  float order = 0.0F;                        ///< d
+  float bias_instability_rad_s = 0.0F;       ///< B
+  float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
+};
+
+/// Hypotheses of a filter of this shape, and how it weighs them.
+template <ModelShape Shape>
+struct Hypotheses {
+  std::size_t count = 0;  ///< of those below; 0: the model is known, and nothing is learnt
+  /// Share of the evidence that a measurement leaves; 1: all of it.
+  float kept = 1.0F;
+  std::array<Hypothesis<Shape.decaying>, Shape.hypotheses> all{};
+};
+
+/// Place of the hypotheses in a filter of one: the model itself.
+struct KnownModel {
+  static constexpr std::size_t count = 0;
+};
+
+template <ModelShape Shape>
+using HypothesesOf =
+    std::conditional_t<(Shape.hypotheses > 1), Hypotheses<Shape>, KnownModel>;
+
+}  // namespace zerorate::core

@@ -1,0 +1,28 @@
+/// @file
+/// Flicker noises that a sensor may have whose model is a data sheet's.
+#pragma once
+
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+
+namespace zerorate::model {
+
+/// Hypotheses that a node weighs at most.
+inline constexpr int kMostHypotheses = 12;
+
+/// A flicker noise with its prior probability.
+struct FlickerHypothesis {
+  Flicker flicker;
+  /// Power over that of the model's flicker at the time constants of half a minute, where stops and
+  /// drives are compared.
+  double level = 1.0;
+  double log_prior = 0.0;  ///< less a constant
+};
+
+/// Hypotheses of a model, on a grid of its prior: orders d within one standard deviation of the
+/// middle, by four amplitudes each half or one and a half standard deviations from the model's
+/// (docs/design/learning.md, section 1). None where the model has no flicker or learns nothing.
+[[nodiscard]] std::vector<FlickerHypothesis> hypotheses_of(const SensorModel& model);
+
+}  // namespace zerorate::model
