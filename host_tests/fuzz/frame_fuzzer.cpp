@@ -1,10 +1,11 @@
-// Rate and status frames, and the stuffing around them: bytes of any origin, and the same bytes
-// with the right checksum, as only a mad sender would make them.
+// Rate, status and learnt frames, and the stuffing around them: bytes of any origin, and the same
+// bytes with the right checksum, as only a mad sender would make them.
 
 #include <algorithm>
 #include <vector>
 
 #include "firmware/wire/cobs.hpp"
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "firmware/wire/rate_text.hpp"
 #include "firmware/wire/status_frame.hpp"
@@ -28,6 +29,10 @@ void decode(std::span<const std::uint8_t> bytes) {
   if (const auto status = wire::decode_status_frame(bytes)) {
     fuzz::promise(*wire::decode_status_frame(wire::encode_status_frame(*status)) == *status,
                   "a status frame that was decoded survives being encoded");
+  }
+  if (const auto learnt = wire::decode_learnt_frame(bytes)) {
+    fuzz::promise(*wire::decode_learnt_frame(wire::encode_learnt_frame(*learnt)) == *learnt,
+                  "a learnt frame that was decoded survives being encoded");
   }
 }
 

@@ -6,9 +6,13 @@
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace zerorate;
-  if (const auto numbered = live::parse_json_message(fuzz::as_text(data, size))) {
-    fuzz::promise(wire::decode_rate_frame(wire::encode_rate_frame(*numbered)).has_value(),
+  if (const auto line = live::parse_json_message(fuzz::as_text(data, size))) {
+    fuzz::promise(wire::decode_rate_frame(wire::encode_rate_frame(line->message)).has_value(),
                   "a message that was read is one that a frame can carry");
+    fuzz::promise(
+        !line->learnt ||
+            wire::decode_learnt_frame(wire::encode_learnt_frame(*line->learnt)).has_value(),
+        "a learnt model that was read is one that a frame can carry");
   }
   return 0;
 }

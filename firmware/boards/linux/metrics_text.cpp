@@ -109,12 +109,39 @@ void add_message(Text& text, const app::RateMessage& message) {
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
 }
 
+void add_learnt_figures(Text& text, std::string_view name, std::string_view help,
+                        const wire::LearntModel& learnt, const wire::LearntQuantity& quantity,
+                        float app::LearntFigure::*member) {
+  text.add("# HELP zerorate_learnt_{0} {1}\n# TYPE zerorate_learnt_{0} gauge\n", name, help);
+  for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
+    text.add("zerorate_learnt_{}{{axis=\"{}\"}} {}\n", name, kAxisNames.at(i),
+             learnt.axes.at(i).*quantity.figure.*member / quantity.si_per_unit);
+  }
+}
+
+void add_learnt(Text& text, const wire::LearntModel& learnt) {
+  text.gauge("learnt_stops", "Stops that the learnt noise rests on, older ones in part.",
+             learnt.stops());
+  constexpr std::array<std::string_view, 3> kHelp{
+      "Order d of the flicker noise as learnt.", "Bias instability B as learnt, in deg/h.",
+      "Angle random walk N as learnt, in deg/s/sqrt(Hz)."};
+  static_assert(kHelp.size() == wire::kLearntQuantities.size());
+  for (std::size_t i = 0; i < kHelp.size(); ++i) {
+    const wire::LearntQuantity& quantity = wire::kLearntQuantities.at(i);
+    add_learnt_figures(text, quantity.name, kHelp.at(i), learnt, quantity,
+                       &app::LearntFigure::value);
+    add_learnt_figures(text, quantity.sigma_name, "Its standard deviation.", learnt, quantity,
+                       &app::LearntFigure::sigma);
+  }
+}
+
 }  // namespace
 
 std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffer) {
   Text text(buffer);
   add_counters(text, service);
   if (service.latest()) add_message(text, service.latest()->message);
+  if (service.status().learnt.is_learnt()) add_learnt(text, service.status().learnt);
   add_sinks(text, service);  // last: of sinks there may be more than find room
   return text.text();
 }

@@ -68,9 +68,17 @@ void NodeService::measure() {
 }
 
 void NodeService::hand_over() {
-  offered_status_ = {
-      .counters = loop_.counters(), .is_running = loop_.is_running(), .state = node_.state()};
+  offered_status_ = {.counters = loop_.counters(),
+                     .is_running = loop_.is_running(),
+                     .state = node_.state(),
+                     .learnt = learnt()};
   handover_.store(Handover::ready, std::memory_order_release);
+}
+
+wire::LearntModel NodeService::learnt() const {
+  wire::LearntModel learnt;
+  for (std::size_t i = 0; i < learnt.axes.size(); ++i) learnt.axes.at(i) = node_.learnt_noise(i);
+  return learnt;
 }
 
 void NodeService::publish_waiting() {
@@ -85,6 +93,7 @@ bool NodeService::tick() {
   if (handover_.load(std::memory_order_acquire) == Handover::ready) {
     report_changes(offered_status_);
     last_status_ = offered_status_;
+    publish_learnt();
     const core::Instant now = hardware_.now();
     if (configuration_.state && now >= save_at_) {
       save_at_ = now + configuration_.state->save_interval;
@@ -131,6 +140,12 @@ void NodeService::report_changes(const ServiceStatus& now) {
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
   }
+}
+
+/// Each second, moving or not: whoever comes later or lost a datagram knows it a second later.
+void NodeService::publish_learnt() {
+  if (!last_status_.learnt.is_learnt()) return;
+  for (const auto& sink : sinks_) sink->publish_learnt(last_status_.learnt);
 }
 
 void NodeService::save(const Node::State& state) {

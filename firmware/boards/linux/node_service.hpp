@@ -17,6 +17,7 @@
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/log.hpp"
 #include "firmware/boards/linux/session.hpp"
+#include "firmware/wire/learnt_frame.hpp"
 #include "hal/linux/file_storage.hpp"
 
 namespace zerorate::linux_node {
@@ -26,6 +27,7 @@ struct ServiceStatus {
   app::LoopCounters counters;
   bool is_running = false;
   Node::State state;
+  wire::LearntModel learnt;
 };
 
 /// Counters of the publishing side since the start.
@@ -52,7 +54,8 @@ class NodeService {
 
   /// The publishing thread: everything that waits, to every sink.
   void publish_waiting();
-  /// The publishing thread, about once a second: says what changed, saves when it is time.
+  /// The publishing thread, about once a second: says what changed, tells the sinks what has been
+  /// learnt, saves when it is time.
   /// @return whether the measuring thread has done anything since the last tick
   bool tick();
   /// After the measuring thread has ended: publishes what waits, and saves.
@@ -69,7 +72,9 @@ class NodeService {
   enum class Handover : std::uint8_t { idle, requested, ready };
 
   void hand_over();
+  [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
+  void publish_learnt();
   void save(const Node::State& state);
 
   const Configuration& configuration_;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/base/numeric.hpp"
 #include "firmware/wire/health_bits.hpp"
 
 namespace zerorate::live {
@@ -45,11 +46,38 @@ wire::NumberedMessage read_message(const json& line) {
   return numbered;
 }
 
+/// A figure that no model can have is as wrong as one that is missing.
+float read_figure(const json& number) {
+  const auto figure = number.get<float>();
+  if (!core::is_finite(figure) || figure < 0.0F) {
+    throw json::other_error::create(502, "impossible figure", &number);
+  }
+  return figure;
+}
+
+wire::LearntModel read_learnt(const json& member) {
+  wire::LearntModel learnt;
+  for (std::size_t i = 0; i < learnt.axes.size(); ++i) {
+    app::LearntNoise& axis = learnt.axes.at(i);
+    axis.stops = read_figure(member.at("stops"));
+    for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
+      const json& value = member.at(std::string{quantity.name}).at(i);
+      const json& sigma = member.at(std::string{quantity.sigma_name}).at(i);
+      axis.*quantity.figure = {.value = read_figure(value) * quantity.si_per_unit,
+                               .sigma = read_figure(sigma) * quantity.si_per_unit};
+    }
+  }
+  return learnt;
+}
+
 }  // namespace
 
-std::optional<wire::NumberedMessage> parse_json_message(std::string_view line) {
+std::optional<JsonMessage> parse_json_message(std::string_view line) {
   try {
-    return read_message(json::parse(line));
+    const json parsed = json::parse(line);
+    JsonMessage read{.message = read_message(parsed), .learnt = {}};
+    if (parsed.contains("learnt")) read.learnt = read_learnt(parsed.at("learnt"));
+    return read;
   } catch (const json::exception&) {
     return std::nullopt;
   }

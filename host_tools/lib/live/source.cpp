@@ -32,6 +32,8 @@ void take_frame(std::span<const std::uint8_t> bytes, Tally& tally) {
     tally.take(*message);
   } else if (const auto status = wire::decode_status_frame(bytes)) {
     tally.status = *status;
+  } else if (const auto learnt = wire::decode_learnt_frame(bytes)) {
+    tally.learnt = *learnt;
   } else {
     ++tally.damaged;
   }
@@ -141,8 +143,9 @@ class JsonSource final : public StreamSource {
     }
   }
   void end_line(Tally& tally) {
-    if (const auto message = parse_json_message(line_)) {
-      tally.take(*message);
+    if (const auto line = parse_json_message(line_)) {
+      tally.take(line->message);
+      if (line->learnt) tally.learnt = line->learnt;
     } else {
       ++tally.damaged;
     }

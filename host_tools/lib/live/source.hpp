@@ -31,10 +31,11 @@ class Source {
 
 // All of them throw std::system_error where the source cannot be opened.
 
-/// Rate frames as UDP datagrams. Throws std::invalid_argument for an address that is none.
+/// Rate frames and those of what was learnt, as UDP datagrams. Throws std::invalid_argument for an
+/// address that is none.
 [[nodiscard]] std::unique_ptr<Source> listen_udp(const std::string& address, std::uint16_t port);
 
-/// Rate frames on a Unix datagram socket, which is made, and removed at the end
+/// Both kinds of frames on a Unix datagram socket, which is made, and removed at the end
 /// (hal::linux_os::NamedSocket). Throws where another program listens there or where the name is
 /// not that of a socket.
 [[nodiscard]] std::unique_ptr<Source> listen_unix(const std::string& path);

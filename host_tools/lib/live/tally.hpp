@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "firmware/wire/status_frame.hpp"
 
@@ -14,8 +15,10 @@ namespace zerorate::live {
 struct Tally {
   std::optional<wire::NumberedMessage> newest;
   std::optional<wire::Status> status;
+  std::optional<wire::LearntModel> learnt;
   std::uint64_t messages = 0;
   std::uint64_t lost = 0;      ///< by gaps in the numbers
+  std::uint64_t stops = 0;     ///< times the vehicle came to stand
   std::uint64_t restarts = 0;  ///< of the sender, whose numbers begin at 0 then
   std::uint64_t damaged = 0;   ///< frames and lines that could not be read
 
@@ -25,6 +28,8 @@ struct Tally {
     } else if (newest) {
       lost += message.sequence - newest->sequence - 1;
     }
+    const bool stood = newest && newest->message.motion == core::Motion::still;
+    if (!stood && message.message.motion == core::Motion::still) ++stops;
     newest = message;
     ++messages;
   }

@@ -8,7 +8,6 @@
 namespace zerorate::live {
 namespace {
 
-constexpr float kHalfWidth95 = 1.959964F;  // of a normal distribution, in standard deviations
 constexpr float kPerHour = 3600.0F;
 
 std::string number(bool is_known, float value, int decimals) {
@@ -35,6 +34,13 @@ std::string format_counters(const wire::Status& status) {
   return fmt::format("node: {} samples, {} pulses, {} starts, {} read errors, {} frames dropped\n",
                      counters.samples, counters.pulses, counters.starts, counters.read_errors,
                      status.frames_dropped);
+}
+
+/// A figure with its standard deviation, three digits of each.
+std::string figure_text(const app::LearntNoise& axis, const wire::LearntQuantity& quantity) {
+  const app::LearntFigure& figure = axis.*quantity.figure;
+  return fmt::format("{:#.3g} +- {:#.2g}", figure.value / quantity.si_per_unit,
+                     figure.sigma / quantity.si_per_unit);
 }
 
 std::string calm_line(const app::RateMessage& message) {
@@ -71,8 +77,8 @@ std::string format_screen(const Tally& tally, std::string_view source,
   std::string text = fmt::format("{}: {} messages, {} lost, {} damaged", source, tally.messages,
                                  tally.lost, tally.damaged);
   text += tally.restarts > 0 ? fmt::format(", {} restarts\n", tally.restarts) : "\n";
-  const bool is_present = tally.newest && silence <= kStale;
-  if (!is_present) {
+  const bool is_heard = is_present(tally, silence);
+  if (!is_heard) {
     text += fmt::format("no message for {} s\n", silence.count() / 1000);
   } else {
     text += wrapped(fmt::format("{}: {}", core::name(tally.newest->message.motion),
@@ -82,11 +88,28 @@ std::string format_screen(const Tally& tally, std::string_view source,
   text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
   const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
-    const Figures axis = figures_of(message, message.axes.at(i), is_present);
+    const Figures axis = figures_of(message, message.axes.at(i), is_heard);
     text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "xyz"[i], axis.rate_dps, axis.bias_dps,
                         axis.interval_dph);
   }
+  text += format_learnt(tally);
   if (tally.status) text += format_counters(*tally.status);
+  return text;
+}
+
+std::string format_learnt(const Tally& tally) {
+  if (!tally.learnt || !tally.learnt->is_learnt()) return {};
+  std::string text = fmt::format(
+      "learnt from {:.1f} stops (+- one standard deviation):\n"
+      "{:4}{:>15}{:>23}{:>27}\n",
+      tally.learnt->stops(), "", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
+  for (std::size_t i = 0; i < tally.learnt->axes.size(); ++i) {
+    const app::LearntNoise& axis = tally.learnt->axes.at(i);
+    text += fmt::format("{:4}{:>15}{:>23}{:>27}\n", "xyz"[i],
+                        figure_text(axis, wire::kLearntQuantities[0]),
+                        figure_text(axis, wire::kLearntQuantities[1]),
+                        figure_text(axis, wire::kLearntQuantities[2]));
+  }
   return text;
 }
 

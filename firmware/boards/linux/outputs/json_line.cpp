@@ -38,16 +38,37 @@ class Line {
     add("]");
   }
 
+  void add_learnt(const wire::LearntModel& learnt) {
+    add(",\"learnt\":{{\"stops\":{}", learnt.stops());
+    for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
+      add_figures(quantity.name, learnt, quantity, &app::LearntFigure::value);
+      add_figures(quantity.sigma_name, learnt, quantity, &app::LearntFigure::sigma);
+    }
+    add("}}");
+  }
+
   [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
 
  private:
+  void add_figures(std::string_view name, const wire::LearntModel& learnt,
+                   const wire::LearntQuantity& quantity, float app::LearntFigure::*member) {
+    add(",\"{}\":", name);
+    char separator = '[';
+    for (const app::LearntNoise& axis : learnt.axes) {
+      add("{}{}", separator, axis.*quantity.figure.*member / quantity.si_per_unit);
+      separator = ',';
+    }
+    add("]");
+  }
+
   JsonBuffer& buffer_;
   std::size_t used_ = 0;
 };
 
 }  // namespace
 
-std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuffer& buffer) {
+std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuffer& buffer,
+                                  const wire::LearntModel* learnt) {
   const app::RateMessage& message = numbered.message;
   Line line(buffer);
   line.add("{{\"sequence\":{},\"time_ns\":{},\"motion\":\"{}\"", numbered.sequence,
@@ -64,6 +85,7 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     line.add(",\"{}\":{}", bit.name, message.health.*bit.flag);
   }
+  if (learnt != nullptr) line.add_learnt(*learnt);
   line.add("}}\n");
   return line.text();
 }

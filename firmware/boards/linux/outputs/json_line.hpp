@@ -6,17 +6,20 @@
 #include <cstddef>
 #include <string_view>
 
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::linux_node {
 
 /// Long enough for every message, whatever its numbers are.
-using JsonBuffer = std::array<char, 1024>;
+using JsonBuffer = std::array<char, 2048>;
 
 /// The message with its newline, in the buffer: see docs/reference/zerorated.md. Numbers are the
 /// shortest decimals that give back the same single-precision bits, in deg/s; the rates are null in
 /// a message without a rate, the deviations in one without calibration. No heap.
+/// @param learnt  becomes the member "learnt"; nullptr: the line has none
 [[nodiscard]] std::string_view format_json_line(const wire::NumberedMessage& message,
-                                                JsonBuffer& buffer);
+                                                JsonBuffer& buffer,
+                                                const wire::LearntModel* learnt = nullptr);
 
 }  // namespace zerorate::linux_node

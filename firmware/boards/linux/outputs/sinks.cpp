@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <optional>
+#include <span>
 #include <system_error>
 
 #include "firmware/boards/linux/outputs/json_line.hpp"
@@ -39,13 +41,16 @@ class RetryCounter {
   int waited_ = 0;
 };
 
-/// JSON lines to a file, a terminal or a pipe. A FIFO's reader may come, go and come again.
+/// JSON lines to a file, a terminal or a pipe. A FIFO's reader may come, go and come again. What
+/// was learnt is a member of the next line, so that every line is a message.
 class JsonSink final : public Sink {
  public:
   explicit JsonSink(const JsonSettings& settings)
       : Sink("json:" + settings.file), file_(settings.file) {
     if (!open() && errno != ENXIO) throw std::system_error(errno, std::generic_category(), file_);
   }
+
+  void publish_learnt(const wire::LearntModel& learnt) override { learnt_ = learnt; }
 
  private:
   /// Never waits: a FIFO without a reader is ENXIO.
@@ -62,9 +67,12 @@ class JsonSink final : public Sink {
     // A pipe that is writable takes a line of less than PIPE_BUF bytes whole and at once (POSIX).
     pollfd ready{.fd = output_.get(), .events = POLLOUT, .revents = 0};
     if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return false;
-    const std::string_view line = format_json_line(message, buffer_);
+    const std::string_view line = format_json_line(message, buffer_, learnt_ ? &*learnt_ : nullptr);
     const ssize_t written = ::write(output_.get(), line.data(), line.size());
-    if (written == static_cast<ssize_t>(line.size())) return true;
+    if (written == static_cast<ssize_t>(line.size())) {
+      learnt_.reset();
+      return true;
+    }
     if (written > 0) take_back(written);
     return false;
   }
@@ -78,10 +86,12 @@ class JsonSink final : public Sink {
   std::string file_;
   Descriptor output_;
   RetryCounter retry_;
+  std::optional<wire::LearntModel> learnt_;  ///< not yet said
   JsonBuffer buffer_{};
 };
 
-/// Rate frames to one address. Unconnected, so that a receiver may come, go and come again.
+/// Rate frames, and those of what was learnt, to one address. Unconnected, so that a receiver may
+/// come, go and come again.
 class DatagramSink final : public Sink {
  public:
   DatagramSink(std::string name, const hal::linux_os::SocketAddress& to)
@@ -90,9 +100,15 @@ class DatagramSink final : public Sink {
             socket(to.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "socket")),
         to_(to) {}
 
+  void publish_learnt(const wire::LearntModel& learnt) override {
+    (void)send_frame(wire::encode_learnt_frame(learnt));
+  }
+
  private:
   bool send(const wire::NumberedMessage& message) override {
-    const wire::RateFrame frame = wire::encode_rate_frame(message);
+    return send_frame(wire::encode_rate_frame(message));
+  }
+  [[nodiscard]] bool send_frame(std::span<const std::uint8_t> frame) const {
     return sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to_.get(), to_.size) ==
            static_cast<ssize_t>(frame.size());
   }
@@ -101,7 +117,8 @@ class DatagramSink final : public Sink {
   hal::linux_os::SocketAddress to_;
 };
 
-/// CAN frames through SocketCAN. The interface may be absent or down, at the start and later.
+/// CAN frames through SocketCAN, rates only. The interface may be absent or down, at the start and
+/// later.
 class CanSink final : public Sink {
  public:
   explicit CanSink(const CanSettings& settings)

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "firmware/boards/linux/outputs/sink_settings.hpp"
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::linux_node {
@@ -29,6 +30,8 @@ class Sink {
       ++dropped_;
     }
   }
+  /// Says what was learnt, where the sink has a place for it. Not counted: it is said again.
+  virtual void publish_learnt(const wire::LearntModel& /*learnt*/) {}
   /// For logs and metrics: "udp:127.0.0.1:4242".
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::wire::testing {
@@ -24,6 +25,22 @@ namespace zerorate::wire::testing {
     axis.sigma = core::rad_per_s(1e-5F * (rate(random) + 35.0F));
   }
   return numbered;
+}
+
+/// Every figure of every axis another one; axis x in round units.
+[[nodiscard]] inline LearntModel some_learnt_model() {
+  LearntModel learnt;
+  float more = 1.0F;
+  for (app::LearntNoise& axis : learnt.axes) {
+    axis = {.order = {0.6F * more, 0.08F},
+            .bias_instability_rad_s = {core::deg_per_h(12.0F * more).in(core::rad_per_s),
+                                       core::deg_per_h(2.0F).in(core::rad_per_s)},
+            .angle_random_walk_rad_per_sqrt_s = {core::deg_per_s(5e-3F * more).in(core::rad_per_s),
+                                                 core::deg_per_s(1e-4F).in(core::rad_per_s)},
+            .stops = 7.5F};
+    more *= 1.25F;
+  }
+  return learnt;
 }
 
 }  // namespace zerorate::wire::testing

@@ -10,6 +10,7 @@
 
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
+#include "host_tests/unit/host_tools/live/messages.hpp"
 #include "host_tools/lib/live/json_message.hpp"
 #include "host_tools/lib/live/tally.hpp"
 #include "host_tools/lib/live/view.hpp"
@@ -18,34 +19,19 @@ namespace zerorate::live {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::calibrated_message;
+using testing::tally_of;
 using wire::NumberedMessage;
-
-NumberedMessage calibrated_message(std::uint32_t sequence) {
-  NumberedMessage numbered{.sequence = sequence, .message = {}};
-  numbered.message.time = core::Instant::from_ns(1'234'000'000);
-  numbered.message.motion = core::Motion::still;
-  numbered.message.health.calibrated = true;
-  for (app::AxisRate& axis : numbered.message.axes) {
-    axis.corrected = core::deg_per_s(-0.25F);
-    axis.bias = core::deg_per_s(0.5F);
-    axis.sigma = core::deg_per_s(0.001F);
-  }
-  return numbered;
-}
-
-Tally tally_of(const NumberedMessage& message) {
-  Tally tally;
-  tally.take(message);
-  return tally;
-}
 
 TEST(JsonMessage, GivesBackWhatZerorateWroteButForTheRoundingOfDegrees) {
   std::mt19937_64 random{3};
   linux_node::JsonBuffer buffer{};
   for (int i = 0; i < 200; ++i) {
     const NumberedMessage sent = wire::testing::random_message(random);
-    const auto read = parse_json_message(linux_node::format_json_line(sent, buffer));
-    ASSERT_TRUE(read.has_value());
+    const auto line = parse_json_message(linux_node::format_json_line(sent, buffer));
+    ASSERT_TRUE(line.has_value());
+    EXPECT_FALSE(line->learnt.has_value());
+    const NumberedMessage* const read = &line->message;
     EXPECT_EQ(read->sequence, sent.sequence);
     EXPECT_EQ(read->message.time, sent.message.time);
     EXPECT_EQ(read->message.motion, sent.message.motion);
@@ -67,7 +53,7 @@ TEST(JsonMessage, TakesADeviationThatIsNullForInfinite) {
   linux_node::JsonBuffer buffer{};
   const auto read = parse_json_message(linux_node::format_json_line(sent, buffer));
   ASSERT_TRUE(read.has_value());
-  EXPECT_EQ(read->message.axes[1].sigma.in(core::rad_per_s),
+  EXPECT_EQ(read->message.message.axes[1].sigma.in(core::rad_per_s),
             std::numeric_limits<float>::infinity());
 }
 
@@ -84,6 +70,36 @@ TEST(JsonMessage, RefusesWhatIsNoMessage) {
   EXPECT_FALSE(parse_json_message("null").has_value());
 }
 
+TEST(JsonMessageWithALearntModel, GivesItBackButForTheRoundingOfUnits) {
+  const wire::LearntModel sent = wire::testing::some_learnt_model();
+  linux_node::JsonBuffer buffer{};
+  const auto line =
+      parse_json_message(linux_node::format_json_line(calibrated_message(1), buffer, &sent));
+  ASSERT_TRUE(line && line->learnt);
+  EXPECT_EQ(line->learnt->stops(), sent.stops());
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
+      EXPECT_FLOAT_EQ((line->learnt->axes[i].*quantity.figure).value,
+                      (sent.axes[i].*quantity.figure).value);
+      EXPECT_FLOAT_EQ((line->learnt->axes[i].*quantity.figure).sigma,
+                      (sent.axes[i].*quantity.figure).sigma);
+    }
+  }
+}
+
+TEST(JsonMessageWithALearntModelThatIsImpossible, IsRefused) {
+  const wire::LearntModel learnt = wire::testing::some_learnt_model();
+  linux_node::JsonBuffer buffer{};
+  const std::string line{linux_node::format_json_line(calibrated_message(1), buffer, &learnt)};
+  for (const auto* const wrong : {"null", "-1", "\"many\"", "[]"}) {
+    const std::string stops = "\"stops\":";
+    const std::size_t begin = line.find(stops) + stops.size();
+    std::string changed = line;
+    changed.replace(begin, line.find(',', begin) - begin, wrong);
+    EXPECT_FALSE(parse_json_message(changed).has_value()) << changed;
+  }
+}
+
 TEST(TallyOfMessages, CountsGapsAsLossesAndAnEarlierNumberAsARestart) {
   Tally tally;
   for (const std::uint32_t number : {7U, 8U, 11U, 0U, 1U}) {
@@ -92,6 +108,7 @@ TEST(TallyOfMessages, CountsGapsAsLossesAndAnEarlierNumberAsARestart) {
   EXPECT_EQ(tally.messages, 5U);
   EXPECT_EQ(tally.lost, 2U);
   EXPECT_EQ(tally.restarts, 1U);
+  EXPECT_EQ(tally.stops, 1U) << "it never moved";
 }
 
 TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
@@ -133,6 +150,7 @@ TEST(ScreenOfANode, FitsOnATerminalOf80Columns) {
   for (const wire::HealthBit& bit : wire::kHealthBits) message.message.health.*bit.flag = true;
   Tally tally = tally_of(message);
   tally.status.emplace();
+  tally.learnt = wire::testing::some_learnt_model();
   const std::string screen = format_screen(tally, "serial /dev/ttyUSB0", milliseconds{0});
   std::istringstream lines{screen};
   for (std::string line; std::getline(lines, line);) EXPECT_LT(line.size(), 80U) << line;
@@ -140,6 +158,18 @@ TEST(ScreenOfANode, FitsOnATerminalOf80Columns) {
     const bool is_shown = screen.find(bit.name) != std::string::npos;
     EXPECT_EQ(is_shown, bit.name != "calibrated") << bit.name;
   }
+}
+
+TEST(ScreenOfANode, ShowsWhatWasLearntOnceThereIsSomething) {
+  Tally tally = tally_of(calibrated_message(7));
+  tally.learnt.emplace();
+  EXPECT_EQ(format_screen(tally, "x", milliseconds{0}).find("learnt"), std::string::npos);
+  tally.learnt = wire::testing::some_learnt_model();
+  const std::string screen = format_screen(tally, "x", milliseconds{0});
+  EXPECT_NE(screen.find("learnt from 7.5 stops (+- one standard deviation):\n"), std::string::npos);
+  EXPECT_NE(screen.find("x    0.600 +- 0.080            12.0 +- 2.0         0.00500 +- 0.00010\n"),
+            std::string::npos)
+      << screen;
 }
 
 TEST(LineOfAMessage, HasItsColumnsUnderTheHeader) {

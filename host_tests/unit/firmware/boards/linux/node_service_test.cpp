@@ -86,12 +86,18 @@ class Receiver {
     for (;;) {
       const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), 0);
       if (size < 0) return messages;
-      const auto message =
-          wire::decode_rate_frame(std::span{bytes}.first(static_cast<std::size_t>(size)));
+      const auto datagram = std::span{bytes}.first(static_cast<std::size_t>(size));
+      if (const auto model = wire::decode_learnt_frame(datagram)) {
+        learnt.push_back(*model);
+        continue;
+      }
+      const auto message = wire::decode_rate_frame(datagram);
       EXPECT_TRUE(message);
       if (message) messages.push_back(*message);
     }
   }
+
+  std::vector<wire::LearntModel> learnt;  ///< taken on the way
 
  private:
   Descriptor socket_;
@@ -125,6 +131,60 @@ TEST(NodeServiceOnHealthyHardware, PublishesCorrectedRateToEverySink) {
   EXPECT_EQ(lines, received.size());
   EXPECT_EQ(rig.service->sinks()[0]->sent(), received.size());
   EXPECT_TRUE(was_logged(" started, 104 Hz, 250 deg/s"));
+}
+
+TEST(NodeServiceThatHasLearntFromAStop, SaysEachSecondWhatWithTheNextLineOfJson) {
+  ServiceRig rig;
+  Receiver receiver{rig.folder.path() / "rate"};
+  for (int i = 0; i < 30 * 104; ++i) {
+    rig.run(1);
+    (void)receiver.take();  // the queue of a Unix socket is short
+  }
+  ASSERT_GE(receiver.learnt.size(), 25U) << "once a second from the first stop on";
+  ASSERT_LE(receiver.learnt.size(), 30U);
+  const wire::LearntModel& newest = receiver.learnt.back();
+  EXPECT_EQ(newest, rig.service->status().learnt);
+  EXPECT_TRUE(newest.is_learnt());
+  for (const app::LearntNoise& axis : newest.axes) {
+    EXPECT_GT(axis.order.value, 0.3F);
+    EXPECT_LT(axis.order.value, 0.95F);
+    EXPECT_GT(axis.bias_instability_rad_s.value, 0.0F);
+    EXPECT_GT(axis.angle_random_walk_rad_per_sqrt_s.value, 0.0F);
+  }
+
+  std::ifstream file{rig.folder.path() / "rate.jsonl"};
+  std::size_t learnt_lines = 0;
+  nlohmann::json last;
+  for (std::string line; std::getline(file, line);) {
+    const auto json = nlohmann::json::parse(line);
+    if (!json.contains("learnt")) continue;
+    ++learnt_lines;
+    last = json["learnt"];
+  }
+  ASSERT_GE(learnt_lines + 1, receiver.learnt.size()) << "the newest waits for its line";
+  ASSERT_LE(learnt_lines, receiver.learnt.size());
+  EXPECT_FLOAT_EQ(last["order"][2].get<float>(),
+                  receiver.learnt[learnt_lines - 1].axes[2].order.value);
+
+  MetricsBuffer buffer{};
+  const std::string_view text = format_metrics(*rig.service, buffer);
+  EXPECT_NE(text.find("\nzerorate_learnt_stops "), std::string_view::npos);
+  EXPECT_NE(text.find("\nzerorate_learnt_order{axis=\"x\"} 0."), std::string_view::npos);
+  EXPECT_NE(text.find("\nzerorate_learnt_bias_instability_sigma_dph{axis=\"y\"} "),
+            std::string_view::npos);
+  EXPECT_NE(text.find("\nzerorate_learnt_angle_random_walk_dps_per_sqrt_hz{axis=\"z\"} "),
+            std::string_view::npos);
+}
+
+TEST(NodeServiceThatHasNotStoodYet, SaysNothingOfALearntModel) {
+  ServiceRig rig;
+  rig.hardware.is_moving = true;
+  Receiver receiver{rig.folder.path() / "rate"};
+  rig.run(520);
+  (void)receiver.take();
+  EXPECT_TRUE(receiver.learnt.empty());
+  MetricsBuffer buffer{};
+  EXPECT_EQ(format_metrics(*rig.service, buffer).find("learnt"), std::string_view::npos);
 }
 
 TEST(NodeServiceWithoutReceivers, DropsCountsAndGoesOnAndFindsThemWhenTheyCome) {

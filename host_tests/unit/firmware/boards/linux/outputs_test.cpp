@@ -75,8 +75,13 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
 TEST(JsonLineOfTheWidestMessage, FitsIntoItsBufferWithoutAHeap) {
   JsonBuffer buffer{};
   const NumberedMessage widest = widest_message();
+  wire::LearntModel learnt;
+  for (app::LearntNoise& axis : learnt.axes) {
+    axis.order = axis.bias_instability_rad_s =
+        axis.angle_random_walk_rad_per_sqrt_s = {1.17549435e-38F, 1.17549435e-38F};
+  }
   const support::AllocationCounter allocations;
-  const std::string_view line = format_json_line(widest, buffer);
+  const std::string_view line = format_json_line(widest, buffer, &learnt);
   EXPECT_EQ(allocations.count(), 0U);
   EXPECT_LT(line.size(), buffer.size());
   EXPECT_EQ(line.back(), '\n');
