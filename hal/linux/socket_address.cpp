@@ -1,6 +1,8 @@
 #include "hal/linux/socket_address.hpp"
 
+#include <arpa/inet.h>
 #include <netdb.h>
+#include <netinet/in.h>
 #include <sys/un.h>
 
 #include <algorithm>
@@ -23,6 +25,16 @@ SocketAddress udp_address(const std::string& address, std::uint16_t port) {
   result.size = found->ai_addrlen;
   freeaddrinfo(found);
   return result;
+}
+
+bool is_loopback(const std::string& address) {
+  in_addr ipv4{};
+  if (inet_pton(AF_INET, address.c_str(), &ipv4) == 1) {
+    return ntohl(ipv4.s_addr) >> 24U == IN_LOOPBACKNET;
+  }
+  in6_addr ipv6{};
+  if (inet_pton(AF_INET6, address.c_str(), &ipv6) == 1) return IN6_IS_ADDR_LOOPBACK(&ipv6);
+  return address == "localhost";
 }
 
 SocketAddress unix_address(const std::string& path) {

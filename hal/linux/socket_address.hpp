@@ -21,6 +21,10 @@ struct SocketAddress {
 /// @param address  numeric, IPv4 or IPv6; throws std::invalid_argument where it is not
 [[nodiscard]] SocketAddress udp_address(const std::string& address, std::uint16_t port);
 
+/// Whether only programs of this machine reach the address: numeric in 127.0.0.0/8 or ::1, or
+/// "localhost".
+[[nodiscard]] bool is_loopback(const std::string& address);
+
 /// Throws std::invalid_argument where the path is empty or longer than the kernel takes.
 [[nodiscard]] SocketAddress unix_address(const std::string& path);
 

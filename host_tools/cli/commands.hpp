@@ -2,8 +2,13 @@
 /// The sub-commands of `zerorate`: each adds itself to the command line and returns what runs it.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
+
+#include "host_tools/lib/live/tally.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
@@ -20,6 +25,12 @@ struct Command {
   std::function<ExitCode()> run;
 };
 
+/// Shows a tally somewhere besides the terminal; ends with its last copy.
+using ShowTally = std::function<void(const live::Tally& tally, const std::string& source,
+                                     std::chrono::milliseconds silence)>;
+/// Opens a page for browsers at an address and a port; 0: one that is free.
+using OpenPage = std::function<ShowTally(const std::string& address, std::uint16_t port)>;
+
 [[nodiscard]] Command add_replay(CLI::App& app);
 [[nodiscard]] Command add_demo(CLI::App& app);
 [[nodiscard]] Command add_model(CLI::App& app);
@@ -28,7 +39,8 @@ struct Command {
 [[nodiscard]] Command add_characterize(CLI::App& app);
 [[nodiscard]] Command add_evaluate(CLI::App& app);
 [[nodiscard]] Command add_diagnose(CLI::App& app);
-[[nodiscard]] Command add_monitor(CLI::App& app);
+/// @param open_page  nullptr: this build has none
+[[nodiscard]] Command add_monitor(CLI::App& app, const OpenPage& open_page = nullptr);
 [[nodiscard]] Command add_probe(CLI::App& app);
 [[nodiscard]] Command add_odometer(CLI::App& app);
 

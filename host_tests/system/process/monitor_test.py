@@ -5,6 +5,7 @@ usage: monitor_test.py ZERORATE [unittest arguments]
 """
 
 import json
+import math
 import os
 import pathlib
 import pty
@@ -17,6 +18,7 @@ import sys
 import tempfile
 import termios
 import time
+import tomllib
 import unittest
 import zlib
 
@@ -37,6 +39,12 @@ def rate_frame(sequence, rate_rad_s=0.01, health=CALIBRATED):
 
 def status_frame(samples):
     return sealed(struct.pack("<2sBB11I4B", b"ZS", 1, 0, samples, *range(1, 11), 0, 0, 0, 0))
+
+
+def learnt_frame(stops, instability_dph=(10.0, 30.0, 20.0)):
+    dps = math.pi / 180
+    axes = [struct.pack("<6f", 0.6, 0.08, b * dps / 3600, dps / 3600, 0.005 * dps, 1e-4 * dps) for b in instability_dph]
+    return sealed(struct.pack("<2sBBf", b"ZL", 1, 0, stops) + b"".join(axes))
 
 
 def stuffed(frame):
@@ -105,6 +113,94 @@ class Monitor(unittest.TestCase):
         self.send_until_it_ends(send)
         self.assertIn("fine", self.end())
         self.assertFalse(path.exists())
+
+    def watch_learnt(self, *arguments, stops=7.5):
+        """Runs a monitor for fifty messages of a node that has learnt."""
+        path = self.folder / "rate.sock"
+        self.start("--unix", path, "--count", 50, *arguments)
+
+        def send(number):
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+                try:
+                    for frame in (learnt_frame(stops), rate_frame(number)):
+                        sender.sendto(frame, str(path))
+                except (FileNotFoundError, ConnectionRefusedError):
+                    pass
+        self.send_until_it_ends(send)
+
+    def test_shows_what_the_node_has_learnt_and_writes_it_as_a_model(self):
+        model = self.folder / "mine.toml"
+        self.watch_learnt("--model-out", model)
+        out = self.end()
+        self.assertRegex(out, r"\nlearnt from 7\.5 stops.*\n.*\n"
+                              r"x +0\.600 \+- 0\.080 +10\.0 \+- 1\.0 +0\.00500 \+- 0\.00010\n")
+        self.assertIn(f"{model}: the model of axis z, the one with the median slow noise\n", out)
+        written = tomllib.loads(model.read_text())
+        self.assertEqual(written["schema"], "zerorate.model/1")
+        self.assertAlmostEqual(written["flicker"]["bias_instability_dph"],
+                               20.0 * math.sqrt(2 * math.log(2) / math.pi), places=4)
+        self.assertAlmostEqual(written["flicker"]["order"], 0.6, places=6)
+        self.assertAlmostEqual(written["white"]["angle_random_walk_dps_per_sqrt_hz"], 0.005, places=8)
+        checked = subprocess.run([ZERORATE, "model", "check", model], capture_output=True, text=True, timeout=LIMIT_S,
+                                 check=False)
+        self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+
+    def test_writes_the_model_into_a_fifo_that_stays_one(self):
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+        self.watch_learnt("--model-out", fifo)
+        self.end()
+        self.assertIn(b"zerorate.model/1", os.read(reader, 65536))
+        os.close(reader)
+        self.assertTrue(fifo.is_fifo())
+
+    def test_writes_no_model_while_nothing_is_learnt(self):
+        model = self.folder / "mine.toml"
+        model.write_text("precious")
+        self.watch_learnt("--model-out", model, stops=0.0)
+        errors = self.process.communicate(timeout=LIMIT_S)[1]
+        self.assertEqual(self.process.returncode, 3)
+        self.assertIn(f"{model}: not written: the node has said nothing of a learnt model", errors)
+        self.assertEqual(model.read_text(), "precious")
+
+    def refusal(self, *arguments):
+        path = self.folder / "rate.sock"
+        run = subprocess.run([ZERORATE, "monitor", "--unix", path, *map(str, arguments)], capture_output=True, text=True,
+                             timeout=LIMIT_S, check=False)
+        self.assertFalse(path.exists())
+        return run.returncode, run.stderr
+
+    def test_lets_other_machines_see_its_page_only_where_that_is_meant(self):
+        code, errors = self.refusal("--http", "192.0.2.1:0")
+        self.assertEqual(code, 2)
+        self.assertIn("192.0.2.1", errors)
+        self.assertIn("Add --http-remote", errors)
+        code, errors = self.refusal("--http", "192.0.2.1:0", "--http-remote")  # an address that no machine has
+        self.assertEqual((code, errors), (3, "zerorate: no page at 192.0.2.1, port 0 (port 0 takes one that is free): "
+                                             "Cannot assign requested address\n"))
+
+    def test_says_that_the_port_of_its_page_is_taken(self):
+        with socket.socket() as other:
+            other.bind(("127.0.0.1", 0))
+            other.listen()
+            port = other.getsockname()[1]
+            code, errors = self.refusal("--http", port)
+        self.assertEqual((code, errors), (3, f"zerorate: no page at 127.0.0.1, port {port} (port 0 takes one that is "
+                                             "free): Address already in use\n"))
+
+    def test_serves_its_page_on_either_loopback(self):
+        for address, own in (("[::1]:0", r"http://\[::1\]:\d+/"), ("localhost:0", r"http://localhost:\d+/"),
+                             ("0", r"http://127\.0\.0\.1:\d+/")):
+            monitor = subprocess.Popen([ZERORATE, "monitor", "--unix", self.folder / "rate.sock", "--http", address],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(monitor.stderr.close)
+            said = monitor.stderr.readline()
+            monitor.terminate()
+            monitor.wait(timeout=LIMIT_S)
+            if "::" in address and "Cannot assign" in said:
+                continue  # a machine without IPv6
+            self.assertRegex(said, f"^live page: {own}\n$")
 
     def test_does_not_take_the_socket_of_another_receiver(self):
         path = self.folder / "rate.sock"

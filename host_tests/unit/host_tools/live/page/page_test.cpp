@@ -1,0 +1,226 @@
+/// @file
+/// Page for browsers of zerorate monitor.
+
+#include "host_tools/lib/live/page/page.hpp"
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "firmware/wire/health_bits.hpp"
+#include "hal/linux/descriptor.hpp"
+#include "hal/linux/socket_address.hpp"
+#include "host_tests/unit/firmware/wire/messages.hpp"
+#include "host_tests/unit/host_tools/live/messages.hpp"
+
+namespace zerorate::live {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::calibrated_message;
+using testing::tally_of;
+
+/// A browser as the server sees it: takes events until it has had enough.
+class Viewer {
+ public:
+  Viewer(const Page& page, std::size_t enough) {
+    thread_ = std::thread{[url = page.url(), enough, this] {
+      httplib::Client client{url.substr(0, url.size() - 1)};
+      client.set_read_timeout(std::chrono::seconds{10});
+      const auto answer = client.Get("/events", [&](const char* data, std::size_t size) {
+        text_.append(data, size);
+        const bool goes_on = events().size() < enough;
+        is_fed_ = true;
+        return goes_on;
+      });
+      if (answer) status_ = answer->status;
+    }};
+  }
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+  ~Viewer() {
+    if (thread_.joinable()) thread_.join();
+  }
+
+  [[nodiscard]] bool is_fed() const { return is_fed_; }
+  void wait_until_fed() const {
+    while (!is_fed_) std::this_thread::sleep_for(milliseconds{1});
+  }
+  std::vector<nlohmann::json> take() {
+    thread_.join();
+    return events();
+  }
+  /// After take().
+  [[nodiscard]] int status() const { return status_; }
+
+ private:
+  [[nodiscard]] std::vector<nlohmann::json> events() const {
+    std::vector<nlohmann::json> events;
+    std::istringstream lines{text_};
+    for (std::string line; std::getline(lines, line) && !lines.eof();) {
+      if (line.starts_with("data: ")) events.push_back(nlohmann::json::parse(line.substr(6)));
+    }
+    return events;
+  }
+
+  std::string text_;
+  std::atomic<bool> is_fed_ = false;
+  int status_ = 0;
+  std::thread thread_;
+};
+
+TEST(PageOfANode, TellsAViewerTheHistoryFirstAndThenOnlyWhatIsNew) {
+  Page page{"127.0.0.1", 0};
+  Tally tally = tally_of(calibrated_message(7));
+  tally.learnt = wire::testing::some_learnt_model();
+  page.show(tally, "udp \"x\"", milliseconds{10});
+  Viewer viewer{page, 2};
+  viewer.wait_until_fed();
+  page.show(tally, "udp \"x\"", milliseconds{3100});
+  const auto events = viewer.take();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_TRUE(events[0]["anew"]);
+  ASSERT_EQ(events[0]["points"].size(), 1U);
+  EXPECT_EQ(events[0]["points"][0].size(), 8U);
+  EXPECT_FLOAT_EQ(events[0]["points"][0][5], 1800.0F);
+  EXPECT_EQ(events[0]["points"][0][7], 1) << "at rest";
+  const auto& now = events[0]["now"];
+  EXPECT_EQ(now["source"], "udp \"x\"");
+  EXPECT_EQ(now["motion"], "still");
+  EXPECT_EQ(now["stops"], 1);
+  EXPECT_TRUE(now["silent_s"].is_null());
+  EXPECT_TRUE(now["wrong"].empty());
+  EXPECT_FLOAT_EQ(now["axes"][2]["rate_dps"], -0.25F);
+  EXPECT_FLOAT_EQ(now["axes"][2]["bias_dph"], 1800.0F);
+  EXPECT_NEAR(now["axes"][2]["half95_dph"], 7.06, 0.01);
+  EXPECT_FLOAT_EQ(now["learnt"]["bias_instability_dph"][0], 12.0F);
+  EXPECT_FALSE(events[1]["anew"]);
+  EXPECT_TRUE(events[1]["points"].empty()) << "a point a second";
+  EXPECT_EQ(events[1]["now"]["silent_s"], 3);
+  EXPECT_TRUE(events[1]["now"]["axes"][2]["rate_dps"].is_null());
+}
+
+TEST(PageOfANode, HasWordsForEveryFlagAndLoadsNothingFromElsewhere) {
+  const Page page{"127.0.0.1", 0};
+  httplib::Client client{page.url().substr(0, page.url().size() - 1)};
+  const auto answer = client.Get("/");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200);
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    EXPECT_NE(answer->body.find("\n  " + std::string{bit.name} + ": ["), std::string::npos)
+        << bit.name;
+  }
+  EXPECT_NE(answer->body.find("default-src 'none'"), std::string::npos);
+  EXPECT_EQ(client.Get("/etc/passwd")->status, 404);
+  EXPECT_EQ(client.Post("/", "x", "text/plain")->status, 413) << "nothing can be changed";
+}
+
+TEST(PageOfANode, TellsOneViewerTooManySoAndServesTheOthers) {
+  Page page{"127.0.0.1", 0};
+  page.show({}, "x", milliseconds{0});
+  std::deque<Viewer> viewers;
+  for (std::size_t i = 0; i < Page::kMostViewers; ++i) {
+    viewers.emplace_back(page, 2);
+    viewers.back().wait_until_fed();
+  }
+  httplib::Client client{page.url().substr(0, page.url().size() - 1)};
+  const auto refusal = client.Get("/events");
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, 503);
+  EXPECT_EQ(client.Get("/")->status, 200);
+  page.show({}, "x", milliseconds{0});
+  for (Viewer& viewer : viewers) EXPECT_EQ(viewer.take().size(), 2U);
+}
+
+TEST(PageOfANode, EndsWhileSomebodyLooks) {
+  auto page = std::make_unique<Page>("127.0.0.1", std::uint16_t{0});
+  page->show({}, "x", milliseconds{0});
+  Viewer viewer{*page, 1000};
+  viewer.wait_until_fed();
+  const auto begin = std::chrono::steady_clock::now();
+  page.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds{5});
+  EXPECT_EQ(viewer.take().size(), 1U);
+}
+
+/// A browser that takes the beginning of an event and then nothing more.
+class Sleeper {
+ public:
+  explicit Sleeper(const Page& page)
+      : socket_(hal::linux_os::checked_descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0),
+                                                  "socket")) {
+    const int few_bytes = 1024;
+    EXPECT_EQ(setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &few_bytes, sizeof few_bytes), 0);
+    const std::string& url = page.url();
+    const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+    const hal::linux_os::SocketAddress address = hal::linux_os::udp_address("127.0.0.1", port);
+    EXPECT_EQ(connect(socket_.get(), address.get(), address.size), 0);
+    constexpr std::string_view kRequest = "GET /events HTTP/1.1\r\nHost: x\r\n\r\n";
+    EXPECT_EQ(send(socket_.get(), kRequest.data(), kRequest.size(), 0),
+              static_cast<ssize_t>(kRequest.size()));
+    std::array<char, 256> bytes{};
+    for (std::string begun; begun.find("data: ") == std::string::npos;) {
+      const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), 0);
+      if (size <= 0) throw std::runtime_error("no event came");
+      begun.append(bytes.data(), static_cast<std::size_t>(size));
+    }
+  }
+
+ private:
+  hal::linux_os::Descriptor socket_;
+};
+
+TEST(PageOfANode, LetsASleepyViewerHoldUpNeitherTheMonitorNorTheOthersNorTheEnd) {
+  auto page = std::make_unique<Page>("127.0.0.1", std::uint16_t{0});
+  // More than the kernel keeps for a socket, so that a write has to wait.
+  const std::string long_name(8U << 20U, 'x');
+  page->show({}, long_name, milliseconds{0});
+  const Sleeper sleeper{*page};
+  page->show({}, "x", milliseconds{0});
+  Viewer viewer{*page, 2};
+  viewer.wait_until_fed();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 100; ++i) page->show({}, "x", milliseconds{0});
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds{500});
+  EXPECT_EQ(viewer.take().size(), 2U);
+  const auto end = std::chrono::steady_clock::now();
+  page.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - end, std::chrono::seconds{6});
+}
+
+TEST(AddressOfAPage, IsThatOfThisMachineAloneOrNot) {
+  using hal::linux_os::is_loopback;
+  for (const auto* const own : {"127.0.0.1", "127.255.0.9", "::1", "localhost"}) {
+    EXPECT_TRUE(is_loopback(own)) << own;
+  }
+  for (const auto* const open : {"0.0.0.0", "::", "192.168.1.5", "128.0.0.1", "fe80::1", "",
+                                 "[::1]", "127.0.0.1.example", "localhost.example", "127.1"}) {
+    EXPECT_FALSE(is_loopback(open)) << open;
+  }
+}
+
+TEST(PageOfANode, DoesNotShareThePortOfAnother) {
+  const Page first{"127.0.0.1", 0};
+  const std::string& url = first.url();
+  const std::size_t colon = url.rfind(':');
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(colon + 1)));
+  EXPECT_THROW((Page{"127.0.0.1", port}), std::system_error);
+  EXPECT_THROW((Page{"no address", 0}), std::system_error);
+}
+
+}  // namespace
+}  // namespace zerorate::live

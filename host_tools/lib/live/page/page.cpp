@@ -1,0 +1,285 @@
+#include "host_tools/lib/live/page/page.hpp"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <semaphore>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "core/base/numeric.hpp"
+#include "firmware/wire/health_bits.hpp"
+#include "host_tools/lib/live/view.hpp"
+#include "host_tools/lib/report/web_assets.hpp"
+
+namespace zerorate::live {
+namespace {
+
+using nlohmann::json;
+using std::chrono::seconds;
+
+/// Requests at a time: the streams, and a few that fetch the page.
+constexpr std::size_t kWorkers = Page::kMostViewers + 4;
+constexpr seconds kPatience{2};  // with a browser that neither asks nor takes what it is given
+
+/// Forbids every load from elsewhere.
+constexpr std::string_view kContentPolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
+    "connect-src 'self'";
+
+std::string page_html() {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n"
+      "<title>zerorate monitor</title>\n<style>{}\n{}\n{}</style>\n"
+      "<script>/* uPlot\n{}\n*/\n{}</script>\n{}<script>{}</script>\n</html>\n",
+      kContentPolicy, report::kPlotStyle, report::kReportStyle, report::kLiveStyle,
+      report::kPlotLicence, report::kPlotScript, report::kLivePage, report::kLiveScript);
+}
+
+/// Threads of the server. A request for which none is free waits in the kernel's queue, which is
+/// bounded, and not in this program.
+class Workers final : public httplib::ThreadPool {
+ public:
+  Workers() : ThreadPool(kWorkers) {}
+
+  void enqueue(std::function<void()> work) override {
+    free_.acquire();
+    ThreadPool::enqueue([this, work = std::move(work)] {
+      work();
+      free_.release();
+    });
+  }
+
+ private:
+  std::counting_semaphore<kWorkers> free_{kWorkers};
+};
+
+/// A rate in the unit; null where it is none.
+json number(bool is_known, core::AngularRate rate, core::Unit<core::AngularRateDimension> unit) {
+  const float figure = rate.in(unit);
+  return is_known && core::is_finite(figure) ? json(figure) : json(nullptr);
+}
+
+json learnt_json(const wire::LearntModel& learnt) {
+  json figures{{"stops", learnt.stops()}};
+  for (const app::LearntNoise& axis : learnt.axes) {
+    for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
+      const app::LearntFigure& figure = axis.*quantity.figure;
+      figures[std::string{quantity.name}].push_back(figure.value / quantity.si_per_unit);
+      figures[std::string{quantity.sigma_name}].push_back(figure.sigma / quantity.si_per_unit);
+    }
+  }
+  return figures;
+}
+
+/// State of this moment as the page shows it.
+json now_json(const Tally& tally, const std::string& source, std::chrono::milliseconds silence) {
+  const bool is_heard = is_present(tally, silence);
+  const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
+  const bool is_calibrated = message.health.calibrated;
+  json now{{"source", source},
+           {"messages", tally.messages},
+           {"lost", tally.lost},
+           {"damaged", tally.damaged},
+           {"restarts", tally.restarts},
+           {"stops", tally.stops},
+           {"motion", core::name(message.motion)},
+           {"wrong", json::array()},
+           {"axes", json::array()}};
+  now["silent_s"] = is_heard ? json(nullptr) : json(silence.count() / 1000);
+  now["calm_percent"] = message.calm_percent == app::RateMessage::kNoCalm
+                            ? json(nullptr)
+                            : json(message.calm_percent);
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    const bool is_set = message.health.*bit.flag;
+    const bool is_good = bit.flag == &app::Health::calibrated;
+    if (is_set != is_good) now["wrong"].push_back(bit.name);
+  }
+  for (const app::AxisRate& axis : message.axes) {
+    now["axes"].push_back(
+        {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
+         {"bias_dph", number(is_calibrated, axis.bias, core::deg_per_h)},
+         {"half95_dph", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_h)}});
+  }
+  now["learnt"] =
+      tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);
+  return now;
+}
+
+/// Row of the history: time in Unix seconds, bias and half-width of each axis, 1 at rest and 0
+/// otherwise; null in silence.
+json point_json(const json& now) {
+  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
+  json point{std::chrono::duration<double>(unix_time).count()};
+  const bool is_heard = now["silent_s"].is_null();
+  for (const json& axis : now["axes"]) {
+    for (const char* const figure : {"bias_dph", "half95_dph"}) {
+      point.push_back(is_heard ? axis[figure] : json(nullptr));
+    }
+  }
+  point.push_back(is_heard ? json(now["motion"] == core::name(core::Motion::still) ? 1 : 0)
+                           : json(nullptr));
+  return point;
+}
+
+}  // namespace
+
+class Page::Server {
+ public:
+  Server(const std::string& address, std::uint16_t port) {
+    http_.new_task_queue = [] { return new Workers; };  // owned by the server
+    http_.set_keep_alive_max_count(1);                  // a thread waits for nobody's next request
+    http_.set_read_timeout(kPatience);
+    http_.set_write_timeout(kPatience);
+    http_.set_payload_max_length(0);
+    // Not SO_REUSEPORT, with which two programs would share a port without knowing.
+    http_.set_socket_options([](int socket) {
+      const int yes = 1;
+      (void)setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    http_.Get("/", [html = page_html()](const httplib::Request&, httplib::Response& response) {
+      response.set_content(html, "text/html; charset=utf-8");
+    });
+    http_.Get("/events", [this](const httplib::Request&, httplib::Response& response) {
+      start_stream(response);
+    });
+    errno = 0;
+    port_ = port == 0 ? http_.bind_to_any_port(address)
+                      : (http_.bind_to_port(address, port) ? int{port} : -1);
+    if (port_ < 0) {
+      throw std::system_error(
+          errno != 0 ? errno : EADDRNOTAVAIL, std::generic_category(),
+          fmt::format("no page at {}, port {} (port 0 takes one that is free)", address, port));
+    }
+    thread_ = std::thread{[this] {
+      (void)http_.listen_after_bind();
+      has_ended_ = true;
+    }};
+    // Until then the server cannot be stopped.
+    while (!http_.is_running() && !has_ended_) std::this_thread::yield();
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+  ~Server() {
+    {
+      const std::lock_guard lock{mutex_};
+      is_ending_ = true;
+    }
+    changed_.notify_all();
+    http_.stop();
+    thread_.join();
+  }
+
+  [[nodiscard]] int port() const { return port_; }
+
+  void show(json now) {
+    {
+      const std::lock_guard lock{mutex_};
+      const auto at = std::chrono::steady_clock::now();
+      if (points_ == 0 || at - newest_point_at_ >= seconds{1}) {
+        newest_point_at_ = at;
+        history_.push_back(point_json(now));
+        ++points_;
+        if (history_.size() > kMostPoints) history_.pop_front();
+      }
+      now_ = std::move(now);
+      ++version_;
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  /// Events that a browser has been told.
+  struct Viewer {
+    std::uint64_t version = 0;
+    std::uint64_t points = 0;
+  };
+
+  void start_stream(httplib::Response& response) {
+    if (viewers_.fetch_add(1) >= kMostViewers) {
+      --viewers_;
+      response.status = 503;
+      response.set_content("too many pages are open\n", "text/plain");
+      return;
+    }
+    response.set_header("Cache-Control", "no-store");
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this, viewer = Viewer{}](std::size_t /*offset*/, httplib::DataSink& sink) mutable {
+          return feed(viewer, sink);
+        },
+        [this](bool /*success*/) { --viewers_; });
+  }
+
+  /// Waits for news and sends it.
+  /// @return false where nobody takes it
+  bool feed(Viewer& viewer, httplib::DataSink& sink) {
+    // Tells the page that the program lives, and this program whether somebody is there.
+    std::string text = "event: alive\ndata: 1\n\n";
+    {
+      std::unique_lock lock{mutex_};
+      changed_.wait_for(lock, seconds{1}, [&] { return is_ending_ || version_ != viewer.version; });
+      if (is_ending_) {
+        sink.done();
+        return true;
+      }
+      if (version_ != viewer.version) text = "data: " + news(viewer).dump() + "\n\n";
+    }
+    return sink.write(text.data(), text.size());
+  }
+
+  /// The moment, and the points that this viewer has not seen; the first time the whole history.
+  json news(Viewer& viewer) const {
+    json message{{"anew", viewer.version == 0}, {"now", now_}, {"points", json::array()}};
+    const std::uint64_t first = points_ - history_.size();
+    for (std::uint64_t i = std::max(first, viewer.points); i < points_; ++i) {
+      message["points"].push_back(history_[i - first]);
+    }
+    viewer = {.version = version_, .points = points_};
+    return message;
+  }
+
+  httplib::Server http_;
+  int port_ = -1;
+  std::atomic<std::size_t> viewers_ = 0;
+  std::atomic<bool> has_ended_ = false;
+
+  std::mutex mutex_;  // of all that follows
+  std::condition_variable changed_;
+  bool is_ending_ = false;
+  json now_;
+  std::uint64_t version_ = 0;
+  std::deque<json> history_;
+  std::uint64_t points_ = 0;  ///< of the history since the start
+  std::chrono::steady_clock::time_point newest_point_at_;
+
+  std::thread thread_;
+};
+
+Page::Page(const std::string& address, std::uint16_t port)
+    : server_(std::make_unique<Server>(address, port)) {
+  const bool is_ipv6 = address.find(':') != std::string::npos;
+  url_ = fmt::format("http://{}{}{}:{}/", is_ipv6 ? "[" : "", address, is_ipv6 ? "]" : "",
+                     server_->port());
+}
+
+Page::~Page() = default;
+
+void Page::show(const Tally& tally, const std::string& source, std::chrono::milliseconds silence) {
+  server_->show(now_json(tally, source, silence));
+}
+
+}  // namespace zerorate::live
