@@ -16,8 +16,8 @@
 namespace zerorate::core {
 
 /// Kalman filters of axes that are measured together, one filter for each hypothesis of the noise
-/// (docs/design/learning.md). The answers are those of the mixture: its mean, and its variance. With
-/// one hypothesis the bank is a plain filter of a known model.
+/// (docs/design/learning.md). The answers are those of the mixture: its mean, and its variance.
+/// With one hypothesis the bank is a plain filter of a known model.
 ///
 /// A measurement that the gate takes for a knock is rejected on all axes and by all hypotheses.
 ///
@@ -97,14 +97,15 @@ class KalmanBank {
   }
 
   /// Time passes. Call it before each measurement with the transition since the last.
-  constexpr void advance(const Transition& span) {
+  [[gnu::noinline]] constexpr void advance(const Transition& span) {
     for (std::size_t m = 0; m < count(); ++m) advance(state_.filters[m], m, span);
   }
 
   /// Learns from the mean measured rates of this tick [rad/s].
-  /// @param white_variance of each [rad2/s2]; of a learning bank: by the model, times what the noise
+  /// @param white_variance of each [rad2/s2]; of a learning bank: by the model, times what the
+  /// noise
   ///   is over that of start_learning()
-  constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
+  [[gnu::noinline]] constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
     for (const float rate_rad_s : rates_rad_s) {
       if (!is_measurement(rate_rad_s, white_variance)) return {};
     }
@@ -355,10 +356,10 @@ class KalmanBank {
       largest = std::max(largest, square);
       innovations[i].accepted = !is_knock;
       innovations[i].rejected = is_knock;
-      state_.axes[i].rejection_variance =
-          is_knock ? square * static_cast<float>(state_.rejected) /
-                         static_cast<float>(gate.longest_knock_ticks)
-                   : 0.0F;
+      state_.axes[i].rejection_variance = is_knock
+                                              ? square * static_cast<float>(state_.rejected) /
+                                                    static_cast<float>(gate.longest_knock_ticks)
+                                              : 0.0F;
     }
     if (is_outlier && !is_knock) {  // it was a jump of this size
       inflate_variance(largest);
@@ -367,8 +368,8 @@ class KalmanBank {
     return is_knock;
   }
 
-  /// Adds what a hypothesis says of the sum of the bias over a drive. Not inlined, so that the stack
-  /// holds one filter at a time.
+  /// Adds what a hypothesis says of the sum of the bias over a drive. Not inlined, so that the
+  /// stack holds one filter at a time.
   [[gnu::noinline]] constexpr void add_integral(Mixtures& sums, std::size_t m,
                                                 const Transition& lead,
                                                 const Transition& drive) const {
@@ -376,11 +377,12 @@ class KalmanBank {
     advance(at_start, m, lead);
     const auto ticks = static_cast<float>(drive.ticks);
     const Drifts g = coefficients_->movement_of_sum(drive);
-    const float variance = drive.sum_variance(coefficients_->strength(m)) +
-                           at_start.moved_variance(ticks, g);
+    const float variance =
+        drive.sum_variance(coefficients_->strength(m)) + at_start.moved_variance(ticks, g);
     for (std::size_t i = 0; i < Axes; ++i) {
       const float scale = mean_scale(m, i);
-      const float constant = scale * at_start.bias_variance + at_start.unknown_variance(drive, i, scale);
+      const float constant =
+          scale * at_start.bias_variance + at_start.unknown_variance(drive, i, scale);
       sums[i].add(weight(m, i), ticks * at_start.axes[i].bias_rad_s + at_start.moved(g, i),
                   scale * variance + ticks * ticks * constant);
     }
@@ -393,7 +395,6 @@ class KalmanBank {
 /// The promise of the product page: six decades and the bias of three axes fit into 224 bytes.
 static_assert(sizeof(KalmanBank<ModelShape{.decaying = 6}, 3>::State) <= 224);
 /// Twelve hypotheses of them fit into a page of flash.
-static_assert(
-    sizeof(KalmanBank<ModelShape{.decaying = 6, .hypotheses = 12}, 3>::State) <= 4096);
+static_assert(sizeof(KalmanBank<ModelShape{.decaying = 6, .hypotheses = 12}, 3>::State) <= 4096);
 
 }  // namespace zerorate::core

@@ -166,10 +166,9 @@ class Snapshot {
       return Resumption::continued;
     }
     const Filter& learnt = state.predictors.kalman;
-    return resume(
-        node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
-        state.predictors.white_level,
-                  Node::TemperatureTrack::measured(state.temperature), *header, now);
+    return resume(node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
+                  state.predictors.white_level, Node::TemperatureTrack::measured(state.temperature),
+                  *header, now);
   }
   /// restore() for boards whose records hold the filters only: no room for a whole state on the
   /// stack.
@@ -187,7 +186,8 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = get<Temperature>(after_filter.subspan(sizeof(float)));
     }
-    return resume(node, payload.first<sizeof(Filter)>(), get<float>(after_filter), temperature, *header, now);
+    return resume(node, payload.first<sizeof(Filter)>(), get<float>(after_filter), temperature,
+                  *header, now);
   }
 
  private:

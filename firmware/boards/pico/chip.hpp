@@ -7,19 +7,19 @@
 
 #include "drivers/chips/chips.hpp"
 
-#ifdef ZERORATE_PICO_CHIP
+#ifdef ZERORATE_PICO_MODEL
 #include ZERORATE_PICO_MODEL
-namespace zerorate::pico {
-using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
-}
 #else
 #include "firmware/boards/pico/model.hpp"
-namespace zerorate::pico {
-using Chip = drivers::lsm6dso::Chip;
-}
 #endif
 
 namespace zerorate::pico {
+
+#ifdef ZERORATE_PICO_CHIP
+using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
+#else
+using Chip = drivers::lsm6dso::Chip;
+#endif
 
 inline constexpr Chip::Settings kGyroSettings{};
 inline constexpr std::uint32_t kSpiHz = 8'000'000;

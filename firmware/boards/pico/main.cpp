@@ -31,7 +31,8 @@ using Pulses = EdgeQueue<32>;
 using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<Line>, 2>;
 
 /// The last two sectors of the 2 MiB: a new image leaves them as they are.
-using Memory = FlashStorage<FlashChip, 0x1F'E000>;
+using Memory = FlashStorage<FlashChip, 0x1F'E000, (exported::kModelShape.hypotheses > 1) ? 1 : 4>;
+static_assert(app::Snapshot<Node>::kBytesOfFilters <= Memory::kLargestRecord);
 constexpr app::Snapshot<Node> kSnapshot{exported::kNodeParams, kSensor};
 
 // Variables that interrupts share with the main loop, each written by one of them.

@@ -9,7 +9,7 @@ namespace zerorate::pico {
 
 /// At ticks of 0.5 s the hold-back of 0.5 s needs 3 of 8 places, and a moving average would
 /// remember thirteen hours of one stop (core::SuffixSums). Only what is published runs beside the
-/// Kalman predictor. More does not fit into the memory that pico.ld grants; where samples are
+/// Kalman predictor. More does not fit into the memory that pico.ld.in grants; where samples are
 /// screened each place is larger and there are fewer.
 inline constexpr bool kScreens = exported::kNodeParams.samples.is_on();
 inline constexpr app::NodeCapacity kNodeCapacity{

@@ -9,7 +9,7 @@
 
 using namespace zerorate::hal::rp2040;
 
-// Symbols of pico.ld: their addresses are what counts.
+// Symbols of pico.ld.in: their addresses are what counts.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 extern "C" {
 extern std::uint32_t stack_top[];
@@ -78,6 +78,6 @@ extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit BootVectors v
     stack_top, {start, fault, fault}};
 
 // Read by the processor from start() on, also while the flash is no memory; a variable, so that it
-// stands in RAM (pico.ld).
+// stands in RAM (pico.ld.in).
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 [[gnu::section(".vectors_in_ram"), gnu::used]] constinit Vectors vectors_in_ram = make_vectors();

@@ -2,6 +2,7 @@
 /// Keeps what the node has learnt while the power is off.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/base/time.hpp"
@@ -11,8 +12,9 @@
 
 namespace zerorate::pico {
 
-/// Saves at the end of a stop from which the node has learnt, at most once a minute.
-/// @tparam Medium  a Storage with prepare(): see hal/rp2040/flash_storage.hpp
+/// Saves at the end of a stop from which the node has learnt, at most once a minute: a page of the
+/// flash in each turn of the main loop, so that no sample is missed.
+/// @tparam Medium  a Storage with prepare() and save_page(): see hal/rp2040/flash_storage.hpp
 template <class Node, hal::Storage Medium>
 class StateKeeper {
  public:
@@ -33,6 +35,10 @@ class StateKeeper {
   /// After every turn of the main loop.
   /// @return whether the flash was away for longer than a sample takes
   bool poll(const Node& node, core::Instant now) {
+    if (medium_.is_saving()) {
+      (void)medium_.save_page();
+      return false;
+    }
     const core::Motion motion = node.motion();
     if (motion == core::Motion::still) {
       // Now, while the rate is zero and no sample will be missed.
@@ -53,7 +59,8 @@ class StateKeeper {
     saved_ticks_ = node.measured_ticks();
     is_prepared_ = false;
     // A state that cannot be saved now is saved at the end of another stop.
-    (void)medium_.save(snapshot_.of_filters(node, {}));
+    snapshot_.write_filters(node, {}, record_);
+    (void)medium_.begin_save(record_);
   }
 
   const app::Snapshot<Node>& snapshot_;
@@ -62,6 +69,8 @@ class StateKeeper {
   std::uint32_t saved_ticks_ = 0;  ///< of the newest save
   bool was_still_ = false;
   bool is_prepared_ = true;  ///< restore() did
+  /// Here and not on the stack, which is measured for its deepest moment.
+  std::array<std::uint8_t, app::Snapshot<Node>::kBytesOfFilters> record_{};
 };
 
 }  // namespace zerorate::pico

@@ -1,14 +1,14 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { rates, statuses } from './frames.mjs';
-import { drive } from './rig.mjs';
+import { LEARNING, drive } from './rig.mjs';
 
 const DURATION_S = 40, SEED = 3;
 const frameBytes = (rig) => Buffer.concat(rates(rig.frames).map((message) => message.frame));
 const pulsesOf = (events) => events.filter((event) => event.isPulse).length;
 
-test('what the Pico sends over a drive is the replay of the drive, bit for bit', () => {
-  const { rig, events, expected } = drive(DURATION_S, SEED);
+for (const name of [undefined, LEARNING]) test(`what ${name ?? 'the Pico'} sends over a drive is the replay of the drive, bit for bit`, () => {
+  const { rig, events, expected } = drive(DURATION_S, SEED, { name });
   assert.ok(pulsesOf(events) > 1000, 'the vehicle drives');
   const messages = rates(rig.frames);
   assert.deepEqual(new Set(messages.map((message) => message.motion)),

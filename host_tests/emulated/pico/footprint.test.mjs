@@ -9,19 +9,25 @@ test('no figure of footprint.md has grown by more than three per cent', () => {
   const documented = parse(fs.readFileSync(process.env.PICO_FOOTPRINT, 'utf8'));
   const measured = measure();
   assert.deepEqual([...documented.keys()], [...measured.keys()]);
-  for (const [name, value] of measured) {
-    assert.ok(value <= GROWTH * documented.get(name), `${name}: ${documented.get(name)}, now ${value}`);
+  for (const [row, values] of measured) {
+    values.forEach((value, i) => {
+      const before = documented.get(row)[i];
+      assert.ok(value <= GROWTH * before, `${row}: ${before}, now ${value}`);
+    });
   }
 });
 
-test('the image keeps the promises of the project', () => {
+test('the images keep the promises of the project', () => {
   const figures = parse(fs.readFileSync(process.env.PICO_FOOTPRINT, 'utf8'));
-  assert.ok(figures.get('flash, bytes') <= 40 * 1024);
-  assert.ok(figures.get('RAM with stack, bytes') <= 8 * 1024);
-  assert.ok(figures.get('stack at most, proved, bytes') <= figures.get('stack reserved, bytes'));
+  const limits = [{ flash: 40 * 1024, ram: 8 * 1024 }, { flash: 64 * 1024, ram: 24 * 1024 }];
+  limits.forEach(({ flash, ram }, i) => {
+    assert.ok(figures.get('flash, bytes')[i] <= flash);
+    assert.ok(figures.get('RAM with stack, bytes')[i] <= ram);
+    assert.ok(figures.get('stack at most, proved, bytes')[i] <= figures.get('stack reserved, bytes')[i]);
+  });
 });
 
 test('what is written is read back', () => {
-  const figures = new Map([['flash, bytes', 1], ['other', 23]]);
+  const figures = new Map([['flash, bytes', [1, 2]], ['other', [23, 4]]]);
   assert.deepEqual(parse(format(figures)), figures);
 });

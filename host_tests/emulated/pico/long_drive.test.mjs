@@ -1,10 +1,10 @@
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import test from 'node:test';
-import { Worker, isMainThread, parentPort } from 'node:worker_threads';
+import { Worker, isMainThread, parentPort, workerData } from 'node:worker_threads';
 import { createHash } from 'node:crypto';
 import { statuses } from './frames.mjs';
-import { drive } from './rig.mjs';
+import { LEARNING, drive } from './rig.mjs';
 
 const DURATION_S = 600, SEED = 1;
 
@@ -19,11 +19,11 @@ function rateFrames(sent) {
 }
 
 if (isMainThread) {
-  test('ten minutes with several stops are the replay bit for bit, three times', async () => {
+  for (const name of [undefined, LEARNING]) test(`ten minutes of ${name ?? 'the Pico'} are the replay bit for bit, three times`, async () => {
     const runs = [];
     // Two at a time would be faster; the machine has other things to do.
     for (let i = 0; i < 3; i++) {
-      const [run] = await once(new Worker(new URL(import.meta.url)), 'message');
+      const [run] = await once(new Worker(new URL(import.meta.url), { workerData: { name } }), 'message');
       runs.push(run);
     }
     const [first] = runs;
@@ -36,7 +36,7 @@ if (isMainThread) {
     console.log(first);
   });
 } else {
-  const { rig, events, expected } = drive(DURATION_S, SEED);
+  const { rig, events, expected } = drive(DURATION_S, SEED, workerData);
   const sent = rateFrames(rig.board.uart.sent);
   const pulses = events.filter((event) => event.isPulse).map((event) => event.time_us);
   const gaps = pulses.slice(1).map((time, i) => time - pulses[i]);

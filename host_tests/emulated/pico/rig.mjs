@@ -8,13 +8,15 @@ import { Lsm6dso } from './lsm6dso.mjs';
 import { I2cPort, SpiPort, framesOnSpi, registersOnSpi } from './ports.mjs';
 import { SimulatedChip } from './simulated_chip.mjs';
 
-export const image = (name = 'zerorate-pico') => path.join(process.env.PICO_IMAGES, name);
+const SMALL = 'zerorate-pico';
+export const LEARNING = 'zerorate-pico-learning';
+export const image = (name = SMALL) => path.join(process.env.PICO_IMAGES, name);
 const ODOMETER_PIN = 15;
 const PULSE_US = 50;
 
 // bus: 'spi', 'i2c', or 'frames' on SPI; chip: of hal/sim by its name, or the LSM6DSO of this folder
 export class Rig {
-  constructor({ name = 'zerorate-pico', bus = 'spi', identity, state, chip } = {}) {
+  constructor({ name = SMALL, bus = 'spi', identity, state, chip } = {}) {
     this.board = new Board(image(name), state);
     this.chip = chip ? new SimulatedChip(this.board, chip) : new Lsm6dso(this.board, { identity });
     if (bus === 'i2c') this.port = new I2cPort(this.board, this.chip, { address: chip ? 0x68 : 0x6a });
@@ -53,13 +55,16 @@ export class Rig {
   }
 }
 
-function run(input, ...operands) {
-  const done = spawnSync(process.env.PICO_SCENARIO, operands, { input, maxBuffer: 1 << 30 });
-  if (done.status !== 0) throw new Error(`pico_scenario ${operands}: ${done.stderr}`);
+function run(program, input, ...operands) {
+  const done = spawnSync(program, operands, { input, maxBuffer: 1 << 30 });
+  if (done.status !== 0) throw new Error(`${program} ${operands}: ${done.stderr}`);
   return done.stdout;
 }
-export const driveText = (duration_s, seed) => run('', 'drive', String(duration_s), String(seed));
-export const replayed = (text) => run(text, 'replay');
+export const driveText = (duration_s, seed) =>
+  run(process.env.PICO_SCENARIO, '', 'drive', String(duration_s), String(seed));
+// With the model of the image.
+export const replayed = (text, name = SMALL) =>
+  run(name === LEARNING ? process.env.PICO_SCENARIO_LEARNING : process.env.PICO_SCENARIO, text, 'replay');
 
 export function parseScenario(text) {
   return text.toString('latin1').trimEnd().split('\n').map((line) => {
@@ -76,5 +81,5 @@ export function drive(duration_s, seed, options = {}) {
   const rig = new Rig(options);
   rig.play(events, options.onSample);
   rig.board.run(events.at(-1).time_us + 100_000);
-  return { rig, events, expected: replayed(text) };
+  return { rig, events, expected: replayed(text, options.name) };
 }
