@@ -78,6 +78,33 @@ class KalmanBank {
     std::ranges::copy(std::as_bytes(bytes), std::as_writable_bytes(std::span{&state_, 1}).begin());
   }
 
+  /// Biases at the newest measurement of a state, with their variances.
+  [[nodiscard]] static constexpr std::array<Prediction, Axes> newest(const State& state) {
+    std::array<Prediction, Axes> biases{};
+    for (std::size_t i = 0; i < Axes; ++i) {
+      Mixture mixture;
+      for (std::size_t m = 0; m < kHypotheses; ++m) {
+        float weight = 1.0F;
+        float scale = 1.0F;
+        if constexpr (kLearns) {
+          weight = state.evidence.hypotheses[m][i].weight;
+          scale = state.evidence.mean_scale(m, i);
+        }
+        mixture.add(weight, state.filters[m].axes[i].bias_rad_s,
+                    scale * state.filters[m].bias_variance);
+      }
+      biases[i] = {state.axes[i].reference_rad_s + mixture.mean(),
+                   mixture.variance() + state.axes[i].rejection_variance};
+    }
+    return biases;
+  }
+  /// Starts from biases that are known from elsewhere [rad/s], as from a first measurement that
+  /// needs no confirmation.
+  constexpr void start_from(const Rates& biases_rad_s, float variance) {
+    (void)observe_first(biases_rad_s, variance);
+    state_.confirmations_left = 0;
+  }
+
   /// Weighs the hypotheses as before any measurement, all with this scale: how strong the white
   /// noise was found to be, over the model's.
   constexpr void start_learning(float scale) {

@@ -21,6 +21,12 @@ struct TickTemperature {
   Instant unknown_since;  ///< the last reading, or the start; only where it is not known
 
   constexpr bool operator==(const TickTemperature&) const = default;
+  /// Makes it of a temperature above the reference [K]; of what is no number, an unknown one.
+  [[nodiscard]] static constexpr TickTemperature of(float above_reference_k) {
+    if (!is_finite(above_reference_k)) return {};
+    return {.weights = {above_reference_k, above_reference_k * above_reference_k},
+            .is_known = true};
+  }
 };
 template <>
 struct TickTemperature<0> {

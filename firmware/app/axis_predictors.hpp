@@ -78,7 +78,11 @@ class AxisPredictors {
   ~AxisPredictors() = default;
 
   [[nodiscard]] constexpr State state() const {
-    State state{.kalman = kalman_.state(), .white_level = white_level_, .knows_white = knows_white_, .stops = stops_, .axes = {}};
+    State state{.kalman = kalman_.state(),
+                .white_level = white_level_,
+                .knows_white = knows_white_,
+                .stops = stops_,
+                .axes = {}};
     for (std::size_t i = 0; i < kAxes; ++i) {
       state.axes[i] = {.monitor = axes_[i].monitor.state(),
                        .moving_average = axes_[i].moving_average.state(),
@@ -175,9 +179,14 @@ class AxisPredictors {
     kalman_.restore(learnt);
     white_level_ = white_level;
     knows_white_ = true;
-    kalman_.advance(Transition{params.modes.over(ticks)});
-    kalman_.restart_transients();
-    kalman_.inflate_variance(params.turn_on_variance_rad2_s2);
+    pass_pause(params, ticks);
+  }
+  /// Starts the Kalman predictor from biases that another model learnt; all its noise is learnt
+  /// anew.
+  [[gnu::noinline]] void resume(const Rates& biases_rad_s, float variance_rad2_s2,
+                                const NodeParams<Shape>& params, std::uint32_t ticks) {
+    kalman_.start_from(biases_rad_s, variance_rad2_s2);
+    pass_pause(params, ticks);
   }
 
   /// Variance of the white noise of a tick, as learnt.
@@ -200,6 +209,13 @@ class AxisPredictors {
     constexpr explicit Axis(const core::ModesOf<Shape>& modes)
         : moving_average(modes), calibration_mean(modes) {}
   };
+
+  /// Ages what is known by so many ticks without power.
+  constexpr void pass_pause(const NodeParams<Shape>& params, std::uint32_t ticks) {
+    kalman_.advance(Transition{params.modes.over(ticks)});
+    kalman_.restart_transients();
+    kalman_.inflate_variance(params.turn_on_variance_rad2_s2);
+  }
 
   [[nodiscard]] constexpr bool learns() const {
     return kLearns && coefficients_.hypotheses->count > 0;

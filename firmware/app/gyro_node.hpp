@@ -194,6 +194,11 @@ class GyroNode {
   /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, if
   /// is_confirmed(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
+  /// Biases at the newest measurement of what filter() gave.
+  [[nodiscard]] static constexpr std::array<core::Prediction, kAxes> newest_biases(
+      const Filter& filter) {
+    return Predictors::Kalman::newest(filter);
+  }
   /// White noise that filter() is relative to, over the model's; 0: the model's.
   [[nodiscard]] constexpr float white_level() const { return predictors_.white_level(); }
   /// Noise of an axis as it was learnt; all zero in a node of a known model.
@@ -219,6 +224,14 @@ class GyroNode {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
     predictors_.resume(learnt, white_level, params_, ticks);
+    predict_tick();
+  }
+  /// Goes on likewise with the biases that a node with another model learnt.
+  void resume(const std::array<float, kAxes>& biases_rad_s, float variance_rad2_s2,
+              TickTemperature temperature, std::uint32_t ticks) {
+    ZERORATE_ASSERT(!learning_.has_sample());
+    temperature_.resume(temperature);
+    predictors_.resume(biases_rad_s, variance_rad2_s2, params_, ticks);
     predict_tick();
   }
 
@@ -258,14 +271,12 @@ class GyroNode {
 
   /// White noise of the mean of so many samples.
   [[nodiscard]] constexpr WhiteNoise white_noise(float samples) const {
-    WhiteNoise white{
-        .averaged_rad2_s2 = params_.white_variance_rad2_s2 / samples,
-        .floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2,
-        .model_level = screening_.level(),
-        .level = screening_.level()};
+    WhiteNoise white{.averaged_rad2_s2 = params_.white_variance_rad2_s2 / samples,
+                     .floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2,
+                     .model_level = screening_.level(),
+                     .level = screening_.level()};
     if (params_.learns_white_noise && !params_.samples.needs_screen()) {
-      white.level =
-          learning_.calm().white_variance_rad2_s2() / params_.white_variance_rad2_s2;
+      white.level = learning_.calm().white_variance_rad2_s2() / params_.white_variance_rad2_s2;
       white.is_seen = learning_.calm().has_seen_white_noise();
       white.is_known = learning_.calm().knows_white_noise();
     }

@@ -25,7 +25,6 @@ enum class SnapshotRefusal : std::uint8_t {
   not_a_snapshot,  ///< another size, or not our mark
   damaged,         ///< the checksum is wrong
   other_layout,    ///< a version whose records mean something else
-  other_model,     ///< a node with other parameters
   other_sensor,
   nothing_learnt,   ///< it was saved before the node was calibrated
   turn_on_unknown,  ///< the power was off, and the model does not say what that changes
@@ -40,8 +39,6 @@ enum class SnapshotRefusal : std::uint8_t {
       return "damaged";
     case SnapshotRefusal::other_layout:
       return "saved by another version";
-    case SnapshotRefusal::other_model:
-      return "saved with another model or filter";
     case SnapshotRefusal::other_sensor:
       return "saved with another gyro";
     case SnapshotRefusal::nothing_learnt:
@@ -57,6 +54,7 @@ enum class Resumption : std::uint8_t {
   continued,      ///< bit for bit, as if there had been no pause
   aged,           ///< by the time that the clock says to have passed since
   aged_by_a_day,  ///< without a clock: no shorter pause makes the interval too narrow
+  bias_alone,     ///< the model is another: aged likewise, and the noise is learnt anew
 };
 
 /// For logs.
@@ -68,6 +66,8 @@ enum class Resumption : std::uint8_t {
       return "aged by the time since it was saved";
     case Resumption::aged_by_a_day:
       return "aged by a day, for the clock does not tell";
+    case Resumption::bias_alone:
+      return "the bias alone, for the model has changed";
   }
   return "unknown";
 }
@@ -93,11 +93,11 @@ struct SnapshotTime {
 
 /// Writes and reads the records of one node. A record is
 ///
-///     header | filters of all axes, or the node's whole state | CRC-32
+///     header | biases | filters of all axes, or the node's whole state | CRC-32
 ///
 /// in the byte order and layout that all our processors share; the layout is part of the model's
 /// fingerprint. The filters are enough to go on after the power was off. Within one session the
-/// whole state goes on bit for bit.
+/// whole state goes on bit for bit. The biases are what a node with another model goes on with.
 template <class Node>
 class Snapshot {
   static_assert(std::endian::native == std::endian::little);
@@ -114,14 +114,15 @@ class Snapshot {
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfFilters =
-      64 + sizeof(Filter) + sizeof(float) + kBytesOfTemperature + 4;
-  static constexpr std::size_t kBytesOfState = 64 + sizeof(State) + 4;
+      64 + 24 + sizeof(Filter) + sizeof(float) + kBytesOfTemperature + 4;
+  static constexpr std::size_t kBytesOfState = 64 + 24 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
   constexpr Snapshot(const Params& params, std::uint32_t sensor)
       : model_(fingerprint(params)),
         sensor_(sensor),
         tick_(params.modes.tick),
+        reference_degc_(reference_of(params)),
         turn_on_is_known_(core::is_finite(params.turn_on_variance_rad2_s2)) {}
 
   /// A record for boards that lose their power.
@@ -136,6 +137,7 @@ class Snapshot {
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
     std::span<std::uint8_t> rest =
         begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
+    put(rest, biases_of(node.filter(), node.measured_temperature(), node.ticks_since_measured()));
     put(rest, node.filter());
     put(rest, node.white_level());
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
@@ -147,6 +149,9 @@ class Snapshot {
     std::array<std::uint8_t, kBytesOfState> record{};
     auto rest = begin(record, Content::state, state.predictors.kalman.is_confirmed(),
                       state.ticks_since_measured(), time);
+    put(rest,
+        biases_of(state.predictors.kalman, Node::TemperatureTrack::measured(state.temperature),
+                  state.ticks_since_measured()));
     put(rest, state);
     finish(record);
     return record;
@@ -157,10 +162,11 @@ class Snapshot {
                                                     std::span<const std::uint8_t> record,
                                                     const SnapshotTime& now) const {
     const auto header = read_header(record);
-    if (!header || header->content != Content::state || record.size() != kBytesOfState) {
+    if (!header || header->model != model_ || header->content != Content::state ||
+        record.size() != kBytesOfState) {
       return restore_filters(node, record, now);
     }
-    const auto state = get<State>(record.subspan(sizeof(Header)));
+    const auto state = get<State>(record.subspan(kPayload));
     if (header->session == now.session && now.session != Session{}) {
       node.restore(state);
       return Resumption::continued;
@@ -177,10 +183,13 @@ class Snapshot {
                                                             const SnapshotTime& now) const {
     const auto header = read_header(record);
     if (!header) return core::Unexpected{header.error()};
+    if (header->model != model_) {
+      return resume(node, get<Biases>(record.subspan(sizeof(Header))), *header, now);
+    }
     if (header->content != Content::filters || record.size() != kBytesOfFilters) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
     }
-    const auto payload = record.subspan(sizeof(Header));
+    const auto payload = record.subspan(kPayload);
     const auto after_filter = payload.subspan(sizeof(Filter));
     Temperature temperature{};
     if constexpr (kBytesOfTemperature > 0) {
@@ -208,6 +217,25 @@ class Snapshot {
     std::uint32_t ticks_since_measured = 0;
   };
   static_assert(sizeof(Header) == 64 && std::has_unique_object_representations_v<Header>);
+  /// What means the same whatever the model is.
+  struct Biases {
+    std::array<float, Node::kAxes> bias_rad_s{};
+    float variance_rad2_s2 = 0.0F;  ///< of the axis that is known worst
+    float temperature_degc = 0.0F;  ///< at which they were measured; no number where unknown
+    float age_s = 0.0F;             ///< when the record was written
+
+    [[nodiscard]] constexpr bool is_possible() const {
+      return std::all_of(bias_rad_s.begin(), bias_rad_s.end(), core::is_finite) &&
+             core::is_finite_positive(variance_rad2_s2) && age_s >= 0.0F;
+    }
+  };
+  static constexpr float kMostTicks = 1e9F;
+  static constexpr std::size_t kPayload = sizeof(Header) + sizeof(Biases);
+  static_assert(kPayload == 64 + 24);
+  struct Pause {
+    std::uint32_t ticks = 0;
+    bool is_known = false;  ///< by the clock; else a day
+  };
 
   /// Adds numbers to a checksum, in one order and without the padding between them.
   class Fingerprint {
@@ -236,10 +264,10 @@ class Snapshot {
     std::uint32_t crc_ = 0;
   };
 
-  /// Checksum of what the numbers of a record were computed with. What decides only which samples
-  /// are learnt from (standstill, odometer) is not in it: a record means the same under other
-  /// figures there, and what is counted in it (silence, steady ticks) is compared with the new ones
-  /// from then on.
+  /// Checksum of what gives the numbers of a record their meaning. What decides only which samples
+  /// are learnt from (standstill, odometer, gate) and what happens from then on (turn-on, prior
+  /// probabilities, half-life) is not in it: a record means the same under other figures there, and
+  /// what is counted in it (silence, steady ticks) is compared with the new ones from then on.
   static constexpr std::uint32_t fingerprint(const Params& params) {
     Fingerprint print;
     print.add(std::uint32_t{sizeof(Filter)});
@@ -251,7 +279,6 @@ class Snapshot {
     print.add_modes(params.modes.rotating);
     print.add(params.white_variance_rad2_s2);
     print.add(params.measurement_floor_variance_rad2_s2);
-    print.add(params.turn_on_variance_rad2_s2);
     if constexpr (kBytesOfTemperature > 0) {
       print.add(params.temperature.reference_degc);
       print.add(params.temperature.slope_rad_s_per_k);
@@ -270,8 +297,6 @@ class Snapshot {
         print.add(figure);
       }
     }
-    print.add(params.gate.threshold_sigma);
-    print.add(params.gate.longest_knock_ticks);
     print.add(params.sample_period);
     print.add(params.learns_white_noise);
     add_hypotheses(print, params.hypotheses);
@@ -285,7 +310,6 @@ class Snapshot {
     for (std::size_t m = 0; m < hypotheses.count; ++m) {
       const auto& one = hypotheses.all[m];
       for (const float strength : one.strength) print.add(strength);
-      print.add(one.log_prior);
     }
   }
   static constexpr void add_hypotheses(Fingerprint& /*print*/, const core::KnownModel& /*none*/) {}
@@ -324,7 +348,7 @@ class Snapshot {
 
   core::Result<Header, SnapshotRefusal> read_header(std::span<const std::uint8_t> record) const {
     using core::Unexpected;
-    if (record.size() < sizeof(Header) + 4) return Unexpected{SnapshotRefusal::not_a_snapshot};
+    if (record.size() < kPayload + 4) return Unexpected{SnapshotRefusal::not_a_snapshot};
     const auto header = get<Header>(record);
     if (header.mark != kMark) return Unexpected{SnapshotRefusal::not_a_snapshot};
     const std::size_t end = record.size() - 4;
@@ -332,33 +356,80 @@ class Snapshot {
       return Unexpected{SnapshotRefusal::damaged};
     }
     if (header.layout != kLayout) return Unexpected{SnapshotRefusal::other_layout};
-    if (header.model != model_) return Unexpected{SnapshotRefusal::other_model};
     if (header.sensor != sensor_) return Unexpected{SnapshotRefusal::other_sensor};
     return header;
+  }
+
+  [[nodiscard]] static constexpr float reference_of([[maybe_unused]] const Params& params) {
+    if constexpr (kBytesOfTemperature > 0) {
+      return params.temperature.reference_degc;
+    } else {
+      return 0.0F;
+    }
+  }
+  [[nodiscard]] Biases biases_of(const Filter& filter, const Temperature& temperature,
+                                 std::uint32_t ticks_since_measured) const {
+    Biases biases{.temperature_degc = std::numeric_limits<float>::quiet_NaN(),
+                  .age_s = static_cast<float>(ticks_since_measured) * tick_.in_seconds()};
+    const auto newest = Node::newest_biases(filter);
+    for (std::size_t i = 0; i < Node::kAxes; ++i) {
+      biases.bias_rad_s[i] = newest[i].bias_rad_s;
+      biases.variance_rad2_s2 = std::max(biases.variance_rad2_s2, newest[i].variance_rad2_s2);
+    }
+    if constexpr (kBytesOfTemperature > 0) {
+      if (temperature.is_known) {
+        biases.temperature_degc = temperature.weights[0] + reference_degc_;
+      }
+    }
+    return biases;
   }
 
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
                                                    float white_level, Temperature temperature,
                                                    const Header& header,
                                                    const SnapshotTime& now) const {
+    const auto pause = pause_since(header, now);
+    if (!pause) return core::Unexpected{pause.error()};
+    node.resume(learnt, white_level, temperature, header.ticks_since_measured + pause->ticks);
+    return pause->is_known ? Resumption::aged : Resumption::aged_by_a_day;
+  }
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Biases& learnt,
+                                                   const Header& header,
+                                                   const SnapshotTime& now) const {
+    const auto pause = pause_since(header, now);
+    if (!pause) return core::Unexpected{pause.error()};
+    const float age_ticks = learnt.age_s / tick_.in_seconds();
+    if (!learnt.is_possible() || !(age_ticks < kMostTicks)) {
+      return core::Unexpected{SnapshotRefusal::not_a_snapshot};
+    }
+    Temperature temperature{};
+    if constexpr (kBytesOfTemperature > 0) {
+      temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
+    }
+    node.resume(learnt.bias_rad_s, learnt.variance_rad2_s2, temperature,
+                pause->ticks + static_cast<std::uint32_t>(age_ticks));
+    return Resumption::bias_alone;
+  }
+
+  [[nodiscard]] core::Result<Pause, SnapshotRefusal> pause_since(const Header& header,
+                                                                 const SnapshotTime& now) const {
     using core::Unexpected;
     if (header.calibrated == 0) return Unexpected{SnapshotRefusal::nothing_learnt};
     if (!turn_on_is_known_) return Unexpected{SnapshotRefusal::turn_on_unknown};
     // A clock before 1970, or one that went backwards and so was set meanwhile, is as good as none.
-    const bool has_clock = header.utc_s >= 0 && now.utc_s && *now.utc_s >= header.utc_s;
+    const bool is_known = header.utc_s >= 0 && now.utc_s && *now.utc_s >= header.utc_s;
     core::Duration pause = kLongestPause;
-    if (has_clock) {
+    if (is_known) {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    node.resume(learnt, white_level, temperature,
-                header.ticks_since_measured + static_cast<std::uint32_t>(pause / tick_));
-    return has_clock ? Resumption::aged : Resumption::aged_by_a_day;
+    return Pause{.ticks = static_cast<std::uint32_t>(pause / tick_), .is_known = is_known};
   }
 
   std::uint32_t model_;
   std::uint32_t sensor_;
   core::Duration tick_;
+  float reference_degc_;
   bool turn_on_is_known_;
 };
 

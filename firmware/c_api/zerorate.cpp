@@ -283,8 +283,6 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
       return ZERORATE_SNAPSHOT_DAMAGED;
     case SnapshotRefusal::other_layout:
       return ZERORATE_SNAPSHOT_VERSION;
-    case SnapshotRefusal::other_model:
-      return ZERORATE_SNAPSHOT_MODEL;
     case SnapshotRefusal::other_sensor:
       return ZERORATE_SNAPSHOT_SENSOR;
     case SnapshotRefusal::nothing_learnt:

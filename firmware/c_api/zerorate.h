@@ -41,16 +41,18 @@ extern "C" {
 #define ZERORATE_AXES 3
 #define ZERORATE_DECAYING_MODES 7
 #define ZERORATE_ROTATING_MODES 1
-/** Noise models that an instance weighs: 12, 4 or, without learning, 1. The same for the library and
- *  for all that includes this header; the model file says how many `zerorate export --c` writes. */
+/** Noise models that an instance weighs: 12, 4 or, without learning, 1. The same for the library
+ * and for all that includes this header; the model file says how many `zerorate export --c` writes.
+ */
 #ifndef ZERORATE_HYPOTHESES
 #define ZERORATE_HYPOTHESES 12
 #endif
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES (5760 + 640 * ZERORATE_HYPOTHESES)
+#define ZERORATE_INSTANCE_BYTES (5760 + (640 * ZERORATE_HYPOTHESES))
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES \
-  (132 + 456 * ZERORATE_HYPOTHESES + (ZERORATE_HYPOTHESES > 1 ? 4 + 36 * ZERORATE_HYPOTHESES : 0))
+#define ZERORATE_SNAPSHOT_BYTES        \
+  (156 + (456 * ZERORATE_HYPOTHESES) + \
+   ((ZERORATE_HYPOTHESES > 1) ? (4 + (36 * ZERORATE_HYPOTHESES)) : 0))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
 /** For zerorate_rate: no stop has been judged yet. */
@@ -71,7 +73,6 @@ typedef enum zerorate_result {
   ZERORATE_SNAPSHOT_NOT_OURS,  /**< another size, or not our mark */
   ZERORATE_SNAPSHOT_DAMAGED,   /**< its checksum is wrong */
   ZERORATE_SNAPSHOT_VERSION,   /**< another version's */
-  ZERORATE_SNAPSHOT_MODEL,     /**< another model's or another configuration's */
   ZERORATE_SNAPSHOT_SENSOR,    /**< another sensor's */
   ZERORATE_SNAPSHOT_NOT_USABLE /**< the model does not say what switching on changes */
 } zerorate_result;
@@ -151,8 +152,8 @@ typedef struct zerorate_model {
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
   zerorate_temperature_drift temperature; /**< zeros: the bias does not follow it */
-  uint8_t hypothesis_count; /**< of those below; 0: the model is taken at its word */
-  float evidence_kept;      /**< share of the evidence that a measurement leaves, at most 1 */
+  uint8_t hypothesis_count;               /**< of those below; 0: the model is taken at its word */
+  float evidence_kept; /**< share of the evidence that a measurement leaves, at most 1 */
   zerorate_hypothesis hypotheses[ZERORATE_HYPOTHESES];
 } zerorate_model;
 
@@ -284,8 +285,9 @@ zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t*
 
 /**
  * Takes a record up, after zerorate_init() and before the first sample: ages it by the time that
- * has passed (without a clock, by a day), and widens it by what switching the sensor on changes. A
- * refusal leaves the instance as it was.
+ * has passed (without a clock, by a day), and widens it by what switching the sensor on changes. Of
+ * a record of another model the biases are taken up, and the noise is learnt anew. A refusal leaves
+ * the instance as it was.
  */
 zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8_t* record,
                                  size_t size);

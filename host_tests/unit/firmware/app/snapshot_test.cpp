@@ -185,11 +185,8 @@ TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {
   const auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
   for (std::size_t size = 0; size < record.size(); ++size) {
     const auto refusal = refusal_of(std::span{record}.first(size), after(10));
-    EXPECT_EQ(refusal, size < 68 ? SnapshotRefusal::not_a_snapshot : SnapshotRefusal::damaged);
+    EXPECT_EQ(refusal, size < 92 ? SnapshotRefusal::not_a_snapshot : SnapshotRefusal::damaged);
   }
-  auto louder = params_with_turn_on();
-  louder.white_variance_rad2_s2 *= 2.0F;
-  EXPECT_EQ(refusal_of(record, after(10), louder), SnapshotRefusal::other_model);
   EXPECT_EQ(refusal_of(record, after(10), params_with_turn_on(), kSensor + 1),
             SnapshotRefusal::other_sensor);
   const Node::Params params = params_with_turn_on();
@@ -231,6 +228,55 @@ TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
   }
   EXPECT_EQ(last.health, Health{.calibrated = true});
   EXPECT_NEAR(bias_of(again), kBias_rad_s, 5.0F * last.axes[0].sigma.in(core::rad_per_s));
+}
+
+// The oracle: the variance of the bias, of so many seconds of the new model's slow noise and of the
+// turn-on.
+TEST(SnapshotOfAnotherModel, GivesTheBiasWithAWiderInterval) {
+  Learnt learnt;
+  Node::Params louder = params_with_turn_on();
+  louder.white_variance_rad2_s2 *= 2.0F;
+  Node aged{learnt.params};
+  ASSERT_EQ(
+      *taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved), after(60), aged),
+      Resumption::aged);
+  for (const bool is_state : {false, true}) {
+    Node again{louder};
+    const auto resumed =
+        is_state
+            ? taken_up(louder, learnt.snapshot.of_state(learnt.node.state(), kSaved), after(60),
+                       again)
+            : taken_up(louder, learnt.snapshot.of_filters(learnt.node, kSaved), after(60), again);
+    ASSERT_EQ(*resumed, Resumption::bias_alone);
+    const auto known = aged.predict(Predictor::kalman, 0);
+    const auto taken = again.predict(Predictor::kalman, 0);
+    EXPECT_NEAR(taken.bias_rad_s, known.bias_rad_s, known.sigma_rad_s());
+    EXPECT_GE(taken.variance_rad2_s2, known.variance_rad2_s2);
+    EXPECT_TRUE(again.has_learnt());
+  }
+}
+
+TEST(SnapshotOfAnotherModel, IsRefusedWhereItsBiasesAreNoNumbers) {
+  constexpr std::size_t kBiasesAt = 64;
+  Learnt learnt;
+  Node::Params louder = params_with_turn_on();
+  louder.white_variance_rad2_s2 *= 2.0F;
+  for (const std::size_t number : {0U, 1U, 2U, 3U, 5U}) {
+    auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
+    for (std::size_t byte = 0; byte < 4; ++byte) record[kBiasesAt + 4 * number + byte] = 0xFF;
+    zerorate::testing::put_checksum(record);
+    EXPECT_EQ(refusal_of(record, after(10), louder), SnapshotRefusal::not_a_snapshot);
+  }
+}
+
+TEST(SnapshotOfAModelWithAnotherGate, IsTakenUpForItsNumbersMeanTheSame) {
+  Learnt learnt;
+  Node::Params stricter = params_with_turn_on();
+  stricter.gate = {.threshold_sigma = 4.0F, .longest_knock_ticks = 3};
+  stricter.turn_on_variance_rad2_s2 *= 4.0F;
+  Node again{stricter};
+  EXPECT_EQ(*taken_up(stricter, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again),
+            Resumption::aged);
 }
 
 TEST(SnapshotOfASingleMeasurement, IsRefusedSinceNothingHasBorneItOut) {

@@ -405,14 +405,23 @@ TEST(CInterfaceOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
   }
   EXPECT_EQ(refusal(good, good.size(), front_gyro, 7), ZERORATE_SNAPSHOT_SENSOR);
   zerorate_model other = front_gyro;
-  other.white_variance_rad2_s2 *= 2.0F;
-  EXPECT_EQ(refusal(good, good.size(), other, 0), ZERORATE_SNAPSHOT_MODEL);
-  other = front_gyro;
   other.turn_on_variance_rad2_s2 = ZERORATE_UNKNOWN_VARIANCE;
   zerorate_node unknown;
   ASSERT_EQ(zerorate_init(&unknown, &other, nullptr), ZERORATE_OK);
   for (std::int64_t k = 0; k < kStopSamples; ++k) feed(unknown, moment(k));
   EXPECT_EQ(refusal(save(unknown), good.size(), other, 0), ZERORATE_SNAPSHOT_NOT_USABLE);
+}
+
+TEST(CInterfaceOfferedARecordOfAnotherModel, GoesOnWithTheBias) {
+  zerorate_node node;
+  stand(node);
+  const Record record = save(node);
+  zerorate_model other = front_gyro;
+  other.white_variance_rad2_s2 *= 2.0F;
+  zerorate_node restarted;
+  ASSERT_EQ(zerorate_init(&restarted, &other, nullptr), ZERORATE_OK);
+  EXPECT_EQ(zerorate_restore(&restarted, kUtc_s, record.data(), record.size()), ZERORATE_OK);
+  EXPECT_TRUE(feed(restarted, moment(0)).health.calibrated);
 }
 
 TEST(CInterfaceSaving, NeedsRoomAndAStop) {
