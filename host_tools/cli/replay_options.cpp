@@ -15,6 +15,7 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/validation.hpp"
+#include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -124,6 +125,37 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
                evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
                score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
                score.coverage95_of_node);
+  }
+}
+
+void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  if (!result.learnt) return;
+  fmt::print(
+      "\nNoise model learnt from the stops, with 95 % intervals\n{:<5}{:>7}{:>26}{:>26}{:>32}\n",
+      "axis", "stops", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
+  for (const std::size_t axis : axes) {
+    const auto learnt = evaluate::learnt_model((*result.learnt)[axis]);
+    fmt::print("{:<5}{:>7.1f}{:>26}{:>26}{:>32}\n", evaluate::axis_name(result, axis), learnt.stops,
+               evaluate::in_words(learnt.order), evaluate::in_words(learnt.bias_instability_dph),
+               evaluate::in_words(learnt.angle_random_walk_dps_per_sqrt_hz));
+  }
+}
+
+void print_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>12}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
+             "drives", "drift deg rms", "ratio to CM", "coverage 95", "sigma/rms", "RSSE deg/s",
+             "IE deg");
+  for (const std::size_t axis : axes) {
+    const auto& baseline = result.scores[axis].back();
+    for (const app::Predictor predictor : evaluate::kAllPredictors) {
+      const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
+      fmt::print("{:<5}{:<18}{:>7}{:>16.4f}{:>12.3f}{:>13.3f}{:>11.2f}{:>12.3f}{:>11.4f}\n",
+                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
+                 scores.heading_drift_rms_rad() * kDegPerRad,
+                 scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
+                 scores.coverage95(), scores.sigma_over_rms(),
+                 scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
+    }
   }
 }
 
@@ -268,28 +300,14 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
              static_cast<double>(result.filter_tick.ns()) * 1e-9);
   print_notes(result);
   if (result.true_drives) print_true_drives(*result.true_drives, result.axis_count);
-  if (!result.truth_known) {
-    if (result.true_drives) return;
+  if (result.truth_known) {
+    print_scores(result, axes);
+  } else if (!result.true_drives) {
     fmt::print(
         "  note: the true rate is not known, so nothing is scored; --schedule says that the "
         "sensor was at rest\n");
-    return;
   }
-  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>12}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
-             "drives", "drift deg rms", "ratio to CM", "coverage 95", "sigma/rms", "RSSE deg/s",
-             "IE deg");
-  for (const std::size_t axis : axes) {
-    const auto& baseline = result.scores[axis].back();
-    for (const app::Predictor predictor : evaluate::kAllPredictors) {
-      const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>16.4f}{:>12.3f}{:>13.3f}{:>11.2f}{:>12.3f}{:>11.4f}\n",
-                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
-                 scores.heading_drift_rms_rad() * kDegPerRad,
-                 scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
-                 scores.coverage95(), scores.sigma_over_rms(),
-                 scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
-    }
-  }
+  print_learnt(result, axes);
 }
 
 }  // namespace zerorate::cli

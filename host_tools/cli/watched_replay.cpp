@@ -19,6 +19,7 @@ evaluate::ReplayResult replay_watched(recording::Reader& reader,
   }
   if (sinks.trace != nullptr) {
     observer.on_drive = [&](const evaluate::ReplayedDrive& drive) { sinks.trace->add(drive); };
+    observer.on_learnt = [&](const evaluate::LearntStop& stop) { sinks.trace->add(stop); };
   }
   ProgressBar progress{"replaying"};
   observer.on_progress = [&](std::optional<double> share) { progress.update(share); };

@@ -126,6 +126,7 @@ class Run {
       }
     }
     if (drive_open_) close_drive(newest_);
+    if (has_news()) tell_learnt(row.time_ns);
     result_.loop = feed.counters();
     result_.findings = reader_.findings();
     if (true_drives_) result_.true_drives = true_drives_->finish();
@@ -186,6 +187,7 @@ class Run {
   void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
+    if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
       result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
@@ -210,6 +212,18 @@ class Run {
       observer_.on_sample(
           {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
     }
+  }
+
+  /// Whether the node has learnt something that was not told yet.
+  [[nodiscard]] bool has_news() const {
+    return params_.hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
+  }
+
+  void tell_learnt(std::int64_t time_ns) {
+    told_ticks_ = node_.measured_ticks();
+    LearntNoises& learnt = result_.learnt.emplace();
+    for (std::size_t i = 0; i < result_.axis_count; ++i) learnt[i] = node_.learnt_noise(i);
+    if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt});
   }
 
   void add_to_drive(const app::RateMessage& message, const std::array<float, 3>& truth) {
@@ -282,6 +296,7 @@ class Run {
   std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;
+  std::uint32_t told_ticks_ = 0;  ///< measured when it was last told what was learnt
   std::optional<TrueDriveScorer> true_drives_;
 };
 
@@ -328,7 +343,8 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.filter_tick = filter_tick(options, result.sample_period);
   // Most models are six flicker decades; the larger node takes every other one.
   if (model::fits_six_decades(options.model)) {
-    run<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>(rows, reader, options, observer, result);
+    run<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>(
+        rows, reader, options, observer, result);
   } else {
     run<model::kLargestLearningShape>(rows, reader, options, observer, result);
   }

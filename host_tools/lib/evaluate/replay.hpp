@@ -14,6 +14,7 @@
 #include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
+#include "firmware/app/learnt_noise.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/model/sensor_model.hpp"
@@ -72,6 +73,15 @@ struct ReplayedDrive {
   DriveOutcome outcome;
 };
 
+/// Noise of each axis as the node has learnt it.
+using LearntNoises = std::array<app::LearntNoise, 3>;
+
+/// Noise that a node had learnt when a stop was over.
+struct LearntStop {
+  std::int64_t time_ns;  ///< as the recording has it
+  const LearntNoises& axes;
+};
+
 /// The vehicle's true rate at a row of the recording [rad/s].
 using TrueRate = std::function<std::array<float, 3>(std::uint64_t row)>;
 
@@ -82,6 +92,8 @@ struct ReplayObserver {
   std::optional<truth::Truth> truth;
   std::function<void(const ReplayedSample&)> on_sample;
   std::function<void(const ReplayedDrive&)> on_drive;
+  /// Called at the end of each stop and of the recording, if something was learnt since.
+  std::function<void(const LearntStop&)> on_learnt;
   /// Called now and then with the share of the recording that is done, if known.
   std::function<void(std::optional<double>)> on_progress;
 };
@@ -105,6 +117,9 @@ struct ReplayResult {
   bool truth_known = false;
   std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< by axis and predictor
   std::optional<TrueDrives> true_drives;  ///< if the observer gave the truth
+  /// Noise as learnt by the end; nullopt where the model was taken at its word, or nothing
+  /// measured.
+  std::optional<LearntNoises> learnt;
 };
 
 /// Replays to the end of the recording in constant memory. Throws recording::Error and

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host_tools/lib/evaluate/learnt_model_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_json.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -53,7 +54,9 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       predictors[std::string(name(kAllPredictors[p]))] = scores_json(scores[p], scores.back());
     }
-    json["axes"][axis_name(result, axis)]["predictors"] = std::move(predictors);
+    Json& of_axis = json["axes"][axis_name(result, axis)];
+    of_axis["predictors"] = std::move(predictors);
+    of_axis["learnt"] = result.learnt ? learnt_json(learnt_model((*result.learnt)[axis])) : nullptr;
   }
   if (result.true_drives) {
     json["true_drives"] = true_drives_json(*result.true_drives, result.axis_count);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "host_tools/lib/evaluate/learnt_model_report.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
@@ -275,6 +276,7 @@ report::Report make_report(const ReplayResult& result, const std::vector<std::si
         .table(score_table(result, axes));
   }
   if (result.true_drives) add_true_drives(report, *result.true_drives, trace, result);
+  add_learnt_model(report, result, axes, trace);
   if (!rest.rate_rad_s.empty()) {
     report.section("The sensor's noise").chart(allan_chart(rest, model));
   }

@@ -53,6 +53,10 @@ void ReplayTrace::add(const ReplayedDrive& drive) {
   drives_.back().outcomes[static_cast<std::size_t>(drive.predictor)] = drive.outcome;
 }
 
+void ReplayTrace::add(const LearntStop& stop) {
+  models_.push_back({static_cast<double>(stop.time_ns) * 1e-9, learnt_model(stop.axes[axis_])});
+}
+
 /// A step lets few ticks go at once, those that were held back; what it leaps over further was a
 /// drive.
 void ReplayTrace::follow_learning(std::uint32_t learnt_ticks) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 
 namespace zerorate::evaluate {
@@ -28,6 +29,12 @@ struct TracedDrive {
   std::array<DriveOutcome, app::kPredictors> outcomes{};
 };
 
+/// Noise model of the traced axis at the end of a stop.
+struct TracedModel {
+  double time_s = 0.0;
+  LearntModel model;
+};
+
 /// Follows one axis of a replay. Holds at most kMostPoints stretches: when they are full, pairs of
 /// them are merged and later stretches are twice as long.
 class ReplayTrace {
@@ -38,12 +45,14 @@ class ReplayTrace {
 
   void add(const ReplayedSample& sample);
   void add(const ReplayedDrive& drive);
+  void add(const LearntStop& stop);
   /// After the replay: takes the last, shorter stretch in.
   void finish() { close_stretch(); }
 
   [[nodiscard]] std::size_t axis() const { return axis_; }
   [[nodiscard]] const std::vector<TracePoint>& points() const { return points_; }
   [[nodiscard]] const std::vector<TracedDrive>& drives() const { return drives_; }
+  [[nodiscard]] const std::vector<TracedModel>& models() const { return models_; }
   /// Standstills, in seconds of the recording.
   struct Interval {
     double from_s;
@@ -70,6 +79,7 @@ class ReplayTrace {
   TracePoint sum_;
   std::vector<TracePoint> points_;
   std::vector<TracedDrive> drives_;
+  std::vector<TracedModel> models_;
   std::vector<Interval> stops_;
   bool in_stop_ = false;
   std::vector<LearntTicks> learnt_;

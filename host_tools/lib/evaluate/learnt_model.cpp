@@ -1,0 +1,42 @@
+#include "host_tools/lib/evaluate/learnt_model.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host_tools/lib/statistics/normal.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::evaluate {
+namespace {
+
+LearntInterval normal(const app::LearntFigure& figure) {
+  const double value{figure.value};
+  const double half_width = statistics::kHalfWidth95 * double{figure.sigma};
+  return {.value = value, .lo = value - half_width, .hi = value + half_width};
+}
+
+LearntInterval log_normal(const app::LearntFigure& figure, double unit) {
+  const double value = double{figure.value} * unit;
+  const double relative = double{figure.sigma} / double{figure.value};
+  const double log_variance = std::log1p(relative * relative);
+  const double median = value * std::exp(-0.5 * log_variance);
+  const double factor = std::exp(statistics::kHalfWidth95 * std::sqrt(log_variance));
+  return {.value = value, .lo = median / factor, .hi = median * factor};
+}
+
+}  // namespace
+
+std::string in_words(const LearntInterval& figure) {
+  return fmt::format("{:.3g} ({:.3g} to {:.3g})", figure.value, figure.lo, figure.hi);
+}
+
+LearntModel learnt_model(const app::LearntNoise& noise) {
+  return {.order = normal(noise.order),
+          .bias_instability_dph = log_normal(noise.bias_instability_rad_s, units::kDphPerRadS),
+          .angle_random_walk_dps_per_sqrt_hz =
+              log_normal(noise.angle_random_walk_rad_per_sqrt_s, units::kDegPerRad),
+          .stops = double{noise.stops}};
+}
+
+}  // namespace zerorate::evaluate
