@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -10,6 +12,7 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/lib/experiments/drives/learning.hpp"
 #include "host_tools/lib/experiments/drives/presentation.hpp"
 
 namespace zerorate::cli {
@@ -20,6 +23,9 @@ struct EvaluateOptions {
   std::vector<std::string> schedules{"15/60", "30/120", "60/300", "20/300", "120/600"};
   std::string fit_on = "other";
   std::string fit_by = "characterization";
+  std::string learn;
+  std::vector<double> white_factors{1.0};
+  std::vector<double> flicker_factors{1.0};
   experiments::DriveContestOptions contest;
   OutputOptions outputs;
 };
@@ -35,6 +41,34 @@ evaluate::ScheduleParams schedule_of(const std::string& text) {
                                   ",drive=" + text.substr(slash + 1));
 }
 
+/// Data sheets that are wrong by the factors, one a pair; a single factor goes with all others.
+std::vector<experiments::DataSheetError> data_sheet_errors(const EvaluateOptions& options) {
+  const auto& white = options.white_factors;
+  const auto& flicker = options.flicker_factors;
+  const std::size_t cases = std::max(white.size(), flicker.size());
+  if (std::min(white.size(), flicker.size()) > 1 && white.size() != flicker.size()) {
+    throw std::invalid_argument(fmt::format(
+        "--white-factor names {} factors and --flicker-factor {}: name as many, or one of them",
+        white.size(), flicker.size()));
+  }
+  std::vector<experiments::DataSheetError> errors;
+  for (std::size_t i = 0; i < cases; ++i) {
+    errors.push_back({.white = white[white.size() == 1 ? 0 : i],
+                      .flicker = flicker[flicker.size() == 1 ? 0 : i]});
+  }
+  return errors;
+}
+
+/// Runs a contest under a progress bar.
+template <class Contest, class Options>
+Contest run_watched(Contest (*contest)(const std::vector<std::filesystem::path>&, const Options&,
+                                       const parallel::Progress&),
+                    const EvaluateOptions& options, const Options& contest_options) {
+  ProgressBar bar{"drives"};
+  return contest({options.recordings.begin(), options.recordings.end()}, contest_options,
+                 [&bar](double share) { bar.update(share); });
+}
+
 ExitCode run_evaluate(EvaluateOptions options) {
   for (const std::string& text : options.schedules) {
     options.contest.schedules.push_back(schedule_of(text));
@@ -43,14 +77,15 @@ ExitCode run_evaluate(EvaluateOptions options) {
       options.fit_on == "other" ? experiments::FitOn::other : experiments::FitOn::itself;
   options.contest.fit_by = options.fit_by == "diagnosis" ? experiments::FitBy::diagnosis
                                                          : experiments::FitBy::characterization;
-  const auto contest = [&] {
-    ProgressBar bar{"drives"};
-    return experiments::run_drive_contest({options.recordings.begin(), options.recordings.end()},
-                                          options.contest,
-                                          [&bar](double share) { bar.update(share); });
-  }();
-  present(experiments::present(contest), "zerorate " ZERORATE_VERSION ", zerorate evaluate drives",
-          options.outputs);
+  const auto presentation =
+      options.learn.empty() ? experiments::present(run_watched(experiments::run_drive_contest,
+                                                               options, options.contest))
+                            : experiments::present(run_watched(
+                                  experiments::run_learning_contest, options,
+                                  experiments::LearningOptions{.model = load_model(options.learn),
+                                                               .cases = data_sheet_errors(options),
+                                                               .drives = options.contest}));
+  present(presentation, "zerorate " ZERORATE_VERSION ", zerorate evaluate drives", options.outputs);
   return success;
 }
 
@@ -74,17 +109,41 @@ Command add_evaluate(CLI::App& app) {
       ->capture_default_str();
   drives->add_option("--seed", options->contest.first_seed, "the first of them")
       ->capture_default_str();
+  auto* fit_on =
+      drives
+          ->add_option("--fit-on", options->fit_on,
+                       "where a recording's parameters come from: other (the other recordings) or "
+                       "itself (hindsight)")
+          ->check(CLI::IsMember({"other", "itself"}))
+          ->capture_default_str();
+  auto* fit_by =
+      drives
+          ->add_option("--fit-by", options->fit_by,
+                       "what makes the models: characterization (order fitted against d = 1/2) or "
+                       "diagnosis (what `zerorate diagnose` finds against its base)")
+          ->check(CLI::IsMember({"characterization", "diagnosis"}))
+          ->capture_default_str();
+  auto* learn =
+      drives
+          ->add_option("--learn", options->learn,
+                       "a node that learns from nothing, with this model (a TOML file or a name "
+                       "from 'zerorate model list') as its data sheet, against filters that were "
+                       "fitted")
+          ->excludes(fit_on)
+          ->excludes(fit_by);
   drives
-      ->add_option("--fit-on", options->fit_on,
-                   "where a recording's parameters come from: other (the other recordings) or "
-                   "itself (hindsight)")
-      ->check(CLI::IsMember({"other", "itself"}))
+      ->add_option("--white-factor", options->white_factors,
+                   "with --learn: the data sheet's N over the model's; several: a case each")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-3, 1e3))
+      ->needs(learn)
       ->capture_default_str();
   drives
-      ->add_option("--fit-by", options->fit_by,
-                   "what makes the models: characterization (order fitted against d = 1/2) or "
-                   "diagnosis (what `zerorate diagnose` finds against its base)")
-      ->check(CLI::IsMember({"characterization", "diagnosis"}))
+      ->add_option("--flicker-factor", options->flicker_factors,
+                   "with --learn: the data sheet's B over the model's, as many or one for all")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-3, 1e3))
+      ->needs(learn)
       ->capture_default_str();
   drives
       ->add_option("--filter-rate", options->contest.filter_rate_hz,
@@ -100,7 +159,8 @@ Command add_evaluate(CLI::App& app) {
       "Examples:\n"
       "  zerorate evaluate drives run1.csv.gz run2.csv.gz run3.csv.gz\n"
       "  zerorate evaluate drives run*.csv.gz --schedules 30/120,60/300 --seeds 20 --json -\n"
-      "  zerorate evaluate drives rest.csv --fit-on itself --report drives.html");
+      "  zerorate evaluate drives rest.csv --fit-on itself --report drives.html\n"
+      "  zerorate evaluate drives run*.csv.gz --learn adis16405 --white-factor 1,3,0.333");
   return {command, [options] { return run_evaluate(*options); }};
 }
 

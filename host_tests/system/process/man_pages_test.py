@@ -28,7 +28,14 @@ def help_of(*command):
 
 
 def commands_of(text):
-    return re.findall(r"^  (\w+)  ", text[text.index("Subcommands:"):], re.MULTILINE)
+    _, _, commands = text.partition("Subcommands:")
+    return re.findall(r"^  (\w+)  ", commands, re.MULTILINE)
+
+
+def help_of_all(*command):
+    """The help of a command and of the commands within it."""
+    text = help_of(*command)
+    return "\n".join([text, *(help_of(*command, within) for within in commands_of(text))])
 
 
 class ManualPages(unittest.TestCase):
@@ -37,7 +44,7 @@ class ManualPages(unittest.TestCase):
         commands = commands_of(help_of(ZERORATE))
         self.assertEqual(sorted(sections), sorted(commands))
         for command in commands:
-            text = help_of(ZERORATE, command)
+            text = help_of_all(ZERORATE, command)
             self.assertEqual(options(sections[command]) | {"--help"}, options(text), command)
             examples = re.findall(r"^  (zerorate .*)$", text, re.MULTILINE)
             for example in examples:

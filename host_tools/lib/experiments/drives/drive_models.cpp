@@ -45,6 +45,22 @@ Fits fit_recording(const std::filesystem::path& path, FitBy fit_by) {
   return fits;
 }
 
+bool lends_to(const std::vector<Fits>& fits, FitOn fit_on, std::size_t lender,
+              std::size_t recording, std::size_t axis) {
+  if (fit_on == FitOn::itself) return lender == recording;
+  return lender != recording && axis < fits[lender].size();
+}
+
+std::vector<model::SensorModel> lent_models(const std::vector<Fits>& fits, FitOn fit_on,
+                                            std::size_t recording, std::size_t axis,
+                                            model::SensorModel DriveContest::AxisModels::*which) {
+  std::vector<model::SensorModel> lent;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (lends_to(fits, fit_on, i, recording, axis)) lent.push_back(fits[i][axis].*which);
+  }
+  return lent;
+}
+
 model::SensorModel mean_model(const std::vector<model::SensorModel>& models) {
   double log_n = 0.0;
   double log_b = 0.0;

@@ -15,6 +15,15 @@ using Fits = std::vector<DriveContest::AxisModels>;
 /// Fits each axis of a recording. Throws recording::DataError.
 [[nodiscard]] Fits fit_recording(const std::filesystem::path& path, FitBy fit_by);
 
+/// Whether a recording may use the fit and the tuning of the lender on an axis.
+[[nodiscard]] bool lends_to(const std::vector<Fits>& fits, FitOn fit_on, std::size_t lender,
+                            std::size_t recording, std::size_t axis);
+
+/// Models of an axis that a recording may use; none where no other recording has that axis.
+[[nodiscard]] std::vector<model::SensorModel> lent_models(
+    const std::vector<Fits>& fits, FitOn fit_on, std::size_t recording, std::size_t axis,
+    model::SensorModel DriveContest::AxisModels::*which);
+
 /// Mean of models: of log N, log B and d, which is the mean of the log spectra at every frequency.
 /// Recordings that showed no flicker noise have no say in it.
 /// @param models  at least one

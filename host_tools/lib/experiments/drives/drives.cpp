@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/experiments/drives/drive_models.hpp"
 #include "host_tools/lib/experiments/drives/exponential_means.hpp"
-#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/reader.hpp"
-#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -20,46 +17,19 @@ namespace {
 namespace fs = std::filesystem;
 using app::Predictor;
 
-using units::kDegPerRad;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Memories that the tuned competitors choose from: two a decade, from seconds to a day.
 constexpr std::array kMemories_s = {3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5};
 constexpr std::size_t kMemories = kMemories_s.size();
 
-/// Sums over drives of one axis, addable.
-struct Sums {
-  double drives = 0.0;
-  double squares_rad2 = 0.0;
-  double covered = 0.0;  ///< NaN without an interval
-  double sigma_rad = 0.0;
-
-  Sums& operator+=(const Sums& other) {
-    drives += other.drives;
-    squares_rad2 += other.squares_rad2;
-    covered += other.covered;
-    sigma_rad += other.sigma_rad;
-    return *this;
-  }
-  Sums operator/(double count) const {
-    return {drives / count, squares_rad2 / count, covered / count, sigma_rad / count};
-  }
-};
-
-Sums sums_of(const evaluate::DriveScores& scores) {
-  if (scores.drives() == 0) return {};
-  const auto n = static_cast<double>(scores.drives());
-  const double rms_rad = scores.heading_drift_rms_rad();
-  return {.drives = n,
-          .squares_rad2 = n * rms_rad * rms_rad,
-          .covered = n * scores.coverage95(),
-          .sigma_rad = n * scores.sigma_over_rms() * rms_rad};
-}
+using Sums = DriveSums;
+using Results = DriveResults;
 
 using AxisScores = std::array<evaluate::DriveScores, app::kPredictors>;
 using AllScores = decltype(evaluate::ReplayResult::scores);
 
-Sums sums_of(const AxisScores& scores, Predictor predictor) {
+Sums predictor_sums(const AxisScores& scores, Predictor predictor) {
   return sums_of(scores[static_cast<std::size_t>(predictor)]);
 }
 
@@ -102,8 +72,6 @@ class Contest {
     std::size_t recording;
     std::size_t axis;
   };
-  /// One contestant's sums by cluster and schedule.
-  using Results = std::vector<std::vector<Sums>>;
 
   [[nodiscard]] std::size_t schedules() const { return options_.schedules.size(); }
 
@@ -116,18 +84,9 @@ class Contest {
     }
   }
 
-  /// The recordings whose fits and tuning a recording may use.
-  [[nodiscard]] bool lends_to(std::size_t lender, const Cluster& cluster) const {
-    if (options_.fit_on == FitOn::itself) return lender == cluster.recording;
-    return lender != cluster.recording && cluster.axis < fits_[lender].size();
-  }
-
   [[nodiscard]] std::vector<model::SensorModel> models_for(
       const Cluster& cluster, model::SensorModel DriveContest::AxisModels::*which) const {
-    std::vector<model::SensorModel> lent;
-    for (std::size_t i = 0; i < fits_.size(); ++i) {
-      if (lends_to(i, cluster)) lent.push_back(fits_[i][cluster.axis].*which);
-    }
+    auto lent = lent_models(fits_, options_.fit_on, cluster.recording, cluster.axis, which);
     if (lent.empty()) {
       throw std::invalid_argument(
           "parameters from other recordings need at least two recordings with the same axes; "
@@ -174,15 +133,15 @@ class Contest {
       };
       const auto mean_over = [&](const std::vector<model::SensorModel>& models) {
         Sums sums;
-        for (const auto& model : models) sums += sums_of(scores(model), Predictor::kalman);
+        for (const auto& model : models) sums += predictor_sums(scores(model), Predictor::kalman);
         return sums / static_cast<double>(models.size());
       };
       const auto extended = models_for(cluster, &DriveContest::AxisModels::extended);
       axes[axis].kalman_extended = mean_over(extended);
       axes[axis].kalman_base = mean_over(models_for(cluster, &DriveContest::AxisModels::base));
       const auto of_windows = scores(extended.front());
-      axes[axis].moving_average = sums_of(of_windows, Predictor::moving_average);
-      axes[axis].calibration_mean = sums_of(of_windows, Predictor::calibration_mean);
+      axes[axis].moving_average = predictor_sums(of_windows, Predictor::moving_average);
+      axes[axis].calibration_mean = predictor_sums(of_windows, Predictor::calibration_mean);
     }
   }
 
@@ -199,7 +158,7 @@ class Contest {
       if (m == 0) observer.on_sample = means.observer();
       const auto scores = replay(recording, schedule, walk, observer);
       for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        axes[axis].random_walk_filter[m] = sums_of(scores[axis], Predictor::kalman);
+        axes[axis].random_walk_filter[m] = predictor_sums(scores[axis], Predictor::kalman);
         axes[axis].random_walk_filter[m].covered = kNan;
       }
     }
@@ -229,7 +188,7 @@ class Contest {
                            std::array<Sums, kMemories> AxisSums::*which) const {
     std::array<double, kMemories> drift{};
     for (std::size_t i = 0; i < paths_.size(); ++i) {
-      if (!lends_to(i, cluster)) continue;
+      if (!lends_to(fits_, options_.fit_on, i, cluster.recording, cluster.axis)) continue;
       const AxisSums& lent = sums_[i][schedule][cluster.axis];
       for (std::size_t m = 0; m < kMemories; ++m) {
         drift[m] += (lent.*which)[m].squares_rad2 / lent.calibration_mean.squares_rad2;
@@ -267,69 +226,15 @@ class Contest {
     return all;
   }
 
-  [[nodiscard]] std::vector<std::size_t> every_cluster() const {
-    std::vector<std::size_t> all(clusters_.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    return all;
-  }
-
-  /// Over the given clusters (as often as they are named) and a range of schedules.
-  struct Range {
-    std::size_t first;
-    std::size_t last;
-  };
-
-  static double ratio(const Results& own, const Results& yardstick,
-                      const std::vector<std::size_t>& drawn, Range range) {
-    double log_ratio = 0.0;
-    double count = 0.0;
-    for (const std::size_t c : drawn) {
-      for (std::size_t s = range.first; s < range.last; ++s) {
-        if (yardstick[c][s].drives == 0.0) continue;
-        log_ratio += 0.5 * std::log(own[c][s].squares_rad2 / yardstick[c][s].squares_rad2);
-        ++count;
-      }
-    }
-    return std::exp(log_ratio / count);
-  }
-
-  static Sums total(const Results& own, const std::vector<std::size_t>& drawn, Range range) {
-    Sums sums;
-    for (const std::size_t c : drawn) {
-      for (std::size_t s = range.first; s < range.last; ++s) sums += own[c][s];
-    }
-    return sums;
-  }
-
-  [[nodiscard]] BootstrapFigure over_clusters(const statistics::Statistic& statistic) const {
-    return statistics::bootstrap(clusters_.size(), statistic,
-                                 random::RandomStream{options_.first_seed});
-  }
-
-  [[nodiscard]] DriveStanding standing(const Results& own, const Results& yardstick,
-                                       Range range) const {
-    const Sums sums = total(own, every_cluster(), range);
-    const double rms_rad = std::sqrt(sums.squares_rad2 / sums.drives);
-    const bool has_interval = !std::isnan(sums.covered);
-    return {.ratio = over_clusters(
-                [&](const auto& drawn) { return ratio(own, yardstick, drawn, range); }),
-            .coverage = over_clusters([&](const auto& drawn) {
-              const Sums some = total(own, drawn, range);
-              return some.covered / some.drives;
-            }),
-            .sigma_over_rms = has_interval ? sums.sigma_rad / sums.drives / rms_rad : kNan,
-            .drift_rms_deg = rms_rad * kDegPerRad};
-  }
-
   [[nodiscard]] DriveContest standings() const {
     DriveContest contest{.options = options_};
     for (const fs::path& path : paths_) contest.recordings.push_back(path.filename().string());
     for (const Fits& fits : fits_)
       contest.fits.insert(contest.fits.end(), fits.begin(), fits.end());
     contest.by_schedule.resize(schedules());
-    const Results yardstick = results(Contestant::calibration_mean);
-    contest.drives =
-        static_cast<std::size_t>(total(yardstick, every_cluster(), {0, schedules()}).drives);
+    const Standings field{results(Contestant::calibration_mean), options_.first_seed};
+    const ScheduleRange all{0, schedules()};
+    contest.drives = static_cast<std::size_t>(field.drives(all));
     if (contest.drives == 0) {
       throw recording::DataError(
           "no drive followed a calibration: the recordings are too short for these schedules");
@@ -337,15 +242,12 @@ class Contest {
     for (std::size_t who = 0; who < kContestants; ++who) {
       const Results own = results(static_cast<Contestant>(who));
       for (std::size_t s = 0; s < schedules(); ++s) {
-        contest.by_schedule[s][who] = standing(own, yardstick, {s, s + 1});
+        contest.by_schedule[s][who] = field.standing(own, {s, s + 1});
       }
-      contest.overall[who] = standing(own, yardstick, {0, schedules()});
+      contest.overall[who] = field.standing(own, all);
     }
-    const Results extended = results(Contestant::kalman_extended);
-    const Results base = results(Contestant::kalman_base);
-    contest.extended_over_base = over_clusters([&](const auto& drawn) {
-      return ratio(extended, base, drawn, {0, schedules()});
-    });
+    contest.extended_over_base =
+        field.ratio(results(Contestant::kalman_extended), results(Contestant::kalman_base), all);
     return contest;
   }
 

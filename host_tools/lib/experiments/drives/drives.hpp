@@ -13,8 +13,8 @@
 
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/experiments/drives/standings.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
-#include "host_tools/lib/statistics/bootstrap.hpp"
 
 namespace zerorate::experiments {
 
@@ -55,19 +55,6 @@ struct DriveContestOptions {
   FitBy fit_by = FitBy::characterization;
   std::optional<double> filter_rate_hz{};  ///< see evaluate::ReplayOptions
   unsigned threads = 0;                    ///< 0: as many as the machine has
-};
-
-using statistics::BootstrapFigure;
-
-/// One contestant under one schedule, or under all of them. The bootstrap draws recording-axes, not
-/// drives, because the drives of one axis share its fit and its weather.
-struct DriveStanding {
-  /// Root mean square of the heading drift over that of the calibration mean: geometric mean over
-  /// recording-axes (and schedules).
-  BootstrapFigure ratio;
-  BootstrapFigure coverage;     ///< share of the drives inside the 95 % interval; NaN without one
-  double sigma_over_rms = 0.0;  ///< see evaluate::DriveScores; NaN without an interval
-  double drift_rms_deg = 0.0;   ///< over all drives
 };
 
 struct DriveContest {

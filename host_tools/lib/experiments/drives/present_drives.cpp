@@ -3,27 +3,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host_tools/lib/experiments/drives/present_standings.hpp"
 #include "host_tools/lib/experiments/drives/presentation.hpp"
-#include "host_tools/lib/recording/json.hpp"
-#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using recording::number;
 using Row = std::vector<report::Cell>;
-
-using units::kDegPerRad;
-using units::kDphPerRadS;
-
-std::string label(const evaluate::ScheduleParams& schedule) {
-  return fmt::format("{:g}/{:g}", schedule.still_s, schedule.drive_s);
-}
-
-std::string axis_label(std::size_t axis) {
-  return std::string(1, "xyz"[axis]);
-}
 
 /// A row a contestant, a column a schedule, and all of them together with its interval.
 report::Table table(const DriveContest& contest, std::string caption,
@@ -39,7 +26,7 @@ report::Table table(const DriveContest& contest, std::string caption,
     Row row{std::string(name(static_cast<Contestant>(who), contest.options.fit_by))};
     for (const auto& standings : contest.by_schedule)
       row.emplace_back((standings[who].*figure).value);
-    for (const double value : {overall.value, overall.lo, overall.hi}) row.emplace_back(value);
+    append(row, overall);
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -68,44 +55,11 @@ report::BarChart chart(const DriveContest& contest) {
   return chart;
 }
 
-report::Table fits(const DriveContest& contest) {
-  report::Table table{.caption = "Noise fitted to each recording, for use as the options say",
-                      .columns = {{"recording"},
-                                  {"axis"},
-                                  {"N", "deg/s/sqrt(Hz)", 4},
-                                  {"B", "deg/h", 1},
-                                  {"d", "", 3},
-                                  {"B at d = 1/2", "deg/h", 1}}};
-  for (const auto& fit : contest.fits) {
-    const auto& free = fit.extended;
-    const double b = free.flicker ? free.flicker->bias_instability_rad_s * kDphPerRadS : 0.0;
-    const auto& half = fit.base.flicker;
-    table.rows.push_back({fit.recording, axis_label(fit.axis),
-                          free.white.angle_random_walk_rad_per_sqrt_s * kDegPerRad, b,
-                          free.flicker ? free.flicker->order : std::nan(""),
-                          half ? half->bias_instability_rad_s * kDphPerRadS : 0.0});
-  }
-  return table;
-}
-
-void figure(Json& into, const char* key, const BootstrapFigure& value) {
-  into[key] = number(value.value);
-  into[std::string(key) + "_ci95"] = {number(value.lo), number(value.hi)};
-}
-
-Json json(const DriveStanding& standing) {
-  Json json{{"heading_drift_rms_deg", number(standing.drift_rms_deg)}};
-  figure(json, "ratio_to_calibration_mean", standing.ratio);
-  figure(json, "coverage95", standing.coverage);
-  json["sigma_over_rms"] = number(standing.sigma_over_rms);
-  return json;
-}
-
 Json json(const std::array<DriveStanding, kContestants>& standings, FitBy fit_by) {
   Json json = Json::object();
   for (std::size_t who = 0; who < kContestants; ++who) {
     json[std::string(name(static_cast<Contestant>(who), fit_by))] =
-        experiments::json(standings[who]);
+        experiments::to_json(standings[who]);
   }
   return json;
 }
@@ -124,7 +78,7 @@ std::string to_json(const DriveContest& contest) {
                 {"fit_by", options.fit_by == FitBy::diagnosis ? "diagnosis" : "characterization"},
                 {"seeds", options.seeds},
                 {"drives", contest.drives}};
-  figure(document, "extended_over_base", contest.extended_over_base);
+  add(document, "extended_over_base", contest.extended_over_base);
   document["overall"] = json(contest.overall, options.fit_by);
   document["schedules"] = schedules;
   return document.dump(2) + "\n";
@@ -159,7 +113,7 @@ Presentation present(const DriveContest& contest) {
        .paragraphs = {"Share of the drives inside the stated 95 % interval of their heading drift. "
                       "Competitors without an interval are left out."},
        .tables = {table(contest, "Coverage of the 95 % interval", &DriveStanding::coverage)}},
-      {.heading = "Noise", .tables = {fits(contest)}}};
+      {.heading = "Noise", .tables = {fits_table(contest.fits)}}};
   return presentation;
 }
 
