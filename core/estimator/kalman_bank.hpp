@@ -124,7 +124,7 @@ class KalmanBank {
   }
 
   /// Time passes. Call it before each measurement with the transition since the last.
-  [[gnu::noinline]] constexpr void advance(const Transition& span) {
+  constexpr void advance(const Transition& span) {
     for (std::size_t m = 0; m < count(); ++m) advance(state_.filters[m], m, span);
   }
 
@@ -132,7 +132,7 @@ class KalmanBank {
   /// @param white_variance of each [rad2/s2]; of a learning bank: by the model, times what the
   /// noise
   ///   is over that of start_learning()
-  [[gnu::noinline]] constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
+  constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
     for (const float rate_rad_s : rates_rad_s) {
       if (!is_measurement(rate_rad_s, white_variance)) return {};
     }
@@ -149,7 +149,7 @@ class KalmanBank {
       if (is_knock(is_outlier, innovations)) return innovations;
     }
     if (!state_.is_confirmed()) --state_.confirmations_left;
-    learn(rates_rad_s, white_variance);
+    learn(rates_rad_s, innovations, white_variance);
     return innovations;
   }
 
@@ -271,8 +271,10 @@ class KalmanBank {
       apart_ += weight * apart;
       variance_ += weight * (variance + apart * apart);
     }
-    [[nodiscard]] constexpr float mean() const { return origin_ + apart_; }
-    [[nodiscard]] constexpr float variance() const { return variance_ - apart_ * apart_; }
+    [[nodiscard]] constexpr float mean() const { return kLearns ? origin_ + apart_ : origin_; }
+    [[nodiscard]] constexpr float variance() const {
+      return kLearns ? variance_ - apart_ * apart_ : variance_;
+    }
 
    private:
     float origin_ = 0.0F;
@@ -334,13 +336,18 @@ class KalmanBank {
     return innovations;
   }
 
-  constexpr void learn(const Rates& rates_rad_s, float white_variance) {
+  /// @param innovations of the mixture; where there is one hypothesis, its own
+  constexpr void learn(const Rates& rates_rad_s, const Innovations& innovations,
+                       float white_variance) {
     for (std::size_t m = 0; m < count(); ++m) {
       Filter& filter = state_.filters[m];
       Rates residuals_rad_s{};
       for (std::size_t i = 0; i < Axes; ++i) {
-        residuals_rad_s[i] =
-            (rates_rad_s[i] - state_.axes[i].reference_rad_s) - filter.axes[i].bias_rad_s;
+        residuals_rad_s[i] = innovations[i].residual_rad_s;
+        if constexpr (kLearns) {
+          residuals_rad_s[i] =
+              (rates_rad_s[i] - state_.axes[i].reference_rad_s) - filter.axes[i].bias_rad_s;
+        }
       }
       weigh(m, residuals_rad_s, filter.bias_variance + white_variance);
       filter.update(residuals_rad_s, white_variance);

@@ -15,6 +15,7 @@
 #include "core/noise/flicker.hpp"
 #include "core/noise/gauss_markov.hpp"
 #include "core/noise/harmonic.hpp"
+#include "core/noise/hypotheses.hpp"
 #include "core/noise/random_walk.hpp"
 #include "core/noise/rate_ramp.hpp"
 #include "core/noise/warm_up.hpp"
@@ -161,6 +162,22 @@ std::uint32_t gated_kalman() {
       noise_of_every_kind(), core::Gate{.threshold_sigma = 4.0F, .longest_knock_ticks = 5}};
   return answers_of<core::KalmanPredictor<kShape>>(coefficients);
 }
+std::uint32_t learning_kalman() {
+  constexpr core::ModelShape kLearning = core::with_hypotheses(kShape, 3);
+  static core::Hypotheses<kLearning> hypotheses;
+  hypotheses = {.count = 3, .kept = 0.99F};
+  Integers integers;
+  for (auto& one : hypotheses.all) {
+    for (float& strength : one.strength) strength = 1.0F + 0.9F * integers.share();
+    one.log_prior = integers.share();
+  }
+  static core::KalmanCoefficients<kLearning> coefficients{
+      noise_of_every_kind(),
+      core::Gate{.threshold_sigma = 4.0F, .longest_knock_ticks = 5},
+      {},
+      hypotheses};
+  return answers_of<core::KalmanPredictor<kLearning>>(coefficients);
+}
 std::uint32_t moving_average() {
   static const Noise noise = noise_of_every_kind();
   return answers_of<core::MovingAverage<kShape, 8>>(noise);
@@ -209,6 +226,7 @@ int main() {
   emulated::write_line("spans", spans());
   emulated::write_line("kalman", kalman());
   emulated::write_line("gated_kalman", gated_kalman());
+  emulated::write_line("learning_kalman", learning_kalman());
   emulated::write_line("moving_average", moving_average());
   emulated::write_line("calibration_mean", calibration_mean());
   emulated::write_line("node_frames", node_frames());

@@ -24,8 +24,6 @@ const mean = (numbers) => Math.round(numbers.reduce((sum, n) => sum + n, 0) / nu
 
 // Symbols whose calls are counted, by what matches the mangled name -> row of the table.
 const COUNTED = new Map([
-  [/KalmanBankI\w*E7advanceE/, 'Kalman predictor, predict of three axes'],
-  [/KalmanBankI\w*E7observeE/, 'Kalman predictor, update of three axes'],
   [/^__aeabi_fmul$/, 'product (`__aeabi_fmul`)'],
   [/^__aeabi_fadd$/, 'sum (`__aeabi_fadd`)'],
   [/^__aeabi_fsub$/, 'difference (`__aeabi_fsub`)'],
@@ -119,7 +117,7 @@ does not model. The proved bound of the stack follows every call of the linked i
 and it is reached: with an interrupt of each priority at every new depth of the stack, the image uses exactly as much, and
 so does one that publishes the moving average (\`stack.test.mjs\`). The largest sample period is one in which a stop ends
 and what was learnt is written to the flash. Counts of single calls are means over four seconds of standstill, with all
-that is called and without interrupts.
+that is called and without interrupts; what a tick of the predictors takes is in [instructions](instructions.md).
 `;
 export const parse = (text) => new Map(
   [...text.matchAll(/^\| (.+) \| (\d+) \| (\d+) \|$/gm)].map(([, row, ...values]) => [row, values.map(Number)]));

@@ -10,6 +10,7 @@
 #include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/noise/flicker.hpp"
+#include "core/noise/hypotheses.hpp"
 #include "core/samples/tick_average.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/gyro_node.hpp"
@@ -92,31 +93,47 @@ constinit Kalman kalman{kCoefficients};
 constinit core::MovingAverage<kShape, 8> moving_average{kModes};
 constinit core::CalibrationMean<kShape> calibration_mean{kModes};
 
-/// The Kalman predictor of three axes.
-void count_kalman() {
+/// Twelve hypotheses of the slow noise, of which each has half or twice the strength of its
+/// neighbour.
+constexpr core::ModelShape kLearningShape = core::with_hypotheses(kShape, 12);
+constexpr auto kHypotheses = [] {
+  core::Hypotheses<kLearningShape> hypotheses{.count = 12, .kept = 0.999F};
+  float strength = 0.01F;
+  for (auto& one : hypotheses.all) one.strength.fill(strength *= 2.0F);
+  return hypotheses;
+}();
+constexpr core::KalmanCoefficients<kLearningShape> kLearningCoefficients{
+    kModes, core::Gate{}, {}, kHypotheses};
+constinit core::KalmanBank<kLearningShape, 3> bank{kLearningCoefficients};
+
+/// A Kalman predictor of three axes.
+void count_kalman(auto& predictor, const char* step_name, const char* gap_name,
+                  const char* predict_name) {
   const auto tick = kModes.one_tick();
   std::array<float, 3> rates{};
   const auto measure = [&] {
     for (float& rate : rates) rate = noisy_rate_rad_s();
   };
   const auto step = [&] {
-    kalman.advance(tick);
-    (void)kalman.observe(rates, kWhiteVariance);
+    predictor.advance(tick);
+    (void)predictor.observe(rates, kWhiteVariance);
   };
   for (int i = 0; i < 50; ++i) {
     measure();
     step();
   }
-  emulated::write_line("kalman_step", mean_hundredths(64, measure, step));
+  emulated::write_line(step_name, mean_hundredths(64, measure, step));
   const auto span = kModes.over(unknown_ticks);
-  emulated::write_line("kalman_gap", mean_hundredths(4, [&] { kalman.advance(span); }));
-  emulated::write_line("kalman_predict", mean_hundredths(4, [&] {
-                         for (const auto& axis : kalman.predict(span)) report = axis.sigma_rad_s();
+  emulated::write_line(gap_name, mean_hundredths(4, [&] { predictor.advance(span); }));
+  emulated::write_line(predict_name, mean_hundredths(4, [&] {
+                         for (const auto& axis : predictor.predict(span))
+                           report = axis.sigma_rad_s();
                        }));
 }
 
 void count_predictors() {
-  count_kalman();
+  count_kalman(kalman, "kalman_step", "kalman_gap", "kalman_predict");
+  count_kalman(bank, "bank_step", "bank_gap", "bank_predict");
   count_predictor(moving_average, "moving_average_step", "moving_average_gap",
                   "moving_average_predict");
   count_predictor(calibration_mean, "calibration_mean_step", "calibration_mean_gap",
