@@ -39,7 +39,7 @@ struct KalmanFilter {
 
   struct Axis {
     float bias_rad_s = 0.0F;  ///< s, relative to the first measurement
-    Drifts drift{};  ///< w [rad/s a tick]; behind those of the modes slope and curvature
+    Drifts drift{};           ///< w [rad/s a tick]; behind those of the modes slope and curvature
 
     constexpr bool operator==(const Axis&) const = default;
   };
@@ -186,9 +186,9 @@ struct KalmanFilter {
       constexpr std::size_t kFirst = Coefficients::kTemperature;
       for (std::size_t i = 0; i < kWeights; ++i) {
         for (std::size_t j = 0; j < kWeights; ++j) {
-          variance += u[i] * u[j] *
-                      (drift[kFirst + i] * drift[kFirst + j] +
-                       scale * covariance(kFirst + i, kFirst + j));
+          variance +=
+              u[i] * u[j] *
+              (drift[kFirst + i] * drift[kFirst + j] + scale * covariance(kFirst + i, kFirst + j));
         }
       }
     }

@@ -64,7 +64,7 @@ class OdometerCheck {
     constexpr bool operator==(const State&) const = default;
   };
 
-  /// @param white_variance_rad2_s2 of one sample
+  /// @param white_variance_rad2_s2 of one sample, until it is known better
   constexpr OdometerCheck(const Params& params, Duration tick, Duration sample_period,
                           float white_variance_rad2_s2)
       : shortest_pulse_(params.shortest_pulse),
@@ -75,21 +75,24 @@ class OdometerCheck {
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
         fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
-    // Six standard deviations of a difference are no noise, four may be, once in a while.
-    constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
-    constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
     const auto samples =
         static_cast<float>(static_cast<std::uint32_t>(window_) * fewest_samples_ + 1U);
-    const float noise = kSixSigmaOfDifference2 * white_variance_rad2_s2 / samples;
-    const float turn = params.turn_rad_s * params.turn_rad_s;
-    turn_rad2_s2_ = turn > noise ? turn : noise;
-    noise_rad2_s2_ = kFourSigmaOfDifference2 * white_variance_rad2_s2;
+    white_of_window_ = kSixSigmaOfDifference2 / samples;
+    least_turn_rad2_s2_ = params.turn_rad_s * params.turn_rad_s;
+    set_white_noise(white_variance_rad2_s2);
     const float window_s = tick.in_seconds() * static_cast<float>(window_);
     follow_ = window_s / (window_s + kFollow_s);
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+
+  /// The variance of one sample is known better now.
+  constexpr void set_white_noise(float white_variance_rad2_s2) {
+    const float noise = white_of_window_ * white_variance_rad2_s2;
+    turn_rad2_s2_ = least_turn_rad2_s2_ > noise ? least_turn_rad2_s2_ : noise;
+    noise_rad2_s2_ = kFourSigmaOfDifference2 * white_variance_rad2_s2;
+  }
 
   /// A rotation without pulses: what is measured is no bias.
   [[nodiscard]] constexpr bool turns() const { return state_.turns; }
@@ -141,6 +144,9 @@ class OdometerCheck {
   static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
   static constexpr float kFollow_s = 15.0F;  ///< time constant at which the level follows a bias
   static constexpr std::uint16_t kNever = 0xFFFF;
+  // Six standard deviations of a difference are no noise, four may be, once in a while.
+  static constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
+  static constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
 
   /// None, or more than can be counted: never.
   static constexpr std::uint16_t ticks_in(Duration duration, Duration tick) {
@@ -236,6 +242,8 @@ class OdometerCheck {
   std::uint8_t bounced_;
   std::uint8_t window_;
   std::uint32_t fewest_samples_;  ///< samples that make a tick worth judging
+  float white_of_window_ = 0.0F;  ///< what noise may do in a window, over the variance of a sample
+  float least_turn_rad2_s2_ = 0.0F;  ///< that is told from noise as little as it may be
   float turn_rad2_s2_ = 0.0F;
   float noise_rad2_s2_ = 0.0F;
   float follow_ = 0.0F;

@@ -16,11 +16,11 @@ namespace zerorate::core {
 /// @tparam Decaying number of decaying modes
 template <std::size_t Decaying>
 struct Hypothesis {
-  std::array<float, Decaying> strength{};    ///< variance of each mode over the model's
-  float log_prior = 0.0F;                    ///< logarithm of the prior probability, less any constant
-  float level = 1.0F;                        ///< of the slow noise over half a minute, over the model's
-  float order = 0.0F;                        ///< d
-  float bias_instability_rad_s = 0.0F;       ///< B
+  std::array<float, Decaying> strength{};  ///< variance of each mode over the model's
+  float log_prior = 0.0F;               ///< logarithm of the prior probability, less any constant
+  float level = 1.0F;                   ///< of the slow noise over half a minute, over the model's
+  float order = 0.0F;                   ///< d
+  float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
 };
 
@@ -39,7 +39,6 @@ struct KnownModel {
 };
 
 template <ModelShape Shape>
-using HypothesesOf =
-    std::conditional_t<(Shape.hypotheses > 1), Hypotheses<Shape>, KnownModel>;
+using HypothesesOf = std::conditional_t<(Shape.hypotheses > 1), Hypotheses<Shape>, KnownModel>;
 
 }  // namespace zerorate::core

@@ -44,11 +44,11 @@ template <class Bank, class Figure>
 template <class Bank>
 [[nodiscard]] constexpr LearntNoise learnt_noise(const Bank& bank, std::size_t axis, float stops) {
   return {.order = learnt_figure(bank, axis, [](const auto& one, float) { return one.order; }),
-          .bias_instability_rad_s = learnt_figure(
-              bank, axis,
-              [](const auto& one, float scale) {
-                return core::square_root(scale) * one.bias_instability_rad_s;
-              }),
+          .bias_instability_rad_s = learnt_figure(bank, axis,
+                                                  [](const auto& one, float scale) {
+                                                    return core::square_root(scale) *
+                                                           one.bias_instability_rad_s;
+                                                  }),
           .angle_random_walk_rad_per_sqrt_s = learnt_figure(
               bank, axis,
               [](const auto& one, float scale) {

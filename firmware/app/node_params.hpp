@@ -54,8 +54,8 @@ struct NodeParams {
   core::OdometerCheck::Params odometer;
   core::EarthRate earth;                    ///< at the vehicle's latitude; zero: not known
   Predictor published = Predictor::kalman;  ///< whose bias corrects the rate
-  /// Whether the strength of the white noise is learnt from the calm of the stops. A model of single
-  /// samples keeps its own.
+  /// Whether the strength of the white noise is learnt from the calm of the stops. A model of
+  /// single samples keeps its own.
   bool learns_white_noise = true;
   /// Slow noises that the sensor may have; none: the model is taken at its word.
   [[no_unique_address]] core::HypothesesOf<Shape> hypotheses{};

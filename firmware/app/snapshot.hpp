@@ -217,7 +217,7 @@ class Snapshot {
     std::uint32_t ticks_since_measured = 0;
   };
   static_assert(sizeof(Header) == 64 && std::has_unique_object_representations_v<Header>);
-  /// What means the same whatever the model is.
+  /// Biases, which mean the same whatever the model is.
   struct Biases {
     std::array<float, Node::kAxes> bias_rad_s{};
     float variance_rad2_s2 = 0.0F;  ///< of the axis that is known worst

@@ -94,15 +94,17 @@ std::string hypotheses(const core::HypothesesOf<kCApiShape>& all) {
   std::string text;
   for (std::size_t m = 0; m < all.count; ++m) {
     const auto& one = all.all[m];
-    text += "        {.strength = " + numbers(one.strength) +
-            ",\n         .log_prior = " + literal(one.log_prior) +
-            ", .level = " + literal(one.level) + ", .order = " + literal(one.order) +
-            ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
-            ", .angle_random_walk_rad_per_sqrt_s = " +
-            literal(one.angle_random_walk_rad_per_sqrt_s) + "},\n";
+    text +=
+        "        {.strength = " + numbers(one.strength) +
+        ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
+        ", .order = " + literal(one.order) +
+        ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+        ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
+        "},\n";
   }
-  return "#if ZERORATE_HYPOTHESES >= " + std::to_string(all.count) + "\n" + field("hypothesis_count", std::to_string(all.count)) +
-         field("evidence_kept", all.kept) + field("hypotheses", "{\n" + text + "    }") + "#endif\n";
+  return "#if ZERORATE_HYPOTHESES >= " + std::to_string(all.count) + "\n" +
+         field("hypothesis_count", std::to_string(all.count)) + field("evidence_kept", all.kept) +
+         field("hypotheses", "{\n" + text + "    }") + "#endif\n";
 }
 
 }  // namespace

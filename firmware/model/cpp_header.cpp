@@ -78,12 +78,13 @@ std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& a
                      ", .kept = " + literal(all.kept) + ", .all = {{\n";
   for (std::size_t m = 0; m < all.count; ++m) {
     const auto& one = all.all[m];
-    text += "        {.strength = " + numbers(one.strength.data(), decaying) +
-            ",\n         .log_prior = " + literal(one.log_prior) +
-            ", .level = " + literal(one.level) + ", .order = " + literal(one.order) +
-            ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
-            ", .angle_random_walk_rad_per_sqrt_s = " +
-            literal(one.angle_random_walk_rad_per_sqrt_s) + "},\n";
+    text +=
+        "        {.strength = " + numbers(one.strength.data(), decaying) +
+        ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
+        ", .order = " + literal(one.order) +
+        ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+        ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
+        "},\n";
   }
   return text + "    }}},\n";
 }
@@ -134,8 +135,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +
-         "    .sample_period = " + nanoseconds(sample_period) +
-         ",\n" + hypotheses_member(node.hypotheses, decaying) +
+         "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
+         hypotheses_member(node.hypotheses, decaying) +
          "};\n"
          "// clang-format on\n\n"
          "}  // namespace zerorate::exported\n";

@@ -26,8 +26,8 @@ std::vector<FlickerHypothesis> hypotheses_of(const SensorModel& model) {
   if (!model.flicker || count == 1) return {};
   const Prior prior = model.prior.value_or(Prior{});
   const bool is_of_one_order = count == static_cast<int>(kAmplitudes.size());
-  const std::span<const double> orders = is_of_one_order ? std::span<const double>{kMiddleOrder}
-                                                         : std::span<const double>{kOrders};
+  const std::span<const double> orders =
+      is_of_one_order ? std::span<const double>{kMiddleOrder} : std::span<const double>{kOrders};
   std::vector<FlickerHypothesis> hypotheses;
   for (const double of_order : orders) {
     for (const double of_amplitude : kAmplitudes) {

@@ -170,8 +170,8 @@ double measurement_floor_variance(double step, double sigma) {
   return variance;
 }
 
-/// Share of the strongest hypothesis that a lag has at least, so that there is something to multiply
-/// where the model gives it no weight.
+/// Share of the strongest hypothesis that a lag has at least, so that there is something to
+/// multiply where the model gives it no weight.
 constexpr double kTrace = 1e-6;
 
 /// The hypotheses of a model beside the fit of its own flicker, whose lags without weight get a
@@ -191,7 +191,7 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   const double own_white = arw * arw / tick_s + own.white_variance_rad2_s2;
   for (std::size_t m = 0; m < guesses.size(); ++m) {
-    // What is white at the tick is the unit of a hypothesis, flicker or not.
+    // White noise at the tick, flicker or not, is the unit of a hypothesis.
     const double white = arw * arw / tick_s + fits[m].white_variance_rad2_s2;
     const double unit = own_white > 0.0 && white > 0.0 ? own_white / white : 1.0;
     core::Hypothesis<kLargestShape.decaying>& one = weighed.all[m];
@@ -221,8 +221,8 @@ bool fits_six_decades(const SensorModel& model) {
 }
 
 NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                              core::Duration sample_period,
-                                              core::Duration filter_tick) {
+                                                      core::Duration sample_period,
+                                                      core::Duration filter_tick) {
   validate(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(

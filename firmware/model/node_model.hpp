@@ -28,7 +28,7 @@ inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
     .temperature_weights = core::TemperatureDrift::kWeights};
-/// The same with every hypothesis.
+/// That shape with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
@@ -42,8 +42,8 @@ struct NodeModel {
   /// say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   core::Gate gate;
-  core::TemperatureDrift temperature;  ///< off where the model has none
-  core::SampleModel samples;           ///< off where the model has nothing of it
+  core::TemperatureDrift temperature;    ///< off where the model has none
+  core::SampleModel samples;             ///< off where the model has nothing of it
   core::HypothesesOf<Shape> hypotheses;  ///< none where nothing is to be learnt
   /// Step that samples are rounded to, for whoever wants the probability of a reading: the filter
   /// takes its error for noise, which the two variances above hold already.
@@ -95,8 +95,8 @@ struct ActiveModes {
 /// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
 /// nothing white is left (a filter needs some: it never trusts a single sample completely).
 [[nodiscard]] NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                                            core::Duration sample_period,
-                                                            core::Duration filter_tick);
+                                                                    core::Duration sample_period,
+                                                                    core::Duration filter_tick);
 
 /// Moves the modes that do something to the front, and the strengths of the hypotheses with them.
 template <core::ModelShape Shape>
@@ -105,8 +105,8 @@ template <core::ModelShape Shape>
     for (auto& one : node.hypotheses.all) one.strength[to] = one.strength[from];
   };
   return {.decaying = detail::move_active_to_front(node.modes.decaying, move_strengths),
-          .rotating = detail::move_active_to_front(node.modes.rotating,
-                                                   [](std::size_t, std::size_t) {})};
+          .rotating =
+              detail::move_active_to_front(node.modes.rotating, [](std::size_t, std::size_t) {})};
 }
 
 /// Makes the model of a node of this shape. Lags that the flicker fit gave no weight take no place.

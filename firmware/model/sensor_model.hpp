@@ -179,7 +179,7 @@ struct Learning {
   bool operator==(const Learning&) const = default;
 };
 
-/// What is known of a sensor like this one beside its data sheet: how far from the model's its
+/// Knowledge of a sensor like this one beside its data sheet: how far from the model's its
 /// flicker may be. A population of sensors tells.
 struct Prior {
   double order = 0.62;  ///< d: mean over sensors

@@ -71,8 +71,8 @@ TEST(EvidenceOfManyMeasurements, IsThatOfTheConjugatePosterior) {
     for (std::size_t m = 0; m < kHypotheses; ++m) {
       const double weight = std::exp(expected[m].log_weight - expected[1].log_weight) / sum;
       EXPECT_NEAR(double{evidence.hypotheses[m][axis].weight}, weight, 2e-5) << m;
-      EXPECT_NEAR(double{evidence.hypotheses[m][axis].scale},
-                  expected[m].rate / expected[m].shape, 2e-5 * expected[m].rate);
+      EXPECT_NEAR(double{evidence.hypotheses[m][axis].scale}, expected[m].rate / expected[m].shape,
+                  2e-5 * expected[m].rate);
       EXPECT_NEAR(double{evidence.mean_scale(m, axis)},
                   expected[m].rate / (expected[m].shape - 1.0), 2e-5 * expected[m].rate);
     }

@@ -132,7 +132,8 @@ TEST(GateThatIsNeverPassed, ChangesNothing) {
   // One goes through registers, the other through memory: the last bits differ.
   EXPECT_NEAR(free.state().filters[0].axes[0].bias_rad_s,
               guarded.state().filters[0].axes[0].bias_rad_s, 1e-4F);
-  EXPECT_NEAR(free.state().filters[0].bias_variance / guarded.state().filters[0].bias_variance, 1.0F, 1e-5F);
+  EXPECT_NEAR(free.state().filters[0].bias_variance / guarded.state().filters[0].bias_variance,
+              1.0F, 1e-5F);
 }
 
 }  // namespace

@@ -237,7 +237,8 @@ TEST(KalmanBankWhoseTemperatureIsUnknown,
   KalmanBank<kWarm, 3> bank{coefficients};
   (void)bank.observe({1.0F, 2.0F, 3.0F}, kWhiteVariance);
   auto state = bank.state();
-  state.filters[0].axes[2].drift[coefficients.kTemperature] = 3.0F;  // three times the slope of the others
+  state.filters[0].axes[2].drift[coefficients.kTemperature] =
+      3.0F;  // three times the slope of the others
   bank.restore(state);
   KalmanBank<kWarm, 3> knowing = bank;
   KalmanBank<kWarm, 3>::Transition gap{noise.over(8)};
