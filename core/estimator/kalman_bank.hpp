@@ -239,6 +239,14 @@ class KalmanBank {
       return 1.0F;
     }
   }
+  /// Variance of the root of that factor over its square, where the hypothesis is given.
+  [[nodiscard]] constexpr float root_scale_variance() const {
+    if constexpr (kLearns) {
+      return is_learning() ? state_.evidence.root_variance() : 0.0F;
+    } else {
+      return 0.0F;
+    }
+  }
   /// Expectation of figure(hypothesis) on an axis; `otherwise` where the model is known.
   template <class Figure>
   [[nodiscard]] constexpr float expected(std::size_t axis, float otherwise, Figure figure) const {
