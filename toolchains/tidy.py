@@ -5,7 +5,9 @@ usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
 Compile flags come from BUILD_FOLDER/compile_commands.json, of a build that compiles file by file. Its precompiled
 headers are left out: a file that forgets an include fails here. Each .cpp answers for the headers of its folder too.
-Flashed code is mostly headers: those are checked one by one.
+Flashed code is mostly headers: those are checked one by one. The sources of host_tools are read together, all of one
+folder and target as one translation unit, because most of the time goes into the headers of their libraries. That
+costs two checks, of unused aliases and using-declarations, which look only at the main file.
 
 The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
 the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed
@@ -23,9 +25,14 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
 HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
+# Sources that are read together. Flashed code is not among them: the analyzer, which is among its checks, looks closely
+# only at the main file.
+TOGETHER = re.compile(r"host_tools/.*\.cpp$")
+TARGET = re.compile(r" -o \S*?CMakeFiles/([^/]+)\.dir/")
 # Files that CMake makes: their flags are none to borrow.
 GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
 INCLUDED = re.compile(r"^\.+ (.*)$")
@@ -91,13 +98,16 @@ class Flags:
     """The compiler's flags for each file, from a compile database."""
 
     def __init__(self, database, root):
-        self._of = {}
+        self._of, self._targets = {}, {}
         for entry in json.loads(database.read_text(encoding="utf-8")):
             if GENERATED.search(entry["file"]):
                 continue
             words = shlex.split(entry["command"])[1:]
             words = [word for word in words[:words.index("-o")] if not word.startswith("-M")]
-            self._of.setdefault(os.path.relpath(entry["file"], root), without_precompiled_headers(words))
+            file = os.path.relpath(entry["file"], root)
+            self._of.setdefault(file, without_precompiled_headers(words))
+            target = TARGET.search(entry["command"])
+            self._targets.setdefault(file, target[1] if target else None)
 
     def of(self, file):
         """The flags of a file; of one that no build compiles here, those of the file nearest by its path."""
@@ -108,6 +118,9 @@ class Flags:
 
     def has(self, file):
         return file in self._of
+
+    def target_of(self, file):
+        return self._targets.get(file)
 
 
 def files_to_check(root, flags):
@@ -121,30 +134,59 @@ def files_to_check(root, flags):
                 yield name
 
 
+def units(files, flags):
+    """The files in tuples: those that are read together, and each other one alone."""
+    groups = {}
+    for file in files:
+        together = TOGETHER.match(file) and flags.target_of(file)
+        key = (os.path.dirname(file), flags.target_of(file), *flags.of(file)) if together else file
+        groups.setdefault(key, []).append(file)
+    return [tuple(group) for group in groups.values()]
+
+
 class Tidy:
     def __init__(self, root, flags, cache):
         self._root, self._flags, self._cache = root, flags, cache
         self._version = subprocess.run(["clang-tidy", "--version"], check=True, capture_output=True, text=True).stdout
 
-    def check(self, file):
-        """(whether the file was remembered as clean, what clang-tidy finds in it: empty where nothing)."""
-        flags = self._flags.of(file)
-        configuration = [content_digest(folder / ".clang-tidy") for folder in (self._root / file).parents]
-        key = digest(file, self._version, *configuration,
+    def check(self, files):
+        """(whether the files were remembered as clean, what clang-tidy finds in them: empty where nothing)."""
+        folder, flags = os.path.dirname(files[0]), self._flags.of(files[0])
+        configuration = [content_digest(above / ".clang-tidy") for above in (self._root / files[0]).parents]
+        key = digest(*files, self._version, *configuration,
                      *(flag.replace(str(self._root), "") for flag in flags + EXTRA_FLAGS))
         if self._cache.has(key):
             return True, ""
-        folder = re.escape(os.path.dirname(file))
-        # -H prints the path of every header that is read.
-        run = subprocess.run(
-            ["clang-tidy", "--quiet", f"--header-filter=/{folder}/[^/]*[.]hpp$", file, "--", *flags, *EXTRA_FLAGS, "-H"],
-            cwd=self._root, capture_output=True, text=True)
+        with tempfile.TemporaryDirectory() as scratch:
+            main, overlay = self._main_file(files, pathlib.Path(scratch))
+            # -H prints the path of every header that is read.
+            run = subprocess.run(
+                ["clang-tidy", "--quiet", *overlay, f"--header-filter={self._answers_for(folder, files)}", main, "--",
+                 *flags, *EXTRA_FLAGS, "-H"], cwd=self._root, capture_output=True, text=True)
         lines = [(INCLUDED.match(line), line) for line in run.stderr.splitlines()]
         if run.returncode == 0:
             included = [os.path.join(self._root, match[1]) for match, _ in lines if match]
-            self._cache.remember(key, [str(self._root / file), *included])
+            self._cache.remember(key, [*(str(self._root / file) for file in files), *included])
             return False, ""
         return False, "\n".join([run.stdout, *(line for match, line in lines if not match)]).strip() or "failed"
+
+    def _main_file(self, files, scratch):
+        """(the file to check, the options that make it). Files read together are included by one that exists for
+        clang-tidy alone, beside them, so that it has their configuration."""
+        if len(files) == 1:
+            return files[0], []
+        main = str(self._root / os.path.dirname(files[0]) / "together.cpp")
+        contents, overlay = scratch / "together.cpp", scratch / "overlay.yaml"
+        contents.write_text("".join(f'#include "{self._root / file}"  // NOLINT(bugprone-suspicious-include)\n'
+                                    for file in files), encoding="utf-8")
+        overlay.write_text(json.dumps({"version": 0, "roots": [
+            {"type": "file", "name": main, "external-contents": str(contents)}]}), encoding="utf-8")
+        return main, [f"--vfsoverlay={overlay}"]
+
+    @staticmethod
+    def _answers_for(folder, files):
+        sources = "|".join(re.escape(os.path.basename(file)) for file in files)
+        return f"/{re.escape(folder)}/([^/]*[.]hpp|{sources})$"
 
 
 def cache_folder():
@@ -164,13 +206,14 @@ def main():
     tidy = Tidy(root, flags, Cache(cache_folder(), root))
 
     files = arguments.files or list(files_to_check(root, flags))
+    together = units(files, flags)
     remembered = findings = 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for file, (was_remembered, found) in zip(files, pool.map(tidy.check, files)):
-            remembered += was_remembered
+        for unit, (was_remembered, found) in zip(together, pool.map(tidy.check, together)):
+            remembered += len(unit) if was_remembered else 0
             if found:
-                findings += 1
-                print(f"{file}:\n{found}\n", flush=True)
+                findings += len(unit)
+                print(f"{', '.join(unit)}:\n{found}\n", flush=True)
     print(f"{len(files)} files: {remembered} unchanged since they were clean, {findings} with findings")
     sys.exit(1 if findings or not files else 0)
 

@@ -37,9 +37,10 @@ class Project(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
 
     def tidy(self, root=None, file="core/a.cpp"):
-        """(exit code, last line) of a run over a file."""
+        """(exit code, last line) of a run over a file, or over several."""
+        files = [file] if isinstance(file, str) else file
         root = root or self.root
-        run = subprocess.run([sys.executable, "-B", TIDY, "--root", root, root, file], capture_output=True,
+        run = subprocess.run([sys.executable, "-B", TIDY, "--root", root, root, *files], capture_output=True,
                              text=True, env={**os.environ, "XDG_CACHE_HOME": str(self.memory)}, timeout=50)
         return run.returncode, run.stdout.splitlines()[-1]
 
@@ -70,6 +71,44 @@ class HeaderWithoutANeighbour(Project):
         self.write(self.root, "compile_commands.json", json.dumps(database))
         self.write(self.root, "hal/b.hpp", '#pragma once\n#include "core/a.hpp"\n')
         self.assert_checked(self.tidy(file="hal/b.hpp"))
+
+
+class SourcesOfOneTarget(Project):
+    """Sources of host_tools that are read together."""
+
+    SOURCES = ("host_tools/lib/a.cpp", "host_tools/lib/b.cpp")
+
+    def setUp(self):
+        super().setUp()
+        self.write(self.root, ".clang-tidy", (REPOSITORY / ".clang-tidy").read_text(encoding="utf-8"))
+        for source in self.SOURCES:
+            self.write(self.root, source, "")
+        entries = [{"directory": str(self.root), "file": f"{self.root}/{source}",
+                    "command": f"c++ -std=c++20 -I{self.root} -o CMakeFiles/lib.dir/{source}.o -c {self.root}/{source}"}
+                   for source in self.SOURCES]
+        self.write(self.root, "compile_commands.json", json.dumps(entries))
+
+    def outcome(self):
+        return self.tidy(file=self.SOURCES)
+
+    def test_answer_for_each_other(self):
+        self.assertEqual(self.outcome(), (0, "2 files: 0 unchanged since they were clean, 0 with findings"))
+        self.assertEqual(self.outcome(), (0, "2 files: 2 unchanged since they were clean, 0 with findings"))
+
+    def test_are_refused_for_what_stands_in_one(self):
+        offenders = {
+            "a null pointer": UNTIDY,
+            "an unused parameter": "int f(int unused) { return 1; }\n",
+            "a name": "class wrong_name {};\n",
+            "a copy": "#include <vector>\nvoid g(std::vector<int>);\n"
+                      "void f(const std::vector<std::vector<int>>& all) { for (auto one : all) { g(one); } }\n",
+        }
+        for name, offender in offenders.items():
+            for source in self.SOURCES:
+                with self.subTest(name, source=source):
+                    self.write(self.root, source, offender)
+                    self.assertEqual(self.outcome(), (1, "2 files: 0 unchanged since they were clean, 2 with findings"))
+                    self.write(self.root, source, "")
 
 
 class OurConfiguration(Project):

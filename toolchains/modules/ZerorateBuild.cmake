@@ -85,6 +85,8 @@ function(zerorate_precompiled_headers name)
   add_library(${name} OBJECT "${source}")
   target_link_libraries(${name} PRIVATE zerorate_target_flags ${pch_DEPENDS})
   target_precompile_headers(${name} PRIVATE ${pch_HEADERS})
+  # CMake writes the header anew in each build folder: its time of change says nothing, and ccache knows the contents.
+  target_compile_options(${name} PRIVATE "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endfunction()
 
 function(zerorate_use_precompiled_headers target name)

@@ -191,11 +191,6 @@ class Drive {
   std::size_t row_ = 0;
 };
 
-std::size_t drives() {
-  const char* const wanted = std::getenv("ZERORATE_FAULT_DRIVES");
-  return wanted != nullptr ? std::stoul(wanted) : 10'000;
-}
-
 /// Bound of a sum of rare independent events, exceeded once in ten thousand campaigns.
 std::size_t poisson_quantile(double mean) {
   double probability = std::exp(-mean);
@@ -207,8 +202,8 @@ std::size_t poisson_quantile(double mean) {
 
 // A bias of its own has each axis in each stop: that its error exceeds five standard deviations
 // somewhere has the probability of 5.7e-7, nine times a drive.
-TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
-  std::vector<Outcome> outcomes(drives());
+void expect_honest_health(std::size_t drives) {
+  std::vector<Outcome> outcomes(drives);
   parallel::for_each(outcomes.size(), 0, [&](std::size_t i) { outcomes[i] = Drive{i + 1}.run(); },
                      {});
   Outcome sum;
@@ -231,6 +226,13 @@ TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
   std::printf("healthy and off by more than 5 standard deviations: %zu drives\n", wrong);
   EXPECT_EQ(sum.no_numbers, 0U);
   EXPECT_LE(wrong, poisson_quantile(9.0 * 5.7e-7 * static_cast<double>(outcomes.size())));
+}
+
+TEST(NodeOverTwoThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+  expect_honest_health(2'000);
+}
+TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+  expect_honest_health(10'000);
 }
 
 }  // namespace
