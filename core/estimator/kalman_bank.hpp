@@ -9,6 +9,7 @@
 #include <span>
 #include <type_traits>
 
+#include "core/base/numeric.hpp"
 #include "core/estimator/evidence.hpp"
 #include "core/estimator/kalman_filter.hpp"
 #include "core/estimator/prediction.hpp"
@@ -109,8 +110,10 @@ class KalmanBank {
   /// noise was found to be, over the model's.
   constexpr void start_learning(float scale) {
     if constexpr (kLearns) {
-      state_.evidence.start(
-          count(), [&](std::size_t m) { return coefficients_->hypotheses->all[m].log_prior; });
+      state_.evidence.start(count(), [&](std::size_t m) {
+        const auto& one = coefficients_->hypotheses->all[m];
+        return one.log_prior + kFirstCaution * natural_log(std::max(one.level, 1e-37F));
+      });
       rescale(scale);
     }
   }
@@ -291,6 +294,10 @@ class KalmanBank {
     bool is_empty_ = true;
   };
   using Mixtures = std::array<Mixture, Axes>;
+
+  /// Gain of the logarithm of a weight by that of the level, at the start: a sensor of which
+  /// nothing is known is first taken for a noisy one. It is forgotten like all evidence.
+  static constexpr float kFirstCaution = 1.0F / 3.0F;
 
   [[nodiscard]] constexpr std::size_t count() const {
     return kLearns ? coefficients_->used_hypotheses() : 1;

@@ -34,9 +34,24 @@ zerorate_model good_model(FuzzedDataProvider& input) {
   return model;
 }
 
+/// Three orders by four strengths of the slow noise.
+void add_hypotheses(zerorate_model& model, FuzzedDataProvider& input) {
+  model.hypothesis_count = input.ConsumeIntegralInRange<std::uint8_t>(0, ZERORATE_HYPOTHESES);
+  model.evidence_kept = 0.999F;
+  for (std::size_t m = 0; m < ZERORATE_HYPOTHESES; ++m) {
+    zerorate_hypothesis& one = model.hypotheses[m];
+    one.level = std::pow(25.0F, static_cast<float>(m % 4U) - 1.5F);
+    one.strength[0] = one.level;
+    one.order = 0.5F + 0.12F * static_cast<float>(m / 4U);
+    one.bias_instability_rad_s = 1e-5F;
+    one.angle_random_walk_rad_per_sqrt_s = 1e-4F;
+  }
+}
+
 /// The good one with figures of any bit pattern: refused, or as good as any other.
 zerorate_model some_model(FuzzedDataProvider& input) {
   zerorate_model model = good_model(input);
+  if (input.ConsumeBool()) add_hypotheses(model, input);
   const std::array figures{&model.walk_variance_rad2_s2,
                            &model.white_variance_rad2_s2,
                            &model.measurement_floor_variance_rad2_s2,
@@ -56,7 +71,14 @@ zerorate_model some_model(FuzzedDataProvider& input) {
                            &model.temperature.reference_degc,
                            &model.temperature.curvature_sigma_rad_s_per_k2,
                            &model.temperature.curvature_rad_s_per_k2,
-                           &model.temperature.lag_s};
+                           &model.temperature.lag_s,
+                           &model.evidence_kept,
+                           &model.hypotheses[1].strength[0],
+                           &model.hypotheses[1].log_prior,
+                           &model.hypotheses[1].level,
+                           &model.hypotheses[1].order,
+                           &model.hypotheses[1].bias_instability_rad_s,
+                           &model.hypotheses[1].angle_random_walk_rad_per_sqrt_s};
   for (auto count = input.ConsumeIntegralInRange(0, 3); count > 0; --count) {
     *figures.at(input.ConsumeIntegralInRange<std::size_t>(0, figures.size() - 1)) =
         std::bit_cast<float>(input.ConsumeIntegral<std::uint32_t>());

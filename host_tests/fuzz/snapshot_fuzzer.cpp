@@ -15,37 +15,61 @@
 namespace {
 
 using namespace zerorate;
-using Node = app::GyroNode<core::ModelShape{.decaying = 4}>;
-using Snapshot = app::Snapshot<Node>;
+constexpr core::ModelShape kKnown{.decaying = 4};
+constexpr core::ModelShape kLearning = core::with_hypotheses(kKnown, 12);
 
 constexpr core::Duration kTick = core::Duration::milliseconds(100);
 constexpr std::uint32_t kSensor = 7;
 constexpr std::size_t kHeaderBytes = 64;
 
-const Node::Params& params() {
-  static const Node::Params params{
+/// Three orders by four strengths of the slow noise.
+template <core::ModelShape Shape>
+core::HypothesesOf<Shape> hypotheses() {
+  core::HypothesesOf<Shape> hypotheses{};
+  if constexpr (Shape.hypotheses > 1) {
+    hypotheses.count = Shape.hypotheses;
+    hypotheses.kept = 0.999F;
+    for (std::size_t m = 0; m < Shape.hypotheses; ++m) {
+      auto& one = hypotheses.all[m];
+      one.level = std::pow(25.0F, static_cast<float>(m % 4U) - 1.5F);
+      for (std::size_t i = 0; i < Shape.decaying; ++i) {
+        one.strength[i] = one.level * std::pow(1.7F, static_cast<float>(i * (m / 4U)));
+      }
+    }
+  }
+  return hypotheses;
+}
+
+template <core::ModelShape Shape>
+const app::NodeParams<Shape>& params() {
+  static const app::NodeParams<Shape> params{
       .modes = core::compose(kTick, core::Start::stationary,
                              zerorate::testing::flicker_like<4>(kTick, 0.5)),
       .white_variance_rad2_s2 = 1e-6F,
       .turn_on_variance_rad2_s2 = 1e-8F,
-      .sample_period = core::Duration::milliseconds(10)};
+      .sample_period = core::Duration::milliseconds(10),
+      .hypotheses = hypotheses<Shape>()};
   return params;
 }
 
 /// A node after ten seconds of standstill.
+template <class Node>
 struct Learnt {
-  Learnt() {
+  explicit Learnt(const typename Node::Params& params) : node(params) {
     for (std::int64_t ms = 0; ms < 10'000; ms += 10) {
-      (void)node.step({.time = core::Instant::from_ns(ms * 1'000'000)});
+      const auto noise = static_cast<float>(ms / 10 * 7 % 13 - 6) * 1e-4F;
+      (void)node.step({.time = core::Instant::from_ns(ms * 1'000'000),
+                       .rate = {core::rad_per_s(noise), core::rad_per_s(-noise), {}}});
     }
   }
-  Node node{params()};
+  Node node;
 };
 
-template <class Record>
+template <core::ModelShape Shape, class Record>
 void restore(const Record& record, const app::SnapshotTime& now) {
-  Node node{params()};
-  const auto resumed = Snapshot{params(), kSensor}.restore(node, record, now);
+  app::GyroNode<Shape> node{params<Shape>()};
+  const app::Snapshot<app::GyroNode<Shape>> snapshot{params<Shape>(), kSensor};
+  const auto resumed = snapshot.restore(node, record, now);
   const core::Prediction predicted = node.predict(app::Predictor::kalman, 0);
   fuzz::promise(resumed.has_value() == predicted.is_available(),
                 "a node knows something after a record that it took up, and only then");
@@ -69,25 +93,35 @@ Record forged(Record record, FuzzedDataProvider& input) {
   return record;
 }
 
+template <core::ModelShape Shape>
+void take_up(FuzzedDataProvider& input) {
+  using Node = app::GyroNode<Shape>;
+  static const Learnt<Node> learnt{params<Shape>()};
+  const app::Snapshot<Node> snapshot{params<Shape>(), kSensor};
+  const app::SnapshotTime saved{.session = {'a'}, .utc_s = input.ConsumeIntegral<std::int64_t>()};
+  app::SnapshotTime now{.session = {input.ConsumeBool() ? 'a' : 'b'}, .utc_s = std::nullopt};
+  if (input.ConsumeBool()) now.utc_s = input.ConsumeIntegral<std::int64_t>();
+  switch (input.ConsumeIntegralInRange<int>(0, 2)) {
+    case 0:
+      restore<Shape>(forged(snapshot.of_state(learnt.node.state(), saved), input), now);
+      break;
+    case 1:
+      restore<Shape>(forged(snapshot.of_filters(learnt.node, saved), input), now);
+      break;
+    default:
+      restore<Shape>(input.ConsumeRemainingBytes<std::uint8_t>(), now);
+      break;
+  }
+}
+
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider input(data, size);
-  const app::SnapshotTime saved{.session = {'a'}, .utc_s = input.ConsumeIntegral<std::int64_t>()};
-  app::SnapshotTime now{.session = {input.ConsumeBool() ? 'a' : 'b'}, .utc_s = std::nullopt};
-  if (input.ConsumeBool()) now.utc_s = input.ConsumeIntegral<std::int64_t>();
-  static const Learnt learnt;
-  const Snapshot snapshot{params(), kSensor};
-  switch (input.ConsumeIntegralInRange<int>(0, 2)) {
-    case 0:
-      restore(forged(snapshot.of_state(learnt.node.state(), saved), input), now);
-      break;
-    case 1:
-      restore(forged(snapshot.of_filters(learnt.node, saved), input), now);
-      break;
-    default:
-      restore(input.ConsumeRemainingBytes<std::uint8_t>(), now);
-      break;
+  if (input.ConsumeBool()) {
+    take_up<kLearning>(input);
+  } else {
+    take_up<kKnown>(input);
   }
   return 0;
 }

@@ -17,6 +17,7 @@
 #include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/app/snapshot.hpp"
+#include "firmware/model/hypotheses.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/odometer.hpp"
@@ -29,7 +30,10 @@
 
 namespace zerorate::scenario {
 
-using FaultyNode = app::GyroNode<core::ModelShape{.decaying = 6}>;
+/// Learns as the Linux node does.
+inline constexpr core::ModelShape kFaultyShape =
+    core::with_hypotheses(core::ModelShape{.decaying = 6}, model::kMostHypotheses);
+using FaultyNode = app::GyroNode<kFaultyShape>;
 using Random = std::mt19937_64;
 
 [[nodiscard]] inline double uniform(Random& random, double from, double to) {

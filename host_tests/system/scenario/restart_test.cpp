@@ -16,7 +16,8 @@
 namespace zerorate::scenario {
 namespace {
 
-using Node = app::GyroNode<core::ModelShape{.decaying = 6}>;
+constexpr core::ModelShape kShape{.decaying = 6};
+using Node = app::GyroNode<kShape>;
 
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 constexpr double kTurnOnSigmaRadS = 10.0 / 3600.0 * kRadPerDeg;
@@ -104,7 +105,7 @@ struct Row {
 /// By length of the stop between switching on and driving off.
 std::array<Row, kStops_s.size()> compare_after(double off_s) {
   const model::SensorModel model = sensor();
-  const Node::Params params = slow_params<Node, 6>(model);
+  const Node::Params params = slow_params<kShape>(model);
   const app::Snapshot<Node> snapshot{params, 1};
   std::array<Row, kStops_s.size()> rows{};
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {

@@ -18,15 +18,16 @@ namespace zerorate::scenario {
 
 inline constexpr double kSlowPeriod_s = 0.5;
 
-template <class Node, std::size_t R>
-[[nodiscard]] typename Node::Params slow_params(const model::SensorModel& model) {
+template <core::ModelShape Shape>
+[[nodiscard]] app::NodeParams<Shape> slow_params(const model::SensorModel& model) {
   const auto period = core::Duration::milliseconds(500);
-  const auto noise = model::make_node_model<core::ModelShape{.decaying = R}>(model, period, period);
+  const auto noise = model::make_node_model<Shape>(model, period, period);
   return {.modes = noise.modes,
           .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
           .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
           .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
-          .sample_period = period};
+          .sample_period = period,
+          .hypotheses = noise.hypotheses};
 }
 
 /// Three axes of a gyro, each with noise of its own.
@@ -56,7 +57,8 @@ struct SlowGyro {
 
 /// One sample of the gyro as the node's k-th; on the move it turns, and the odometer counts.
 template <class Node>
-void step_slowly(Node& node, const SlowGyro& gyro, std::size_t sample, std::size_t k, bool moves) {
+app::RateMessage step_slowly(Node& node, const SlowGyro& gyro, std::size_t sample, std::size_t k,
+                             bool moves) {
   if (moves) node.pulse(slow_instant(k));
   const double turn_rad_s = moves ? 0.1 * std::sin(0.3 * static_cast<double>(k)) : 0.0;
   drivers::GyroSample measured{.time = slow_instant(k)};
@@ -64,7 +66,7 @@ void step_slowly(Node& node, const SlowGyro& gyro, std::size_t sample, std::size
     measured.rate[axis] =
         core::rad_per_s(static_cast<float>(gyro.measured_rad_s[axis][sample] + turn_rad_s));
   }
-  (void)node.step(measured);
+  return node.step(measured);
 }
 
 /// Bias left after correction [rad/s].

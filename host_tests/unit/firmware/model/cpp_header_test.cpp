@@ -31,6 +31,14 @@ TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
       << "run: zerorate export lsm6dso --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp";
 }
 
+TEST(HeaderOfThePicoThatLearns, IsWhatTheCatalogueExportsToday) {
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_learning.hpp");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_TRUE(text == format_cpp_header(find_model("lsm6dso"), kSamplePeriod, kTick))
+      << "run: zerorate export lsm6dso --cpp --hypotheses 12 -o "
+         "firmware/boards/pico/model_learning.hpp";
+}
+
 TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
   struct Exported {
     std::string chip;
