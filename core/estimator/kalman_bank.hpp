@@ -9,7 +9,6 @@
 #include <span>
 #include <type_traits>
 
-#include "core/base/numeric.hpp"
 #include "core/estimator/evidence.hpp"
 #include "core/estimator/kalman_filter.hpp"
 #include "core/estimator/prediction.hpp"
@@ -110,10 +109,8 @@ class KalmanBank {
   /// noise was found to be, over the model's.
   constexpr void start_learning(float scale) {
     if constexpr (kLearns) {
-      state_.evidence.start(count(), [&](std::size_t m) {
-        const auto& one = coefficients_->hypotheses->all[m];
-        return one.log_prior + kFirstCaution * natural_log(std::max(one.level, 1e-37F));
-      });
+      const auto& all = coefficients_->hypotheses->all;
+      state_.evidence.start(count(), [&](std::size_t m) { return all[m].first_log_weight(); });
       rescale(scale);
     }
   }
@@ -266,38 +263,8 @@ class KalmanBank {
   }
 
  private:
-  /// Mean and variance of what the hypotheses say, by their weights. Means are taken from that of
-  /// the first, so that nothing large cancels.
-  class Mixture {
-   public:
-    constexpr void add(float weight, float mean, float variance) {
-      if constexpr (!kLearns) {
-        origin_ = mean;
-        variance_ = variance;
-        return;
-      }
-      if (is_empty_) origin_ = mean;
-      is_empty_ = false;
-      const float apart = mean - origin_;
-      apart_ += weight * apart;
-      variance_ += weight * (variance + apart * apart);
-    }
-    [[nodiscard]] constexpr float mean() const { return kLearns ? origin_ + apart_ : origin_; }
-    [[nodiscard]] constexpr float variance() const {
-      return kLearns ? variance_ - apart_ * apart_ : variance_;
-    }
-
-   private:
-    float origin_ = 0.0F;
-    float apart_ = 0.0F;
-    float variance_ = 0.0F;
-    bool is_empty_ = true;
-  };
+  using Mixture = core::Mixture<kLearns>;
   using Mixtures = std::array<Mixture, Axes>;
-
-  /// Gain of the logarithm of a weight by that of the level, at the start: a sensor of which
-  /// nothing is known is first taken for a noisy one. It is forgotten like all evidence.
-  static constexpr float kFirstCaution = 1.0F / 3.0F;
 
   [[nodiscard]] constexpr std::size_t count() const {
     return kLearns ? coefficients_->used_hypotheses() : 1;

@@ -2,10 +2,12 @@
 /// Hypotheses of the slow noise of a sensor whose model is a data sheet's.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <type_traits>
 
+#include "core/base/numeric.hpp"
 #include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {
@@ -22,6 +24,14 @@ struct Hypothesis {
   float order = 0.0F;                   ///< d
   float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
+
+  /// Logarithm of the weight before the first measurement: a sensor of which nothing is known is
+  /// first taken for a noisy one, because few measurements may by chance speak for too weak a
+  /// noise. It is forgotten like all evidence.
+  [[nodiscard]] constexpr float first_log_weight() const {
+    constexpr float kCaution = 1.0F / 3.0F;
+    return log_prior + kCaution * natural_log(std::max(level, 1e-37F));
+  }
 };
 
 /// Hypotheses of a filter of this shape, and how it weighs them.

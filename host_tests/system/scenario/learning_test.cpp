@@ -208,6 +208,9 @@ TEST(LearningOnPeerSensorB, IsAsGoodAsKnowingItsNoise) {
 }
 
 /// Runs of a sensor whose slow noise is not of the family, under the data sheets of sensor A.
+/// Stronger ones are not held: three times the random walk is covered in 79 to 88 %, three times
+/// the Gauss-Markov process in 85 to 90 %, and neither is reported. The scale that is learnt makes
+/// the innovations within a stop consistent, and those across drives are too few to count.
 void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_noise) {
   const auto gyros = gyros_of(kA.arw_dps_rt_s, slow_noise, 60);
   for (const double factor : {1.0 / kWrong, 1.0, kWrong}) {
