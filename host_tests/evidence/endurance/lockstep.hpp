@@ -92,13 +92,14 @@ class DoubleFilter {
 /// The covariance of (bias, drifts) that the filter under test holds: (bias, z), scaled.
 inline Eigen::Matrix<double, 7, 7> covariance_of(
     const core::KalmanPredictor<core::ModelShape{.decaying = kDecades}>::State& state) {
+  const auto& filter = state.filters[0];
   Eigen::Matrix<double, 7, 7> p;
-  p(0, 0) = double{state.bias_variance};
+  p(0, 0) = double{filter.bias_variance};
   for (std::size_t i = 0; i < kDecades; ++i) {
     const auto row = static_cast<Eigen::Index>(i) + 1;
-    p(0, row) = p(row, 0) = double{state.bias_covariance[i]};
+    p(0, row) = p(row, 0) = double{filter.bias_covariance[i]};
     for (std::size_t j = 0; j < kDecades; ++j) {
-      p(row, static_cast<Eigen::Index>(j) + 1) = double{state.covariance(i, j)};
+      p(row, static_cast<Eigen::Index>(j) + 1) = double{filter.covariance(i, j)};
     }
   }
   return p;
@@ -153,7 +154,7 @@ inline Lockstep run_in_lockstep(const Decades& modes, double r, std::uint64_t st
         predicted + std::sqrt(oracle.bias_variance() + double{single_r}) * normal(random));
     oracle.update(double{y} - predicted, double{single_r});
     (void)filter.step(tick, y, single_r);
-    const double error = (double{filter.state().axes[0].bias_rad_s} - oracle.bias()) /
+    const double error = (double{filter.state().filters[0].axes[0].bias_rad_s} - oracle.bias()) /
                          std::sqrt(oracle.bias_variance());
     squares += error * error;
     result.worst_bias = std::max(result.worst_bias, std::abs(error));
