@@ -62,6 +62,7 @@ class CalmJudge {
     Rates level_rad2_s2{};                 ///< of the spread of three windows at rest
     float step = 0.0F;                     ///< of the levels, shrinking; 0: there are none yet
     float white_rad2_s2 = 0.0F;            ///< variance of a sample by the spread of calm windows
+    float local_white_rad2_s2 = 0.0F;      ///< by neighbouring samples, over eight windows or so
     std::uint32_t next_tick = 0;           ///< that continues the window
     std::uint32_t samples = 0;             ///< in the window
     std::uint16_t differences = 0;         ///< in `squares`
@@ -86,7 +87,7 @@ class CalmJudge {
         window_ticks_(ticks_of_window(tick)),
         needed_windows_(clamped_to_u8(longest_bend / (tick * window_ticks_))),
         model_white_rad2_s2_(white_variance_rad2_s2) {
-    state_.white_rad2_s2 = white_variance_rad2_s2;
+    state_.white_rad2_s2 = state_.local_white_rad2_s2 = white_variance_rad2_s2;
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -141,6 +142,14 @@ class CalmJudge {
   [[nodiscard]] constexpr bool has_seen_white_noise() const { return state_.spreads > 0; }
   /// Whether the mean is of as many spreads as it ever is.
   [[nodiscard]] constexpr bool knows_white_noise() const { return state_.spreads == kSpreads; }
+  /// Variance of a sample that neither a swaying vehicle nor its engine explains: the lesser of
+  /// what windows and what neighbouring samples show, and never less than by the model.
+  [[nodiscard]] constexpr float sure_white_variance_rad2_s2() const {
+    const float shown = state_.spreads > 0
+                            ? std::min(state_.white_rad2_s2, state_.local_white_rad2_s2)
+                            : state_.local_white_rad2_s2;
+    return std::max(shown, model_white_rad2_s2_);
+  }
   /// Whether the newest window is calm; true before there are three.
   [[nodiscard]] constexpr bool is_calm() const { return state_.is_calm; }
   /// Share of the newest stop that was calm, rounded down; of a long stop that of its last two
@@ -211,6 +220,7 @@ class CalmJudge {
   /// Mean of the window, which is then empty; keeps what its samples say of the mean's variance.
   constexpr Rates take_window(float samples) {
     Rates mean{};
+    if (samples >= kFewestSamples && state_.differences > 0) learn_local_white();
     for (std::size_t i = 0; i < kAxes; ++i) {
       mean[i] = state_.sum_rad_s[i] / static_cast<float>(window_ticks_);
       if (state_.differences > 0) {
@@ -222,6 +232,15 @@ class CalmJudge {
     }
     clear_window();
     return mean;
+  }
+
+  constexpr void learn_local_white() {
+    constexpr float kShareOfNewest = 0.125F;
+    const float sum = state_.squares[0] + state_.squares[1] + state_.squares[2];
+    const float newest = sum / (6.0F * static_cast<float>(state_.differences));
+    const bool is_first = state_.local_white_rad2_s2 == model_white_rad2_s2_;
+    state_.local_white_rad2_s2 +=
+        (is_first ? 1.0F : kShareOfNewest) * (newest - state_.local_white_rad2_s2);
   }
 
   [[nodiscard]] constexpr Rates spread_of(const Rates& mean) const {

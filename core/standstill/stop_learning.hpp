@@ -76,7 +76,7 @@ class StopLearning {
     odometer_.restore(state.odometer);
     average_.restore(state.average);
     calm_.restore(state.calm);
-    odometer_.set_white_noise(calm_.white_variance_rad2_s2());
+    odometer_.set_white_noise(calm_.sure_white_variance_rad2_s2());
     held_ = state.held;
   }
 
@@ -129,7 +129,7 @@ class StopLearning {
     const Item closed{average_.close(), rest...};
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
     const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2);
-    odometer_.set_white_noise(calm_.white_variance_rad2_s2());
+    odometer_.set_white_noise(calm_.sure_white_variance_rad2_s2());
     const Calm calm = asks_gyro_ ? judged : Calm::calm;
     if (odometer_.turns()) {
       held_.clear();
