@@ -10,7 +10,6 @@
 
 namespace zerorate::experiments {
 
-using Json = nlohmann::ordered_json;
 using recording::number;
 using units::kDegPerRad;
 using units::kDphPerRadS;
@@ -27,13 +26,13 @@ void append(std::vector<report::Cell>& row, const BootstrapFigure& figure) {
   for (const double value : {figure.value, figure.lo, figure.hi}) row.emplace_back(value);
 }
 
-void add(Json& into, const std::string& key, const BootstrapFigure& figure) {
+void add(nlohmann::ordered_json& into, const std::string& key, const BootstrapFigure& figure) {
   into[key] = number(figure.value);
   into[key + "_ci95"] = {number(figure.lo), number(figure.hi)};
 }
 
-Json to_json(const DriveStanding& standing) {
-  Json json{{"heading_drift_rms_deg", number(standing.drift_rms_deg)}};
+nlohmann::ordered_json to_json(const DriveStanding& standing) {
+  nlohmann::ordered_json json{{"heading_drift_rms_deg", number(standing.drift_rms_deg)}};
   add(json, "ratio_to_calibration_mean", standing.ratio);
   add(json, "coverage95", standing.coverage);
   json["sigma_over_rms"] = number(standing.sigma_over_rms);
