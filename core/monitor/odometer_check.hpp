@@ -74,11 +74,11 @@ class OdometerCheck {
         back_(ticks_clamped_to_u8(kBackFor, tick)),
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
-        fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))) {
+        fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))),
+        least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s) {
     const auto samples =
         static_cast<float>(static_cast<std::uint32_t>(window_) * fewest_samples_ + 1U);
     white_of_window_ = kSixSigmaOfDifference2 / samples;
-    least_turn_rad2_s2_ = params.turn_rad_s * params.turn_rad_s;
     set_white_noise(white_variance_rad2_s2);
     const float window_s = tick.in_seconds() * static_cast<float>(window_);
     follow_ = window_s / (window_s + kFollow_s);
