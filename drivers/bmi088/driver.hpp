@@ -11,7 +11,6 @@
 #include "core/base/time.hpp"
 #include "drivers/bmi088/codec.hpp"
 #include "drivers/bmi088/registers.hpp"
-#include "drivers/common/byte_order.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"

@@ -8,10 +8,22 @@
 
 #include "core/base/result.hpp"
 #include "drivers/common/driver_error.hpp"
-#include "drivers/common/register.hpp"
 #include "drivers/common/register_bus.hpp"
 
 namespace zerorate::drivers {
+
+enum class Access : std::uint8_t { read_only, write_only, read_write };
+
+/// One 8-bit register: `inline constexpr Register<0x0F, Access::read_only, 0x6C> kWhoAmI;`
+/// An empty type: it costs nothing to pass. Reading or writing against its Access is refused by the
+/// compiler (register_access.hpp, configuration_table.hpp).
+template <std::uint8_t Address, Access Kind, std::uint8_t Reset = 0x00>
+struct Register {
+  static constexpr std::uint8_t address = Address;
+  static constexpr std::uint8_t reset = Reset;
+  static constexpr bool is_readable = Kind != Access::write_only;
+  static constexpr bool is_writable = Kind != Access::read_only;
+};
 
 /// Reads consecutive registers in one burst, beginning with the one given.
 template <RegisterBus Bus, std::uint8_t Address, Access Kind, std::uint8_t Reset>

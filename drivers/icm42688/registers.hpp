@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "drivers/common/register.hpp"
+#include "drivers/common/register_access.hpp"
 #include "hal/contract/i2c_bus.hpp"
 
 namespace zerorate::drivers::icm42688 {

@@ -9,12 +9,10 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
-#include "drivers/common/byte_order.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
 #include "drivers/common/gyro_source.hpp"
-#include "drivers/common/overrun_report.hpp"
 #include "drivers/common/raw_rates.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/register_bus.hpp"

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/base/numeric.hpp"
-#include "core/base/time_range.hpp"
+#include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
 

@@ -2,6 +2,7 @@
 /// From flicker noise to the first-order lags that stand for it in the filter.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
@@ -31,5 +32,10 @@ struct FlickerFit {
 /// Throws std::invalid_argument unless tick_s is positive and shorter than the slowest lag, and
 /// `flicker` is valid (see validate()).
 [[nodiscard]] FlickerFit fit_flicker(const Flicker& flicker, double tick_s);
+
+/// The x >= 0 that minimises |A x - b|, with columns of A of comparable length.
+/// Active-set method (Lawson and Hanson 1974, chapter 23).
+[[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A,
+                                                        const Eigen::VectorXd& b);
 
 }  // namespace zerorate::model

@@ -2,7 +2,7 @@
 
 #include "firmware/wire/rate_frame.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
-#include "host_tools/lib/live/json_message.hpp"
+#include "host_tools/lib/live/source.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace zerorate;

@@ -13,7 +13,6 @@
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/text_output.hpp"
-#include "host_tools/lib/identify/characterization_json.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/units/units.hpp"

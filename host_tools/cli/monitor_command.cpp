@@ -15,7 +15,7 @@
 
 #include "firmware/model/model_file.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/live/source.hpp"

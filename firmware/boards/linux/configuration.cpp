@@ -15,7 +15,7 @@
 #include "firmware/toml/nearest_name.hpp"
 #include "firmware/toml/strict_table.hpp"
 #include "firmware/wire/can_frames.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 namespace {

@@ -25,7 +25,7 @@
 #include "hal/sim/storage.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "host_tests/system/scenario/play.hpp"
-#include "host_tools/lib/simulate/legs.hpp"
+#include "host_tools/lib/simulate/driver.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::scenario {

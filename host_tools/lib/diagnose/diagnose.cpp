@@ -17,7 +17,6 @@
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/selection/causes.hpp"
 #include "host_tools/lib/diagnose/selection/common_order.hpp"
-#include "host_tools/lib/diagnose/selection/given_model.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/recording/error.hpp"

@@ -1,9 +1,11 @@
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 
 #include <fmt/format.h>
-
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
 
+#include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -37,6 +39,19 @@ LearntModel learnt_model(const app::LearntNoise& noise) {
           .angle_random_walk_dps_per_sqrt_hz =
               log_normal(noise.angle_random_walk_rad_per_sqrt_s, units::kDegPerRad),
           .stops = double{noise.stops}};
+}
+
+nlohmann::ordered_json learnt_json(const LearntModel& learnt) {
+  using recording::number;
+  nlohmann::ordered_json json{{"stops", number(learnt.stops)}};
+  const auto add = [&](const std::string& key, const LearntInterval& figure) {
+    json[key] = number(figure.value);
+    json[key + "_ci95"] = {number(figure.lo), number(figure.hi)};
+  };
+  add("order", learnt.order);
+  add("bias_instability_dph", learnt.bias_instability_dph);
+  add("angle_random_walk_dps_per_sqrt_hz", learnt.angle_random_walk_dps_per_sqrt_hz);
+  return json;
 }
 
 }  // namespace zerorate::evaluate

@@ -2,6 +2,7 @@
 /// Noise model that a node has learnt, in the units and with the intervals that people read.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "firmware/app/learnt_noise.hpp"
@@ -32,5 +33,9 @@ struct LearntModel {
 /// the node's mean and standard deviation; the intervals of B and N, which are positive, are those
 /// of a log-normal one.
 [[nodiscard]] LearntModel learnt_model(const app::LearntNoise& noise);
+
+/// Object `learnt` of an axis of the schema zerorate.replay/1, described in
+/// docs/reference/replay-json.md.
+[[nodiscard]] nlohmann::ordered_json learnt_json(const LearntModel& learnt);
 
 }  // namespace zerorate::evaluate

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host_tools/lib/evaluate/learnt_model_json.hpp"
-#include "host_tools/lib/evaluate/true_drives_json.hpp"
+#include "host_tools/lib/evaluate/learnt_model.hpp"
+#include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/units/units.hpp"
 

@@ -36,4 +36,10 @@ struct RestRecord {
                                          const model::SensorModel& model,
                                          const ReplayReportText& text);
 
+/// Adds a section: a table of the axes by the end of the replay, and how the traced axis came to
+/// its figures, stop by stop. Adds nothing where nothing was learnt.
+/// @param axes those to tabulate
+void add_learnt_model(report::Report& report, const ReplayResult& result,
+                      const std::vector<std::size_t>& axes, const ReplayTrace& trace);
+
 }  // namespace zerorate::evaluate

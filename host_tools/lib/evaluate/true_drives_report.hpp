@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "host_tools/lib/evaluate/replay.hpp"
@@ -22,5 +23,9 @@ namespace zerorate::evaluate {
 /// Adds a section with the scores of the drives.
 void add_true_drives(report::Report& report, const TrueDrives& drives, const ReplayTrace& trace,
                      const ReplayResult& result);
+
+/// The key `true_drives` of zerorate.replay/1, described in docs/reference/replay-json.md.
+[[nodiscard]] nlohmann::ordered_json true_drives_json(const TrueDrives& drives,
+                                                      std::size_t axis_count);
 
 }  // namespace zerorate::evaluate

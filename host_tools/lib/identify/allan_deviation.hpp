@@ -62,4 +62,10 @@ struct AllanOptions {
                                                       double sample_period_s,
                                                       const AllanOptions& options = {});
 
+/// A number with its standard error.
+struct Estimate {
+  double value;
+  double standard_error;
+};
+
 }  // namespace zerorate::identify

@@ -20,4 +20,9 @@ namespace zerorate::identify {
 [[nodiscard]] report::Report make_report(const Characterization& result,
                                          const std::string& provenance);
 
+/// How a fit came to its order: "given", "estimated", "prior" or "limit".
+[[nodiscard]] std::string_view name(OrderSource source);
+
+[[nodiscard]] std::string to_json(const Characterization& result);
+
 }  // namespace zerorate::identify

@@ -13,7 +13,6 @@
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/identify/density.hpp"
-#include "host_tools/lib/identify/estimate.hpp"
 #include "host_tools/lib/identify/innovations_fit.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/lib/identify/scalar_minimum.hpp"
+#include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"

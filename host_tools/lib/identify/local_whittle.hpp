@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "host_tools/lib/identify/estimate.hpp"
+#include "host_tools/lib/identify/allan_deviation.hpp"
 
 namespace zerorate::identify {
 

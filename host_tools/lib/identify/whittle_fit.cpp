@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host_tools/lib/identify/scalar_minimum.hpp"
+#include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "host_tools/lib/identify/estimate.hpp"
+#include "host_tools/lib/identify/allan_deviation.hpp"
 
 namespace zerorate::identify {
 

@@ -4,8 +4,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
+#include "firmware/wire/learnt_frame.hpp"
+#include "firmware/wire/rate_frame.hpp"
 #include "host_tools/lib/live/tally.hpp"
 
 namespace zerorate::live {
@@ -46,5 +50,15 @@ class Source {
 
 /// JSON lines of a file from its beginning, or of the standard input for "-".
 [[nodiscard]] std::unique_ptr<Source> open_json_lines(const std::string& file);
+
+/// Content of a line.
+struct JsonMessage {
+  wire::NumberedMessage message;
+  std::optional<wire::LearntModel> learnt;  ///< in one line a second, once there is something
+};
+
+/// The message of a line (docs/reference/zerorated.md); none where it is no such line. A rate that
+/// is null comes back as 0, as in a frame, a deviation that is null as infinity.
+[[nodiscard]] std::optional<JsonMessage> parse_json_message(std::string_view line);
 
 }  // namespace zerorate::live

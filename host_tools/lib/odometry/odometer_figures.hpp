@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -75,5 +76,8 @@ struct OdometerFigures {
 /// Time by which the odometer's speed is late [s], positive if late: least mean square difference
 /// to the reference while both exceed 2 m/s, within one second; intervals from minutes drawn again.
 [[nodiscard]] BootstrapFigure measure_latency(const SpeedRecord& record);
+
+/// Ends with a line end.
+[[nodiscard]] std::string to_json(const SpeedRecord& record, const OdometerFigures& figures);
 
 }  // namespace zerorate::odometry

@@ -1,5 +1,5 @@
 #include "host_tools/lib/recording/reader.hpp"
-#include "core/base/time_range.hpp"
+#include "core/base/time.hpp"
 
 #include <fmt/format.h>
 

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <span>
 
+#include "host_tools/lib/reference/fractional_noise.hpp"
+
 namespace zerorate::reference {
 
 /// y_k - mean = sum_i coefficients_i (y_{k-i} - mean) + e_k, i from 1.
@@ -40,5 +42,17 @@ struct Forecast {
 /// The forecast as a weighing of the newest `order` values: row j holds the weights of
 /// (y - mean), oldest first, in the forecast of lead j + 1. Time O(leads order^2).
 [[nodiscard]] Eigen::MatrixXd forecast_weights(const Autoregression& model, std::size_t leads);
+
+/// The weights to which the recursion of FullStateFilter comes, with the calibration mean as its
+/// certain mean, found at once: neither the gains nor the covariances of a Kalman filter depend on
+/// the data. With Psi = L(psi) split into the calibration's and the later rows,
+///
+///     C = s_f^2 Psi_1 Psi_1' + r I,   A = s_f^2 Psi_2 Psi_1' C^{-1},
+///     predicted = ybar + A (y - ybar 1).
+///
+/// `variance` is what the filter states. It takes ybar as certain and is therefore too small; see
+/// error_variance() for the truth. Time O(samples^2 (samples + leads)).
+[[nodiscard]] LinearPredictor make_plug_in_predictor(const FractionalNoise& noise,
+                                                     std::size_t samples, std::size_t leads);
 
 }  // namespace zerorate::reference

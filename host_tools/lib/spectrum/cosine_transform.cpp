@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/base/assert.hpp"
-#include "host_tools/lib/spectrum/complex_product.hpp"
+#include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::spectrum {
 namespace {

@@ -4,7 +4,6 @@
 #include <bit>
 #include <complex>
 
-#include "host_tools/lib/spectrum/complex_product.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
 namespace zerorate::spectrum {

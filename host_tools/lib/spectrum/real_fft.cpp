@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/base/assert.hpp"
-#include "host_tools/lib/spectrum/complex_product.hpp"
 
 namespace zerorate::spectrum {
 namespace {

@@ -17,7 +17,7 @@
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/wire/can_frames.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 namespace {

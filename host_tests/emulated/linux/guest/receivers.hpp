@@ -20,9 +20,9 @@
 
 #include "firmware/wire/rate_frame.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 #include "host_tests/emulated/linux/guest/device_world.hpp"
-#include "host_tools/lib/live/json_message.hpp"
+#include "host_tools/lib/live/source.hpp"
 
 namespace zerorate::emulated {
 

@@ -14,7 +14,7 @@
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 #include "host_tests/emulated/linux/guest/device_world.hpp"
 
 namespace zerorate::emulated {

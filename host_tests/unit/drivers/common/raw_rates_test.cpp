@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "drivers/common/byte_order.hpp"
-
 namespace zerorate::drivers {
 namespace {
 

@@ -10,8 +10,6 @@
 #include <random>
 #include <stdexcept>
 
-#include "firmware/model/nonnegative_least_squares.hpp"
-
 namespace zerorate::model {
 namespace {
 

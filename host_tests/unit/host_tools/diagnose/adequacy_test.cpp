@@ -10,7 +10,7 @@
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
-#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 
 #include <gtest/gtest.h>
 

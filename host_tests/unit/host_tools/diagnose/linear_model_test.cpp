@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
-#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::diagnose {

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/record/repeated_samples.hpp"
+#include "host_tools/lib/diagnose/record/arrivals.hpp"
 
 #include <gtest/gtest.h>
 

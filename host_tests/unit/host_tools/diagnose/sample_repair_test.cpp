@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/hypothesis/sample_repair.hpp"
+#include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 
 #include <gtest/gtest.h>
 

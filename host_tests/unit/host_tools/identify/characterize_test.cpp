@@ -9,7 +9,6 @@
 #include "firmware/model/model_file.hpp"
 #include "host_tests/support/recordings_folder.hpp"
 #include "host_tests/support/simulated_rest.hpp"
-#include "host_tools/lib/identify/characterization_json.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/model_curves.hpp"
 

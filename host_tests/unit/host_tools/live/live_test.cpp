@@ -11,7 +11,7 @@
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 #include "host_tests/unit/host_tools/live/messages.hpp"
-#include "host_tools/lib/live/json_message.hpp"
+#include "host_tools/lib/live/source.hpp"
 #include "host_tools/lib/live/tally.hpp"
 #include "host_tools/lib/live/view.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "host_tests/support/scratch_folder.hpp"
-#include "host_tools/lib/odometry/odometer_json.hpp"
+#include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/units/units.hpp"
 

@@ -12,7 +12,6 @@
 #include <tuple>
 #include <vector>
 
-#include "host_tests/support/file_size_limit.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 

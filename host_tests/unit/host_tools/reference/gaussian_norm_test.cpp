@@ -1,4 +1,4 @@
-#include "host_tools/lib/reference/gaussian_norm.hpp"
+#include "host_tools/lib/reference/best_linear_predictor.hpp"
 
 #include <gtest/gtest.h>
 

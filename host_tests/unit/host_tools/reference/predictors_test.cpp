@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/reference/autoregression.hpp"
 #include "host_tools/lib/reference/best_linear_predictor.hpp"
 #include "host_tools/lib/reference/full_state_filter.hpp"
-#include "host_tools/lib/reference/plug_in_predictor.hpp"
 
 namespace zerorate::reference {
 namespace {

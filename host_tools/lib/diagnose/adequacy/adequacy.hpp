@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/diagnose/hypothesis/standardised_residual.hpp"
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {

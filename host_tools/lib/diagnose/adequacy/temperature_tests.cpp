@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
-#include "host_tools/lib/diagnose/hypothesis/mean_fit.hpp"
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {

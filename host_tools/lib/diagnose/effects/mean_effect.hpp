@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "host_tools/lib/diagnose/effects/effect.hpp"
-#include "host_tools/lib/diagnose/hypothesis/columns.hpp"
-#include "host_tools/lib/diagnose/hypothesis/mean_fit.hpp"
+#include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 
 namespace zerorate::diagnose {
 

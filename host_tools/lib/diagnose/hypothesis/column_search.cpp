@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 #include "host_tools/lib/spectrum/real_fft.hpp"
 
@@ -145,6 +146,21 @@ double ColumnSearch::step_crossings() const {
     sum += std::sqrt(std::max(0.0, 2.0 * (1.0 - correlation)));
   }
   return sum / std::numbers::pi;
+}
+
+std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& search) {
+  std::optional<MeanFit> best;
+  std::optional<Part> part = search(ColumnSearch(without));
+  for (int round = 0; part && round < 2; ++round) {
+    std::vector<Part> parts = without.parts();
+    parts.push_back(*part);
+    const std::size_t last = parts.size() - 1;
+    const Hypothesis with(without.data(), std::move(parts), &without);
+    const double gain = with.log_likelihood() - without.log_likelihood();
+    if (!best || gain > best->gain_nats) best = {std::move(*part), gain, with};
+    if (round == 0) part = search(ColumnSearch(with, last));
+  }
+  return best;
 }
 
 }  // namespace zerorate::diagnose

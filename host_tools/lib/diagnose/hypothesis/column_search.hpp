@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,5 +56,19 @@ class ColumnSearch {
   mutable std::vector<double> precision_weighted_residual_;
   mutable std::vector<double> step_information_;
 };
+
+/// A search that names the best part at the given noise.
+using MeanSearch = std::function<std::optional<Part>(const ColumnSearch&)>;
+
+/// A part that was found, and the hypothesis that it makes.
+struct MeanFit {
+  Part part;
+  double gain_nats = 0.0;
+  Hypothesis with;  ///< the part, which is the last one
+};
+
+/// Searches, fits the noise again and searches once more at the new noise; the better of the two
+/// parts. Nothing where the search finds nothing. Two fits.
+[[nodiscard]] std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& search);
 
 }  // namespace zerorate::diagnose

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tools/lib/diagnose/hypothesis/density_table.hpp"
+#include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
-#include "host_tools/lib/diagnose/hypothesis/sample_repair.hpp"
+#include "host_tools/lib/diagnose/hypothesis/noise_density.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -251,6 +251,15 @@ Hypothesis::WhiteBandResidual Hypothesis::white_band_residual() const {
   WhiteBandResidual fast{data_->transform().inverse(flat), share};
   for (double& value : fast.values) value /= std::sqrt(share);
   return fast;
+}
+
+StandardisedResidual::StandardisedResidual(const Hypothesis& of)
+    : hypothesis(&of), values(of.whitened()) {
+  for (const Part& part : of.parts()) {
+    for (std::size_t k = 0; k < part.relative_sigma.size(); ++k) {
+      values[k] /= double{part.relative_sigma[k]};
+    }
+  }
 }
 
 }  // namespace zerorate::diagnose

@@ -97,4 +97,12 @@ class Hypothesis {
   mutable std::optional<double> mean_precision_;
 };
 
+/// Residual of a record under a hypothesis, which must outlive it.
+struct StandardisedResidual {
+  explicit StandardisedResidual(const Hypothesis& of);
+
+  const Hypothesis* hypothesis;
+  std::vector<double> values;  ///< whitened and divided by the relative sigma: independent, N(0, 1)
+};
+
 }  // namespace zerorate::diagnose

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 namespace zerorate::diagnose {
 
@@ -68,6 +70,122 @@ std::vector<double> NormalEquations::variances() const {
     unit[i] = 0.0;
   }
   return variances;
+}
+
+namespace {
+
+std::vector<double> without_first(std::vector<double> coefficients) {
+  coefficients.erase(coefficients.begin());
+  return coefficients;
+}
+
+/// How many coefficients, from 1 on, a slow function has.
+std::size_t slow_coefficients(const FitData& data) {
+  return data.block() == 1 ? data.size() - 1 : data.size() / data.block() / 2;
+}
+
+/// The lower half of the coefficients of one value a block, as those of a record.
+std::vector<double> of_blocks(const FitData& data, std::span<const double> values) {
+  std::vector<double> coefficients = without_first(data.block_transform().forward(values));
+  coefficients.resize(slow_coefficients(data));
+  const double scale = std::sqrt(static_cast<double>(data.block()));
+  for (double& c : coefficients) c *= scale;
+  return coefficients;
+}
+
+}  // namespace
+
+Column column_of(const FitData& data, std::span<const double> values) {
+  if (data.block() == 1) return {1, without_first(data.transform().forward(values))};
+  const std::size_t block = data.block();
+  const auto width = static_cast<double>(block);
+  std::vector<double> means(data.size() / block);
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    for (std::size_t k = i * block; k < (i + 1) * block; ++k) means[i] += values[k] / width;
+  }
+  std::vector<double> coefficients = of_blocks(data, means);
+  // Undo the attenuation by averaging.
+  for (std::size_t k = 1; k <= coefficients.size(); ++k) {
+    const double half =
+        0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(data.size());
+    coefficients[k - 1] *= width * std::sin(half) / std::sin(width * half);
+  }
+  return {1, std::move(coefficients)};
+}
+
+Column column_of(const FitData& data, const std::function<double(double)>& function) {
+  const std::size_t block = data.block();
+  const double centre_s = 0.5 * static_cast<double>(block - 1) * data.period_s();
+  std::vector<double> values(data.size() / block);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = function(data.time_s(i * block) + centre_s);
+  }
+  return {1, of_blocks(data, values)};
+}
+
+Column fast_column_of(const FitData& data, const std::function<double(double)>& function) {
+  std::vector<double> values(data.size());
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = function(data.time_s(k));
+  return {1, without_first(data.transform().forward(values))};
+}
+
+Column step_column(const FitData& data, std::size_t first) {
+  const auto n = static_cast<double>(data.size());
+  const double turn = std::numbers::pi * static_cast<double>(first) / n;
+  Column column{1, std::vector<double>(slow_coefficients(data))};
+  for (std::size_t k = 1; k < column.end(); ++k) {
+    column.coefficients[k - 1] =
+        -std::sqrt(2.0 / n) * std::sin(turn * static_cast<double>(k)) / data.sines()[k];
+  }
+  return column;
+}
+
+std::pair<Column, Column> tone_columns(const FitData& data, double cycles) {
+  // Geometric series of e^(i w t) cos(theta_k (t + 1/2)): with x = n w / 2 their sum is
+  // e^(i w (n-1)/2) (sin x or i cos x) (1 / sin((w + theta) / 2) + 1 / sin((w - theta) / 2)) / 2.
+  const auto n = static_cast<double>(data.size());
+  double place = 2.0 * n * cycles;  // of the tone among the coefficients
+  constexpr double kLeastDistance = 1e-4;
+  if (std::abs(place - std::round(place)) < kLeastDistance) {
+    place = std::round(place) + kLeastDistance;
+  }
+  const double half = 0.5 * std::numbers::pi * place / n;
+  const double x = 0.5 * std::numbers::pi * place;
+  const std::complex<double> even = std::polar(std::sin(x) / std::sqrt(2.0 * n), half * (n - 1.0));
+  const std::complex<double> odd =
+      std::polar(std::cos(x) / std::sqrt(2.0 * n), half * (n - 1.0) + 0.5 * std::numbers::pi);
+  constexpr std::size_t kReach = 32'768;
+  const auto centre = static_cast<std::size_t>(place);
+  const std::size_t first = centre > kReach ? centre - kReach : 1;
+  const std::size_t end = std::min(data.size(), centre + kReach);
+  Column cosine{first, {}};
+  Column sine{first, {}};
+  cosine.coefficients.reserve(end - first);
+  sine.coefficients.reserve(end - first);
+  for (std::size_t k = first; k < end; ++k) {
+    const double theta = 0.5 * std::numbers::pi * static_cast<double>(k) / n;
+    const double leak = 1.0 / std::sin(half + theta) + 1.0 / std::sin(half - theta);
+    const std::complex<double> c = leak * (k % 2 == 0 ? even : odd);
+    cosine.coefficients.push_back(c.real());
+    sine.coefficients.push_back(c.imag());
+  }
+  return {std::move(cosine), std::move(sine)};
+}
+
+Column decay_column(const FitData& data, double tau_s) {
+  // A geometric series.
+  const auto n = static_cast<double>(data.size());
+  const double samples = tau_s / data.period_s();
+  const double lost = -std::expm1(-1.0 / samples);
+  const double end = std::exp(-n / samples);
+  Column column{1, std::vector<double>(slow_coefficients(data))};
+  for (std::size_t k = 1; k < column.end(); ++k) {
+    const double square = data.sines()[k] * data.sines()[k];
+    const double ends = k % 2 == 0 ? 1.0 - end : 1.0 + end;
+    column.coefficients[k - 1] = std::sqrt(2.0 / n) * ends * lost * std::sqrt(1.0 - 0.25 * square) /
+                                 (lost * lost + (1.0 - lost) * square);
+  }
+  return column;
 }
 
 }  // namespace zerorate::diagnose

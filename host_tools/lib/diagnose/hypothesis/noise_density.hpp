@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
+#include <vector>
 
 #include "host_tools/lib/diagnose/hypothesis/noise_parameters.hpp"
 #include "host_tools/lib/diagnose/hypothesis/noise_spectrum.hpp"
@@ -83,5 +85,11 @@ class NoiseDensity {
   double line_ = 0.0;
   double pass_ = 1.0;
 };
+
+/// Densities S_0 .. S_{end-1} of a spectrum; S_0 is infinite. Above the lowest frequencies they are
+/// interpolated between nodes, to seven digits.
+/// @param sines  2 sin(w/2) of all coefficients of the record
+[[nodiscard]] std::vector<double> density_table(const NoiseSpectrum& spectrum,
+                                                std::span<const double> sines, std::size_t end);
 
 }  // namespace zerorate::diagnose

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "host_tools/lib/diagnose/record/repeated_samples.hpp"
+#include "host_tools/lib/diagnose/record/arrivals.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
 
 namespace zerorate::diagnose {

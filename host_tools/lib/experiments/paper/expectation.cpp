@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host_tools/lib/reference/gaussian_norm.hpp"
+#include "host_tools/lib/reference/best_linear_predictor.hpp"
 
 namespace zerorate::experiments {
 

@@ -1,7 +1,6 @@
 #include "host_tools/lib/experiments/paper/reference_predictors.hpp"
 
 #include "host_tools/lib/reference/autoregression.hpp"
-#include "host_tools/lib/reference/plug_in_predictor.hpp"
 
 namespace zerorate::experiments {
 

@@ -26,7 +26,6 @@
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/service_manager.hpp"
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/support/file_size_limit.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 

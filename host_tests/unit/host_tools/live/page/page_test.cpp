@@ -23,7 +23,7 @@
 
 #include "firmware/wire/health_bits.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/socket_address.hpp"
+#include "hal/linux/named_socket.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 #include "host_tests/unit/host_tools/live/messages.hpp"
 
