@@ -68,6 +68,14 @@ struct Evidence {
                      (a + 0.5F) * log_of(1.0F + squared / (a + a));
     one.scale += one.scale * (squared - 1.0F) / (a + a + 1.0F);
   }
+  /// Measurements of all axes.
+  template <class Residuals, class Given>
+  constexpr void observe(std::size_t m, float variance, const Residuals& residuals,
+                         const Given& given) {
+    for (std::size_t i = 0; i < Axes; ++i) {
+      observe(m, i, variance, residuals[i], given.all[m].log_prior, given.kept);
+    }
+  }
   /// All hypotheses were told the measurement.
   constexpr void conclude(std::size_t count, float kept) {
     shape = faded_shape(kept) + 0.5F;

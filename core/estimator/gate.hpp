@@ -30,6 +30,11 @@ struct Gate {
     return expected.residual_rad_s * expected.residual_rad_s >
            threshold_sigma * threshold_sigma * expected.variance_rad2_s2;
   }
+  /// Variance that a knock adds until it is decided what it was.
+  /// @param square of the newest residual  @param rejected measurements so far
+  [[nodiscard]] constexpr float doubt(float square, std::uint16_t rejected) const {
+    return square * static_cast<float>(rejected) / static_cast<float>(longest_knock_ticks);
+  }
 };
 
 }  // namespace zerorate::core

@@ -129,8 +129,7 @@ class KalmanBank {
   }
 
   /// Learns from the mean measured rates of this tick [rad/s].
-  /// @param white_variance of each [rad2/s2]; of a learning bank: by the model, times what the
-  /// noise
+  /// @param white_variance of each [rad2/s2]; of a learning bank the model's, times what the noise
   ///   is over that of start_learning()
   constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
     for (const float rate_rad_s : rates_rad_s) {
@@ -226,26 +225,23 @@ class KalmanBank {
   /// Posterior probability of a hypothesis on an axis; 1 where there is one.
   [[nodiscard]] constexpr float weight(std::size_t m, std::size_t axis) const {
     if constexpr (kLearns) {
-      return is_learning() ? state_.evidence.hypotheses[m][axis].weight : 1.0F;
-    } else {
-      return 1.0F;
+      if (is_learning()) return state_.evidence.hypotheses[m][axis].weight;
     }
+    return 1.0F;
   }
   /// Mean of the factor that a hypothesis gives all variances of the model.
   [[nodiscard]] constexpr float mean_scale(std::size_t m, std::size_t axis) const {
     if constexpr (kLearns) {
-      return is_learning() ? state_.evidence.mean_scale(m, axis) : 1.0F;
-    } else {
-      return 1.0F;
+      if (is_learning()) return state_.evidence.mean_scale(m, axis);
     }
+    return 1.0F;
   }
   /// Variance of the root of that factor over its square, where the hypothesis is given.
   [[nodiscard]] constexpr float root_scale_variance() const {
     if constexpr (kLearns) {
-      return is_learning() ? state_.evidence.root_variance() : 0.0F;
-    } else {
-      return 0.0F;
+      if (is_learning()) return state_.evidence.root_variance();
     }
+    return 0.0F;
   }
   /// Expectation of figure(hypothesis) on an axis; `otherwise` where the model is known.
   template <class Figure>
@@ -325,31 +321,22 @@ class KalmanBank {
       Filter& filter = state_.filters[m];
       Rates residuals_rad_s{};
       for (std::size_t i = 0; i < Axes; ++i) {
-        residuals_rad_s[i] = innovations[i].residual_rad_s;
-        if constexpr (kLearns) {
-          residuals_rad_s[i] =
-              (rates_rad_s[i] - state_.axes[i].reference_rad_s) - filter.axes[i].bias_rad_s;
+        residuals_rad_s[i] =
+            kLearns ? (rates_rad_s[i] - state_.axes[i].reference_rad_s) - filter.axes[i].bias_rad_s
+                    : innovations[i].residual_rad_s;
+      }
+      if constexpr (kLearns) {
+        if (is_learning()) {
+          state_.evidence.observe(m, filter.bias_variance + white_variance, residuals_rad_s,
+                                  *coefficients_->hypotheses);
         }
       }
-      weigh(m, residuals_rad_s, filter.bias_variance + white_variance);
       filter.update(residuals_rad_s, white_variance);
     }
     if constexpr (kLearns) {
       if (is_learning()) state_.evidence.conclude(count(), coefficients_->hypotheses->kept);
     }
   }
-  /// Tells the evidence by how much a hypothesis missed the measurement.
-  constexpr void weigh(std::size_t m, const Rates& residuals_rad_s, float variance) {
-    if constexpr (kLearns) {
-      if (!is_learning()) return;
-      const auto& hypotheses = *coefficients_->hypotheses;
-      for (std::size_t i = 0; i < Axes; ++i) {
-        state_.evidence.observe(m, i, variance, residuals_rad_s[i], hypotheses.all[m].log_prior,
-                                hypotheses.kept);
-      }
-    }
-  }
-
   constexpr Innovations observe_first(const Rates& rates_rad_s, float white_variance) {
     state_.confirmations_left = coefficients_->confirmations;
     for (std::size_t m = 0; m < count(); ++m) state_.filters[m].observe_first(white_variance);
@@ -372,10 +359,7 @@ class KalmanBank {
       largest = std::max(largest, square);
       innovations[i].accepted = !is_knock;
       innovations[i].rejected = is_knock;
-      state_.axes[i].rejection_variance = is_knock
-                                              ? square * static_cast<float>(state_.rejected) /
-                                                    static_cast<float>(gate.longest_knock_ticks)
-                                              : 0.0F;
+      state_.axes[i].rejection_variance = is_knock ? gate.doubt(square, state_.rejected) : 0.0F;
     }
     if (is_outlier && !is_knock) {  // it was a jump of this size
       inflate_variance(largest);
@@ -408,9 +392,9 @@ class KalmanBank {
   State state_{};
 };
 
-/// The promise of the product page: six decades and the bias of three axes fit into 224 bytes.
+/// The promise of the product page: six decades and the bias of three axes fit into 224 bytes, and
+/// twelve hypotheses of them into a page of flash.
 static_assert(sizeof(KalmanBank<ModelShape{.decaying = 6}, 3>::State) <= 224);
-/// Twelve hypotheses of them fit into a page of flash.
 static_assert(sizeof(KalmanBank<ModelShape{.decaying = 6, .hypotheses = 12}, 3>::State) <= 4096);
 
 }  // namespace zerorate::core

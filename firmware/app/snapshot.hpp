@@ -16,6 +16,7 @@
 #include "core/base/crc32.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "firmware/app/fingerprint.hpp"
 #include "firmware/app/gyro_node.hpp"
 
 namespace zerorate::app {
@@ -237,33 +238,6 @@ class Snapshot {
     bool is_known = false;  ///< by the clock; else a day
   };
 
-  /// Adds numbers to a checksum, in one order and without the padding between them.
-  class Fingerprint {
-   public:
-    template <class Number>
-    requires(std::is_arithmetic_v<Number> ||
-             std::is_enum_v<Number>) constexpr void add(Number number) {
-      crc_ = core::crc32(std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(number), crc_);
-    }
-    constexpr void add(core::Duration duration) { add(duration.ns()); }
-    constexpr void add(core::Complex number) {
-      add(number.re);
-      add(number.im);
-    }
-    constexpr void add_modes(const auto& modes) {
-      for (const auto& mode : modes) {
-        add(mode.one_minus_phi);
-        add(mode.noise_variance);
-        add(mode.initial_variance);
-        add(mode.initial_mean);
-      }
-    }
-    [[nodiscard]] constexpr std::uint32_t value() const { return crc_; }
-
-   private:
-    std::uint32_t crc_ = 0;
-  };
-
   /// Checksum of what gives the numbers of a record their meaning. What decides only which samples
   /// are learnt from (standstill, odometer, gate) and what happens from then on (turn-on, prior
   /// probabilities, half-life) is not in it: a record means the same under other figures there, and
@@ -299,20 +273,10 @@ class Snapshot {
     }
     print.add(params.sample_period);
     print.add(params.learns_white_noise);
-    add_hypotheses(print, params.hypotheses);
+    print.add(params.hypotheses);
     for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
     return print.value();
   }
-
-  template <core::ModelShape Shape>
-  static constexpr void add_hypotheses(Fingerprint& print,
-                                       const core::Hypotheses<Shape>& hypotheses) {
-    for (std::size_t m = 0; m < hypotheses.count; ++m) {
-      const auto& one = hypotheses.all[m];
-      for (const float strength : one.strength) print.add(strength);
-    }
-  }
-  static constexpr void add_hypotheses(Fingerprint& /*print*/, const core::KnownModel& /*none*/) {}
 
   template <class Value>
   static void put(std::span<std::uint8_t>& to, const Value& value) {
