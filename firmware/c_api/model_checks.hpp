@@ -1,0 +1,77 @@
+/// @file
+/// Whether what a caller hands over in C can be a model.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/base/numeric.hpp"
+#include "core/base/time.hpp"
+#include "firmware/c_api/zerorate.h"
+
+namespace zerorate::c_api {
+
+/// Largest magnitude accepted for a model parameter (SI units, times excepted): no sum of squares
+/// of such parameters overflows single precision. NaN fails every comparison.
+inline constexpr float kLargestFigure = 1e6F;
+[[nodiscard]] inline bool is_figure(float value) {
+  return value >= -kLargestFigure && value <= kLargestFigure;
+}
+[[nodiscard]] inline bool is_magnitude(float value) {
+  return value >= 0.0F && value <= kLargestFigure;
+}
+
+[[nodiscard]] inline bool does_something(const auto& mode) {
+  return mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F;
+}
+
+[[nodiscard]] inline bool is_sound(const zerorate_decaying_mode& mode) {
+  const bool decays = mode.one_minus_phi > 0.0F && mode.one_minus_phi <= 1.0F;
+  return (decays || !does_something(mode)) && is_magnitude(mode.noise_variance) &&
+         is_magnitude(mode.initial_variance) && is_figure(mode.initial_mean);
+}
+[[nodiscard]] inline bool is_sound(const zerorate_rotating_mode& mode) {
+  const float remaining_re = 1.0F - mode.one_minus_phi.re;
+  const float remaining_im = mode.one_minus_phi.im;
+  return remaining_re * remaining_re + remaining_im * remaining_im <= 1.0F &&
+         is_magnitude(mode.noise_variance) && is_magnitude(mode.initial_variance) &&
+         is_figure(mode.initial_mean);
+}
+[[nodiscard]] inline bool is_sound(const zerorate_temperature_drift& drift) {
+  return is_figure(drift.reference_degc) && is_figure(drift.slope_rad_s_per_k) &&
+         is_magnitude(drift.slope_sigma_rad_s_per_k) && is_figure(drift.curvature_rad_s_per_k2) &&
+         is_magnitude(drift.curvature_sigma_rad_s_per_k2) && is_magnitude(drift.lag_s);
+}
+[[nodiscard]] inline bool is_sound(const zerorate_hypothesis& hypothesis) {
+  return std::ranges::all_of(hypothesis.strength, is_magnitude) &&
+         is_figure(hypothesis.log_prior) && is_magnitude(hypothesis.level) &&
+         is_magnitude(hypothesis.order) && is_magnitude(hypothesis.bias_instability_rad_s) &&
+         is_magnitude(hypothesis.angle_random_walk_rad_per_sqrt_s);
+}
+[[nodiscard]] inline bool are_sound_hypotheses(const zerorate_model& model) {
+  if (model.hypothesis_count == 0) return true;
+  return ZERORATE_HYPOTHESES > 1 && model.hypothesis_count <= ZERORATE_HYPOTHESES &&
+         model.evidence_kept > 0.0F && model.evidence_kept <= 1.0F &&
+         std::ranges::all_of(model.hypotheses, [](const auto& one) { return is_sound(one); });
+}
+[[nodiscard]] inline bool is_sound(const zerorate_model& model) {
+  const auto sound = [](const auto& mode) { return is_sound(mode); };
+  return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
+         is_magnitude(model.walk_variance_rad2_s2) && is_magnitude(model.white_variance_rad2_s2) &&
+         core::is_finite_positive(model.white_variance_rad2_s2) &&
+         is_magnitude(model.measurement_floor_variance_rad2_s2) &&
+         (is_magnitude(model.turn_on_variance_rad2_s2) ||
+          model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
+         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&
+         are_sound_hypotheses(model);
+}
+
+/// Upper limits only: the node checks that times are positive and fit each other.
+[[nodiscard]] inline bool are_sound_times(const zerorate_model& model,
+                                          const zerorate_config& config) {
+  constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
+  return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns}) <=
+         kLongest_ns;
+}
+
+}  // namespace zerorate::c_api
