@@ -169,13 +169,15 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
 }
 
 void StrictTable::reject_unknown() const {
+  ErrorList errors;
   for (const auto& [key, node] : *table_) {
-    if (std::ranges::find(known_, key.str()) == known_.end()) {
-      document_->fail(key.source().begin,
-                      "unknown " + std::string(node.is_table() ? "table" : "key") + " \"" +
-                          std::string(key.str()) + "\"" + place() + suggestion(key.str(), known_));
-    }
+    if (std::ranges::find(known_, key.str()) != known_.end()) continue;
+    const std::string words = "unknown " + std::string(node.is_table() ? "table" : "key") + " \"" +
+                              std::string(key.str()) + "\"" + place() +
+                              suggestion(key.str(), known_);
+    errors.attempt([&] { document_->fail(key.source().begin, words); });
   }
+  errors.raise();
 }
 
 void StrictTable::fail_at(std::string_view key, const std::string& message) const {

@@ -67,7 +67,8 @@ class StrictTable {
   /// [[key]] as often as it stands there; [key] where there is one.
   [[nodiscard]] std::vector<StrictTable> tables(std::string_view key);
 
-  /// Fails at the first name that nothing has asked for, with the nearest that something has.
+  /// Fails at the names that nothing has asked for, with the nearest that something has; one a
+  /// line.
   void reject_unknown() const;
   /// Fails at the value of a key, or at the table where it is absent.
   [[noreturn]] void fail_at(std::string_view key, const std::string& message) const;

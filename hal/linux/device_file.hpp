@@ -25,11 +25,14 @@ class DeviceFile {
   ~DeviceFile() { close(); }
 
   [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+  /// Reason of the newest failure as the kernel gave it; 0 after a call that succeeded.
+  [[nodiscard]] int error_number() const { return error_number_; }
 
   core::Result<void, BusError> open() {
     const CallResult opened = system_.open(path_.c_str(), O_RDWR);
     if (!opened) return failed(opened.error());
     descriptor_ = *opened;
+    error_number_ = 0;
     return {};
   }
   void close() {
@@ -41,11 +44,13 @@ class DeviceFile {
   core::Result<int, BusError> ioctl(unsigned long request, void* argument) {
     const CallResult answered = system_.ioctl(descriptor_, request, argument);
     if (!answered) return failed(answered.error());
+    error_number_ = 0;
     return *answered;
   }
 
  private:
   core::Unexpected<BusError> failed(int error) {
+    error_number_ = error;
     const BusError reason = to_bus_error(error, subsystem_);
     if (reason == BusError::not_present) close();
     return core::Unexpected{reason};
@@ -55,6 +60,7 @@ class DeviceFile {
   Subsystem subsystem_;
   [[no_unique_address]] System system_;
   int descriptor_ = -1;
+  int error_number_ = 0;
 };
 
 }  // namespace zerorate::hal::linux_os

@@ -56,6 +56,9 @@ class I2cDevBus {
     return {};
   }
 
+  /// See DeviceFile.
+  [[nodiscard]] int error_number() const { return file_.error_number(); }
+
  private:
   [[nodiscard]] static i2c_msg to_message(I2cAddress address, const Operation& operation) {
     ZERORATE_ASSERT(!operation.is_exchange());

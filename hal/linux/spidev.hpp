@@ -51,6 +51,9 @@ class SpidevDevice {
     return transfer(operations);
   }
 
+  /// See DeviceFile.
+  [[nodiscard]] int error_number() const { return file_.error_number(); }
+
  private:
   core::Result<void, BusError> open() {
     if (const auto opened = file_.open(); !opened) return opened;

@@ -93,6 +93,7 @@ class Display {
   }
 
   void show(const live::Tally& tally, milliseconds silence) {
+    tell_silence(tally, silence);
     if (page_) page_(tally, source_, silence);
     if (is_terminal_) {
       paint(live::format_screen(tally, source_, silence));
@@ -113,6 +114,16 @@ class Display {
   }
 
  private:
+  /// Once, where nothing has ever come.
+  void tell_silence(const live::Tally& tally, milliseconds silence) {
+    constexpr milliseconds kPatience{2000};
+    if (tally.messages > 0 || silence < kPatience || is_silence_told_) return;
+    is_silence_told_ = true;
+    fmt::print(stderr,
+               "zerorate: no message on {} yet; does zerorated run, and has it a sink there? "
+               "journalctl -u zerorated\n",
+               source_);
+  }
   void paint(std::string_view screen) {
     if (lines_ > 0) fmt::print("\033[{}A\033[J", lines_);
     fmt::print("{}", screen);
@@ -124,6 +135,7 @@ class Display {
   bool is_terminal_;
   std::uint64_t shown_ = 0;
   std::ptrdiff_t lines_ = 0;
+  bool is_silence_told_ = false;
 };
 
 /// SIGINT and SIGTERM as something to read: the source is closed properly.

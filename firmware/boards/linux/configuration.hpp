@@ -36,6 +36,7 @@ struct Configuration {
   std::optional<hal::linux_os::LineSettings> data_ready;
   std::optional<hal::linux_os::LineSettings> odometer;  ///< absent: the gyro alone tells rest
   core::OdometerTraits odometer_traits;
+  std::string model_name;  ///< or its file
   Node::Params node;
   std::optional<StateSettings> state;
   MetricsSettings metrics;

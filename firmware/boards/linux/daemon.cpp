@@ -9,16 +9,17 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "firmware/boards/linux/configuration.hpp"
-#include "firmware/boards/linux/linux_hardware.hpp"
 #include "firmware/boards/linux/metrics_text.hpp"
 #include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/process/process.hpp"
 #include "firmware/boards/linux/process/service_manager.hpp"
+#include "firmware/boards/linux/simulated_vehicle.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/file_storage.hpp"
@@ -30,9 +31,9 @@ namespace {
 using hal::linux_os::checked_descriptor;
 using hal::linux_os::Descriptor;
 
-/// The journal takes lines of the error stream, with the priority in front.
+/// The journal takes lines of the error stream.
 void log_to_journal(std::string_view line) {
-  fmt::print(stderr, "{}\n", line);
+  fmt::print(stderr, "zerorated: {}\n", hal::linux_os::printable(line));
 }
 
 /// Signals arrive as readable bytes, in one thread, between two turns of its loop.
@@ -63,8 +64,9 @@ class Run {
       state_lock_ = lock_state(configuration_.state->file);
       storage_.emplace(configuration_.state->file, file_calls_);
     }
-    service_.emplace(configuration_, hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
+    service_.emplace(configuration_, *hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
                      log_to_journal);
+    log_to_journal(describe(configuration_));
     (void)service_->restore();
   }
 
@@ -73,7 +75,7 @@ class Run {
     int signal = 0;
     {
       const MeasuringThread thread{configuration_.real_time.priority,
-                                   [this] { service_->measure(); }, [this] { hardware_.wake(); },
+                                   [this] { service_->measure(); }, [this] { hardware_->wake(); },
                                    log_to_journal};
       notify_service_manager("READY=1");
       while (signal == 0) signal = turn();
@@ -118,7 +120,7 @@ class Run {
 
   Configuration configuration_;
   const Descriptor& signals_;
-  LinuxHardware hardware_{configuration_};
+  std::unique_ptr<Hardware> hardware_ = make_hardware(configuration_);
   Descriptor state_lock_;
   hal::linux_os::FileCalls file_calls_;
   std::optional<hal::linux_os::FileStorage> storage_;
@@ -137,7 +139,7 @@ void reload(const std::string& file, const Descriptor& signals, Configuration& c
     run.emplace(changed, signals);
     configuration = std::move(changed);
   } catch (const std::exception& error) {
-    log_to_journal(hal::linux_os::printable(fmt::format("not reloaded: {}", error.what())));
+    log_to_journal(fmt::format("not reloaded: {}", error.what()));
     run.emplace(configuration, signals);
   }
 }

@@ -8,11 +8,18 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "drivers/common/any_gyro.hpp"
+#include "firmware/boards/linux/chips/gyro.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
 
 namespace zerorate::linux_node {
+
+/// Reasons of the newest faults that the errors of the contract do not tell.
+struct HardwareReasons {
+  GyroReason gyro;
+  int odometer_error_number = 0;  ///< as the kernel gave it; 0: none
+};
 
 /// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
 /// hal/linux; tests bind it to simulated chips.
@@ -27,6 +34,9 @@ class Hardware {
   virtual core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) = 0;
   virtual std::optional<core::Instant> take_edge() = 0;
+  /// For the log, after an error of the gyro or the odometer. May ask the chip.
+  /// @param code  the newest error of the gyro
+  virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;
 
   /// Sleeps until there may be something to do: an edge, a wake(), or the time for a poll.

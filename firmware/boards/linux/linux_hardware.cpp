@@ -3,8 +3,10 @@
 #include <poll.h>
 
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "hal/linux/clock.hpp"
 
@@ -24,8 +26,10 @@ drivers::Repetition repetition_of(const Configuration& configuration) {
 }  // namespace
 
 LinuxHardware::LinuxHardware(const Configuration& configuration)
-    : gyro_(find_chip(configuration.gyro.chip)->make(configuration.gyro),
-            repetition_of(configuration)) {
+    : LinuxHardware(configuration, find_chip(configuration.gyro.chip)->make(configuration.gyro)) {}
+
+LinuxHardware::LinuxHardware(const Configuration& configuration, std::unique_ptr<DeviceGyro> device)
+    : device_(*device), gyro_(std::move(device), repetition_of(configuration)) {
   if (configuration.odometer) odometer_.emplace(*configuration.odometer);
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
@@ -33,8 +37,15 @@ LinuxHardware::LinuxHardware(const Configuration& configuration)
 core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
     std::span<core::Instant> stamps) {
   if (!odometer_) return hal::PulseBatch{};
-  return odometer_->read_pulses(stamps);
+  auto pulses = odometer_->read_pulses(stamps);
+  if (!pulses) odometer_error_number_ = errno;  // libgpiod's functions leave the reason there
+  return pulses;
 }
+
+HardwareReasons LinuxHardware::reasons(drivers::DriverErrorCode code) {
+  return {.gyro = device_.reason(code), .odometer_error_number = odometer_error_number_};
+}
+
 core::Instant LinuxHardware::now() const {
   return hal::linux_os::KernelClock::now();
 }

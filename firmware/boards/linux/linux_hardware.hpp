@@ -2,6 +2,7 @@
 /// The hardware that a configuration names.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "firmware/boards/linux/chips/watched_gyro.hpp"
@@ -22,6 +23,7 @@ class LinuxHardware final : public Hardware {
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
+  HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
 
   /// For at most two sample periods while data-ready edges come, for four of a gyro with a FIFO.
@@ -31,6 +33,8 @@ class LinuxHardware final : public Hardware {
   void wake() override;
 
  private:
+  LinuxHardware(const Configuration& configuration, std::unique_ptr<DeviceGyro> device);
+
   struct DataReadyLine {
     explicit DataReadyLine(const hal::linux_os::LineSettings& settings) : line(settings) {}
     hal::linux_os::GpioLine line;
@@ -40,9 +44,11 @@ class LinuxHardware final : public Hardware {
 
   [[nodiscard]] core::Duration longest_wait() const;
 
+  DeviceGyro& device_;  ///< owned by gyro_
   WatchedGyro gyro_;
   std::optional<hal::linux_os::GpioLine> odometer_;
   std::optional<DataReadyLine> data_ready_;
+  int odometer_error_number_ = 0;
   Event wake_;
 };
 

@@ -4,28 +4,138 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 
 namespace zerorate::linux_node {
 namespace {
 
+/// Text in a fixed buffer; what does not fit is cut off.
+class Line {
+ public:
+  explicit Line(LogBuffer& buffer) : buffer_(buffer) {}
+
+  template <class... Arguments>
+  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    const auto added = fmt::format_to_n(buffer_.data() + used_, buffer_.size() - used_, format,
+                                        std::forward<Arguments>(arguments)...);
+    used_ = std::min(used_ + added.size, buffer_.size());
+  }
+  [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
+
+ private:
+  LogBuffer& buffer_;
+  std::size_t used_ = 0;
+};
+
 /// A line for the log, without a heap.
 template <class... Arguments>
 void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  std::array<char, 256> line{};
-  const auto written =
-      fmt::format_to_n(line.data(), line.size(), format, std::forward<Arguments>(arguments)...);
-  log({line.data(), std::min(written.size, line.size())});
+  LogBuffer buffer{};
+  Line line(buffer);
+  line.add(format, std::forward<Arguments>(arguments)...);
+  log(line.text());
+}
+
+/// A cure of what keeps a node of /dev from being opened.
+std::string_view cure_of_device(int error_number) {
+  switch (error_number) {
+    case ENOENT:
+      return " (is the bus enabled, and its name right? zerorate probe)";
+    case EACCES:
+    case EPERM:
+      return " (is the user in the device's group, i2c or spi?)";
+    case EBUSY:
+      return " (does another program or a driver of the kernel use it?)";
+    default:
+      return "";
+  }
+}
+
+std::string_view cure_of_line(int error_number) {
+  switch (error_number) {
+    case ENOENT:
+    case EINVAL:
+      return " (is there such a chip and line? gpioinfo)";
+    case EACCES:
+    case EPERM:
+      return " (is the user in the group gpio?)";
+    case EBUSY:
+      return " (does another program use the line? gpioinfo)";
+    default:
+      return "";
+  }
+}
+
+std::string_view cure_of_sink(int error_number) {
+  switch (error_number) {
+    case ENODEV:
+      return " (is there such an interface? ip link)";
+    case ENETDOWN:
+      return " (is the interface up? ip link set NAME up)";
+    case ENOENT:
+    case ENXIO:
+    case ECONNREFUSED:
+      return " (does the receiver run?)";
+    default:
+      return "";
+  }
+}
+
+/// A receiver that is only slow: counted, not told.
+bool is_congestion(int error_number) {
+  return error_number == EAGAIN || error_number == ENOBUFS;
 }
 
 }  // namespace
 
-std::string_view describe(const drivers::DriverError& error, std::span<char, 96> buffer) {
-  if (error.code == drivers::DriverErrorCode::frozen) return drivers::name(error.code);
-  const bool is_bus = error.code == drivers::DriverErrorCode::bus_failed;
-  const auto written = fmt::format_to_n(
-      buffer.data(), buffer.size(), "{}{}{}{} at register {:#04x}", drivers::name(error.code),
-      is_bus ? " (" : "", is_bus ? hal::name(error.bus) : "", is_bus ? ")" : "", error.reg);
-  return {buffer.data(), std::min(written.size, buffer.size())};
+std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& error,
+                          const GyroReason& reason, LogBuffer& buffer) {
+  using Code = drivers::DriverErrorCode;
+  Line line(buffer);
+  line.add("{}", gyro.device);
+  const bool is_bus = error.code == Code::bus_failed;
+  if (is_bus && error.bus == hal::BusError::not_present && reason.error_number != 0) {
+    line.add(": {}{}", std::strerror(reason.error_number), cure_of_device(reason.error_number));
+    return line.text();
+  }
+  if (gyro.bus == BusKind::i2c) line.add(" at {:#04x}", gyro.address);
+  if (error.code == Code::wrong_identity && reason.identity) {
+    line.add(" answered {:#04x}", *reason.identity);
+    const ChipDescription* const chip = find_chip(gyro.chip);
+    if (chip != nullptr && chip->identity)
+      line.add(", {} answers {:#04x}", gyro.chip, *chip->identity);
+    line.add(": is it another chip? zerorate probe");
+    return line.text();
+  }
+  line.add(": {}", drivers::name(error.code));
+  if (is_bus) line.add(" ({})", hal::name(error.bus));
+  if (error.code != Code::frozen) line.add(" at register {:#04x}", error.reg);
+  if (is_bus && error.bus == hal::BusError::nack) {
+    line.add(" (are the wiring and the address right? zerorate probe)");
+  } else if (is_bus && reason.error_number != 0) {
+    line.add(": {}{}", std::strerror(reason.error_number), cure_of_device(reason.error_number));
+  }
+  return line.text();
+}
+
+std::string describe(const Configuration& configuration) {
+  const GyroSettings& gyro = configuration.gyro;
+  std::string text = gyro.chip;
+  if (!gyro.is_simulated()) text += " on " + gyro.device;
+  if (gyro.bus == BusKind::i2c) text += fmt::format(" at {:#04x}", gyro.address);
+  text += fmt::format(", {} Hz, {} deg/s, model {}, ", gyro.rate_hz, gyro.full_scale_dps,
+                      configuration.model_name);
+  if (gyro.is_simulated()) {
+    text += "simulated odometer";
+  } else {
+    text += configuration.odometer
+                ? fmt::format("odometer {} line {}", configuration.odometer->chip,
+                              configuration.odometer->line)
+                : "no odometer";
+  }
+  for (const SinkSettings& sink : configuration.sinks) text += ", " + name_of(sink);
+  return text;
 }
 
 NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
@@ -40,6 +150,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
   for (const SinkSettings& settings : configuration.sinks) sinks_.push_back(make_sink(settings));
+  sink_errors_.resize(sinks_.size());
   if (configuration.state) save_at_ = save_at_ + configuration.state->save_interval;
 }
 
@@ -72,6 +183,9 @@ void NodeService::hand_over() {
                      .is_running = loop_.is_running(),
                      .state = node_.state(),
                      .learnt = learnt()};
+  const bool is_failing =
+      !offered_status_.is_running || offered_status_.counters.odometer_errors != 0;
+  if (is_failing) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
   handover_.store(Handover::ready, std::memory_order_release);
 }
 
@@ -116,29 +230,60 @@ void NodeService::finish() {
 }
 
 void NodeService::report_changes(const ServiceStatus& now) {
-  std::array<char, 96> words{};
+  report_gyro(now);
+  report_odometer(now);
+  report_sinks();
+}
+
+void NodeService::report_gyro(const ServiceStatus& now) {
   const app::LoopCounters& before = last_status_.counters;
+  const GyroSettings& gyro = configuration_.gyro;
   if (now.counters.starts != before.starts) {
-    const GyroSettings& gyro = configuration_.gyro;
-    log_line(log_, "gyro: {} on {} started, {} Hz, {} deg/s{}", gyro.chip, gyro.device,
-             gyro.rate_hz, gyro.full_scale_dps, before.starts > 0 ? ", again" : "");
+    log_line(log_, "gyro: {}{}{} started, {} Hz, {} deg/s{}", gyro.chip,
+             gyro.is_simulated() ? "" : " on ", gyro.device, gyro.rate_hz, gyro.full_scale_dps,
+             before.starts > 0 ? ", again" : "");
   }
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
   // A failure that repeats at every attempt is logged once.
-  const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running;
+  const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running ||
+                       last_status_.reasons.gyro.error_number != now.reasons.gyro.error_number;
   if (has_failed && is_news) {
-    log_line(log_, "gyro: {}{}", describe(now.counters.last_error, words),
+    LogBuffer words{};
+    log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, now.reasons.gyro, words),
              now.is_running ? "" : "; trying again");
   }
-  const bool odometer_fails = now.counters.odometer_errors != before.odometer_errors;
-  if (odometer_fails && !odometer_failed_) {
+}
+
+void NodeService::report_odometer(const ServiceStatus& now) {
+  const app::LoopCounters& before = last_status_.counters;
+  const bool fails = now.counters.odometer_errors != before.odometer_errors;
+  const int reason = now.reasons.odometer_error_number;
+  if (fails && !odometer_failed_ && configuration_.odometer && reason != 0) {
+    log_line(log_, "odometer: {} line {}: {}{}; the vehicle counts as moving",
+             configuration_.odometer->chip, configuration_.odometer->line, std::strerror(reason),
+             cure_of_line(reason));
+  } else if (fails && !odometer_failed_) {
     log_("odometer: cannot be read; the vehicle counts as moving");
   }
-  odometer_failed_ = odometer_fails;
+  odometer_failed_ = fails;
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
+  }
+}
+
+void NodeService::report_sinks() {
+  for (std::size_t i = 0; i < sinks_.size(); ++i) {
+    const int error = sinks_[i]->error_number();
+    if (error == sink_errors_[i] || is_congestion(error)) continue;
+    sink_errors_[i] = error;
+    if (error == 0) {
+      log_line(log_, "sink {}: takes messages again", sinks_[i]->name());
+    } else {
+      log_line(log_, "sink {}: {}{}; its messages are dropped", sinks_[i]->name(),
+               std::strerror(error), cure_of_sink(error));
+    }
   }
 }
 

@@ -2,10 +2,12 @@
 /// The node as a service: measured by one thread, published, watched and saved by another.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +30,7 @@ struct ServiceStatus {
   bool is_running = false;
   Node::State state;
   wire::LearntModel learnt;
+  HardwareReasons reasons{};  ///< asked for where something fails
 };
 
 /// Counters of the publishing side since the start.
@@ -74,6 +77,9 @@ class NodeService {
   void hand_over();
   [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
+  void report_gyro(const ServiceStatus& now);
+  void report_odometer(const ServiceStatus& now);
+  void report_sinks();
   void publish_learnt();
   void save(const Node::State& state);
 
@@ -93,6 +99,7 @@ class NodeService {
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 
   std::vector<std::unique_ptr<Sink>> sinks_;
+  std::vector<int> sink_errors_;  ///< newest one of each sink that was told
   std::optional<wire::NumberedMessage> latest_;
   ServiceStatus last_status_;
   bool odometer_failed_ = false;  ///< between the last two ticks
@@ -101,8 +108,14 @@ class NodeService {
   core::Instant save_at_;
 };
 
-/// For logs: "bus failed (nack) at register 0x0f".
-[[nodiscard]] std::string_view describe(const drivers::DriverError& error,
-                                        std::span<char, 96> buffer);
+using LogBuffer = std::array<char, 512>;
+
+/// An error of the gyro for the log, with place, reason and cure: "/dev/i2c-1: Permission denied
+/// (is the user in the device's group, i2c or spi?)".
+[[nodiscard]] std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& error,
+                                        const GyroReason& reason, LogBuffer& buffer);
+
+/// The node as it was configured, in one line for the log.
+[[nodiscard]] std::string describe(const Configuration& configuration);
 
 }  // namespace zerorate::linux_node

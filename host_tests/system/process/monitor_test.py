@@ -310,6 +310,22 @@ class Probe(unittest.TestCase):
                          [("no-spidev", "spi", 4), ("no-i2c", "i2c", 6)])
         self.assertEqual({attempt["answer"] for bus in buses for attempt in bus["attempts"]}, {"not present"})
 
+    def test_gives_one_line_with_the_reason_for_a_device_that_cannot_be_used(self):
+        run = subprocess.run([ZERORATE, "probe", "--spi", "no-spidev", "--i2c", "no-i2c"], capture_output=True,
+                             text=True, timeout=LIMIT_S, check=False)
+        self.assertEqual([line.split(maxsplit=1) for line in run.stdout.splitlines()],
+                         [["no-spidev", "No such file or directory"], ["no-i2c", "No such file or directory"]])
+
+
+class Silence(unittest.TestCase):
+    def test_is_told_once_where_no_message_comes(self):
+        with subprocess.Popen([ZERORATE, "monitor", "--udp", "127.0.0.1:24681"], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True) as process:
+            time.sleep(5)
+            process.terminate()
+            errors = process.communicate(timeout=LIMIT_S)[1]
+        self.assertEqual(errors.count("does zerorated run, and has it a sink there?"), 1, errors)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -4,6 +4,7 @@
 usage: zerorated_test.py ZERORATED [unittest arguments]
 """
 
+import math
 import os
 import pathlib
 import pwd
@@ -132,8 +133,33 @@ class Zerorated(unittest.TestCase):
             numbers.append(message["sequence"])
         self.assertEqual(numbers, list(range(numbers[0], numbers[0] + 4)))
         errors = self.stop()
-        self.assertIn("gyro: bus failed (not present)", errors)
-        self.assertIn("odometer: cannot be read", errors)
+        self.assertIn(f"zerorated: lsm6dso on {self.folder}/no-spidev, 104 Hz, 250 deg/s, model lsm6dso", errors)
+        self.assertIn(f"zerorated: gyro: {self.folder}/no-spidev: No such file or directory (is the bus", errors)
+        self.assertIn(f"zerorated: odometer: {self.folder}/no-gpiochip line 3: No such file or directory (is", errors)
+        self.assertTrue(all(line.startswith("zerorated: ") for line in errors.splitlines()), errors)
+
+    def test_says_that_a_can_interface_is_not_there(self):
+        self.configure(("[[sink]]", '[[sink]]\ntype = "can"\ninterface = "no-can"\n[[sink]]'))
+        self.start()
+        for _ in range(12):
+            self.message()
+        self.assertRegex(self.stop(), r"zerorated: sink can:no-can: .+; its messages are dropped")
+
+    def test_runs_without_hardware_on_the_simulated_chip(self):
+        text = self.file.read_text()
+        gyro, rest = text.index("[gyro]"), text.index("[state]")
+        self.file.write_text(text[:gyro] + '[gyro]\nchip = "simulated"\n' + text[rest:])
+        self.start()
+        message = self.message()
+        while not message["health"] & 0x01:  # the vehicle stands for its first twenty seconds
+            message = self.message()
+        measured, corrected, bias, sigma = message["x"]
+        self.assertEqual(message["motion"], 2)
+        self.assertFalse(message["health"] & 0x60, "sensor_fault, odometer_fault")
+        self.assertAlmostEqual(math.degrees(bias), 0.35, delta=0.1)
+        self.assertLess(math.degrees(sigma), 0.1)
+        self.assertAlmostEqual(corrected, measured - bias, delta=1e-6)
+        self.assertIn("zerorated: simulated, 104 Hz, 250 deg/s, model lsm6dso, simulated odometer", self.stop())
 
     def test_feeds_the_watchdog_and_serves_its_metrics(self):
         self.start()
@@ -222,7 +248,8 @@ class Zerorated(unittest.TestCase):
         self.configure(("metrics.sock", "no-folder/metrics.sock"))
         self.reload()
         self.assertTrue((self.folder / "metrics.sock").exists())
-        self.assertIn("not reloaded: " + str(self.folder / "no-folder/metrics.sock"), self.stop())
+        self.assertIn(f'not reloaded: "socket" in [metrics]: {self.folder}/no-folder/metrics.sock: No such file or '
+                      "directory (make its folder first", self.stop())
 
     def refusal(self):
         run = subprocess.run([ZERORATED, "--config", self.file], capture_output=True, text=True, timeout=LIMIT_S,

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hal/linux/bus_error.hpp"
 #include "host_tools/lib/probe/probe.hpp"
 
 namespace zerorate::probe {
@@ -35,9 +38,26 @@ std::vector<Bus> probe_buses(const Devices& devices) {
   return buses;
 }
 
+int Bus::error_number() const {
+  using hal::linux_os::Subsystem;
+  const Subsystem subsystem = kind == Kind::spi ? Subsystem::spi : Subsystem::i2c;
+  const bool is_unusable = std::ranges::all_of(attempts, [&](const Attempt& attempt) {
+    return attempt.error_number != 0 &&
+           hal::linux_os::to_bus_error(attempt.error_number, subsystem) ==
+               hal::BusError::not_present;
+  });
+  return attempts.empty() || !is_unusable ? 0 : attempts.front().error_number;
+}
+
 std::string to_text(const std::vector<Bus>& buses) {
   std::string text;
   for (const Bus& bus : buses) {
+    if (const int error = bus.error_number(); error != 0) {
+      const bool is_forbidden = error == EACCES || error == EPERM;
+      text += fmt::format("{:<20} {}{}\n", bus.device, std::strerror(error),
+                          is_forbidden ? " (is the user in the device's group, i2c or spi?)" : "");
+      continue;
+    }
     for (const Attempt& attempt : bus.attempts) {
       const std::string place =
           attempt.address ? fmt::format("{} at {:#04x}", bus.device, *attempt.address) : bus.device;

@@ -25,7 +25,8 @@ struct Attempt {
   std::string_view chip;                ///< as in zerorated.toml
   std::optional<std::uint8_t> address;  ///< on I2C
   bool is_found = false;
-  std::string answer;  ///< the identity that was read, or what the bus said
+  std::string answer;    ///< the identity that was read, or what the bus said
+  int error_number = 0;  ///< of a device that could not be used, as the kernel gave it
 };
 
 namespace detail {
@@ -73,12 +74,14 @@ std::vector<Attempt> probe_spi(const std::string& device, System system = {}) {
     if constexpr (drivers::RegisterChipEntry<Chip>) {
       Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
       attempts.push_back(detail::ask<Chip>(drivers::SpiRegisters{spi}));
+      attempts.back().error_number = spi.error_number();
     }
   });
   drivers::AllChips::for_each([&]<class Chip> {
     if constexpr (drivers::FrameChipEntry<Chip>) {
       Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
       attempts.push_back(detail::ask<Chip>(drivers::SpiFrames{spi}));
+      attempts.back().error_number = spi.error_number();
     }
   });
   return attempts;
@@ -95,6 +98,7 @@ std::vector<Attempt> probe_i2c(const std::string& device, System system = {}) {
       for (const hal::I2cAddress address : Chip::kAddresses) {
         Attempt attempt = detail::ask<Chip>(drivers::I2cRegisters{bus, address});
         attempt.address = static_cast<std::uint8_t>(address);
+        attempt.error_number = bus.error_number();
         attempts.push_back(attempt);
       }
     }
@@ -108,6 +112,9 @@ struct Bus {
   Kind kind = Kind::spi;
   std::string device;
   std::vector<Attempt> attempts;
+
+  /// Reason why no chip could be asked at all, as the kernel gave it; 0: they could.
+  [[nodiscard]] int error_number() const;
 };
 
 /// Devices to ask.
@@ -122,7 +129,7 @@ struct Devices {
 /// Asks all of them through the kernel. A device that cannot be opened answers "not present".
 [[nodiscard]] std::vector<Bus> probe_buses(const Devices& devices);
 
-/// One line an attempt.
+/// One line an attempt; one for a device that could not be used, with the kernel's reason.
 [[nodiscard]] std::string to_text(const std::vector<Bus>& buses);
 /// Schema zerorate.probe/1; see docs/reference/probe-json.md.
 [[nodiscard]] std::string to_json(const std::vector<Bus>& buses);

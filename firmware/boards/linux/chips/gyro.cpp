@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <vector>
 
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/erased_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "drivers/common/register_bus.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
@@ -27,35 +29,73 @@ auto settings_of(const GyroSettings& wanted) {
                         code_of(wanted.full_scale_dps, Chip::kFullScales), wanted.fifo);
 }
 
-/// @param link  makes from a wire what the driver talks through
-template <template <class> class Driver, class Wire, class Settings, class Link, class... Node>
-std::unique_ptr<drivers::AnyGyro> bind(const Settings& settings, Link link, Node&&... node) {
-  using Bound = Driver<decltype(link(std::declval<Wire&>()))>;
-  return std::make_unique<drivers::ErasedGyro<Wire, Bound>>(
-      [&](Wire& wire) {
-        return Bound{link(wire), settings};
-      },
-      std::forward<Node>(node)...);
+template <class Chip, drivers::RegisterBus Bus>
+std::optional<std::uint32_t> identity_of(Bus bus) {
+  const auto identity = drivers::read_register(bus, Chip::kIdentity);
+  if (!identity) return std::nullopt;
+  return *identity;
+}
+
+/// The reply to a frame comes with the next one.
+template <class Chip, drivers::FrameBus Bus>
+std::optional<std::uint32_t> identity_of(Bus bus) {
+  auto reply = bus.exchange(Chip::kAskIdentity);
+  if (reply) reply = bus.exchange(Chip::kAskIdentity);
+  if (!reply) return std::nullopt;
+  return *reply;
+}
+
+/// @tparam Link  makes from a wire what the driver talks through
+template <class Chip, class Wire, class Link>
+using DriverOver = typename Chip::template Driver<std::invoke_result_t<Link, Wire&>>;
+
+template <class Chip, class Wire, class Link>
+class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro> {
+ public:
+  template <class Settings, class Node>
+  BoundGyro(const Settings& settings, Link link, const Node& node)
+      : drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro>(
+            [&](Wire& wire) {
+              return DriverOver<Chip, Wire, Link>{link(wire), settings};
+            },
+            node),
+        link_(link) {}
+
+  GyroReason reason(drivers::DriverErrorCode code) override {
+    GyroReason reason{.error_number = this->wiring().error_number()};
+    if (code == drivers::DriverErrorCode::wrong_identity) {
+      reason.identity = identity_of<Chip>(link_(this->wiring()));
+    }
+    return reason;
+  }
+
+ private:
+  Link link_;
+};
+
+template <class Chip, class Wire, class Settings, class Link, class Node>
+std::unique_ptr<DeviceGyro> bind(const Settings& settings, Link link, const Node& node) {
+  return std::make_unique<BoundGyro<Chip, Wire, Link>>(settings, link, node);
 }
 
 template <class Chip>
-std::unique_ptr<drivers::AnyGyro> make(const GyroSettings& wanted) {
+std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
   const auto settings = settings_of<Chip>(wanted);
   const hal::linux_os::SpiSettings spi{wanted.device, wanted.speed_hz, Chip::kSpiMode};
   if constexpr (drivers::RegisterChipEntry<Chip>) {
     if (wanted.bus == BusKind::i2c) {
       const hal::I2cAddress address{wanted.address};
-      return bind<Chip::template Driver, I2c>(
+      return bind<Chip, I2c>(
           settings,
-          [&](I2c& wire) {
+          [address](I2c& wire) {
             return drivers::I2cRegisters{wire, address};
           },
           wanted.device);
     }
-    return bind<Chip::template Driver, Spi>(
+    return bind<Chip, Spi>(
         settings, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
   } else {
-    return bind<Chip::template Driver, Spi>(
+    return bind<Chip, Spi>(
         settings, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
   }
 }
@@ -81,6 +121,13 @@ constexpr auto kAddresses = [] {
 }();
 
 template <class Chip>
+constexpr std::optional<std::uint8_t> kIdentity = [] {
+  std::optional<std::uint8_t> identity;
+  if constexpr (drivers::RegisterChipEntry<Chip>) identity = Chip::kIdentity.reset;
+  return identity;
+}();
+
+template <class Chip>
 ChipDescription describe() {
   return {.name = Chip::kName,
           .rates_hz = kValues<Chip::kRates>,
@@ -89,6 +136,7 @@ ChipDescription describe() {
           .highest_speed_hz = Chip::kHighestSpi_hz,
           .has_fifo = Chip::kHasFifo,
           .counts = Chip::kCounts,
+          .identity = kIdentity<Chip>,
           .make = make<Chip>};
 }
 

@@ -4,19 +4,24 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "drivers/common/any_gyro.hpp"
+#include "drivers/common/driver_error.hpp"
 
 namespace zerorate::linux_node {
 
 enum class BusKind : std::uint8_t { spi, i2c };
 
+/// Name of the gyro that needs no hardware: an LSM6DSO at the level of its registers.
+inline constexpr std::string_view kSimulatedChip = "simulated";
+
 /// How one gyro is wired and set.
 struct GyroSettings {
-  std::string chip;                    ///< a ChipDescription's name
+  std::string chip;                    ///< a ChipDescription's name, or kSimulatedChip
   BusKind bus = BusKind::spi;          ///< which must be among the chip's
   std::string device;                  ///< "/dev/spidev0.0" or "/dev/i2c-1"
   std::uint8_t address = 0;            ///< on I2C
@@ -24,6 +29,25 @@ struct GyroSettings {
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
   bool fifo = false;                   ///< samples through the chip's FIFO
+
+  [[nodiscard]] bool is_simulated() const { return chip == kSimulatedChip; }
+  /// Name of the chip whose rates, ranges and noise model are the gyro's.
+  [[nodiscard]] std::string_view model_chip() const {
+    return is_simulated() ? std::string_view{"lsm6dso"} : std::string_view{chip};
+  }
+};
+
+/// Reasons behind a driver's error that the driver does not know.
+struct GyroReason {
+  int error_number = 0;                   ///< as the kernel gave it; 0: none
+  std::optional<std::uint32_t> identity;  ///< answer of a chip that is not the expected one
+};
+
+/// A gyro behind a node of /dev.
+class DeviceGyro : public drivers::AnyGyro {
+ public:
+  /// Reason of the newest error. Where that is a wrong identity, the chip is asked once more.
+  [[nodiscard]] virtual GyroReason reason(drivers::DriverErrorCode code) = 0;
 };
 
 /// Values that a configuration may choose for a chip, and the function that makes the chip's gyro.
@@ -34,9 +58,10 @@ struct ChipDescription {
   std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;
-  double counts;  ///< at full scale; one is the LSB
+  double counts;                         ///< at full scale; one is the LSB
+  std::optional<std::uint8_t> identity;  ///< answer of a chip with registers
   /// @param settings must be possible by this description
-  std::unique_ptr<drivers::AnyGyro> (*make)(const GyroSettings& settings);
+  std::unique_ptr<DeviceGyro> (*make)(const GyroSettings& settings);
 };
 
 /// All of them, by name.

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 
 #include "hal/linux/descriptor.hpp"
@@ -18,7 +20,14 @@ MetricsEndpoint::MetricsEndpoint(const MetricsSettings& settings)
     : settings_(settings), file_while_written_(settings.file + ".new") {
   if (settings_.socket.empty()) return;
   constexpr int kBacklog = 4;
-  listener_.emplace(settings_.socket, SOCK_STREAM);
+  try {
+    listener_.emplace(settings_.socket, SOCK_STREAM);
+  } catch (const std::system_error& error) {
+    const bool lacks_folder = error.code().value() == ENOENT;
+    throw std::runtime_error(
+        std::string{"\"socket\" in [metrics]: "} + error.what() +
+        (lacks_folder ? " (make its folder first; systemd makes /run/zerorate)" : ""));
+  }
   if (listen(listener_->descriptor(), kBacklog) != 0) {
     throw std::system_error(errno, std::generic_category(), settings_.socket);
   }

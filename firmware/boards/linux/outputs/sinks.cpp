@@ -45,9 +45,9 @@ class RetryCounter {
 /// was learnt is a member of the next line, so that every line is a message.
 class JsonSink final : public Sink {
  public:
-  explicit JsonSink(const JsonSettings& settings)
-      : Sink("json:" + settings.file), file_(settings.file) {
-    if (!open() && errno != ENXIO) throw std::system_error(errno, std::generic_category(), file_);
+  explicit JsonSink(const JsonSettings& settings) : Sink(name_of(settings)), file_(settings.file) {
+    if (open() || errno == ENXIO) return;
+    throw std::system_error(errno, std::generic_category(), "\"file\" in [[sink]]: " + file_);
   }
 
   void publish_learnt(const wire::LearntModel& learnt) override { learnt_ = learnt; }
@@ -59,6 +59,7 @@ class JsonSink final : public Sink {
     constexpr int kFlags = O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
     output_ =
         Descriptor{file_ == "-" ? dup(STDOUT_FILENO) : ::open(file_.c_str(), kFlags, kReadable)};
+    if (!output_.is_open()) keep_reason();
     return output_.is_open();
   }
 
@@ -73,6 +74,7 @@ class JsonSink final : public Sink {
       learnt_.reset();
       return true;
     }
+    keep_reason();
     if (written > 0) take_back(written);
     return false;
   }
@@ -108,9 +110,11 @@ class DatagramSink final : public Sink {
   bool send(const wire::NumberedMessage& message) override {
     return send_frame(wire::encode_rate_frame(message));
   }
-  [[nodiscard]] bool send_frame(std::span<const std::uint8_t> frame) const {
-    return sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to_.get(), to_.size) ==
-           static_cast<ssize_t>(frame.size());
+  bool send_frame(std::span<const std::uint8_t> frame) {
+    const ssize_t sent =
+        sendto(socket_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, to_.get(), to_.size);
+    if (sent != static_cast<ssize_t>(frame.size())) keep_reason();
+    return sent == static_cast<ssize_t>(frame.size());
   }
 
   Descriptor socket_;
@@ -122,7 +126,7 @@ class DatagramSink final : public Sink {
 class CanSink final : public Sink {
  public:
   explicit CanSink(const CanSettings& settings)
-      : Sink("can:" + settings.interface),
+      : Sink(name_of(settings)),
         id_(settings.id),
         interface_(hal::linux_os::interface_request(settings.interface)) {
     (void)open();
@@ -130,6 +134,11 @@ class CanSink final : public Sink {
 
  private:
   bool open() {
+    const bool is_open = try_to_open();
+    if (!is_open) keep_reason();
+    return is_open;
+  }
+  bool try_to_open() {
     Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
     if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface_) != 0) return false;
     // Nothing is read: without this, frames of others would fill the socket's buffer.
@@ -158,6 +167,7 @@ class CanSink final : public Sink {
     out.can_dlc = CAN_MAX_DLEN;
     std::ranges::copy(frame.data, std::begin(out.data));
     if (write(socket_.get(), &out, sizeof out) == static_cast<ssize_t>(sizeof out)) return true;
+    keep_reason();
     // Down (ENETDOWN) or full (ENOBUFS, EAGAIN) passes; a removed interface needs a new socket.
     if (errno == ENODEV || errno == ENXIO) socket_.reset(-1);
     return false;
@@ -169,17 +179,25 @@ class CanSink final : public Sink {
   RetryCounter retry_;
 };
 
+struct NameSink {
+  std::string operator()(const JsonSettings& json) const { return "json:" + json.file; }
+  std::string operator()(const UdpSettings& udp) const {
+    return fmt::format("udp:{}:{}", udp.address, udp.port);
+  }
+  std::string operator()(const UnixSettings& local) const { return "unix:" + local.path; }
+  std::string operator()(const CanSettings& can) const { return "can:" + can.interface; }
+};
+
 struct MakeSink {
   std::unique_ptr<Sink> operator()(const JsonSettings& json) const {
     return std::make_unique<JsonSink>(json);
   }
   std::unique_ptr<Sink> operator()(const UdpSettings& udp) const {
-    return std::make_unique<DatagramSink>(fmt::format("udp:{}:{}", udp.address, udp.port),
+    return std::make_unique<DatagramSink>(name_of(udp),
                                           hal::linux_os::udp_address(udp.address, udp.port));
   }
   std::unique_ptr<Sink> operator()(const UnixSettings& local) const {
-    return std::make_unique<DatagramSink>("unix:" + local.path,
-                                          hal::linux_os::unix_address(local.path));
+    return std::make_unique<DatagramSink>(name_of(local), hal::linux_os::unix_address(local.path));
   }
   std::unique_ptr<Sink> operator()(const CanSettings& can) const {
     return std::make_unique<CanSink>(can);
@@ -187,6 +205,10 @@ struct MakeSink {
 };
 
 }  // namespace
+
+std::string name_of(const SinkSettings& settings) {
+  return std::visit(NameSink{}, settings);
+}
 
 std::unique_ptr<Sink> make_sink(const SinkSettings& settings) {
   return std::visit(MakeSink{}, settings);

@@ -4,6 +4,7 @@
 
 #include <sys/socket.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,6 +27,7 @@ class Sink {
   void publish(const wire::NumberedMessage& message) {
     if (send(message)) {
       ++sent_;
+      error_number_ = 0;
     } else {
       ++dropped_;
     }
@@ -36,6 +38,12 @@ class Sink {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  /// Reason why the sink takes no messages, as the kernel gave it; 0 after one that it took.
+  [[nodiscard]] int error_number() const { return error_number_; }
+
+ protected:
+  /// Keeps errno, for a send() or an open() that failed.
+  void keep_reason() { error_number_ = errno; }
 
  private:
   virtual bool send(const wire::NumberedMessage& message) = 0;
@@ -43,7 +51,11 @@ class Sink {
   std::string name_;
   std::uint64_t sent_ = 0;
   std::uint64_t dropped_ = 0;
+  int error_number_ = 0;
 };
+
+/// For logs and metrics: "udp:127.0.0.1:4242".
+[[nodiscard]] std::string name_of(const SinkSettings& settings);
 
 /// Throws std::system_error, std::invalid_argument where the sink cannot even be tried: a file that
 /// cannot be opened, an address that is none. A receiver or a CAN interface that is absent may come

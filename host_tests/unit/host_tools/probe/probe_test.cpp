@@ -119,6 +119,21 @@ TEST(ProbeOfADeviceThatIsGone, SaysSoForEveryChip) {
   }
 }
 
+TEST(ProbeOfADeviceThatIsForbidden, SaysSoOnceWithTheCure) {
+  KernelState kernel{.open_error = EACCES};
+  const Bus bus{Bus::Kind::i2c, "/dev/i2c-1", probe_i2c("/dev/i2c-1", KernelDouble{kernel})};
+  EXPECT_EQ(to_text({bus}),
+            "/dev/i2c-1           Permission denied (is the user in the device's group, i2c or "
+            "spi?)\n");
+}
+
+TEST(ProbeOfI2cWithoutAnyChip, HasALineForEveryAddress) {
+  KernelState kernel;
+  kernel.i2c_device = [](hal::I2cAddress, std::span<const hal::Operation>) { return false; };
+  const Bus bus{Bus::Kind::i2c, "/dev/i2c-1", probe_i2c("/dev/i2c-1", KernelDouble{kernel})};
+  EXPECT_EQ(std::ranges::count(to_text({bus}), '\n'), 6);
+}
+
 TEST(DevicesOfAFolder, AreTheBusesInOrder) {
   const testing::ScratchFolder folder;
   for (const char* name : {"spidev1.0", "spidev0.1", "i2c-7", "i2c", "spi", "tty0"}) {

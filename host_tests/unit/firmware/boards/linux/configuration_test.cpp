@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "firmware/toml/error.hpp"
@@ -147,7 +148,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
       {with("[gyro]\n", "[gyro\n"), "z.toml:3:"},
       {with("user", "usr"), "z.toml:2:1: unknown key \"usr\"; did you mean \"user\"?"},
       {with("chip = \"lsm6dso\"", "chip = \"lsm6ds\""),
-       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\"; did you mean \"lsm6dso\"?"},
+       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated, adxrs453, bmi088, "
+       "icm42688, lsm6dso); did you mean \"lsm6dso\"?"},
       {with("bus = \"i2c\"", "bus = \"simulated\""),
        "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\" or \"i2c\""},
       {with("device = \"/dev/i2c-1\"\n", ""),
@@ -212,6 +214,48 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
   for (const Mistake& mistake : mistakes) {
     EXPECT_THAT(message_of(mistake.toml), HasSubstr(mistake.message));
   }
+}
+
+TEST(ConfigurationWithSeveralMistakes, IsRefusedWithAllOfThem) {
+  const std::string message = message_of(R"(schema = "zerorate.daemon/1"
+usr = "x"
+[gyro]
+chip = "lsm6dso"
+bus = "i3c"
+device = ""
+rate_hz = 105
+full_scale_dps = 251
+fifos = true
+[odometer]
+chip = "/dev/gpiochip0"
+lines = 24
+[filter]
+rate_hz = -1
+settle_s = "a"
+[[sink]]
+type = "can"
+[[sink]]
+type = "tcp"
+)");
+  for (const char* const place :
+       {"z.toml:2:1: ", "z.toml:5:7: ", "z.toml:6:10: ", "z.toml:7:11: ", "z.toml:8:18: ",
+        "z.toml:9:1: ", "z.toml:12:1: ", "z.toml:14:11: ", "z.toml:15:12: ", "z.toml:16:1: ",
+        "z.toml:19:8: "}) {
+    EXPECT_THAT(message, HasSubstr(place));
+  }
+  EXPECT_EQ(std::ranges::count(message, '\n'), 10) << message;
+}
+
+TEST(ConfigurationWithoutHardware, NamesTheSimulatedChipAlone) {
+  const std::string simulated = "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\n";
+  const Configuration c = parse_configuration(simulated, "z.toml");
+  EXPECT_TRUE(c.gyro.is_simulated());
+  EXPECT_EQ(c.gyro.rate_hz, 104.0);
+  EXPECT_EQ(c.model_name, "lsm6dso");
+  EXPECT_THAT(message_of(simulated + "device = \"/dev/i2c-1\"\n"),
+              HasSubstr("z.toml:4:1: unknown key \"device\" in [gyro]"));
+  EXPECT_THAT(message_of(simulated + kOdometer),
+              HasSubstr("\"odometer\": not beside chip = \"simulated\""));
 }
 
 TEST(ConfigurationOfAnOdometer, HoldsBackByWhatIsKnownOfIt) {

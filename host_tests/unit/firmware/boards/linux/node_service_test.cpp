@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -367,6 +368,21 @@ TEST(Metrics, HoldTheCountersAndTheNewestMessage) {
   ASSERT_GT(size, 0);
   served.resize(static_cast<std::size_t>(size));
   EXPECT_EQ(served, text);
+}
+
+TEST(NodeServiceWithASinkInTrouble, TellsItOnceAndWhenItIsOver) {
+  ServiceRig rig;
+  rig.run(520);
+  EXPECT_EQ(std::ranges::count(log_lines(), "sink unix:" + (rig.folder.path() / "rate").string() +
+                                                ": No such file or directory (does the receiver "
+                                                "run?); its messages are dropped"),
+            1);
+  Receiver receiver{rig.folder.path() / "rate"};
+  for (int i = 0; i < 208; ++i) {
+    rig.run(1);
+    (void)receiver.take();
+  }
+  EXPECT_TRUE(was_logged("rate: takes messages again"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -22,11 +23,13 @@
 #include <vector>
 
 #include "firmware/boards/linux/message_queue.hpp"
+#include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/service_manager.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 
 namespace zerorate::linux_node {
@@ -228,6 +231,60 @@ TEST(ServiceManager, IsToldThroughItsSocket) {
   EXPECT_EQ(recv(socket.get(), text.data(), text.size(), 0), 7);
   EXPECT_STREQ(text.data(), "READY=1");
   EXPECT_LT(recv(socket.get(), text.data(), text.size(), 0), 0);
+}
+
+struct Trouble {
+  BusKind bus;
+  drivers::DriverError error;
+  GyroReason reason;
+  std::string words;
+};
+
+TEST(ErrorOfTheGyro, IsToldWithPlaceReasonAndCure) {
+  using drivers::DriverErrorCode;
+  const auto bus_error = [](hal::BusError error) {
+    return drivers::DriverError{DriverErrorCode::bus_failed, error, 0x0F};
+  };
+  const std::vector<Trouble> troubles{
+      {BusKind::i2c,
+       bus_error(hal::BusError::not_present),
+       {.error_number = EACCES},
+       "/dev/i2c-1: Permission denied (is the user in the device's group, i2c or spi?)"},
+      {BusKind::spi,
+       bus_error(hal::BusError::not_present),
+       {.error_number = ENOENT},
+       "/dev/i2c-1: No such file or directory (is the bus enabled, and its name right? zerorate "
+       "probe)"},
+      {BusKind::i2c,
+       bus_error(hal::BusError::timeout),
+       {.error_number = EBUSY},
+       "/dev/i2c-1 at 0x6a: bus failed (timeout) at register 0x0f: Device or resource busy (does "
+       "another program or a driver of the kernel use it?)"},
+      {BusKind::i2c,
+       bus_error(hal::BusError::nack),
+       {.error_number = ENXIO},
+       "/dev/i2c-1 at 0x6a: bus failed (not acknowledged) at register 0x0f (are the wiring and the "
+       "address right? zerorate probe)"},
+      {BusKind::i2c,
+       {DriverErrorCode::wrong_identity, {}, 0x0F},
+       {.identity = 0x69},
+       "/dev/i2c-1 at 0x6a answered 0x69, lsm6dso answers 0x6c: is it another chip? zerorate "
+       "probe"},
+      {BusKind::spi, {DriverErrorCode::frozen, {}, 0}, {}, "/dev/i2c-1: frozen"},
+  };
+  for (const Trouble& trouble : troubles) {
+    const GyroSettings gyro{
+        .chip = "lsm6dso", .bus = trouble.bus, .device = "/dev/i2c-1", .address = 0x6A};
+    LogBuffer words{};
+    EXPECT_EQ(describe(gyro, trouble.error, trouble.reason, words), trouble.words);
+  }
+}
+
+TEST(ConfigurationInOneLine, NamesChipRateModelAndOdometer) {
+  const Configuration configuration = parse_configuration(kMinimalConfiguration, "test.toml");
+  EXPECT_EQ(describe(configuration),
+            "lsm6dso on /dev/spidev0.0, 104 Hz, 250 deg/s, model lsm6dso, odometer /dev/gpiochip0 "
+            "line 24");
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+/// @file
+/// Parts of reading the configuration that its tables have in common.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "core/base/time.hpp"
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/toml/error.hpp"
+#include "firmware/toml/strict_table.hpp"
+
+namespace zerorate::linux_node {
+
+inline constexpr toml_file::Rule kSeconds{[](double x) { return x >= 0.0 && x <= 1e6; },
+                                          "seconds, from 0 to 1 000 000"};
+
+[[nodiscard]] inline core::Duration duration_of(double seconds) {
+  return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+}
+
+/// A path or a name: text that is not empty.
+[[nodiscard]] inline std::optional<std::string> name_at(toml_file::StrictTable& table,
+                                                        std::string_view key,
+                                                        toml_file::Presence presence) {
+  auto name = table.text(key, presence);
+  if (name && name->empty()) table.fail_at(key, "expected text that is not empty");
+  return name;
+}
+
+/// An optional part of the file: read by `read`, then searched for names that nothing asked for.
+template <class Read>
+void with_table(toml_file::StrictTable& parent, std::string_view key, toml_file::Presence presence,
+                toml_file::ErrorList& errors, Read read) {
+  errors.attempt([&] {
+    if (auto table = parent.table(key, presence)) {
+      read(*table);
+      table->reject_unknown();
+    }
+  });
+}
+
+/// Reports what `act` finds impossible at a key of the file.
+template <class Act>
+auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) {
+  try {
+    return act();
+  } catch (const std::invalid_argument& error) {
+    table.fail_at(key, error.what());
+  }
+}
+
+/// Reads the tables of the gyro, of its interrupt and of the odometer.
+void read_hardware(toml_file::StrictTable& root, Configuration& configuration,
+                   toml_file::ErrorList& errors);
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,100 @@
+#include "firmware/boards/linux/simulated_vehicle.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <numbers>
+
+#include "drivers/lsm6dso/chip.hpp"
+#include "firmware/boards/linux/linux_hardware.hpp"
+#include "hal/linux/clock.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+using drivers::lsm6dso::Chip;
+
+constexpr core::Duration kPulsePeriod = core::Duration::milliseconds(100);
+
+drivers::lsm6dso::Settings settings_of(const GyroSettings& wanted) {
+  const auto code_of = [](double value, const auto& choices) {
+    return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
+  };
+  return Chip::settings(code_of(wanted.rate_hz, Chip::kRates),
+                        code_of(wanted.full_scale_dps, Chip::kFullScales), false);
+}
+
+}  // namespace
+
+SimulatedMotion motion_at(core::Duration time) {
+  constexpr std::int64_t kRest_ns = 20'000'000'000;
+  constexpr std::int64_t kCycle_ns = 60'000'000'000;
+  constexpr float kBend_s = 10.0F;
+  constexpr float kTurn_dps = 10.0F;
+  const std::int64_t into_cycle_ns = time.ns() % kCycle_ns;
+  if (into_cycle_ns < kRest_ns) return {};
+  const float driven_s = static_cast<float>(into_cycle_ns - kRest_ns) * 1e-9F;
+  const float phase = 2.0F * std::numbers::pi_v<float> * driven_s / kBend_s;
+  return {.turn = core::deg_per_s(kTurn_dps * std::sin(phase)), .is_moving = true};
+}
+
+SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
+    : clock_(hal::linux_os::KernelClock::now()),
+      begin_(clock_.now()),
+      next_sample_(begin_),
+      next_pulse_(begin_),
+      gyro_(
+          [&](Spi& spi) {
+            return drivers::Lsm6dso{drivers::SpiRegisters{spi}, settings_of(configuration.gyro)};
+          },
+          chip_),
+      noise_(0.0F, std::sqrt(configuration.node.white_variance_rad2_s2)),
+      bias_rad_s_{core::deg_per_s(0.35F).in(core::rad_per_s),
+                  core::deg_per_s(-0.2F).in(core::rad_per_s),
+                  core::deg_per_s(0.12F).in(core::rad_per_s)} {}
+
+core::Instant SimulatedVehicle::now() const {
+  return hal::linux_os::KernelClock::now();
+}
+
+/// One sample at most, stamped with the time when it was due.
+void SimulatedVehicle::wait() {
+  const core::Duration left = std::max(next_sample_ - now(), core::Duration{});
+  const std::timespec limit{.tv_sec = static_cast<std::time_t>(left.ns() / 1'000'000'000),
+                            .tv_nsec = static_cast<long>(left.ns() % 1'000'000'000)};
+  pollfd source{.fd = wake_.descriptor(), .events = POLLIN, .revents = 0};
+  (void)ppoll(&source, 1, &limit, nullptr);
+  wake_.clear();
+  if (now() >= next_sample_) measure();
+}
+
+void SimulatedVehicle::measure() {
+  clock_.advance_to(next_sample_);
+  const SimulatedMotion motion = motion_at(next_sample_ - begin_);
+  if (motion.is_moving && next_sample_ >= next_pulse_) {
+    odometer_.pulse(next_sample_);
+    next_pulse_ = next_sample_ + kPulsePeriod;
+  }
+  constexpr float kWander_rad_s_per_sqrt_s = 3e-6F;
+  const float wander =
+      kWander_rad_s_per_sqrt_s * std::sqrt(static_cast<float>(gyro_.sample_period().ns()) * 1e-9F);
+  std::normal_distribution<float> step{0.0F, wander};
+  std::array<core::AngularRate, 3> rates{};
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    bias_rad_s_.at(i) += step(random_);
+    const float turn = i == 2 ? motion.turn.in(core::rad_per_s) : 0.0F;
+    rates.at(i) = core::rad_per_s(turn + bias_rad_s_.at(i) + noise_(random_));
+  }
+  chip_.measure(rates, core::Temperature::from_degc(25.0F));
+  next_sample_ = next_sample_ + gyro_.sample_period();
+}
+
+std::unique_ptr<Hardware> make_hardware(const Configuration& configuration) {
+  if (configuration.gyro.is_simulated()) return std::make_unique<SimulatedVehicle>(configuration);
+  return std::make_unique<LinuxHardware>(configuration);
+}
+
+}  // namespace zerorate::linux_node

@@ -1,0 +1,71 @@
+/// @file
+/// A vehicle that is not there: `chip = "simulated"`, to try the node without hardware.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+
+#include "drivers/common/erased_gyro.hpp"
+#include "drivers/lsm6dso/driver.hpp"
+#include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/hardware.hpp"
+#include "firmware/boards/linux/process/event.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/odometer.hpp"
+#include "hal/sim/spi.hpp"
+
+namespace zerorate::linux_node {
+
+/// Motion of the simulated vehicle at one time.
+struct SimulatedMotion {
+  core::AngularRate turn;  ///< about the axis z
+  bool is_moving = false;
+};
+
+/// Twenty seconds at rest, forty in bends of at most 10 deg/s, again and again.
+/// @param time  since the start
+[[nodiscard]] SimulatedMotion motion_at(core::Duration time);
+
+/// A simulated LSM6DSO, read by its driver, with the white noise of the configured model, a bias
+/// that wanders, and an odometer of ten pulses a second. Samples come in real time. Uses the heap.
+class SimulatedVehicle final : public Hardware {
+ public:
+  explicit SimulatedVehicle(const Configuration& configuration);
+
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return gyro_; }
+  core::Result<hal::PulseBatch, hal::BusError> read_pulses(
+      std::span<core::Instant> stamps) override {
+    return odometer_.read_pulses(stamps);
+  }
+  std::optional<core::Instant> take_edge() override { return chip_.interrupt().take_edge(); }
+  [[nodiscard]] core::Instant now() const override;
+  void wait() override;
+  void wake() override { wake_.signal(); }
+
+ private:
+  using Spi = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
+  using Gyro = drivers::ErasedGyro<Spi, drivers::Lsm6dso<drivers::SpiRegisters<Spi>>>;
+
+  void measure();
+
+  hal::sim::SimulatedClock clock_;
+  core::Instant begin_;
+  core::Instant next_sample_;
+  core::Instant next_pulse_;
+  hal::sim::SimulatedLsm6dso chip_{clock_};
+  hal::sim::SimulatedOdometer odometer_;
+  Gyro gyro_;
+  std::mt19937_64 random_{1};
+  std::normal_distribution<float> noise_;
+  std::array<float, 3> bias_rad_s_;
+  Event wake_;
+};
+
+/// Hardware that the configuration names.
+[[nodiscard]] std::unique_ptr<Hardware> make_hardware(const Configuration& configuration);
+
+}  // namespace zerorate::linux_node
