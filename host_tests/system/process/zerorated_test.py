@@ -4,7 +4,6 @@
 usage: zerorated_test.py ZERORATED [unittest arguments]
 """
 
-import math
 import os
 import pathlib
 import pwd
@@ -64,7 +63,9 @@ def is_sanitized():
     return b"__asan_init" in pathlib.Path(ZERORATED).read_bytes()
 
 
-class Zerorated(unittest.TestCase):
+class Node(unittest.TestCase):
+    """A process with its folder, its receiver and its service manager."""
+
     def setUp(self):
         self._folder = tempfile.TemporaryDirectory(prefix="zerorate-")
         self.folder = pathlib.Path(self._folder.name)
@@ -119,6 +120,8 @@ class Zerorated(unittest.TestCase):
         self.assertEqual(self.process.returncode, 0)
         return errors
 
+
+class Zerorated(Node):
     def test_says_that_the_sensor_is_faulty_and_never_claims_standstill(self):
         self.start()
         numbers = []
@@ -144,22 +147,6 @@ class Zerorated(unittest.TestCase):
         for _ in range(12):
             self.message()
         self.assertRegex(self.stop(), r"zerorated: sink can:no-can: .+; its messages are dropped")
-
-    def test_runs_without_hardware_on_the_simulated_chip(self):
-        text = self.file.read_text()
-        gyro, rest = text.index("[gyro]"), text.index("[state]")
-        self.file.write_text(text[:gyro] + '[gyro]\nchip = "simulated"\n' + text[rest:])
-        self.start()
-        message = self.message()
-        while not message["health"] & 0x01:  # the vehicle stands for its first twenty seconds
-            message = self.message()
-        measured, corrected, bias, sigma = message["x"]
-        self.assertEqual(message["motion"], 2)
-        self.assertFalse(message["health"] & 0x60, "sensor_fault, odometer_fault")
-        self.assertAlmostEqual(math.degrees(bias), 0.35, delta=0.1)
-        self.assertLess(math.degrees(sigma), 0.1)
-        self.assertAlmostEqual(corrected, measured - bias, delta=1e-6)
-        self.assertIn("zerorated: simulated, 104 Hz, 250 deg/s, model lsm6dso, simulated odometer", self.stop())
 
     def test_feeds_the_watchdog_and_serves_its_metrics(self):
         self.start()

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Receives the corrected rate of a zerorate node by UDP and prints a line for each message. Needs Python 3 alone.
+
+usage: receive_rate.py [--address 127.0.0.1] [--port 24680] [--count MESSAGES]
+
+A line holds: number, time in s, motion, corrected rate of x, y and z in deg/s, its standard deviation in deg/s, flags.
+docs/reference/rate-frame.md describes the bytes.
+"""
+
+import argparse
+import math
+import socket
+import struct
+import zlib
+
+MOTION = ("moving", "settling", "still")
+CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
+
+
+def decode(datagram):
+    """The message as a dictionary, rates in deg/s; None for anything that is not a whole rate frame."""
+    if datagram[:2] != b"ZR" or len(datagram) != 72:
+        return None  # such as the learnt frame, once a second
+    if datagram[2] != 1:
+        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 1")
+    if struct.unpack_from("<I", datagram, 68)[0] != zlib.crc32(datagram[:68]):
+        return None
+    number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
+    axes = [struct.unpack_from("<4f", datagram, 20 + 16 * axis) for axis in range(3)]
+    return {
+        "sequence": number,
+        "time_s": time_ns * 1e-9,
+        "motion": MOTION[motion],
+        "health": health,
+        "calibrated": bool(health & CALIBRATED),
+        # A fault is told in messages without a rate: those must not be taken for standstill.
+        "rate_dps": None if health & NO_RATE else [math.degrees(axis[1]) for axis in axes],
+        "bias_dps": [math.degrees(axis[2]) for axis in axes],
+        "sigma_dps": [math.degrees(axis[3]) for axis in axes],
+    }
+
+
+def messages(address, port):
+    """Messages as they come; tells how many were lost between two of them."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind((address, port))
+        expected = None
+        while True:
+            message = decode(receiver.recv(256))
+            if message is None:
+                continue
+            lost = 0 if expected is None else (message["sequence"] - expected) % 2**32
+            expected = (message["sequence"] + 1) % 2**32
+            yield message, lost
+
+
+def main():
+    parser = argparse.ArgumentParser(description="prints the corrected rate of a zerorate node")
+    parser.add_argument("--address", default="127.0.0.1")
+    parser.add_argument("--port", type=int, default=24680)
+    parser.add_argument("--count", type=int, default=0, help="end after so many messages; 0: never")
+    options = parser.parse_args()
+    for index, (message, lost) in enumerate(messages(options.address, options.port), start=1):
+        rate = message["rate_dps"]
+        fields = [message["sequence"], f'{message["time_s"]:.6f}', message["motion"]]
+        fields += ["none"] * 3 if rate is None else [f"{value:.9g}" for value in rate]
+        fields += [f"{value:.9g}" for value in message["sigma_dps"]]
+        fields += ["calibrated" if message["calibrated"] else "uncalibrated", f"lost={lost}"]
+        print(*fields, flush=True)
+        if index == options.count:
+            break
+
+
+if __name__ == "__main__":
+    main()
