@@ -32,8 +32,6 @@ constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
                          "seconds, from 1 to 1 000 000"};
 constexpr Rule kPriority{[](double x) { return x >= 0.0 && x <= 99.0; },
                          "a whole number from 0 to 99"};
-constexpr Rule kPort{[](double x) { return x >= 1.0 && x <= 65535.0; },
-                     "a whole number from 1 to 65535"};
 constexpr Rule kCanId{[](double x) { return x >= 0.0 && x <= wire::kGreatestCanId; },
                       "an identifier from 0 to 0x7FC: the axes take the three after it"};
 
@@ -136,20 +134,6 @@ void read_real_time(StrictTable& table, RealTimeSettings& real_time) {
   real_time.lock_memory = table.boolean("lock_memory", Presence::optional).value_or(true);
 }
 
-UdpSettings read_udp(StrictTable& table) {
-  UdpSettings udp{
-      .address = *table.text("address", Presence::required),
-      .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
-  at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
-  return udp;
-}
-
-std::string read_socket_path(StrictTable& table, std::string_view key) {
-  std::string path = *table.text(key, Presence::required);
-  at_key(table, key, [&] { (void)hal::linux_os::unix_address(path); });
-  return path;
-}
-
 CanSettings read_can(StrictTable& table) {
   CanSettings can{
       .interface = *table.text("interface", Presence::required),
@@ -184,12 +168,13 @@ void read_metrics(StrictTable& table, MetricsSettings& metrics, ErrorList& error
 
 /// Whether there is an odometer exactly where something asks for it.
 void check_odometer(const StrictTable& root, const Configuration& configuration, bool asks_gyro) {
-  if (!asks_gyro && !configuration.odometer && !configuration.gyro.is_simulated()) {
+  const bool has_odometer = configuration.odometer || configuration.speed;
+  if (!asks_gyro && !has_odometer && !configuration.gyro.is_simulated()) {
     root.fail_at("odometer",
                  "missing: what tells that the vehicle stands? Without an odometer, "
                  "[standstill] source = \"gyro\" takes the calm of the gyro for rest");
   }
-  if (asks_gyro && configuration.odometer) {
+  if (asks_gyro && has_odometer) {
     root.fail_at("odometer", "not beside [standstill] source = \"gyro\": one of the two");
   }
 }

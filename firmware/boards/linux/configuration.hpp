@@ -13,6 +13,7 @@
 #include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
 #include "firmware/boards/linux/outputs/sink_settings.hpp"
 #include "firmware/boards/linux/process/process.hpp"
+#include "firmware/boards/linux/speed_source.hpp"
 #include "firmware/model/node_model.hpp"
 #include "hal/linux/gpio_line.hpp"
 
@@ -34,7 +35,8 @@ struct Configuration {
   std::string user;  ///< to become after the start as root; empty: stay
   GyroSettings gyro;
   std::optional<hal::linux_os::LineSettings> data_ready;
-  std::optional<hal::linux_os::LineSettings> odometer;  ///< absent: the gyro alone tells rest
+  std::optional<hal::linux_os::LineSettings> odometer;  ///< on a GPIO line
+  std::optional<SpeedSettings> speed;  ///< in its place; neither: the gyro alone tells rest
   core::OdometerTraits odometer_traits;
   std::string model_name;  ///< or its file
   Node::Params node;

@@ -8,6 +8,7 @@
 
 #include "firmware/boards/linux/configuration_tables.hpp"
 #include "firmware/toml/nearest_name.hpp"
+#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -26,6 +27,18 @@ constexpr Rule kSpeed{[](double x) { return x >= 1e3 && x <= 1e8; },
                       "a whole number of Hz, from 1 000 to 100 000 000"};
 constexpr Rule kAddress{[](double x) { return x >= 0x08 && x <= 0x77; },
                         "a 7-bit address, from 0x08 to 0x77"};
+constexpr Rule kPort{[](double x) { return x >= 1.0 && x <= 65535.0; },
+                     "a whole number from 1 to 65535"};
+constexpr Rule kSignalId{
+    [](double x) { return (x >= 0.0 && x <= 0x7FF) || (x >= 0x80000000 && x <= 0x9FFFFFFF); },
+    "an identifier from 0 to 0x7FF, or with bit 31 an extended one, as in a DBC file"};
+constexpr Rule kStartBit{[](double x) { return x >= 0.0 && x <= 63.0; }, "a bit from 0 to 63"};
+constexpr Rule kLength{[](double x) { return x >= 1.0 && x <= 64.0; }, "1 to 64 bits"};
+constexpr Rule kScale{[](double x) { return x != 0.0 && x >= -1e6 && x <= 1e6; },
+                      "m/s for one count, not 0"};
+constexpr Rule kOffset{[](double x) { return x >= -1e6 && x <= 1e6; }, "m/s"};
+constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
+                        "seconds, above 0 and at most 1 000 000"};
 constexpr Rule kLineNumber{[](double x) { return x >= 0.0 && x <= 65535.0; },
                            "a line's name or number"};
 
@@ -140,26 +153,85 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
   return odometer;
 }
 
+CanSignal read_signal(StrictTable& table) {
+  static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
+  CanSignal signal{
+      .interface = *table.text("interface", Presence::required),
+      .id = static_cast<std::uint32_t>(*table.integer("id", kSignalId, Presence::required)),
+      .start_bit =
+          static_cast<unsigned>(*table.integer("start_bit", kStartBit, Presence::required)),
+      .length = static_cast<unsigned>(*table.integer("length", kLength, Presence::required)),
+      .is_big_endian = *table.choice("byte_order", kOrders, Presence::required) == 1,
+      .is_signed = table.boolean("signed", Presence::optional).value_or(false),
+      .scale_mps = *table.number("scale_mps", kScale, Presence::required),
+      .offset_mps = table.number("offset_mps", kOffset, Presence::optional).value_or(0.0)};
+  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(signal.interface); });
+  if (signal.bytes() == 0) table.fail_at("length", "the signal does not fit into eight bytes");
+  return signal;
+}
+
+enum class OdometerType : std::uint8_t { gpio, can, udp, unix_socket };
+
+OdometerType odometer_type(StrictTable& table) {
+  static constexpr std::array<std::string_view, 4> kTypes{"gpio", "can", "udp", "unix"};
+  return static_cast<OdometerType>(table.choice("type", kTypes, Presence::optional).value_or(0));
+}
+
+SpeedSettings read_speed(StrictTable& table, OdometerType type) {
+  SpeedSettings speed;
+  if (type == OdometerType::can) speed.origin = read_signal(table);
+  if (type == OdometerType::udp) speed.origin = read_udp(table);
+  if (type == OdometerType::unix_socket)
+    speed.origin = UnixSettings{read_socket_path(table, "path")};
+  // A threshold that nobody stated would be guessed.
+  speed.dead_band_mps = *table.number("dead_band_mps", kDeadBand, Presence::required);
+  (void)table.number("latency_s", kSeconds, Presence::required);
+  speed.timeout =
+      duration_of(table.number("timeout_s", kTimeout, Presence::optional).value_or(1.0));
+  return speed;
+}
+
+void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  const OdometerType type = odometer_type(table);
+  if (type != OdometerType::gpio) {
+    configuration.speed = read_speed(table, type);
+  } else if (configuration.gyro.is_simulated()) {
+    table.fail_at("type",
+                  "the simulated gyro brings an odometer of its own; \"can\", \"udp\" or "
+                  "\"unix\" take its place");
+  } else {
+    configuration.odometer = read_line(table, errors);
+  }
+  configuration.odometer_traits = read_odometer_traits(table, errors);
+}
+
 }  // namespace
+
+UdpSettings read_udp(StrictTable& table) {
+  UdpSettings udp{
+      .address = *table.text("address", Presence::required),
+      .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
+  at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
+  return udp;
+}
+
+std::string read_socket_path(StrictTable& table, std::string_view key) {
+  std::string path = *table.text(key, Presence::required);
+  at_key(table, key, [&] { (void)hal::linux_os::unix_address(path); });
+  return path;
+}
 
 void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& errors) {
   with_table(root, "gyro", Presence::required, errors,
              [&](StrictTable& table) { read_gyro(table, configuration.gyro, errors); });
-  if (configuration.gyro.is_simulated()) {
-    for (const std::string_view key : {"data_ready", "odometer"}) {
-      errors.attempt([&] {
-        if (root.find(key, "", Presence::optional) == nullptr) return;
-        root.fail_at(key, "not beside chip = \"simulated\", which brings its own");
-      });
+  with_table(root, "data_ready", Presence::optional, errors, [&](StrictTable& table) {
+    configuration.data_ready = read_line(table, errors);
+    if (configuration.gyro.is_simulated()) {
+      root.fail_at("data_ready", "not beside chip = \"simulated\", which brings its own");
     }
-    return;
-  }
-  with_table(root, "data_ready", Presence::optional, errors,
-             [&](StrictTable& table) { configuration.data_ready = read_line(table, errors); });
-  with_table(root, "odometer", Presence::optional, errors, [&](StrictTable& table) {
-    configuration.odometer = read_line(table, errors);
-    configuration.odometer_traits = read_odometer_traits(table, errors);
   });
+  with_table(root, "odometer", Presence::optional, errors,
+             [&](StrictTable& table) { read_odometer(table, configuration, errors); });
 }
 
 }  // namespace zerorate::linux_node

@@ -53,6 +53,11 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
   }
 }
 
+/// Address and port of a datagram's receiver.
+[[nodiscard]] UdpSettings read_udp(toml_file::StrictTable& table);
+/// Path that a Unix socket can have.
+[[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
+
 /// Reads the tables of the gyro, of its interrupt and of the odometer.
 void read_hardware(toml_file::StrictTable& root, Configuration& configuration,
                    toml_file::ErrorList& errors);

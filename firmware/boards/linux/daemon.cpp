@@ -18,7 +18,6 @@
 #include "firmware/boards/linux/metrics_text.hpp"
 #include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/process/process.hpp"
-#include "firmware/boards/linux/process/service_manager.hpp"
 #include "firmware/boards/linux/simulated_vehicle.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/descriptor.hpp"
@@ -104,7 +103,7 @@ class Run {
     std::uint64_t seconds = 0;
     (void)!read(seconds_.get(), &seconds, sizeof seconds);
     // A measuring thread that hangs is what the watchdog is for: it is not fed then.
-    if (service_->tick() && is_watched()) notify_service_manager("WATCHDOG=1");
+    if (service_->tick()) feed_watchdog();
     update_metrics();
   }
 

@@ -31,11 +31,17 @@ LinuxHardware::LinuxHardware(const Configuration& configuration)
 LinuxHardware::LinuxHardware(const Configuration& configuration, std::unique_ptr<DeviceGyro> device)
     : device_(*device), gyro_(std::move(device), repetition_of(configuration)) {
   if (configuration.odometer) odometer_.emplace(*configuration.odometer);
+  if (configuration.speed) speed_.emplace(*configuration.speed);
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
 
 core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
     std::span<core::Instant> stamps) {
+  if (speed_) {
+    auto pulses = speed_->read_pulses(stamps);
+    if (!pulses) odometer_error_number_ = speed_->error_number();
+    return pulses;
+  }
   if (!odometer_) return hal::PulseBatch{};
   auto pulses = odometer_->read_pulses(stamps);
   if (!pulses) odometer_error_number_ = errno;  // libgpiod's functions leave the reason there
@@ -70,9 +76,10 @@ void LinuxHardware::wait() {
   const std::timespec limit{.tv_sec = static_cast<std::time_t>(at_most.ns() / 1'000'000'000),
                             .tv_nsec = static_cast<long>(at_most.ns() % 1'000'000'000)};
   // A negative descriptor, of a line that is not open, is passed over by the kernel.
-  std::array<pollfd, 3> sources{{
+  std::array<pollfd, 4> sources{{
       {.fd = wake_.descriptor(), .events = POLLIN, .revents = 0},
       {.fd = odometer_ ? odometer_->descriptor() : -1, .events = POLLIN, .revents = 0},
+      {.fd = speed_ ? speed_->descriptor() : -1, .events = POLLIN, .revents = 0},
       {.fd = data_ready_ ? data_ready_->line.descriptor() : -1, .events = POLLIN, .revents = 0},
   }};
   (void)ppoll(sources.data(), sources.size(), &limit, nullptr);

@@ -47,6 +47,7 @@ class LinuxHardware final : public Hardware {
   DeviceGyro& device_;  ///< owned by gyro_
   WatchedGyro gyro_;
   std::optional<hal::linux_os::GpioLine> odometer_;
+  std::optional<SpeedSource> speed_;  ///< in its place
   std::optional<DataReadyLine> data_ready_;
   int odometer_error_number_ = 0;
   Event wake_;

@@ -67,6 +67,21 @@ std::string_view cure_of_line(int error_number) {
   }
 }
 
+std::string_view cure_of_speed(int error_number) {
+  switch (error_number) {
+    case ETIMEDOUT:
+      return " (no message with a speed comes: do its sender, identifier and length agree?)";
+    case ENODEV:
+      return " (is there such an interface? ip link)";
+    case ENETDOWN:
+      return " (is the interface up? ip link set NAME up)";
+    case ENOENT:
+      return " (make the socket's folder first)";
+    default:
+      return "";
+  }
+}
+
 std::string_view cure_of_sink(int error_number) {
   switch (error_number) {
     case ENODEV:
@@ -119,6 +134,15 @@ std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& 
   return line.text();
 }
 
+std::string name_of_odometer(const Configuration& configuration) {
+  if (configuration.speed) return "odometer " + name_of(configuration.speed->origin);
+  if (configuration.odometer) {
+    return fmt::format("odometer {} line {}", configuration.odometer->chip,
+                       configuration.odometer->line);
+  }
+  return configuration.gyro.is_simulated() ? "simulated odometer" : "no odometer";
+}
+
 std::string describe(const Configuration& configuration) {
   const GyroSettings& gyro = configuration.gyro;
   std::string text = gyro.chip;
@@ -126,14 +150,7 @@ std::string describe(const Configuration& configuration) {
   if (gyro.bus == BusKind::i2c) text += fmt::format(" at {:#04x}", gyro.address);
   text += fmt::format(", {} Hz, {} deg/s, model {}, ", gyro.rate_hz, gyro.full_scale_dps,
                       configuration.model_name);
-  if (gyro.is_simulated()) {
-    text += "simulated odometer";
-  } else {
-    text += configuration.odometer
-                ? fmt::format("odometer {} line {}", configuration.odometer->chip,
-                              configuration.odometer->line)
-                : "no odometer";
-  }
+  text += name_of_odometer(configuration);
   for (const SinkSettings& sink : configuration.sinks) text += ", " + name_of(sink);
   return text;
 }
@@ -146,6 +163,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       snapshot_(configuration.node, sensor_id(configuration.gyro)),
       session_(session),
       log_(log),
+      odometer_name_(name_of_odometer(configuration)),
       node_(configuration.node),
       loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
@@ -260,11 +278,12 @@ void NodeService::report_odometer(const ServiceStatus& now) {
   const app::LoopCounters& before = last_status_.counters;
   const bool fails = now.counters.odometer_errors != before.odometer_errors;
   const int reason = now.reasons.odometer_error_number;
-  if (fails && !odometer_failed_ && configuration_.odometer && reason != 0) {
-    log_line(log_, "odometer: {} line {}: {}{}; the vehicle counts as moving",
-             configuration_.odometer->chip, configuration_.odometer->line, std::strerror(reason),
-             cure_of_line(reason));
-  } else if (fails && !odometer_failed_) {
+  const bool is_news =
+      fails && (!odometer_failed_ || reason != last_status_.reasons.odometer_error_number);
+  if (is_news && reason != 0) {
+    log_line(log_, "{}: {}{}; the vehicle counts as moving", odometer_name_, std::strerror(reason),
+             configuration_.speed ? cure_of_speed(reason) : cure_of_line(reason));
+  } else if (is_news) {
     log_("odometer: cannot be read; the vehicle counts as moving");
   }
   odometer_failed_ = fails;

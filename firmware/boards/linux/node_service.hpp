@@ -89,6 +89,7 @@ class NodeService {
   app::Snapshot<Node> snapshot_;
   app::Session session_;
   Log log_;
+  std::string odometer_name_;
 
   Node node_;
   MessageQueue queue_;
@@ -114,6 +115,9 @@ using LogBuffer = std::array<char, 512>;
 /// (is the user in the device's group, i2c or spi?)".
 [[nodiscard]] std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& error,
                                         const GyroReason& reason, LogBuffer& buffer);
+
+/// "odometer /dev/gpiochip0 line 24"
+[[nodiscard]] std::string name_of_odometer(const Configuration& configuration);
 
 /// The node as it was configured, in one line for the log.
 [[nodiscard]] std::string describe(const Configuration& configuration);

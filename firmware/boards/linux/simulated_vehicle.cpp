@@ -54,7 +54,9 @@ SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
       noise_(0.0F, std::sqrt(configuration.node.white_variance_rad2_s2)),
       bias_rad_s_{core::deg_per_s(0.35F).in(core::rad_per_s),
                   core::deg_per_s(-0.2F).in(core::rad_per_s),
-                  core::deg_per_s(0.12F).in(core::rad_per_s)} {}
+                  core::deg_per_s(0.12F).in(core::rad_per_s)} {
+  if (configuration.speed) speed_.emplace(*configuration.speed);
+}
 
 core::Instant SimulatedVehicle::now() const {
   return hal::linux_os::KernelClock::now();

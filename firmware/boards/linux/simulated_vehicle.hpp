@@ -39,7 +39,10 @@ class SimulatedVehicle final : public Hardware {
   [[nodiscard]] drivers::AnyGyro& gyro() override { return gyro_; }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override {
-    return odometer_.read_pulses(stamps);
+    return speed_ ? speed_->read_pulses(stamps) : odometer_.read_pulses(stamps);
+  }
+  HardwareReasons reasons(drivers::DriverErrorCode /*code*/) override {
+    return {.gyro = {}, .odometer_error_number = speed_ ? speed_->error_number() : 0};
   }
   std::optional<core::Instant> take_edge() override { return chip_.interrupt().take_edge(); }
   [[nodiscard]] core::Instant now() const override;
@@ -58,6 +61,7 @@ class SimulatedVehicle final : public Hardware {
   core::Instant next_pulse_;
   hal::sim::SimulatedLsm6dso chip_{clock_};
   hal::sim::SimulatedOdometer odometer_;
+  std::optional<SpeedSource> speed_;  ///< in its place
   Gyro gyro_;
   std::mt19937_64 random_{1};
   std::normal_distribution<float> noise_;

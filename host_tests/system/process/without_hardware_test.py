@@ -9,6 +9,7 @@ ZERORATE_CONSUMER_S: how long the example of a consumer runs, 5 unless set.
 import json
 import math
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -16,6 +17,9 @@ import unittest
 
 import zerorated_test
 from zerorated_test import LIMIT_S, REPOSITORY
+
+
+TRAITS = "dead_band_mps = 0.1\nlatency_s = 0.05\n"
 
 
 class WithoutHardware(zerorated_test.Node):
@@ -62,6 +66,57 @@ class WithoutHardware(zerorated_test.Node):
         self.assertLess(math.degrees(sigma), 0.1)
         self.assertAlmostEqual(corrected, measured - bias, delta=1e-6)
         self.assertIn("zerorated: simulated, 104 Hz, 250 deg/s, model lsm6dso, simulated odometer", self.stop())
+
+    def wait_for(self, is_reached, say, words):
+        """Says the speed ten times a second until a message is as it should be."""
+        for _ in range(200):
+            if words is not None:
+                say(words.encode())
+            end = time.monotonic() + 0.1
+            while time.monotonic() < end:
+                message = self.message()
+                if is_reached(message):
+                    return message
+        self.fail("not reached")
+
+    def drive_by_messages(self, say):
+        """Stands, moves, falls silent and stands again, by what is said of the speed."""
+        self.start()
+        self.assertTrue(self.message()["health"] & 0x20, "nobody has said anything: odometer_fault")
+        self.wait_for(lambda message: message["health"] & 0x01 and message["motion"] == 2, say, "0.05")
+        self.wait_for(lambda message: message["motion"] == 0, say, "-0.5")
+        self.wait_for(lambda message: message["motion"] == 2, say, "still")
+        silent_since = time.monotonic()
+        self.wait_for(lambda message: message["health"] & 0x20 and message["motion"] == 0, say, None)
+        self.assertGreater(time.monotonic() - silent_since, 0.8)
+        self.wait_for(lambda message: not message["health"] & 0x20, say, "still")
+        return self.stop()
+
+    def test_takes_the_speed_from_udp(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self.simulate(f'[odometer]\ntype = "udp"\naddress = "127.0.0.1"\nport = {port}\n' + TRAITS)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            errors = self.drive_by_messages(lambda words: sender.sendto(words, ("127.0.0.1", port)))
+        self.assertIn(f"odometer udp:127.0.0.1:{port}: Connection timed out (no message with a speed comes", errors)
+
+    def test_takes_the_speed_from_a_unix_socket(self):
+        path = self.folder / "speed"
+        self.simulate(f'[odometer]\ntype = "unix"\npath = "{path}"\n' + TRAITS)
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+            self.drive_by_messages(lambda words: sender.sendto(words, str(path)))
+        self.assertFalse(path.exists())
+
+    def test_says_that_the_can_interface_of_the_speed_is_not_there(self):
+        self.simulate('[odometer]\ntype = "can"\ninterface = "no-can"\nid = 0x1A0\nstart_bit = 0\nlength = 8\n'
+                      'byte_order = "little"\nscale_mps = 0.1\n' + TRAITS)
+        self.start()
+        message = self.wait_for(lambda message: message["health"] & 0x20, None, None)
+        self.assertEqual(message["motion"], 0)
+        for _ in range(200):
+            self.message()
+        self.assertRegex(self.stop(), r"odometer can:no-can id 0x1a0: .+; the vehicle counts as moving")
 
 
 if __name__ == "__main__":

@@ -8,10 +8,16 @@
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
@@ -41,6 +47,22 @@ void become(const std::string& user) {
   }
 }
 
+/// @param flags  of sendto()
+void send_to_service_manager(std::string_view message, int flags) {
+  const char* const named = std::getenv("NOTIFY_SOCKET");
+  if (named == nullptr) return;
+  const std::string_view path{named};
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) return;
+  std::ranges::copy(path, std::begin(address.sun_path));
+  if (path.front() == '@') address.sun_path[0] = '\0';  // of the abstract namespace
+  const hal::linux_os::Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  (void)!sendto(socket.get(), message.data(), message.size(), MSG_NOSIGNAL | flags,
+                reinterpret_cast<const sockaddr*>(&address), size);
+}
+
 }  // namespace
 
 void prepare_process(const std::string& user, const RealTimeSettings& real_time, Log log) {
@@ -62,6 +84,15 @@ Descriptor lock_state(const std::string& file) {
     throw std::runtime_error("state \"" + file + "\" is in use by another process");
   }
   return lock;
+}
+
+void notify_service_manager(std::string_view message) {
+  send_to_service_manager(message, 0);
+}
+
+void feed_watchdog() {
+  const bool is_watched = std::getenv("WATCHDOG_USEC") != nullptr;
+  if (is_watched) send_to_service_manager("WATCHDOG=1", MSG_DONTWAIT);
 }
 
 MeasuringThread::MeasuringThread(int priority, std::function<void()> turn,

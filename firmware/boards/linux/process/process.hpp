@@ -1,5 +1,6 @@
 /// @file
-/// Requests to the kernel: locked memory, priority, user, and a lock on the state.
+/// Requests to the kernel (locked memory, priority, user, a lock on the state) and messages to the
+/// service manager.
 #pragma once
 
 #include <pthread.h>
@@ -7,6 +8,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "firmware/boards/linux/process/log.hpp"
 #include "hal/linux/descriptor.hpp"
@@ -29,6 +31,14 @@ void prepare_process(const std::string& user, const RealTimeSettings& real_time,
 /// std::runtime_error where another process has it. Gives a closed descriptor where the lock cannot
 /// be made: then nothing can be saved there either, which is reported at the save.
 [[nodiscard]] hal::linux_os::Descriptor lock_state(const std::string& file);
+
+/// Sends systemd one message, such as "READY=1", by its notification protocol (sd_notify(3)): a
+/// datagram to the socket that $NOTIFY_SOCKET names. Without the variable nothing is told.
+void notify_service_manager(std::string_view message);
+
+/// Sends "WATCHDOG=1" where the watchdog ($WATCHDOG_USEC) is on: due at least once in half of that
+/// time. Never waits for a service manager that does not read.
+void feed_watchdog();
 
 /// A thread with a fixed, small stack and, where that is permitted, a real-time priority.
 class MeasuringThread {

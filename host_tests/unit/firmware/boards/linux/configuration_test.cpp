@@ -254,8 +254,49 @@ TEST(ConfigurationWithoutHardware, NamesTheSimulatedChipAlone) {
   EXPECT_EQ(c.model_name, "lsm6dso");
   EXPECT_THAT(message_of(simulated + "device = \"/dev/i2c-1\"\n"),
               HasSubstr("z.toml:4:1: unknown key \"device\" in [gyro]"));
-  EXPECT_THAT(message_of(simulated + kOdometer),
-              HasSubstr("\"odometer\": not beside chip = \"simulated\""));
+  EXPECT_THAT(
+      message_of(simulated + kOdometer),
+      HasSubstr("\"type\" in [odometer]: the simulated gyro brings an odometer of its own"));
+}
+
+constexpr const char* kCan = R"([odometer]
+type = "can"
+interface = "can0"
+id = 0x1A0
+start_bit = 7
+length = 16
+byte_order = "big"
+scale_mps = 0.01
+dead_band_mps = 0.3
+latency_s = 0.1
+)";
+
+std::string with_can(const std::string& piece, const std::string& replacement) {
+  std::string can = kCan;
+  return with(kOdometer, can.replace(can.find(piece), piece.size(), replacement));
+}
+
+TEST(ConfigurationOfASpeedOnCan, IsReadAsItStandsThere) {
+  const Configuration c = parse_configuration(with(kOdometer, kCan), "z.toml");
+  EXPECT_FALSE(c.odometer);
+  ASSERT_TRUE(c.speed);
+  EXPECT_EQ(name_of(c.speed->origin), "can:can0 id 0x1a0");
+  EXPECT_TRUE(std::get<CanSignal>(c.speed->origin).is_big_endian);
+  EXPECT_EQ(c.speed->dead_band_mps, 0.3);
+  EXPECT_EQ(c.speed->timeout, core::Duration::seconds(1));
+  EXPECT_EQ(c.node.standstill.hold_back.ns() / 1'000'000, 250 + 100 + 300);
+}
+
+TEST(ConfigurationOfASpeedOnCan, IsRefusedWhereTheSignalCannotBe) {
+  EXPECT_THAT(message_of(with_can("start_bit = 7", "start_bit = 57")),
+              HasSubstr("\"length\" in [odometer]: the signal does not fit into eight bytes"));
+  EXPECT_THAT(message_of(with_can("0x1A0", "0x800")), HasSubstr("\"id\" in [odometer]: expected"));
+  EXPECT_THAT(message_of(with_can("scale_mps = 0.01", "scale_mps = 0")),
+              HasSubstr("\"scale_mps\" in [odometer]: expected m/s for one count"));
+  EXPECT_THAT(message_of(with_can("dead_band_mps = 0.3\n", "")),
+              HasSubstr("missing \"dead_band_mps\" in [odometer]"));
+  EXPECT_THAT(message_of(with_can("latency_s = 0.1\n", "")),
+              HasSubstr("missing \"latency_s\" in [odometer]"));
 }
 
 TEST(ConfigurationOfAnOdometer, HoldsBackByWhatIsKnownOfIt) {

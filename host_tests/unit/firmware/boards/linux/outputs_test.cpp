@@ -26,7 +26,7 @@
 #include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
-#include "firmware/boards/linux/process/service_manager.hpp"
+#include "firmware/boards/linux/process/process.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/support/scratch_folder.hpp"
 #include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"

@@ -5,8 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
+#include <span>
 #include <vector>
+
+#include "firmware/boards/linux/speed_source.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -122,6 +127,61 @@ TEST(LongestRepetition, IsAtLeastHalfASecond) {
 TEST(LongestRepetition, IsEndlessWhereTheNoiseIsTooSmallToTell) {
   EXPECT_EQ(longest_repetition(0.1, 1.0, 100.0), Repetition::kEndless);
   EXPECT_EQ(longest_repetition(0.0, 1.0, 100.0), Repetition::kEndless);
+}
+
+/// Eight bytes as one number, as the byte order says.
+std::uint64_t number_of(const std::array<std::uint8_t, 8>& payload, bool is_big_endian) {
+  std::uint64_t number = 0;
+  for (std::size_t i = 0; i < payload.size(); ++i) {
+    number = number << 8U | payload.at(is_big_endian ? i : payload.size() - 1 - i);
+  }
+  return number;
+}
+
+TEST(SignalOfACanFrame, IsThatOfTheDbcFile) {
+  std::mt19937_64 random{18};
+  int tried = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    CanSignal signal{.start_bit = static_cast<unsigned>(random() % 64),
+                     .length = static_cast<unsigned>(1 + random() % 32),
+                     .is_big_endian = random() % 2 == 0};
+    std::array<std::uint8_t, 8> payload{};
+    for (std::uint8_t& byte : payload) byte = static_cast<std::uint8_t>(random());
+    // Bits above the signal in the number of all eight bytes.
+    const unsigned above = signal.is_big_endian
+                               ? signal.start_bit / 8 * 8 + 7 - signal.start_bit % 8
+                               : 64 - signal.length - signal.start_bit;
+    if (above > 64 - signal.length) {
+      EXPECT_EQ(signal.bytes(), 0U);
+      EXPECT_FALSE(decode_signal(signal, payload));
+      continue;
+    }
+    const std::uint64_t shifted = number_of(payload, signal.is_big_endian) << above;
+    ASSERT_EQ(decode_signal(signal, payload), static_cast<double>(shifted >> (64 - signal.length)));
+    signal.is_signed = true;
+    signal.scale_mps = 0.5;
+    signal.offset_mps = -3.0;
+    const auto value = static_cast<std::int64_t>(shifted) >> (64 - signal.length);
+    ASSERT_EQ(decode_signal(signal, payload), 0.5 * static_cast<double>(value) - 3.0);
+    ++tried;
+  }
+  EXPECT_GT(tried, 10'000);
+}
+
+TEST(SignalOfACanFrame, IsNoneInAFrameThatIsTooShort) {
+  const CanSignal signal{.start_bit = 7, .length = 16, .is_big_endian = true};
+  const std::array<std::uint8_t, 2> payload{0x12, 0x34};
+  EXPECT_EQ(decode_signal(signal, payload), 4660.0);
+  EXPECT_FALSE(decode_signal(signal, std::span{payload}.first(1)));
+}
+
+TEST(SpeedInADatagram, IsANumberOrAWord) {
+  EXPECT_EQ(decode_text(" -1.5\n"), -1.5);
+  EXPECT_EQ(decode_text("still\n"), 0.0);
+  EXPECT_EQ(decode_text("moving"), std::numeric_limits<double>::infinity());
+  for (const char* const text : {"", " ", "nan", "inf", "1,5", "1.5 m/s", "Still", "1e999"}) {
+    EXPECT_FALSE(decode_text(text)) << text;
+  }
 }
 
 }  // namespace
