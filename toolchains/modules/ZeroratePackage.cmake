@@ -51,6 +51,6 @@ endif()
 set(CPACK_DEBIAN_NODE_PACKAGE_DEPENDS
   "libc6 (>= 2.34), libgcc-s1, libstdc++6 (>= 12), ${_zerorate_gpiod}, adduser")
 set(CPACK_DEBIAN_NODE_PACKAGE_CONTROL_EXTRA
-  "${PROJECT_SOURCE_DIR}/toolchains/debian/postinst;${PROJECT_SOURCE_DIR}/toolchains/debian/prerm;${PROJECT_SOURCE_DIR}/toolchains/debian/conffiles")
+  "${PROJECT_SOURCE_DIR}/toolchains/debian/postinst;${PROJECT_SOURCE_DIR}/toolchains/debian/prerm;${PROJECT_SOURCE_DIR}/toolchains/debian/postrm;${PROJECT_SOURCE_DIR}/toolchains/debian/conffiles")
 set(CPACK_DEBIAN_NODE_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)
