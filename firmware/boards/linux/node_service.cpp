@@ -6,6 +6,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <system_error>
 
 namespace zerorate::linux_node {
 namespace {
@@ -103,6 +107,24 @@ bool is_congestion(int error_number) {
 }
 
 }  // namespace
+
+app::Session read_boot_id() {
+  constexpr const char* kFile = "/proc/sys/kernel/random/boot_id";
+  app::Session boot{};
+  std::ifstream file{kFile};
+  if (!file.read(boot.data(), boot.size())) {
+    throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), kFile);
+  }
+  return boot;
+}
+
+app::SnapshotTime time_in(const app::Session& session) {
+  return {.session = session, .utc_s = std::time(nullptr)};
+}
+
+std::uint32_t sensor_id(const GyroSettings& gyro) {
+  return app::sensor_id(gyro.chip + '\n' + gyro.device + '\n' + std::to_string(gyro.address));
+}
 
 std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& error,
                           const GyroReason& reason, LogBuffer& buffer) {

@@ -18,7 +18,6 @@
 #include "firmware/boards/linux/message_queue.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/log.hpp"
-#include "firmware/boards/linux/session.hpp"
 #include "firmware/wire/learnt_frame.hpp"
 #include "hal/linux/file_storage.hpp"
 
@@ -108,6 +107,17 @@ class NodeService {
   std::uint32_t turns_seen_ = 0;
   core::Instant save_at_;
 };
+
+/// The kernel's boot id, as /proc/sys/kernel/random/boot_id gives it: within one boot the monotonic
+/// clock goes on, and so, as a rule, does the gyro's power. Throws std::system_error where the
+/// kernel does not tell.
+[[nodiscard]] app::Session read_boot_id();
+
+/// This session, now by the wall clock.
+[[nodiscard]] app::SnapshotTime time_in(const app::Session& session);
+
+/// Tells gyros apart that a configuration may name one after the other.
+[[nodiscard]] std::uint32_t sensor_id(const GyroSettings& gyro);
 
 using LogBuffer = std::array<char, 512>;
 
