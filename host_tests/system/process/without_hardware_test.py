@@ -9,6 +9,8 @@ ZERORATE_CONSUMER_S: how long the example of a consumer runs, 5 unless set.
 import json
 import math
 import os
+import pwd
+import select
 import socket
 import subprocess
 import sys
@@ -66,6 +68,26 @@ class WithoutHardware(zerorated_test.Node):
         self.assertLess(math.degrees(sigma), 0.1)
         self.assertAlmostEqual(corrected, measured - bias, delta=1e-6)
         self.assertIn("zerorated: simulated, 104 Hz, 250 deg/s, model lsm6dso, simulated odometer", self.stop())
+
+    @unittest.skipUnless(os.geteuid() == 0, "limits of locked memory are tried as another user, from root")
+    @unittest.skipIf(zerorated_test.is_sanitized(), "the address sanitizer locks no memory")
+    def test_runs_under_every_limit_of_locked_memory(self):
+        self.simulate()
+        text = self.file.read_text().replace("lock_memory = false", "lock_memory = true")
+        user = pwd.getpwnam("nobody")
+        for limit_kib in range(6800, 7500, 50):
+            self.file.write_text(text)
+            for path in (self.folder, self.file, self.folder / "notify"):
+                os.chown(path, user.pw_uid, user.pw_gid)
+            while select.select([self.receiver], [], [], 0)[0]:
+                self.receiver.recv(256)  # of the process before
+            with subprocess.Popen(["prlimit", f"--memlock={limit_kib * 1024}", "setpriv", "--reuid=nobody",
+                                   "--clear-groups", zerorated_test.ZERORATED, "--config", self.file],
+                                  stderr=subprocess.PIPE, text=True) as process:
+                self.message()
+                process.terminate()
+                errors = process.communicate(timeout=LIMIT_S)[1]
+            self.assertEqual(process.returncode, 0, f"{limit_kib} KiB: {errors}")
 
     def wait_for(self, is_reached, say, words):
         """Says the speed ten times a second until a message is as it should be."""

@@ -114,6 +114,11 @@ MeasuringThread::MeasuringThread(int priority, std::function<void()> turn,
     pthread_attr_setinheritsched(&attributes, PTHREAD_INHERIT_SCHED);
     error = pthread_create(&thread_, &attributes, run, this);
   }
+  // The limit of locked memory may hold the program and not its stack too.
+  if (error == EAGAIN && munlockall() == 0) {
+    log("memory cannot be locked: the limit (ulimit -l) is too small for the measuring thread");
+    error = pthread_create(&thread_, &attributes, run, this);
+  }
   pthread_attr_destroy(&attributes);
   if (error != 0) fail(error, "starting the measuring thread");
 }
