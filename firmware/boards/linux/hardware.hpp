@@ -35,7 +35,6 @@ class Hardware {
       std::span<core::Instant> stamps) = 0;
   virtual std::optional<core::Instant> take_edge() = 0;
   /// For the log, after an error of the gyro or the odometer. May ask the chip.
-  /// @param code  the newest error of the gyro
   virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;
 
