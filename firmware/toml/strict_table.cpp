@@ -175,7 +175,8 @@ void StrictTable::reject_unknown() const {
     const std::string words = "unknown " + std::string(node.is_table() ? "table" : "key") + " \"" +
                               std::string(key.str()) + "\"" + place() +
                               suggestion(key.str(), known_);
-    errors.attempt([&] { document_->fail(key.source().begin, words); });
+    const toml::source_position where = key.source().begin;
+    errors.attempt([&] { document_->fail(where, words); });
   }
   errors.raise();
 }
