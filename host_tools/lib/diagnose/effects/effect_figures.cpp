@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "host_tools/lib/identify/characterize.hpp"
-#include "host_tools/lib/statistics/normal.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 

@@ -11,8 +11,8 @@
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/spectrum/real_fft.hpp"
-#include "host_tools/lib/statistics/normal.hpp"
 #include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {
 namespace {
