@@ -72,11 +72,12 @@ endif()
 # all_verify_interface_header_sets.
 option(ZERORATE_PRECOMPILED_HEADERS "Precompile the standard library's headers for hosted code" OFF)
 
-# zerorate_precompiled_headers(NAME HEADERS headers... DEPENDS targets...)
+# zerorate_precompiled_headers(NAME HEADERS headers... DEPENDS targets... [OPTIONS options...])
 #
-# Precompiles the headers once, for every target that asks for them by zerorate_use_precompiled_headers(target NAME).
+# Precompiles the headers once, for every target that asks for them by zerorate_use_precompiled_headers(target NAME) and
+# has the same compile options.
 function(zerorate_precompiled_headers name)
-  cmake_parse_arguments(pch "" "" "HEADERS;DEPENDS" ${ARGN})
+  cmake_parse_arguments(pch "" "" "HEADERS;DEPENDS;OPTIONS" ${ARGN})
   if(NOT ZERORATE_PRECOMPILED_HEADERS)
     return()
   endif()
@@ -84,6 +85,7 @@ function(zerorate_precompiled_headers name)
   file(CONFIGURE OUTPUT "${source}" CONTENT "// Stands for the compile options of the precompiled headers.\n")
   add_library(${name} OBJECT "${source}")
   target_link_libraries(${name} PRIVATE zerorate_target_flags ${pch_DEPENDS})
+  target_compile_options(${name} PRIVATE ${pch_OPTIONS})
   target_precompile_headers(${name} PRIVATE ${pch_HEADERS})
   # CMake writes the header anew in each build folder: its time of change says nothing, and ccache knows the contents.
   target_compile_options(${name} PRIVATE "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
