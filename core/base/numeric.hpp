@@ -3,7 +3,9 @@
 /// No C library is linked on the target, and two libraries never agree on expf.
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -136,6 +138,46 @@ template <class Scalar>
   const float shifted = x + 0.5F;
   const auto truncated = static_cast<float>(static_cast<std::int32_t>(shifted));
   return truncated > shifted ? truncated - 1.0F : truncated;
+}
+
+/// Largest magnitude of any number that a node remembers (SI units). Products of two of them and
+/// the square of a time in ticks stay within single precision.
+inline constexpr float kLargestRemembered = 1e12F;
+
+/// False for NaN, infinity and what is larger than a node ever remembers.
+[[nodiscard]] constexpr bool is_plausible(float x) {
+  return x >= -kLargestRemembered && x <= kLargestRemembered;
+}
+[[nodiscard]] constexpr bool is_plausible_variance(float x) {
+  return x >= 0.0F && x <= kLargestRemembered;
+}
+[[nodiscard]] constexpr bool is_plausible_rate(float rate_rad_s) {
+  constexpr float kLargest_rad_s = 1e6F;
+  return rate_rad_s >= -kLargest_rad_s && rate_rad_s <= kLargest_rad_s;
+}
+template <std::size_t N>
+[[nodiscard]] constexpr bool are_plausible(const std::array<float, N>& numbers) {
+  for (const float x : numbers) {
+    if (!is_plausible(x)) return false;
+  }
+  return true;
+}
+template <std::size_t N>
+[[nodiscard]] constexpr bool are_plausible_variances(const std::array<float, N>& numbers) {
+  for (const float x : numbers) {
+    if (!is_plausible_variance(x)) return false;
+  }
+  return true;
+}
+
+/// Whether the byte of a bool is 0 or 1. To read any other byte as a bool is undefined.
+[[nodiscard]] inline bool is_bool(const bool& flag) {
+  return reinterpret_cast<const unsigned char&>(flag) <= 1U;
+}
+/// Likewise for several.
+template <class... Flags>
+[[nodiscard]] bool are_bools(const Flags&... flags) {
+  return (is_bool(flags) && ...);
 }
 
 }  // namespace zerorate::core

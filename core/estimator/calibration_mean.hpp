@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/numeric.hpp"
 #include "core/estimator/prediction.hpp"
 #include "core/estimator/weighted_window.hpp"
 #include "core/noise/model_shape.hpp"
@@ -37,6 +38,12 @@ class CalibrationMean {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return is_bool(state.restart) && is_plausible(state.sum_rad_s) &&
+           is_plausible(state.lost_rad_s) && is_plausible_rate(state.reference_rad_s) &&
+           is_plausible_variance(state.white_variance_sum);
+  }
 
   /// The next measurement starts a new mean; until then the old one stands.
   constexpr void begin_stop() { state_.restart = true; }

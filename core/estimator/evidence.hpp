@@ -14,39 +14,45 @@ namespace zerorate::core {
 ///
 /// A hypothesis predicts a measurement with the variance S in units of an unknown scale. The scale
 /// is inverse-gamma with the shape a and the value s = rate / a, so that the prediction is
-/// Student's t with 2 a degrees of freedom and the squared scale s S. A residual e moves
+/// Student's t with 2 a degrees of freedom and the squared scale s S. A residual e moves the
+/// evidence l of its axis, a logarithm, and the scale:
 ///
-///     log w += -1/2 log(s S) - (a + 1/2) log(1 + e^2 / (2 a s S)),
+///     l += -1/2 log(s S) - (a + 1/2) log(1 + e^2 / (2 a s S)),
 ///     s += (e^2 / S - s) / (2 a + 1),   a += 1/2.
 ///
-/// Before each measurement a and log w fade.
+/// Before each measurement a and l fade. The axes of a chip are alike, but not the same: an axis
+/// weighs a hypothesis by its prior, its own evidence, and a fifth of the other axes'.
 ///
 /// Plain data: may be stored and restored bit for bit. Cost of a measurement of M hypotheses on A
-/// axes: 2 M A logarithms and 2 M A divisions.
+/// axes: 2 M A logarithms, M A exponentials and 2 M A divisions.
 template <std::size_t Hypotheses, std::size_t Axes>
 struct Evidence {
   struct OfAxis {
-    float log_weight = 0.0F;  ///< less that of the likeliest hypothesis
-    float weight = 1.0F;      ///< posterior probability
-    float scale = 1.0F;       ///< s
+    float log_evidence = 0.0F;  ///< l, less that of the likeliest hypothesis
+    float weight = 1.0F;        ///< posterior probability
+    float scale = 1.0F;         ///< s
 
     constexpr bool operator==(const OfAxis&) const = default;
   };
   static constexpr float kPriorShape = 2.0F;  ///< a factor of three either way
+  /// Share of the other axes' evidence: measured, docs/reference/learning.md.
+  static constexpr float kPooling = 0.2F;
 
   float shape = kPriorShape;  ///< a: half the number of measurements that the scales rest on
   std::array<std::array<OfAxis, Axes>, Hypotheses> hypotheses{};
 
   constexpr bool operator==(const Evidence&) const = default;
 
-  /// Begins with the prior probabilities of `count` hypotheses, all at the scale of the model.
-  template <class LogPrior>
-  constexpr void start(std::size_t count, LogPrior log_prior) {
+  /// Begins with the prior of these hypotheses, all at the scale of the model.
+  template <class Given>
+  constexpr void start(const Given& given) {
     shape = kPriorShape;
-    for (std::size_t m = 0; m < count; ++m) {
-      for (OfAxis& one : hypotheses[m]) one = {.log_weight = log_prior(m)};
+    for (std::size_t m = 0; m < given.count; ++m) {
+      for (OfAxis& one : hypotheses[m]) {
+        one = {.log_evidence = given.all[m].first_log_evidence()};
+      }
     }
-    weigh(count);
+    weigh(given);
   }
 
   /// The unit of all scales was wrong by this factor.
@@ -59,27 +65,20 @@ struct Evidence {
   /// A measurement that hypothesis m predicted with the variance S and missed by e.
   /// @param kept share of the older evidence that counts
   constexpr void observe(std::size_t m, std::size_t axis, float variance, float residual,
-                         float log_prior, float kept) {
+                         float kept) {
     OfAxis& one = hypotheses[m][axis];
     const float a = faded_shape(kept);
     const float scaled = one.scale * variance;
     const float squared = residual * residual / scaled;
-    one.log_weight = kept * one.log_weight + (1.0F - kept) * log_prior - 0.5F * log_of(scaled) -
-                     (a + 0.5F) * log_of(1.0F + squared / (a + a));
+    one.log_evidence = kept * one.log_evidence - 0.5F * log_of(scaled) -
+                       (a + 0.5F) * log_of(1.0F + squared / (a + a));
     one.scale += one.scale * (squared - 1.0F) / (a + a + 1.0F);
   }
-  /// Measurements of all axes.
-  template <class Residuals, class Given>
-  constexpr void observe(std::size_t m, float variance, const Residuals& residuals,
-                         const Given& given) {
-    for (std::size_t i = 0; i < Axes; ++i) {
-      observe(m, i, variance, residuals[i], given.all[m].log_prior, given.kept);
-    }
-  }
   /// All hypotheses were told the measurement.
-  constexpr void conclude(std::size_t count, float kept) {
-    shape = faded_shape(kept) + 0.5F;
-    weigh(count);
+  template <class Given>
+  constexpr void conclude(const Given& given) {
+    shape = faded_shape(given.kept) + 0.5F;
+    weigh(given);
   }
 
   /// Mean of the scale: a / (a - 1) times s.
@@ -98,21 +97,37 @@ struct Evidence {
   }
 
   /// Probabilities from the logarithms, of which the largest becomes 0.
-  constexpr void weigh(std::size_t count) {
+  template <class Given>
+  constexpr void weigh(const Given& given) {
     for (std::size_t i = 0; i < Axes; ++i) {
-      float largest = hypotheses[0][i].log_weight;
-      for (std::size_t m = 1; m < count; ++m) {
-        largest = std::max(largest, hypotheses[m][i].log_weight);
+      float largest = hypotheses[0][i].log_evidence;
+      for (std::size_t m = 1; m < given.count; ++m) {
+        largest = std::max(largest, hypotheses[m][i].log_evidence);
+      }
+      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].log_evidence -= largest;
+    }
+    for (std::size_t i = 0; i < Axes; ++i) {
+      float largest = log_posterior(given, 0, i);
+      for (std::size_t m = 1; m < given.count; ++m) {
+        largest = std::max(largest, log_posterior(given, m, i));
       }
       float sum = 0.0F;
-      for (std::size_t m = 0; m < count; ++m) {
+      for (std::size_t m = 0; m < given.count; ++m) {
         OfAxis& one = hypotheses[m][i];
-        one.log_weight -= largest;
-        one.weight = 1.0F - one_minus_exp_neg(-one.log_weight);
+        one.weight = 1.0F - one_minus_exp_neg(largest - log_posterior(given, m, i));
         sum += one.weight;
       }
-      for (std::size_t m = 0; m < count; ++m) hypotheses[m][i].weight /= sum;
+      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].weight /= sum;
     }
+  }
+  /// Logarithm of the weight, less a constant.
+  template <class Given>
+  [[nodiscard]] constexpr float log_posterior(const Given& given, std::size_t m,
+                                              std::size_t axis) const {
+    float of_all = 0.0F;
+    for (const OfAxis& one : hypotheses[m]) of_all += one.log_evidence;
+    const float own = hypotheses[m][axis].log_evidence;
+    return given.all[m].log_prior + own + kPooling * (of_all - own);
   }
 };
 

@@ -31,6 +31,7 @@ class KalmanBank {
   using Filter = KalmanFilter<Shape, Axes>;
   using Rates = std::array<float, Axes>;
   using Innovations = std::array<Innovation, Axes>;
+  static constexpr std::size_t kAxes = Axes;
   static constexpr std::size_t kHypotheses = Shape.hypotheses;
   static constexpr bool kLearns = kHypotheses > 1;
   /// Place of the evidence where there is one hypothesis.
@@ -109,8 +110,7 @@ class KalmanBank {
   /// noise was found to be, over the model's.
   constexpr void start_learning(float scale) {
     if constexpr (kLearns) {
-      const auto& all = coefficients_->hypotheses->all;
-      state_.evidence.start(count(), [&](std::size_t m) { return all[m].first_log_weight(); });
+      state_.evidence.start(*coefficients_->hypotheses);
       rescale(scale);
     }
   }
@@ -326,15 +326,15 @@ class KalmanBank {
                     : innovations[i].residual_rad_s;
       }
       if constexpr (kLearns) {
-        if (is_learning()) {
-          state_.evidence.observe(m, filter.bias_variance + white_variance, residuals_rad_s,
-                                  *coefficients_->hypotheses);
+        for (std::size_t i = 0; i < Axes && is_learning(); ++i) {
+          state_.evidence.observe(m, i, filter.bias_variance + white_variance, residuals_rad_s[i],
+                                  coefficients_->hypotheses->kept);
         }
       }
       filter.update(residuals_rad_s, white_variance);
     }
     if constexpr (kLearns) {
-      if (is_learning()) state_.evidence.conclude(count(), coefficients_->hypotheses->kept);
+      if (is_learning()) state_.evidence.conclude(*coefficients_->hypotheses);
     }
   }
   constexpr Innovations observe_first(const Rates& rates_rad_s, float white_variance) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/numeric.hpp"
 #include "core/estimator/prediction.hpp"
 #include "core/estimator/suffix_sums.hpp"
 #include "core/estimator/weighted_window.hpp"
@@ -42,6 +43,12 @@ class MovingAverage {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return is_bool(state.restart) && state.sums.is_possible() &&
+           is_plausible_rate(state.reference_rad_s) &&
+           is_plausible_variance(state.white_variance_sum);
+  }
 
   /// The next measurement starts a new average; until then the old one stands.
   constexpr void begin_stop() { state_.restart = true; }

@@ -20,6 +20,7 @@ class NoPredictor {
   constexpr explicit NoPredictor(const Coefficients& /*modes*/) {}
   [[nodiscard]] constexpr const State& state() const { return kState; }
   constexpr void restore(const State& /*state*/) {}
+  [[nodiscard]] static constexpr bool is_possible(const State& /*state*/) { return true; }
   constexpr void begin_stop() {}
   constexpr void advance(const Transition& /*span*/) {}
   constexpr Innovation observe(float /*rate_rad_s*/, float /*white_variance*/) { return {}; }

@@ -13,6 +13,7 @@ struct Prediction {
   float bias_rad_s = 0.0F;
   float variance_rad2_s2 = std::numeric_limits<float>::infinity();
 
+  constexpr bool operator==(const Prediction&) const = default;
   [[nodiscard]] constexpr bool is_available() const { return is_finite(variance_rad2_s2); }
   [[nodiscard]] constexpr float sigma_rad_s() const { return square_root(variance_rad2_s2); }
   /// The interval of the next raw sample is wider: the white noise of that sample adds.

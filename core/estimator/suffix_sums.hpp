@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/base/assert.hpp"
+#include "core/base/numeric.hpp"
 
 namespace zerorate::core {
 
@@ -94,6 +95,23 @@ class SuffixSums {
     for (std::size_t i = 0; i < exact_used_; ++i) {
       visit(1U, exact(i));
     }
+  }
+
+  /// Whether memory from outside may be such sums: its places are there, its blocks make up the
+  /// count, and its numbers are plausible.
+  [[nodiscard]] constexpr bool is_possible() const {
+    if (oldest_exact_ >= kExact || exact_used_ > kExact) return false;
+    for (std::size_t level = 0; level < Levels; ++level) {
+      if (oldest_[level] >= kPerLevel || used_[level] > kPerLevel) return false;
+    }
+    std::uint64_t count = 0;
+    bool are_numbers = true;
+    for_each_newest_first([&](std::uint32_t size, float block_sum) {
+      count += size;
+      are_numbers &= is_plausible(block_sum);
+      return true;
+    });
+    return are_numbers && count == count_;
   }
 
   /// Whether both hold the same blocks, wherever in their rings.

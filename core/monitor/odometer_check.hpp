@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 
@@ -22,8 +23,11 @@ namespace zerorate::core {
 /// from the stop before, it is either a bias that has changed, or the wire broke in a bend. Nothing
 /// is refused for that; it must last a while.
 ///
+/// A window lasts half a second, and until half of its nominal samples have come: where samples are
+/// lost, or the sensor is slower than its nominal rate, it is judged by those that came.
+///
 /// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
-/// some thirty floating-point operations each.
+/// some thirty floating-point operations each, and a division a window.
 class OdometerCheck {
  public:
   static constexpr std::size_t kAxes = 3;
@@ -50,14 +54,15 @@ class OdometerCheck {
   };
 
   struct State {
-    Rates level_rad_s{};             ///< recent level of the rate; while moving, the newest sample
-    Rates trusted_rad_s{};           ///< level before the last change, if there was one
-    Rates sum_rad_s{};               ///< sum of the window being filled
-    std::uint16_t steady_ticks = 0;  ///< since the level changed
-    std::uint16_t needed_ticks = 0;  ///< ticks until a changed level is believed
-    std::uint8_t window_ticks = 0;   ///< summed so far
-    std::uint8_t bounced_ticks = 0;  ///< since the newest bounce, counted down
-    bool stands = false;             ///< the level is that of a stop
+    Rates level_rad_s{};    ///< recent level of the rate; while moving, the newest sample
+    Rates trusted_rad_s{};  ///< level before the last change, if there was one
+    Rates sum_rad_s{};      ///< sum of the samples of the window being filled
+    std::uint32_t window_samples = 0;  ///< summed so far
+    std::uint16_t steady_ticks = 0;    ///< since the level changed
+    std::uint16_t needed_ticks = 0;    ///< ticks until a changed level is believed
+    std::uint8_t window_ticks = 0;     ///< that these samples are of; 255: or more
+    std::uint8_t bounced_ticks = 0;    ///< since the newest bounce, counted down
+    bool stands = false;               ///< the level is that of a stop
     bool turns = false;
     bool has_trusted = false;  ///< without a trusted level none counts as changed
 
@@ -74,11 +79,9 @@ class OdometerCheck {
         back_(ticks_clamped_to_u8(kBackFor, tick)),
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
-        fewest_samples_(static_cast<std::uint32_t>(tick * 3 / (sample_period * 4))),
-        least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s) {
-    const auto samples =
-        static_cast<float>(static_cast<std::uint32_t>(window_) * fewest_samples_ + 1U);
-    white_of_window_ = kSixSigmaOfDifference2 / samples;
+        fewest_samples_(static_cast<std::uint32_t>(tick * window_ / (sample_period * 2))),
+        least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s),
+        turn_rad2_s2_(least_turn_rad2_s2_) {
     set_white_noise(white_variance_rad2_s2);
     const float window_s = tick.in_seconds() * static_cast<float>(window_);
     follow_ = window_s / (window_s + kFollow_s);
@@ -86,11 +89,16 @@ class OdometerCheck {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return are_bools(state.stands, state.turns, state.has_trusted) &&
+           are_plausible(state.level_rad_s) && are_plausible(state.trusted_rad_s) &&
+           are_plausible(state.sum_rad_s) && state.steady_ticks < kNever;
+  }
 
   /// The variance of one sample is known better now.
   constexpr void set_white_noise(float white_variance_rad2_s2) {
-    const float noise = white_of_window_ * white_variance_rad2_s2;
-    turn_rad2_s2_ = least_turn_rad2_s2_ > noise ? least_turn_rad2_s2_ : noise;
+    white_rad2_s2_ = white_variance_rad2_s2;
     noise_rad2_s2_ = kFourSigmaOfDifference2 * white_variance_rad2_s2;
   }
 
@@ -122,20 +130,18 @@ class OdometerCheck {
   }
 
   /// A tick of standstill is over.
-  /// @param samples in it: one that lacks many is not judged
+  /// @param samples in it, at least one
   /// @param predicted_rad_s the bias, or nullptr if none is known
   constexpr void on_standing_tick(const Rates& mean_rad_s, std::uint32_t samples,
                                   const Rates* predicted_rad_s) {
     count_down();
-    if (samples < fewest_samples_) return;
-    for (std::size_t i = 0; i < kAxes; ++i) state_.sum_rad_s[i] += mean_rad_s[i];
-    if (++state_.window_ticks < window_) return;
-    Rates mean{};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      mean[i] = state_.sum_rad_s[i] / static_cast<float>(window_);
+      state_.sum_rad_s[i] += mean_rad_s[i] * static_cast<float>(samples);
     }
-    clear_window();
-    compare_window(mean, predicted_rad_s);
+    state_.window_samples += samples;
+    if (state_.window_ticks < 0xFF) ++state_.window_ticks;
+    if (state_.window_ticks < window_ || state_.window_samples < fewest_samples_) return;
+    close_window(predicted_rad_s);
   }
 
  private:
@@ -148,10 +154,11 @@ class OdometerCheck {
   static constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
   static constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
 
-  /// None, or more than can be counted: never.
+  /// No time, or more ticks than can be counted: never. Less than a tick: one.
   static constexpr std::uint16_t ticks_in(Duration duration, Duration tick) {
     const std::int64_t ticks = duration / tick;
-    return ticks > 0 && ticks < kNever ? static_cast<std::uint16_t>(ticks) : kNever;
+    if (!(duration > Duration{}) || ticks >= kNever) return kNever;
+    return ticks > 0 ? static_cast<std::uint16_t>(ticks) : std::uint16_t{1};
   }
   /// At least one, and as many as eight bits hold.
   static constexpr std::uint8_t ticks_clamped_to_u8(Duration duration, Duration tick) {
@@ -182,7 +189,17 @@ class OdometerCheck {
     return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, turn_rad2_s2_);
   }
 
-  constexpr void compare_window(const Rates& mean, const Rates* predicted) {
+  constexpr void close_window(const Rates* predicted) {
+    const float share = 1.0F / static_cast<float>(state_.window_samples);
+    Rates mean{};
+    for (std::size_t i = 0; i < kAxes; ++i) mean[i] = state_.sum_rad_s[i] * share;
+    const float noise = kSixSigmaOfDifference2 * white_rad2_s2_ * share;
+    turn_rad2_s2_ = least_turn_rad2_s2_ > noise ? least_turn_rad2_s2_ : noise;
+    const std::uint8_t ticks = state_.window_ticks;
+    clear_window();
+    compare_window(mean, ticks, predicted);
+  }
+  constexpr void compare_window(const Rates& mean, std::uint8_t ticks, const Rates* predicted) {
     if (!state_.stands) {
       restart_level(mean);
       state_.stands = true;
@@ -192,17 +209,17 @@ class OdometerCheck {
       return;
     }
     if (is_near(mean, state_.level_rad_s, turn_rad2_s2_)) {
-      track_level(mean);
+      track_level(mean, ticks);
     } else {
       start_change(mean);
     }
   }
 
-  constexpr void track_level(const Rates& mean) {
+  constexpr void track_level(const Rates& mean, std::uint8_t ticks) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       state_.level_rad_s[i] += follow_ * (mean[i] - state_.level_rad_s[i]);
     }
-    age_level(window_);
+    age_level(ticks);
     const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }
@@ -228,6 +245,7 @@ class OdometerCheck {
   }
   constexpr void clear_window() {
     state_.sum_rad_s = {};
+    state_.window_samples = 0;
     state_.window_ticks = 0;
   }
   constexpr void count_down() {
@@ -241,10 +259,10 @@ class OdometerCheck {
   std::uint8_t back_;
   std::uint8_t bounced_;
   std::uint8_t window_;
-  std::uint32_t fewest_samples_;  ///< samples that make a tick worth judging
-  float white_of_window_ = 0.0F;  ///< what noise may do in a window, over the variance of a sample
-  float least_turn_rad2_s2_ = 0.0F;  ///< that is told from noise as little as it may be
-  float turn_rad2_s2_ = 0.0F;
+  std::uint32_t fewest_samples_;  ///< samples that make a window worth judging
+  float least_turn_rad2_s2_;      ///< that is told from noise as little as it may be
+  float turn_rad2_s2_;            ///< of the newest window
+  float white_rad2_s2_ = 0.0F;    ///< variance of a sample
   float noise_rad2_s2_ = 0.0F;
   float follow_ = 0.0F;
   State state_;

@@ -25,12 +25,12 @@ struct Hypothesis {
   float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
 
-  /// Logarithm of the weight before the first measurement: a sensor of which nothing is known is
-  /// first taken for a noisy one, because few measurements may by chance speak for too weak a
-  /// noise. It is forgotten like all evidence.
-  [[nodiscard]] constexpr float first_log_weight() const {
+  /// Evidence before the first measurement: a sensor of which nothing is known is first taken for a
+  /// noisy one, because few measurements may by chance speak for too weak a noise. It is forgotten
+  /// like all evidence.
+  [[nodiscard]] constexpr float first_log_evidence() const {
     constexpr float kCaution = 1.0F / 3.0F;
-    return log_prior + kCaution * natural_log(std::max(level, 1e-37F));
+    return kCaution * natural_log(std::max(level, 1e-37F));
   }
 };
 

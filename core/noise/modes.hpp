@@ -103,6 +103,17 @@ struct Modes {
     for (std::size_t i = 0; i < C; ++i) span.rotating[i] = core::over(rotating[i], ticks);
     return span;
   }
+
+  /// Makes `lead` the span of so many ticks, which is most often one more than it was: then it
+  /// costs one composition. Every 1024 ticks the span is made afresh by doubling, so that the
+  /// roundings of a long drive do not add up.
+  constexpr void lead_over(std::uint32_t ticks, const Transition<R, C>& one_tick,
+                           Transition<R, C>& lead) const {
+    constexpr std::uint32_t kAfresh = 1024;
+    if (ticks == lead.ticks) return;
+    const bool is_next = ticks == lead.ticks + 1 && ticks % kAfresh != 0;
+    lead = is_next ? then(lead, one_tick) : over(ticks);
+  }
 };
 
 /// Receives the modes of each block while compose() runs.

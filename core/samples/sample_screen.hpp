@@ -58,6 +58,17 @@ class SampleScreen {
   constexpr explicit SampleScreen(const SampleModel& model) : model_(&model) {}
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state. An infinite variance: nothing is expected.
+  [[nodiscard]] static constexpr bool is_possible(const State& state) {
+    const bool is_share = state.moved >= 0.0F && state.moved <= 1.0F;
+    return is_share && is_plausible(state.offset_rad_s) &&
+           is_plausible_variance(state.offset_variance) && is_plausible_variance(state.disturbed) &&
+           is_plausible_rate(state.expected_rad_s) &&
+           (state.variance == std::numeric_limits<float>::infinity() ||
+            is_plausible_variance(state.variance)) &&
+           state.white_variance > 0.0F && is_plausible(state.white_variance) &&
+           is_plausible_variance(state.squares_rad2_s2);
+  }
 
   /// The vehicle moves: nothing is known of a rotation before, and nothing is looked at until the
   /// next tick.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 
 namespace zerorate::core {
@@ -47,6 +48,22 @@ class TickAverage {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be the state of such an average whose newest sample came then.
+  [[nodiscard]] static bool is_possible(const State& state, Duration tick, bool has_sample,
+                                        Instant newest) {
+    if (!is_bool(state.started) || state.started != has_sample) return false;
+    if (!are_plausible(state.first_rad_s) || !are_plausible(state.sum_rad_s)) return false;
+    if (!is_in_range(state.origin) || !is_in_range(state.end)) return false;
+    if (!has_sample) return state.tick == 0 && state.samples == 0;
+    const std::int64_t ticks = (newest - state.origin) / tick;
+    return state.origin <= newest && ticks < kMaxTicks && state.tick == ticks;
+  }
+  /// Whether a mean may be that of a tick of such a state, whose newest sample came then.
+  [[nodiscard]] static constexpr bool is_possible(const State& state, const TickMean<Axes>& mean,
+                                                  Instant newest) {
+    return mean.samples > 0 && are_plausible(mean.rate_rad_s) && mean.tick <= state.tick &&
+           mean.end >= state.origin && mean.end <= newest;
+  }
   [[nodiscard]] constexpr std::uint32_t tick() const { return state_.tick; }
 
   /// The tick that holds this time; not before the first sample.

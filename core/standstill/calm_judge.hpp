@@ -92,6 +92,22 @@ class CalmJudge {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    const bool are_numbers =
+        are_plausible(state.newest_rad_s) && are_plausible(state.sum_rad_s) &&
+        are_plausible(state.windows_rad_s[0]) && are_plausible(state.windows_rad_s[1]) &&
+        are_plausible_variances(state.squares) && are_plausible_variances(state.local_rad2_s2) &&
+        are_plausible_variances(state.level_rad2_s2) &&
+        is_plausible_variance(state.white_rad2_s2) &&
+        is_plausible_variance(state.local_white_rad2_s2);
+    const bool are_counts = state.step >= 0.0F && state.step <= kFirstStep &&
+                            state.share.calm <= state.share.all &&
+                            state.share.all <= kShareWindows && state.known_windows <= 2 &&
+                            state.spreads <= kSpreads && state.stops_with_motion <= kMostStops;
+    return are_numbers && are_counts &&
+           are_bools(state.has_newest, state.stop_is_over, state.is_calm);
+  }
 
   /// Ticks until the last verdict about a tick: the two windows that follow its own.
   [[nodiscard]] static constexpr std::int64_t ticks_of_verdict(Duration tick) {

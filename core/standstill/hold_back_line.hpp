@@ -54,6 +54,17 @@ class HoldBackLine {
     }
   }
 
+  /// Whether memory from outside may be such a line with room for another item: its places are
+  /// there, and may_be(item, item before or nullptr) is true of each item.
+  template <class MayBe>
+  [[nodiscard]] constexpr bool is_possible(MayBe may_be) const {
+    if (used_ >= Capacity || oldest_ >= Capacity) return false;
+    for (std::size_t i = 0; i < used_; ++i) {
+      if (!may_be(item(i), i > 0 ? &item(i - 1U) : nullptr)) return false;
+    }
+    return true;
+  }
+
   /// Whether both hold the same items, wherever in their rings.
   constexpr bool operator==(const HoldBackLine& other) const {
     if (used_ != other.used_) return false;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 
 namespace zerorate::core {
@@ -61,6 +62,12 @@ class Standstill {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    constexpr Duration kLongest = Duration::seconds(1'000'000'000);
+    return is_bool(state.started) && is_in_range(state.last_pulse) && state.silence >= Duration{} &&
+           state.silence <= kLongest;
+  }
 
   /// The clock's first reading: the vehicle may have been moving just before.
   constexpr void start(Instant now) {

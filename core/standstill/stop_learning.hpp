@@ -80,6 +80,24 @@ class StopLearning {
     held_ = state.held;
   }
 
+  /// Whether memory from outside may be such a state: one that no input leads to could fill the
+  /// line of held ticks, or count beyond its clock.
+  /// @param is_possible_item of what an Item holds beside its mean
+  template <class IsPossible>
+  [[nodiscard]] static bool is_possible(const State& state, Duration tick,
+                                        IsPossible is_possible_item) {
+    return are_bools(state.has_sample, state.stop_is_open) && is_in_range(state.newest_sample) &&
+           Standstill::is_possible(state.standstill) &&
+           OdometerCheck::is_possible(state.odometer) && CalmJudge::is_possible(state.calm) &&
+           TickAverage<kAxes>::is_possible(state.average, tick, state.has_sample,
+                                           state.newest_sample) &&
+           state.held.is_possible([&](const Item& item, const Item* before) {
+             return TickAverage<kAxes>::is_possible(state.average, item, state.newest_sample) &&
+                    (before == nullptr || (before->tick < item.tick && before->end < item.end)) &&
+                    is_possible_item(item);
+           });
+  }
+
   /// An odometer pulse; before the sample that is not older.
   /// @param learn see release_at(): the ticks that are certain already are released now, because
   ///        after the pulse they would count as a new stop

@@ -40,6 +40,12 @@ class TemperatureTrack {
     summed_ticks_ = state.summed_ticks;
   }
 
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return Thermometer<K>::is_possible(state.thermometer) && Tick::is_possible(state.tick) &&
+           Tick::is_possible(state.measured) && are_plausible(state.sum);
+  }
+
   /// Every sample; see Thermometer.
   constexpr void take(Instant at, bool begins_tick, float degc) {
     thermometer_.take(at, begins_tick, degc);
@@ -106,6 +112,7 @@ class TemperatureTrack<0> {
   constexpr explicit TemperatureTrack(NoTemperatureDrift /*drift*/) {}
   [[nodiscard]] constexpr State state() const { return {}; }
   constexpr void restore(State /*state*/) {}
+  [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
   constexpr void take(Instant /*at*/, bool /*begins_tick*/, float /*degc*/) {}
   [[nodiscard]] constexpr Tick tick() const { return {}; }
   [[nodiscard]] constexpr Tick measured() const { return {}; }

@@ -27,10 +27,16 @@ struct TickTemperature {
     return {.weights = {above_reference_k, above_reference_k * above_reference_k},
             .is_known = true};
   }
+  /// Whether memory from outside may be such a temperature.
+  [[nodiscard]] static bool is_possible(const TickTemperature& tick) {
+    return is_bool(tick.is_known) && is_in_range(tick.at) && is_in_range(tick.unknown_since) &&
+           are_plausible(tick.weights);
+  }
 };
 template <>
 struct TickTemperature<0> {
   constexpr bool operator==(const TickTemperature&) const = default;
+  [[nodiscard]] static constexpr bool is_possible(const TickTemperature& /*tick*/) { return true; }
 };
 
 /// Makes weights of temperature readings. Those of a tick are known when it begins, so that they
@@ -64,6 +70,12 @@ class Thermometer {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return are_bools(state.has_started, state.has_reading) && is_in_range(state.newest) &&
+           is_in_range(state.tick) && is_plausible_rate(state.reading_k) &&
+           is_plausible_rate(state.element_k) && is_plausible(state.sum_k);
+  }
 
   /// The time of every sample, with what the thermometer says then: any number.
   constexpr void take(Instant at, bool begins_tick, float degc) {

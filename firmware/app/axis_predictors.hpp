@@ -9,28 +9,16 @@
 #include <type_traits>
 
 #include "core/estimator/calibration_mean.hpp"
+#include "core/estimator/drive_scale.hpp"
 #include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
 #include "core/estimator/no_predictor.hpp"
 #include "core/monitor/innovation_monitor.hpp"
 #include "firmware/app/learnt_noise.hpp"
 #include "firmware/app/node_params.hpp"
+#include "firmware/app/possible_state.hpp"
 
 namespace zerorate::app {
-
-/// White noise of the mean of a tick's samples.
-struct WhiteNoise {
-  float averaged_rad2_s2 = 0.0F;  ///< by the model: the variance that averaging leaves
-  float floor_rad2_s2 = 0.0F;     ///< by the model: what averaging does not remove
-  float model_level = 1.0F;       ///< by a model of single samples, over its mean
-  float level = 1.0F;             ///< variance of a sample, over the model's mean
-  bool is_seen = false;           ///< the level is the sensor's own
-  bool is_known = false;          ///< and will not be known better
-
-  [[nodiscard]] constexpr float variance(float at_level) const {
-    return at_level * averaged_rad2_s2 + floor_rad2_s2;
-  }
-};
 
 /// Predictors of all axes, fed alike, and monitors of the Kalman predictor's innovations.
 template <ModelShape Shape, NodeCapacity Capacity>
@@ -48,6 +36,32 @@ class AxisPredictors {
                          core::NoPredictor<Shape>>;
   using Filter = typename Kalman::State;
   static constexpr bool kLearns = Kalman::kLearns;
+  /// Place of the scale where the model is taken at its word.
+  struct NoDriveScale {
+    struct Memory {
+      constexpr bool operator==(const Memory&) const = default;
+    };
+    struct State {
+      [[no_unique_address]] Memory memory;
+
+      constexpr bool operator==(const State&) const = default;
+    };
+    [[nodiscard]] constexpr State state() const { return {}; }
+    template <class Anything>
+    constexpr void restore(const Anything& /*nothing*/) {}
+    template <class Anything>
+    [[nodiscard]] static constexpr bool is_possible(const Anything& /*nothing*/) {
+      return true;
+    }
+  };
+  using DriveScale = std::conditional_t<kLearns, core::DriveScale<Kalman>, NoDriveScale>;
+  /// Levels that a filter's figures are relative to.
+  struct Levels {
+    float white = 0.0F;  ///< noise that the learnt scales rest on, over the model's; 0: not seen
+    [[no_unique_address]] typename DriveScale::Memory drive;
+
+    constexpr bool operator==(const Levels&) const = default;
+  };
 
   struct State {
     struct Axis {
@@ -61,9 +75,13 @@ class AxisPredictors {
     float white_level = 0.0F;  ///< that the learnt scales are relative to; 0: not seen yet
     bool knows_white = false;  ///< that level stays
     float stops = 0.0F;        ///< that were learnt from, older ones counted in part
+    [[no_unique_address]] typename DriveScale::State drive_scale;
     std::array<Axis, kAxes> axes;
 
     constexpr bool operator==(const State&) const = default;
+    [[nodiscard]] constexpr Levels levels() const {
+      return {.white = white_level, .drive = drive_scale.memory};
+    }
     /// Whether there is a measurement that later ones have confirmed.
     [[nodiscard]] constexpr bool has_learnt() const { return kalman.is_confirmed(); }
   };
@@ -82,6 +100,7 @@ class AxisPredictors {
                 .white_level = white_level_,
                 .knows_white = knows_white_,
                 .stops = stops_,
+                .drive_scale = drive_scale_.state(),
                 .axes = {}};
     for (std::size_t i = 0; i < kAxes; ++i) {
       state.axes[i] = {.monitor = axes_[i].monitor.state(),
@@ -95,6 +114,7 @@ class AxisPredictors {
     white_level_ = state.white_level;
     knows_white_ = state.knows_white;
     stops_ = state.stops;
+    drive_scale_.restore(state.drive_scale);
     for (std::size_t i = 0; i < kAxes; ++i) {
       axes_[i].monitor.restore(state.axes[i].monitor);
       axes_[i].moving_average.restore(state.axes[i].moving_average);
@@ -102,9 +122,31 @@ class AxisPredictors {
     }
   }
 
+  /// Whether memory from outside may be what a node remembers while the power is off.
+  [[nodiscard]] bool is_possible(const Filter& filter, const Levels& levels) const {
+    return core::is_plausible_variance(levels.white) && DriveScale::is_possible(levels.drive) &&
+           is_possible_bank<Kalman>(filter, learns() ? coefficients_.hypotheses->count : 0);
+  }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] bool is_possible(const State& state) const {
+    bool are_possible =
+        core::is_bool(state.knows_white) && core::is_plausible_variance(state.stops) &&
+        DriveScale::is_possible(state.drive_scale) && is_possible(state.kalman, state.levels());
+    for (const auto& axis : state.axes) {
+      are_possible = are_possible && core::InnovationMonitor::is_possible(axis.monitor) &&
+                     MovingAverage::is_possible(axis.moving_average) &&
+                     CalibrationMean::is_possible(axis.calibration_mean);
+    }
+    return are_possible;
+  }
+
   /// Predictors without memory across stops start again.
   constexpr void begin_stop() {
     ++stops_;
+    if constexpr (kLearns) {
+      drive_scale_.end_stop(kalman_.state());
+      stop_begins_ = has_learnt();
+    }
     for (Axis& axis : axes_) {
       axis.moving_average.begin_stop();
       axis.calibration_mean.begin_stop();
@@ -115,8 +157,14 @@ class AxisPredictors {
                          const WhiteNoise& white) {
     if (learns() && white.is_seen && !knows_white_) follow_white_level(white);
     kalman_.advance(since_last);
-    if constexpr (kLearns) stops_ *= coefficients_.hypotheses->kept;
+    if constexpr (kLearns) {
+      stops_ *= coefficients_.hypotheses->kept;
+      if (stop_begins_ && learns()) drive_scale_.begin_stop(kalman_.state());
+      stop_begins_ = false;
+    }
     auto innovations = kalman_.observe(rates_rad_s, white.variance(level_of(white)));
+    if constexpr (kLearns)
+      drive_scale_.on_tick(kalman_.state());  // of a stop that did not begin: nothing
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (!learns()) {  // the monitor asks whether the model is right, not what was made of it
         innovations[i].variance_rad2_s2 +=
@@ -145,46 +193,54 @@ class AxisPredictors {
       Predictor which, const Transition& lead) const {
     auto predictions =
         of_all_axes(which, [&](const auto& predictor) { return predictor.predict(lead); });
-    if (which == Predictor::kalman) return predictions;
-    for (std::size_t i = 0; i < kAxes; ++i) predictions[i].variance_rad2_s2 *= slow_level(i);
+    if (which == Predictor::kalman && !learns()) return predictions;
+    for (std::size_t i = 0; i < kAxes; ++i) predictions[i].variance_rad2_s2 *= level_of(which, i);
     return predictions;
   }
   [[nodiscard]] constexpr std::array<core::HeadingPrediction, kAxes> predict_heading(
       Predictor which, const Transition& lead, const Transition& drive) const {
     auto headings = of_all_axes(
         which, [&](const auto& predictor) { return predictor.predict_heading(lead, drive); });
-    if (which == Predictor::kalman) return headings;
-    for (std::size_t i = 0; i < kAxes; ++i) headings[i].variance_rad2 *= slow_level(i);
+    if (which == Predictor::kalman && !learns()) return headings;
+    for (std::size_t i = 0; i < kAxes; ++i) headings[i].variance_rad2 *= level_of(which, i);
     return headings;
   }
 
+  /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, with
+  /// its levels, if has_learnt(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return kalman_.state(); }
-  [[nodiscard]] constexpr const Kalman& kalman() const { return kalman_; }
-  /// White noise that the learnt scales are relative to, over the model's; 0: not known yet.
-  [[nodiscard]] constexpr float white_level() const { return white_level_; }
+  [[nodiscard]] constexpr Levels levels() const {
+    return {.white = white_level_, .drive = drive_scale_.state().memory};
+  }
+  /// Whether there is a measurement that later ones have confirmed.
+  [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
   /// Noise of an axis as it was learnt.
   [[nodiscard]] constexpr LearntNoise learnt_noise(std::size_t axis) const {
     return app::learnt_noise(kalman_, axis, stops_);
   }
   [[nodiscard]] constexpr bool is_consistent(std::size_t axis) const {
+    if constexpr (kLearns) {
+      if (drive_scale_.is_exceeded()) return false;
+    }
     return axes_[axis].monitor.is_consistent();
   }
 
   /// Starts the Kalman predictor from what another run learnt; the others begin anew.
   /// Not inlined: what stands on the stack here is gone when the bias is predicted.
   /// @param ticks since its newest measurement
-  [[gnu::noinline]] void resume(std::span<const std::uint8_t, sizeof(Filter)> learnt,
-                                float white_level, const NodeParams<Shape>& params,
-                                std::uint32_t ticks) {
+  [[gnu::noinline]] void resume(const NodeParams<Shape>& params, std::uint32_t ticks,
+                                std::span<const std::uint8_t, sizeof(Filter)> learnt,
+                                const Levels& levels) {
     kalman_.restore(learnt);
-    white_level_ = white_level;
-    knows_white_ = true;
+    white_level_ = levels.white;
+    knows_white_ = levels.white > 0.0F;  // else no window of a stop has shown it
+    drive_scale_.restore(levels.drive);
     pass_pause(params, ticks);
   }
   /// Starts the Kalman predictor from biases that another model learnt; all its noise is learnt
   /// anew.
-  [[gnu::noinline]] void resume(const Rates& biases_rad_s, float variance_rad2_s2,
-                                const NodeParams<Shape>& params, std::uint32_t ticks) {
+  [[gnu::noinline]] void resume(const NodeParams<Shape>& params, std::uint32_t ticks,
+                                const Rates& biases_rad_s, float variance_rad2_s2) {
     kalman_.start_from(biases_rad_s, variance_rad2_s2);
     pass_pause(params, ticks);
   }
@@ -207,7 +263,7 @@ class AxisPredictors {
     [[no_unique_address]] CalibrationMean calibration_mean;
 
     constexpr explicit Axis(const core::ModesOf<Shape>& modes)
-        : moving_average(modes), calibration_mean(modes) {}
+        : monitor(modes.tick), moving_average(modes), calibration_mean(modes) {}
   };
 
   /// Ages what is known by so many ticks without power.
@@ -237,6 +293,16 @@ class AxisPredictors {
     white_level_ = white.level;
     knows_white_ = white.is_known;
   }
+  /// Factor of the variances that a predictor gives: a bank has its own scales, of which the drives
+  /// have shown what they are worth.
+  [[nodiscard]] constexpr float level_of(Predictor which, std::size_t axis) const {
+    if (which != Predictor::kalman) return slow_level(axis);
+    if constexpr (kLearns) {
+      return drive_scale_.scale();
+    } else {
+      return 1.0F;
+    }
+  }
   /// How much stronger the slow noise is than the model says.
   [[nodiscard]] constexpr float slow_level(std::size_t axis) const {
     return kalman_.expected(axis, 1.0F,
@@ -264,6 +330,8 @@ class AxisPredictors {
   float white_level_ = 0.0F;
   bool knows_white_ = false;
   float stops_ = 0.0F;
+  bool stop_begins_ = false;
+  [[no_unique_address]] DriveScale drive_scale_;
   std::array<Axis, kAxes> axes_;
 };
 

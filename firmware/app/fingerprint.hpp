@@ -12,6 +12,7 @@
 #include "core/base/crc32.hpp"
 #include "core/base/time.hpp"
 #include "core/noise/hypotheses.hpp"
+#include "core/samples/sample_model.hpp"
 
 namespace zerorate::app {
 
@@ -48,5 +49,46 @@ class Fingerprint {
  private:
   std::uint32_t crc_ = 0;
 };
+
+/// Checksum of what gives the numbers of a record their meaning. What decides only which samples
+/// are learnt from (standstill, odometer, gate) and what happens from then on (turn-on, prior
+/// probabilities, half-life) is not in it: a record means the same under other figures there, and
+/// what is counted in it (silence, steady ticks) is compared with the new ones from then on.
+template <class Node>
+[[nodiscard]] constexpr std::uint32_t fingerprint(const typename Node::Params& params) {
+  Fingerprint print;
+  print.add(std::uint32_t{sizeof(typename Node::Predictors::Filter)});
+  print.add(std::uint32_t{sizeof(typename Node::State)});
+  print.add(params.modes.tick);
+  print.add(params.modes.start);
+  print.add(params.modes.walk_variance);
+  print.add_modes(params.modes.decaying);
+  print.add_modes(params.modes.rotating);
+  print.add(params.white_variance_rad2_s2);
+  print.add(params.measurement_floor_variance_rad2_s2);
+  if constexpr (!std::is_empty_v<typename Node::TickTemperature>) {
+    print.add(params.temperature.reference_degc);
+    print.add(params.temperature.slope_rad_s_per_k);
+    print.add(params.temperature.slope_sigma_rad_s_per_k);
+    print.add(params.temperature.curvature_rad_s_per_k2);
+    print.add(params.temperature.curvature_sigma_rad_s_per_k2);
+    print.add(params.temperature.lag_s);
+  }
+  if constexpr (Node::kScreensSamples) {
+    const core::SampleModel& samples = params.samples;
+    for (const float figure : {samples.outliers.probability, samples.outliers.variance_rad2_s2,
+                               samples.motion.begin_probability, samples.motion.end_probability,
+                               samples.motion.variance_rad2_s2, samples.level.variance,
+                               samples.level.time_constants_per_tick, samples.range.lower_rad_s,
+                               samples.range.upper_rad_s}) {
+      print.add(figure);
+    }
+  }
+  print.add(params.sample_period);
+  print.add(params.learns_white_noise);
+  print.add(params.hypotheses);
+  for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
+  return print.value();
+}
 
 }  // namespace zerorate::app

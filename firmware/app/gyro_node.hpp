@@ -20,7 +20,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -44,7 +43,6 @@ class GyroNode {
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<Shape>;
   using Predictors = AxisPredictors<Shape, Capacity>;
-  using Filter = typename Predictors::Filter;
   using Transition = core::FilterTransition<Shape>;
   using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
   using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
@@ -128,15 +126,12 @@ class GyroNode {
     return message;
   }
 
-  /// Bias that a predictor expects at the newest sample.
+  /// Bias that a predictor expects at the newest sample, alone and with its variance.
   [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
     return core::rad_per_s(predictors_.bias_rad_s(which, axis, lead_));
   }
-  /// Bias with its variance.
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    core::Prediction predicted = predictors_.predict(which, lead_)[axis];
-    predicted.variance_rad2_s2 += params_.earth.heading_variance_rad2_s2[axis];
-    return predicted;
+    return params_.with_earth(predictors_.predict(which, lead_)[axis], axis);
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
@@ -170,8 +165,7 @@ class GyroNode {
             .screening = screening_.state(),
             .predictors = predictors_.state()};
   }
-  /// Goes on from a state of a node with the same parameters, bit for bit. resume() goes on from
-  /// what is worth keeping while the power is off.
+  /// Goes on from a state of a node with the same parameters, bit for bit.
   constexpr void restore(const State& state) {
     odometer_fault_ = state.odometer_fault;
     measured_ticks_ = state.measured_ticks;
@@ -183,30 +177,17 @@ class GyroNode {
     if (learning_.has_sample()) predict_tick();
   }
 
-  /// Variance of the white noise of a sample on an axis: as this sensor has shown it, or by the
-  /// model.
+  /// Variance of the white noise of a sample: as this sensor has shown it, or by the model.
   [[nodiscard]] constexpr float white_variance_rad2_s2(std::size_t axis) const {
-    WhiteNoise white = white_noise(1.0F);
+    WhiteNoise white = white_noise_of(params_, screening_, learning_.calm(), 1.0F);
     white.floor_rad2_s2 = 0.0F;
     return predictors_.white_variance(white, axis);
   }
 
-  /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, if
-  /// is_confirmed(). The other predictors begin anew at the next stop.
-  [[nodiscard]] constexpr const Filter& filter() const { return predictors_.filter(); }
-  /// Biases at the newest measurement of what filter() gave.
-  [[nodiscard]] static constexpr std::array<core::Prediction, kAxes> newest_biases(
-      const Filter& filter) {
-    return Predictors::Kalman::newest(filter);
-  }
-  /// White noise that filter() is relative to, over the model's; 0: the model's.
-  [[nodiscard]] constexpr float white_level() const { return predictors_.white_level(); }
-  /// Noise of an axis as it was learnt; all zero in a node of a known model.
-  [[nodiscard]] constexpr LearntNoise learnt_noise(std::size_t axis) const {
-    return predictors_.learnt_noise(axis);
-  }
-  /// Whether there is a measurement that later ones have confirmed.
-  [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
+  [[nodiscard]] constexpr const Params& params() const { return params_; }
+  /// Span from the newest measurement to the tick being filled.
+  [[nodiscard]] constexpr const Transition& lead() const { return lead_; }
+  [[nodiscard]] constexpr const Predictors& predictors() const { return predictors_; }
   /// The temperature that the filter stands at, if it follows it: that of the newest measurement.
   [[nodiscard]] constexpr TickTemperature measured_temperature() const {
     return temperature_.measured();
@@ -215,35 +196,24 @@ class GyroNode {
   [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
     return learning_.tick() + 1 - measured_ticks_;
   }
-  /// Goes on with what another run learnt: ages it by the ticks since its newest measurement, lets
-  /// warm-up and ramp begin anew, and adds what the bias changes by while the power is off. Before
-  /// the first sample.
-  /// @param learnt bytes of filter()
-  void resume(std::span<const std::uint8_t, sizeof(Filter)> learnt, float white_level,
-              TickTemperature temperature, std::uint32_t ticks) {
+  /// Goes on, before the first sample, with what another run learnt: ages it by the ticks since its
+  /// newest measurement, and adds what the bias changes by while the power is off.
+  /// @param learnt arguments of AxisPredictors::resume(): a filter, or biases alone
+  template <class... Learnt>
+  void resume(TickTemperature temperature, std::uint32_t ticks, const Learnt&... learnt) {
     ZERORATE_ASSERT(!learning_.has_sample());
     temperature_.resume(temperature);
-    predictors_.resume(learnt, white_level, params_, ticks);
-    predict_tick();
-  }
-  /// Goes on likewise with the biases that a node with another model learnt.
-  void resume(const std::array<float, kAxes>& biases_rad_s, float variance_rad2_s2,
-              TickTemperature temperature, std::uint32_t ticks) {
-    ZERORATE_ASSERT(!learning_.has_sample());
-    temperature_.resume(temperature);
-    predictors_.resume(biases_rad_s, variance_rad2_s2, params_, ticks);
+    predictors_.resume(params_, ticks, learnt...);
     predict_tick();
   }
 
  private:
   using Rate = std::array<core::AngularRate, kAxes>;
-
   [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const {
     health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
     health.time_refused = !learning_.can_take(sample.time);
     return health.sample_refused || health.time_refused;
   }
-
   constexpr void take_in(const drivers::GyroSample& sample) {
     const bool begins_tick = learning_.begin_sample(sample.time);
     if (begins_tick) {
@@ -265,75 +235,51 @@ class GyroNode {
     }
     learning_.add(sample.time, begins_tick, rate_rad_s,
                   [&] { return sample.saturated_axes == 0 && screening_.take(rate_rad_s); });
-    const bool learnt = learning_.release_at(sample.time, learner());
-    if (begins_tick || learnt) predict_tick();
-  }
-
-  /// White noise of the mean of so many samples.
-  [[nodiscard]] constexpr WhiteNoise white_noise(float samples) const {
-    WhiteNoise white{.averaged_rad2_s2 = params_.white_variance_rad2_s2 / samples,
-                     .floor_rad2_s2 = params_.measurement_floor_variance_rad2_s2,
-                     .model_level = screening_.level(),
-                     .level = screening_.level()};
-    if (params_.learns_white_noise && !params_.samples.needs_screen()) {
-      white.level = learning_.calm().white_variance_rad2_s2() / params_.white_variance_rad2_s2;
-      white.is_seen = learning_.calm().has_seen_white_noise();
-      white.is_known = learning_.calm().knows_white_noise();
-    }
-    return white;
+    if (learning_.release_at(sample.time, learner()) || begins_tick) predict_tick();
   }
 
   /// Callback of StopLearning for each tick that is certain.
   [[nodiscard]] constexpr auto learner() {
-    return [this](const HeldTick& mean, bool begins_stop) { learn(mean, begins_stop); };
-  }
-  constexpr void learn(const HeldTick& mean, bool begins_stop) {
-    const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
-    Transition since_last{ticks == 1 ? one_tick_ : params_.modes.over(ticks)};
-    temperature_.measure(mean.temperature, since_last);
-    screening_.advance(ticks);
-    if (begins_stop) predictors_.begin_stop();
-    const auto samples = static_cast<float>(mean.samples);
-    predictors_.observe(since_last, mean.rate_rad_s, white_noise(samples));
-    screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
-    measured_ticks_ = mean.tick + 1;
+    return [this](const HeldTick& mean, bool begins_stop) {
+      const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
+      Transition since_last{ticks == 1 ? one_tick_ : params_.modes.over(ticks)};
+      temperature_.measure(mean.temperature, since_last);
+      screening_.advance(ticks);
+      if (begins_stop) predictors_.begin_stop();
+      const auto samples = static_cast<float>(mean.samples);
+      predictors_.observe(since_last, mean.rate_rad_s,
+                          white_noise_of(params_, screening_, learning_.calm(), samples));
+      screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
+      measured_ticks_ = mean.tick + 1;
+    };
   }
 
   constexpr void predict_tick() {
-    const std::uint32_t ticks = ticks_since_measured();
-    temperature_.lead_over(ticks, lead_);
-    if (ticks != lead_.ticks) {
-      // One more tick is one composition. Every 1024 the transition is made afresh by doubling, so
-      // that the roundings of a long drive do not add up.
-      constexpr std::uint32_t kAfresh = 1024;
-      core::TransitionOf<Shape>& lead = lead_;
-      lead = ticks == lead_.ticks + 1 && ticks % kAfresh != 0 ? then(lead, one_tick_)
-                                                              : params_.modes.over(ticks);
-    }
+    temperature_.lead_over(ticks_since_measured(), lead_);
+    params_.modes.lead_over(ticks_since_measured(), one_tick_, lead_);
     predicted_ = predictors_.predict(params_.published, lead_);
-    calibrated_ = predicted_[0].is_available() && has_learnt();
   }
 
   /// Fills in what does not depend on whether there was a sample.
   constexpr void describe(RateMessage& message, const Rate& rate) {
-    message.health.calibrated = calibrated_;
+    message.health.calibrated = predicted_[0].is_available() && predictors_.has_learnt();
     message.health.odometer_fault = odometer_fault_;
     odometer_fault_ = false;
     message.health.odometer_disagreement = learning_.odometer_disagrees();
     message.health.odometer_dead_band = learning_.has_dead_band();
     message.calm_percent = learning_.calm().percent();
-    message.health.measurement_rejected = screening_.is_disturbed() || filter().rejected > 0;
+    message.health.measurement_rejected =
+        screening_.is_disturbed() || predictors_.filter().rejected > 0;
     message.health.temperature_missing = temperature_.is_missed(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {
-      message.health.model_inconsistent |= !predictors_.is_consistent(i);
+      message.health.model_inconsistent |=
+          !predictors_.is_consistent(i) || params_.is_beyond_zero_rate(predicted_[i].bias_rad_s);
       const core::AngularRate bias = core::rad_per_s(predicted_[i].bias_rad_s);
-      core::Prediction predicted = predicted_[i];
-      predicted.variance_rad2_s2 += params_.earth.heading_variance_rad2_s2[i];
       message.axes[i] = {
           .measured = rate[i],
           .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
           .bias = bias,
-          .sigma = core::rad_per_s(predicted.sigma_rad_s())};
+          .sigma = core::rad_per_s(params_.with_earth(predicted_[i], i).sigma_rad_s())};
     }
   }
 
@@ -347,7 +293,6 @@ class GyroNode {
   Transition lead_{};
   std::uint32_t measured_ticks_ = 0;
   bool odometer_fault_ = false;
-  bool calibrated_ = false;
 };
 
 }  // namespace zerorate::app

@@ -45,6 +45,8 @@ struct NodeParams {
   /// Variance of the change of the bias while the power is off; infinite: unknown, nothing is worth
   /// keeping.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  /// Largest magnitude of a bias by the chip's specification. A larger one is learnt and flagged.
+  float largest_bias_rad_s = std::numeric_limits<float>::infinity();
   core::Gate gate;  ///< gate of the Kalman predictor; off by default
   /// Dependence on the temperature that the Kalman predictor starts from.
   [[no_unique_address]] core::TemperatureBlock<Shape.temperature_weights> temperature{};
@@ -59,7 +61,51 @@ struct NodeParams {
   bool learns_white_noise = true;
   /// Slow noises that the sensor may have; none: the model is taken at its word.
   [[no_unique_address]] core::HypothesesOf<Shape> hypotheses{};
+
+  /// Prediction for a vehicle whose heading is not known: the Earth turns a level axis by an
+  /// unknown part of its rate.
+  [[nodiscard]] constexpr core::Prediction with_earth(core::Prediction bias,
+                                                      std::size_t axis) const {
+    bias.variance_rad2_s2 += earth.heading_variance_rad2_s2[axis];
+    return bias;
+  }
+  /// Whether a bias is larger than the chip's may be: a turn was taken for one.
+  [[nodiscard]] constexpr bool is_beyond_zero_rate(float bias_rad_s) const {
+    return bias_rad_s > largest_bias_rad_s || -bias_rad_s > largest_bias_rad_s;
+  }
 };
+
+/// White noise of the mean of a tick's samples.
+struct WhiteNoise {
+  float averaged_rad2_s2 = 0.0F;  ///< by the model: the variance that averaging leaves
+  float floor_rad2_s2 = 0.0F;     ///< by the model: what averaging does not remove
+  float model_level = 1.0F;       ///< by a model of single samples, over its mean
+  float level = 1.0F;             ///< variance of a sample, over the model's mean
+  bool is_seen = false;           ///< the level is the sensor's own
+  bool is_known = false;          ///< and will not be known better
+
+  [[nodiscard]] constexpr float variance(float at_level) const {
+    return at_level * averaged_rad2_s2 + floor_rad2_s2;
+  }
+};
+
+/// White noise of the mean of so many samples: by the screening where single samples have a model,
+/// else by the calm inside the stops.
+template <ModelShape Shape, class Screening, class Calm>
+[[nodiscard]] constexpr WhiteNoise white_noise_of(const NodeParams<Shape>& params,
+                                                  const Screening& screening, const Calm& calm,
+                                                  float samples) {
+  WhiteNoise white{.averaged_rad2_s2 = params.white_variance_rad2_s2 / samples,
+                   .floor_rad2_s2 = params.measurement_floor_variance_rad2_s2,
+                   .model_level = screening.level(),
+                   .level = screening.level()};
+  if (params.learns_white_noise && !params.samples.needs_screen()) {
+    white.level = calm.white_variance_rad2_s2() / params.white_variance_rad2_s2;
+    white.is_seen = calm.has_seen_white_noise();
+    white.is_known = calm.knows_white_noise();
+  }
+  return white;
+}
 
 /// How much a node remembers, for boards that count bytes. The results are the same as long as
 /// nothing is beyond it.

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
 #include "core/base/units.hpp"
 #include "core/estimator/prediction.hpp"
 #include "core/samples/noise_level_track.hpp"
@@ -38,6 +39,8 @@ class SampleScreening {
   constexpr explicit SampleScreening(const core::SampleModel& /*model*/) {}
   [[nodiscard]] constexpr State state() const { return {}; }
   constexpr void restore(const State& /*state*/) {}
+  [[nodiscard]] static constexpr bool is_possible(const State& /*state*/) { return true; }
+  [[nodiscard]] static constexpr bool is_possible(const Squares& /*squares*/) { return true; }
   constexpr void end_stop() {}
   constexpr void begin_tick(const std::array<core::Prediction, Axes>& /*predicted*/,
                             float /*white_variance*/, float /*measurement_floor_variance*/) {}
@@ -87,6 +90,21 @@ class SampleScreening<Axes, true> {
     disturbed_ = state.disturbed;
     level_.restore(state.level);
     for (std::size_t i = 0; i < Axes; ++i) screens_[i].restore(state.screens[i]);
+  }
+
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    bool are_possible = core::is_bool(state.disturbed) && state.level.level > 0.0F &&
+                        core::is_plausible(state.level.level) &&
+                        core::is_plausible_variance(state.level.variance);
+    for (const auto& screen : state.screens) {
+      are_possible = are_possible && core::SampleScreen::is_possible(screen);
+    }
+    return are_possible;
+  }
+  /// Likewise for what a tick holds.
+  [[nodiscard]] static constexpr bool is_possible(const Squares& squares) {
+    return core::are_plausible_variances(squares.rad2_s2);
   }
 
   /// The vehicle moves.

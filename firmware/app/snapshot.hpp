@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -27,6 +28,7 @@ enum class SnapshotRefusal : std::uint8_t {
   damaged,         ///< the checksum is wrong
   other_layout,    ///< a version whose records mean something else
   other_sensor,
+  impossible,       ///< no node remembers such numbers, though the checksum is right
   nothing_learnt,   ///< it was saved before the node was calibrated
   turn_on_unknown,  ///< the power was off, and the model does not say what that changes
 };
@@ -42,6 +44,8 @@ enum class SnapshotRefusal : std::uint8_t {
       return "saved by another version";
     case SnapshotRefusal::other_sensor:
       return "saved with another gyro";
+    case SnapshotRefusal::impossible:
+      return "numbers that no node remembers";
     case SnapshotRefusal::nothing_learnt:
       return "saved before anything was learnt";
     case SnapshotRefusal::turn_on_unknown:
@@ -105,22 +109,24 @@ class Snapshot {
 
  public:
   using State = typename Node::State;
-  using Filter = typename Node::Filter;
+  using Predictors = typename Node::Predictors;
+  using Filter = typename Predictors::Filter;
+  using Levels = typename Predictors::Levels;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
-  static constexpr std::uint16_t kLayout = 5;
+  static constexpr std::uint16_t kLayout = 6;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfFilters =
-      64 + 24 + sizeof(Filter) + sizeof(float) + kBytesOfTemperature + 4;
+      64 + 24 + sizeof(Filter) + sizeof(Levels) + kBytesOfTemperature + 4;
   static constexpr std::size_t kBytesOfState = 64 + 24 + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
   constexpr Snapshot(const Params& params, std::uint32_t sensor)
-      : model_(fingerprint(params)),
+      : model_(fingerprint<Node>(params)),
         sensor_(sensor),
         tick_(params.modes.tick),
         reference_degc_(reference_of(params)),
@@ -136,11 +142,12 @@ class Snapshot {
   /// Writes that record into the caller's memory.
   void write_filters(const Node& node, const SnapshotTime& time,
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
-    std::span<std::uint8_t> rest =
-        begin(record, Content::filters, node.has_learnt(), node.ticks_since_measured(), time);
-    put(rest, biases_of(node.filter(), node.measured_temperature(), node.ticks_since_measured()));
-    put(rest, node.filter());
-    put(rest, node.white_level());
+    std::span<std::uint8_t> rest = begin(record, Content::filters, node.predictors().has_learnt(),
+                                         node.ticks_since_measured(), time);
+    const Filter& filter = node.predictors().filter();
+    put(rest, biases_of(filter, node.measured_temperature(), node.ticks_since_measured()));
+    put(rest, filter);
+    put(rest, node.predictors().levels());
     if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
     finish(record);
   }
@@ -150,9 +157,8 @@ class Snapshot {
     std::array<std::uint8_t, kBytesOfState> record{};
     auto rest = begin(record, Content::state, state.predictors.kalman.is_confirmed(),
                       state.ticks_since_measured(), time);
-    put(rest,
-        biases_of(state.predictors.kalman, Node::TemperatureTrack::measured(state.temperature),
-                  state.ticks_since_measured()));
+    const auto temperature = Node::TemperatureTrack::measured(state.temperature);
+    put(rest, biases_of(state.predictors.kalman, temperature, state.ticks_since_measured()));
     put(rest, state);
     finish(record);
     return record;
@@ -168,17 +174,17 @@ class Snapshot {
       return restore_filters(node, record, now);
     }
     const auto state = get<State>(record.subspan(kPayload));
+    if (!is_possible_state(node, state)) return core::Unexpected{SnapshotRefusal::impossible};
     if (header->session == now.session && now.session != Session{}) {
       node.restore(state);
-      return Resumption::continued;
+      return if_possible(node, *header, Resumption::continued);
     }
     const Filter& learnt = state.predictors.kalman;
     return resume(node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
-                  state.predictors.white_level, Node::TemperatureTrack::measured(state.temperature),
+                  state.predictors.levels(), Node::TemperatureTrack::measured(state.temperature),
                   *header, now);
   }
-  /// restore() for boards whose records hold the filters only: no room for a whole state on the
-  /// stack.
+  /// restore() of records of the filters only: no room for a whole state on the stack.
   core::Result<Resumption, SnapshotRefusal> restore_filters(Node& node,
                                                             std::span<const std::uint8_t> record,
                                                             const SnapshotTime& now) const {
@@ -194,9 +200,12 @@ class Snapshot {
     const auto after_filter = payload.subspan(sizeof(Filter));
     Temperature temperature{};
     if constexpr (kBytesOfTemperature > 0) {
-      temperature = get<Temperature>(after_filter.subspan(sizeof(float)));
+      temperature = get<Temperature>(after_filter.subspan(sizeof(Levels)));
+      if (!Temperature::is_possible(temperature)) {
+        return core::Unexpected{SnapshotRefusal::impossible};
+      }
     }
-    return resume(node, payload.first<sizeof(Filter)>(), get<float>(after_filter), temperature,
+    return resume(node, payload.first<sizeof(Filter)>(), get<Levels>(after_filter), temperature,
                   *header, now);
   }
 
@@ -237,46 +246,6 @@ class Snapshot {
     std::uint32_t ticks = 0;
     bool is_known = false;  ///< by the clock; else a day
   };
-
-  /// Checksum of what gives the numbers of a record their meaning. What decides only which samples
-  /// are learnt from (standstill, odometer, gate) and what happens from then on (turn-on, prior
-  /// probabilities, half-life) is not in it: a record means the same under other figures there, and
-  /// what is counted in it (silence, steady ticks) is compared with the new ones from then on.
-  static constexpr std::uint32_t fingerprint(const Params& params) {
-    Fingerprint print;
-    print.add(std::uint32_t{sizeof(Filter)});
-    print.add(std::uint32_t{sizeof(State)});
-    print.add(params.modes.tick);
-    print.add(params.modes.start);
-    print.add(params.modes.walk_variance);
-    print.add_modes(params.modes.decaying);
-    print.add_modes(params.modes.rotating);
-    print.add(params.white_variance_rad2_s2);
-    print.add(params.measurement_floor_variance_rad2_s2);
-    if constexpr (kBytesOfTemperature > 0) {
-      print.add(params.temperature.reference_degc);
-      print.add(params.temperature.slope_rad_s_per_k);
-      print.add(params.temperature.slope_sigma_rad_s_per_k);
-      print.add(params.temperature.curvature_rad_s_per_k2);
-      print.add(params.temperature.curvature_sigma_rad_s_per_k2);
-      print.add(params.temperature.lag_s);
-    }
-    if constexpr (Node::kScreensSamples) {
-      const core::SampleModel& samples = params.samples;
-      for (const float figure : {samples.outliers.probability, samples.outliers.variance_rad2_s2,
-                                 samples.motion.begin_probability, samples.motion.end_probability,
-                                 samples.motion.variance_rad2_s2, samples.level.variance,
-                                 samples.level.time_constants_per_tick, samples.range.lower_rad_s,
-                                 samples.range.upper_rad_s}) {
-        print.add(figure);
-      }
-    }
-    print.add(params.sample_period);
-    print.add(params.learns_white_noise);
-    print.add(params.hypotheses);
-    for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
-    return print.value();
-  }
 
   template <class Value>
   static void put(std::span<std::uint8_t>& to, const Value& value) {
@@ -335,7 +304,7 @@ class Snapshot {
                                  std::uint32_t ticks_since_measured) const {
     Biases biases{.temperature_degc = std::numeric_limits<float>::quiet_NaN(),
                   .age_s = static_cast<float>(ticks_since_measured) * tick_.in_seconds()};
-    const auto newest = Node::newest_biases(filter);
+    const auto newest = Predictors::Kalman::newest(filter);
     for (std::size_t i = 0; i < Node::kAxes; ++i) {
       biases.bias_rad_s[i] = newest[i].bias_rad_s;
       biases.variance_rad2_s2 = std::max(biases.variance_rad2_s2, newest[i].variance_rad2_s2);
@@ -349,13 +318,14 @@ class Snapshot {
   }
 
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
-                                                   float white_level, Temperature temperature,
+                                                   const Levels& levels, Temperature temperature,
                                                    const Header& header,
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
     if (!pause) return core::Unexpected{pause.error()};
-    node.resume(learnt, white_level, temperature, header.ticks_since_measured + pause->ticks);
-    return pause->is_known ? Resumption::aged : Resumption::aged_by_a_day;
+    node.resume(temperature, added(header.ticks_since_measured, pause->ticks), learnt, levels);
+    return if_possible(node, header,
+                       pause->is_known ? Resumption::aged : Resumption::aged_by_a_day);
   }
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Biases& learnt,
                                                    const Header& header,
@@ -370,9 +340,18 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
     }
-    node.resume(learnt.bias_rad_s, learnt.variance_rad2_s2, temperature,
-                pause->ticks + static_cast<std::uint32_t>(age_ticks));
-    return Resumption::bias_alone;
+    node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks),
+                learnt.bias_rad_s, learnt.variance_rad2_s2);
+    return if_possible(node, header, Resumption::bias_alone);
+  }
+  /// Begins the node anew where a record does not say of itself what it holds, or holds what
+  /// predicts no numbers.
+  static core::Result<Resumption, SnapshotRefusal> if_possible(Node& node, const Header& header,
+                                                               Resumption how) {
+    const bool is_calibrated = header.calibrated != 0;
+    if (node.predictors().has_learnt() == is_calibrated && predicts_numbers(node)) return how;
+    new (&node) Node{node.params()};  // in its place: a stack need not hold a second one
+    return core::Unexpected{SnapshotRefusal::impossible};
   }
 
   [[nodiscard]] core::Result<Pause, SnapshotRefusal> pause_since(const Header& header,
@@ -387,7 +366,14 @@ class Snapshot {
       constexpr std::int64_t kYear_s = std::int64_t{365} * 86'400;
       pause = core::Duration::seconds(std::min(*now.utc_s - header.utc_s, kYear_s));
     }
-    return Pause{.ticks = static_cast<std::uint32_t>(pause / tick_), .is_known = is_known};
+    const std::int64_t ticks = std::min(pause / tick_, std::int64_t{kLongestLead});
+    return Pause{.ticks = static_cast<std::uint32_t>(ticks), .is_known = is_known};
+  }
+
+  /// Longest time over which something is aged, in ticks: 12 days of 1 ms, 17 years of 0.5 s.
+  static constexpr std::uint32_t kLongestLead = 1U << 30U;
+  [[nodiscard]] static constexpr std::uint32_t added(std::uint32_t ticks, std::uint32_t pause) {
+    return ticks < kLongestLead - pause ? ticks + pause : kLongestLead;
   }
 
   std::uint32_t model_;

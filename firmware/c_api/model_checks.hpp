@@ -37,10 +37,16 @@ inline constexpr float kLargestFigure = 1e6F;
          is_magnitude(mode.noise_variance) && is_magnitude(mode.initial_variance) &&
          is_figure(mode.initial_mean);
 }
+/// Largest magnitude of a temperature coefficient: the square of hundreds of kelvin multiplies it.
+inline constexpr float kLargestDrift = 1e3F;
+[[nodiscard]] inline bool is_drift(float value) {
+  return value >= -kLargestDrift && value <= kLargestDrift;
+}
 [[nodiscard]] inline bool is_sound(const zerorate_temperature_drift& drift) {
-  return is_figure(drift.reference_degc) && is_figure(drift.slope_rad_s_per_k) &&
-         is_magnitude(drift.slope_sigma_rad_s_per_k) && is_figure(drift.curvature_rad_s_per_k2) &&
-         is_magnitude(drift.curvature_sigma_rad_s_per_k2) && is_magnitude(drift.lag_s);
+  return is_drift(drift.reference_degc) && is_drift(drift.slope_rad_s_per_k) &&
+         is_drift(drift.slope_sigma_rad_s_per_k) && drift.slope_sigma_rad_s_per_k >= 0.0F &&
+         is_drift(drift.curvature_rad_s_per_k2) && is_drift(drift.curvature_sigma_rad_s_per_k2) &&
+         drift.curvature_sigma_rad_s_per_k2 >= 0.0F && is_magnitude(drift.lag_s);
 }
 [[nodiscard]] inline bool is_sound(const zerorate_hypothesis& hypothesis) {
   return std::ranges::all_of(hypothesis.strength, is_magnitude) &&
@@ -62,8 +68,8 @@ inline constexpr float kLargestFigure = 1e6F;
          is_magnitude(model.measurement_floor_variance_rad2_s2) &&
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
-         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&
-         are_sound_hypotheses(model);
+         is_magnitude(model.largest_bias_rad_s) && is_magnitude(model.gate_threshold_sigma) &&
+         is_sound(model.temperature) && are_sound_hypotheses(model);
 }
 
 /// Upper limits only: the node checks that times are positive and fit each other.

@@ -45,9 +45,14 @@ static_assert(Node::kAxes == ZERORATE_AXES);
 static_assert(app::RateMessage::kNoCalm == ZERORATE_NO_CALM);
 static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
 
+/// False where a cast made the storage of memory that a processor cannot read as one.
+bool is_aligned(const zerorate_node* storage) {
+  return reinterpret_cast<std::uintptr_t>(storage) % alignof(zerorate_node) == 0;
+}
+
 /// Null where the storage holds no instance.
 const Instance* instance_in(const zerorate_node* storage) {
-  if (storage == nullptr) return nullptr;
+  if (storage == nullptr || !is_aligned(storage)) return nullptr;
   const auto* instance = std::launder(reinterpret_cast<const Instance*>(storage));
   return instance->self == instance ? instance : nullptr;
 }
@@ -78,9 +83,11 @@ core::ModesOf<kShape> modes_of(const zerorate_model& model) {
   return modes;
 }
 
-core::HypothesesOf<kShape> hypotheses_of(const zerorate_model& model) {
-  core::HypothesesOf<kShape> hypotheses;
-  if constexpr (kShape.hypotheses > 1) {
+/// @tparam Shape kShape; a template, so that a node of one hypothesis needs none of their members
+template <core::ModelShape Shape>
+core::HypothesesOf<Shape> hypotheses_of(const zerorate_model& model) {
+  core::HypothesesOf<Shape> hypotheses;
+  if constexpr (Shape.hypotheses > 1) {
     hypotheses.count = model.hypothesis_count;
     hypotheses.kept = model.evidence_kept;
     for (std::size_t m = 0; m < hypotheses.count; ++m) {
@@ -143,6 +150,9 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
           .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
           .turn_on_variance_rad2_s2 =
               is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
+          .largest_bias_rad_s = model.largest_bias_rad_s > 0.0F
+                                    ? model.largest_bias_rad_s
+                                    : std::numeric_limits<float>::infinity(),
           .gate = {.threshold_sigma = model.gate_threshold_sigma,
                    .longest_knock_ticks = model.gate_longest_knock_ticks},
           .temperature = {.reference_degc = model.temperature.reference_degc,
@@ -158,7 +168,7 @@ Node::Params params_of(const zerorate_model& model, const zerorate_config& confi
                          .source = source_of(config.standstill)},
           .earth = earth_of(config),
           .published = predictor_of(config.predictor),
-          .hypotheses = hypotheses_of(model)};
+          .hypotheses = hypotheses_of<kShape>(model)};
 }
 
 zerorate_motion motion_of(core::Motion motion) {
@@ -219,6 +229,7 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
     case SnapshotRefusal::not_a_snapshot:
       return ZERORATE_SNAPSHOT_NOT_OURS;
     case SnapshotRefusal::damaged:
+    case SnapshotRefusal::impossible:
       return ZERORATE_SNAPSHOT_DAMAGED;
     case SnapshotRefusal::other_layout:
       return ZERORATE_SNAPSHOT_VERSION;
@@ -259,7 +270,7 @@ zerorate_config zerorate_default_config() {
 
 zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
                               const zerorate_config* config) {
-  if (self == nullptr || model == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (self == nullptr || model == nullptr || !c_api::is_aligned(self)) return ZERORATE_BAD_ARGUMENT;
   *self = {};
   if (!c_api::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
@@ -334,7 +345,7 @@ zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axi
   if (axis >= c_api::Node::kAxes || learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  const app::LearntNoise noise = instance->node.learnt_noise(axis);
+  const app::LearntNoise noise = instance->node.predictors().learnt_noise(axis);
   const auto figure = [](const app::LearntFigure& one) {
     return zerorate_figure{.value = one.value, .sigma = one.sigma};
   };
@@ -351,7 +362,7 @@ zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t*
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
-  if (!instance->node.has_learnt()) return ZERORATE_NOTHING_LEARNT;
+  if (!instance->node.predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
   instance->snapshot.write_filters(
       instance->node, c_api::snapshot_time(utc_s),
       std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});

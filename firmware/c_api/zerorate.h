@@ -48,11 +48,11 @@ extern "C" {
 #define ZERORATE_HYPOTHESES 12
 #endif
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES (5760 + (640 * ZERORATE_HYPOTHESES))
+#define ZERORATE_INSTANCE_BYTES (5792 + (640 * ZERORATE_HYPOTHESES))
 /** Bytes that zerorate_save() writes. */
 #define ZERORATE_SNAPSHOT_BYTES        \
   (156 + (456 * ZERORATE_HYPOTHESES) + \
-   ((ZERORATE_HYPOTHESES > 1) ? (4 + (36 * ZERORATE_HYPOTHESES)) : 0))
+   ((ZERORATE_HYPOTHESES > 1) ? (12 + (36 * ZERORATE_HYPOTHESES)) : 0))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
 /** For zerorate_rate: no stop has been judged yet. */
@@ -147,7 +147,8 @@ typedef struct zerorate_model {
   float white_variance_rad2_s2; /**< of one sample; positive */
   float measurement_floor_variance_rad2_s2; /**< stays however many samples are averaged */
   float turn_on_variance_rad2_s2;           /**< or ZERORATE_UNKNOWN_VARIANCE */
-  float gate_threshold_sigma;               /**< 0: no gate */
+  float largest_bias_rad_s; /**< by the chip's specification; a larger one is flagged. 0: unknown */
+  float gate_threshold_sigma; /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];

@@ -131,6 +131,9 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
   });
   return "/** @file Sensor model: " + in_comment(model.name) +
          ".\n"
+         " *  For " +
+         rates(sample_period, filter_tick) +
+         ".\n"
          " *  Made by `zerorate export --c`; change the model and make it again. */\n"
          "#ifndef " +
          guard + "\n#define " + guard +
@@ -146,6 +149,9 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          field("white_variance_rad2_s2", node.white_variance_rad2_s2) +
          field("measurement_floor_variance_rad2_s2", node.measurement_floor_variance_rad2_s2) +
          field("turn_on_variance_rad2_s2", turn_on(node.turn_on_variance_rad2_s2)) +
+         (core::is_finite(node.largest_bias_rad_s)
+              ? field("largest_bias_rad_s", node.largest_bias_rad_s)
+              : std::string{}) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +

@@ -33,6 +33,12 @@ std::string turn_on_member(float variance) {
   return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
 }
 
+/// An infinite limit likewise.
+std::string largest_bias_member(float bias_rad_s) {
+  if (!core::is_finite(bias_rad_s)) return {};
+  return ",\n    .largest_bias_rad_s = " + literal(bias_rad_s);
+}
+
 std::string temperature_member(const core::TemperatureDrift& drift) {
   if (!drift.is_on()) return {};
   return "    .temperature = {.reference_degc = " + literal(drift.reference_degc) +
@@ -100,6 +106,9 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "/// Sensor model: " +
          in_comment(model.name) +
          ".\n"
+         "/// For " +
+         rates(sample_period, filter_tick) +
+         ".\n"
          "/// Made by `zerorate export --cpp`; change the model and make it again.\n"
          "#pragma once\n\n"
          "#include \"core/base/time.hpp\"\n"
@@ -132,6 +141,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          literal(node.white_variance_rad2_s2) + ",\n    .measurement_floor_variance_rad2_s2 = " +
          literal(node.measurement_floor_variance_rad2_s2) +
          turn_on_member(node.turn_on_variance_rad2_s2) +
+         largest_bias_member(node.largest_bias_rad_s) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +

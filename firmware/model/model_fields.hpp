@@ -163,6 +163,12 @@ void visit_fields(auto& visitor, MaybeConst<TurnOn> auto& turn_on) {
   visitor.text("source", turn_on.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<ZeroRate> auto& zero_rate) {
+  visitor.number("limit_dps", zero_rate.limit_rad_s, FileUnit::degree, kPositive,
+                 Presence::required);
+  visitor.text("source", zero_rate.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Learning> auto& learning) {
   visitor.number("hypotheses", learning.hypotheses, FileUnit::si, kHypotheses, Presence::optional);
   visitor.number("half_life_s", learning.half_life_s, FileUnit::si, kPositive, Presence::optional);
@@ -199,6 +205,7 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.table("saturation", model.saturation);
   visitor.table("gate", model.gate);
   visitor.table("turn_on", model.turn_on);
+  visitor.table("zero_rate", model.zero_rate);
   visitor.table("learning", model.learning);
   visitor.table("prior", model.prior);
   visitor.table("node", model.node, Presence::optional);

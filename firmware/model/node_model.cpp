@@ -267,6 +267,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
     const double sigma = model.turn_on->sigma_rad_s;
     node.turn_on_variance_rad2_s2 = single(sigma * sigma);
   }
+  if (model.zero_rate) node.largest_bias_rad_s = single(model.zero_rate->limit_rad_s);
   if (model.temperature) {
     node.temperature = temperature_of(*model.temperature);
   }

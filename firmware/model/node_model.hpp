@@ -41,6 +41,8 @@ struct NodeModel {
   /// Variance of the change of the bias while the power is off; infinite where the model does not
   /// say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  /// Largest bias by the chip's specification; infinite where the model does not say.
+  float largest_bias_rad_s = std::numeric_limits<float>::infinity();
   core::Gate gate;
   core::TemperatureDrift temperature;    ///< off where the model has none
   core::SampleModel samples;             ///< off where the model has nothing of it
@@ -137,6 +139,7 @@ template <core::ModelShape Shape>
   fitting.white_variance_rad2_s2 = full.white_variance_rad2_s2;
   fitting.measurement_floor_variance_rad2_s2 = full.measurement_floor_variance_rad2_s2;
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
+  fitting.largest_bias_rad_s = full.largest_bias_rad_s;
   fitting.gate = full.gate;
   fitting.temperature = full.temperature;
   fitting.samples = full.samples;

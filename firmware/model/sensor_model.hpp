@@ -171,6 +171,14 @@ struct TurnOn {
   bool operator==(const TurnOn&) const = default;
 };
 
+/// Zero-rate level of the chip by its specification.
+struct ZeroRate {
+  double limit_rad_s = 0.0;  ///< a bias beyond, either way, is flagged
+  std::string source{};
+
+  bool operator==(const ZeroRate&) const = default;
+};
+
 /// How a node learns the slow noise of its sensor, from the figures of the model.
 struct Learning {
   int hypotheses = 12;         ///< 12, 4 (of one order) or 1: the model is taken at its word
@@ -184,7 +192,7 @@ struct Learning {
 struct Prior {
   double order = 0.62;  ///< d: mean over sensors
   double order_sigma = 0.12;
-  double amplitude_factor = 5.0;  ///< one standard deviation of B / N, as a factor
+  double amplitude_factor = 5.5;  ///< one standard deviation of B / N, as a factor
   std::string source{};
 
   bool operator==(const Prior&) const = default;
@@ -216,6 +224,7 @@ struct SensorModel {
   std::optional<Saturation> saturation;
   std::optional<Gate> gate;
   std::optional<TurnOn> turn_on;
+  std::optional<ZeroRate> zero_rate{};
   std::optional<Learning> learning;  ///< absent: the defaults
   std::optional<Prior> prior;
   Node node;

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <string>
 
 #include "core/base/complex.hpp"
+#include "core/base/time.hpp"
 
 namespace zerorate::model {
 
@@ -20,6 +22,17 @@ namespace zerorate::model {
 }
 [[nodiscard]] inline std::string literal(const core::Complex& value) {
   return "{" + literal(value.re) + ", " + literal(value.im) + "}";
+}
+
+/// For a comment: the rates that a model was exported for, in whole millihertz.
+[[nodiscard]] inline std::string rates(core::Duration sample_period, core::Duration filter_tick) {
+  const auto hertz = [](core::Duration period) {
+    constexpr std::int64_t kMilliseconds = 1'000'000'000'000;
+    const std::int64_t millihertz = (kMilliseconds + period.ns() / 2) / period.ns();
+    std::string fraction = std::to_string(millihertz % 1000 + 1000).substr(1);
+    return std::to_string(millihertz / 1000) + "." + fraction + " Hz";
+  };
+  return hertz(sample_period) + " samples and " + hertz(filter_tick) + " ticks of the filter";
 }
 
 /// For a comment: a name cannot end it and go on as source.

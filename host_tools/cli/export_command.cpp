@@ -35,6 +35,7 @@ core::Duration period_of(double rate_hz, const char* option) {
 }
 
 ExitCode run_export(const ExportFlags& flags) {
+  if (!flags.cpp && !flags.c) throw std::invalid_argument("expected --cpp or --c: the language");
   model::SensorModel model = load_model(flags.model);
   if (flags.hypotheses) {
     if (!model.learning) model.learning.emplace();
@@ -54,9 +55,10 @@ Command add_export(CLI::App& app) {
   auto* command = app.add_subcommand("export", "Write a sensor model as source for firmware");
   command->add_option("MODEL", flags->model, "a TOML file or a name from 'zerorate model list'")
       ->required();
-  auto* language = command->add_option_group("language")->require_option(1);
-  language->add_flag("--cpp", flags->cpp, "as a C++ header of constants, for our own images");
-  language->add_flag("--c", flags->c, "as a C header, for firmware that calls zerorate.h");
+  auto* cpp =
+      command->add_flag("--cpp", flags->cpp, "as a C++ header of constants, for our own images");
+  command->add_flag("--c", flags->c, "as a C header, for firmware that calls zerorate.h")
+      ->excludes(cpp);
   command->add_option("--name", flags->name, "of the constant, with --c")->capture_default_str();
   command
       ->add_option("--sample-rate", flags->sample_rate_hz,

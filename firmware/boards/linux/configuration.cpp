@@ -112,6 +112,7 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
   params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
   params.measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2;
   params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
+  params.largest_bias_rad_s = noise.largest_bias_rad_s;
   params.gate = noise.gate;
   params.temperature = noise.temperature;
   params.samples = noise.samples;

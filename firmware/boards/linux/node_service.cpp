@@ -231,7 +231,8 @@ void NodeService::hand_over() {
 
 wire::LearntModel NodeService::learnt() const {
   wire::LearntModel learnt;
-  for (std::size_t i = 0; i < learnt.axes.size(); ++i) learnt.axes.at(i) = node_.learnt_noise(i);
+  for (std::size_t i = 0; i < learnt.axes.size(); ++i)
+    learnt.axes.at(i) = node_.predictors().learnt_noise(i);
   return learnt;
 }
 

@@ -1,5 +1,6 @@
 /// @file
 /// Sensor model: STMicroelectronics LSM6DSO.
+/// For 104.172 Hz samples and 2.000 Hz ticks of the filter.
 /// Made by `zerorate export --cpp`; change the model and make it again.
 #pragma once
 
@@ -29,6 +30,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{
     .white_variance_rad2_s2 = 2.3915854e-07F,
     .measurement_floor_variance_rad2_s2 = 0.0F,
     .turn_on_variance_rad2_s2 = 3.0461742e-06F,
+    .largest_bias_rad_s = 0.08726646F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .sample_period = core::Duration::nanoseconds(9599520),
 };

@@ -1,5 +1,6 @@
 /// @file
 /// Sensor model: Bosch Sensortec BMI088.
+/// For 100.000 Hz samples and 2.000 Hz ticks of the filter.
 /// Made by `zerorate export --cpp`; change the model and make it again.
 #pragma once
 
@@ -28,6 +29,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{
     },
     .white_variance_rad2_s2 = 2.9870205e-06F,
     .measurement_floor_variance_rad2_s2 = 0.0F,
+    .largest_bias_rad_s = 0.08726646F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .sample_period = core::Duration::nanoseconds(10000000),
 };

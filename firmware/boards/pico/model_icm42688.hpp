@@ -1,5 +1,6 @@
 /// @file
 /// Sensor model: TDK InvenSense ICM-42688-P.
+/// For 100.000 Hz samples and 2.000 Hz ticks of the filter.
 /// Made by `zerorate export --cpp`; change the model and make it again.
 #pragma once
 

@@ -38,6 +38,7 @@ TEST(BiasOf12Dps, IsAccepted) {
   const Played played = play("bias-12dps");
   EXPECT_LT(played.worst_dps(29.0, 270.0), kWanderDps);
   EXPECT_EQ(played.result.samples_disagreeing, 0U);
+  EXPECT_TRUE(played.messages.back().health.model_inconsistent);  // 5 deg/s by [zero_rate]
 }
 
 TEST(ThermalBias, IsLearntWithinTheStop) {

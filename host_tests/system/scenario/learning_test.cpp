@@ -208,9 +208,6 @@ TEST(LearningOnPeerSensorB, IsAsGoodAsKnowingItsNoise) {
 }
 
 /// Runs of a sensor whose slow noise is not of the family, under the data sheets of sensor A.
-/// Stronger ones are not held: three times the random walk is covered in 79 to 88 %, three times
-/// the Gauss-Markov process in 85 to 90 %, and neither is reported. The scale that is learnt makes
-/// the innovations within a stop consistent, and those across drives are too few to count.
 void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_noise) {
   const auto gyros = gyros_of(kA.arw_dps_rt_s, slow_noise, 60);
   for (const double factor : {1.0 / kWrong, 1.0, kWrong}) {
@@ -227,6 +224,16 @@ void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_n
 
 TEST(LearningOutsideTheFamily, IsHonestOfARandomWalk) {
   expect_honest("random walk", {simulate::RateRandomWalk{.rate_random_walk_rad_s_rt_s = kDph}});
+}
+
+TEST(LearningOutsideTheFamily, IsHonestOfAStrongRandomWalk) {
+  expect_honest("strong random walk",
+                {simulate::RateRandomWalk{.rate_random_walk_rad_s_rt_s = 10.0 * kDph}});
+}
+
+TEST(LearningOutsideTheFamily, IsHonestOfAStrongGaussMarkovProcess) {
+  expect_honest("strong Gauss-Markov",
+                {simulate::CorrelatedNoise{.sigma_rad_s = 100.0 * kDph, .time_constant_s = 300.0}});
 }
 
 TEST(LearningOutsideTheFamily, IsHonestOfWhiteNoiseAlone) {

@@ -154,6 +154,7 @@ class Run {
         .modes = model.modes,
         .white_variance_rad2_s2 = model.white_variance_rad2_s2,
         .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
+        .largest_bias_rad_s = model.largest_bias_rad_s,
         .gate = model.gate,
         .samples = model.samples,
         .sample_period = result.sample_period,
@@ -222,7 +223,8 @@ class Run {
   void tell_learnt(std::int64_t time_ns) {
     told_ticks_ = node_.measured_ticks();
     LearntNoises& learnt = result_.learnt.emplace();
-    for (std::size_t i = 0; i < result_.axis_count; ++i) learnt[i] = node_.learnt_noise(i);
+    for (std::size_t i = 0; i < result_.axis_count; ++i)
+      learnt[i] = node_.predictors().learnt_noise(i);
     if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt});
   }
 

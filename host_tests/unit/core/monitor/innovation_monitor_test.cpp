@@ -71,6 +71,29 @@ TEST(InnovationMonitorAfterAKnock, SpeaksAtOnceAndForgetsIt) {
   EXPECT_TRUE(monitor.is_consistent());
 }
 
+// Learnt errors stay as long in seconds, however quickly the filter forgets its innovations.
+TEST(InnovationMonitorOfAFastFilter, DoubtsForTwoMinutesAsThatOfASlowOne) {
+  for (const int filter_hz : {2, 10, 50, 100}) {
+    InnovationMonitor monitor{Duration::milliseconds(1000 / filter_hz)};
+    const auto observe = [&](float normalised_squared) {
+      monitor.observe({.accepted = true,
+                       .residual_rad_s = std::sqrt(normalised_squared),
+                       .variance_rad2_s2 = 1.0F});
+    };
+    for (int k = 0; k < 1000; ++k) observe(1.0F);
+    for (int k = 0; k < 256; ++k) observe(3.0F);
+    EXPECT_FALSE(monitor.is_consistent()) << filter_hz;
+    int plausible = 0;
+    while (!monitor.is_consistent() && plausible < 100'000) {
+      observe(1.0F);
+      ++plausible;
+    }
+    const double doubted_s = static_cast<double>(plausible) / filter_hz;
+    EXPECT_GT(doubted_s, 60.0) << filter_hz;
+    EXPECT_LT(doubted_s, 260.0) << filter_hz;
+  }
+}
+
 TEST(InnovationMonitorGivenRefusedOrFirstMeasurements, CountsNothing) {
   InnovationMonitor monitor;
   monitor.observe({.accepted = false, .residual_rad_s = 9.0F, .variance_rad2_s2 = 1.0F});

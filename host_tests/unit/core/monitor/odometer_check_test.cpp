@@ -175,11 +175,58 @@ TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
   }
 }
 
-TEST(OdometerCheckGivenATickThatLacksSamples, DoesNotJudgeIt) {
+TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
+  for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // of 50
+    OdometerCheck check = make_check();
+    for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias);
+    EXPECT_FALSE(check.disagrees()) << samples;
+    check.on_standing_tick(turning(5.0F), samples, &kBias);
+    EXPECT_TRUE(check.turns()) << samples;
+  }
+}
+
+TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
   OdometerCheck check = make_check();
   stand(check, kBias, 20);
-  check.on_standing_tick(turning(5.0F), kSamples / 2, &kBias);
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
   EXPECT_FALSE(check.disagrees());
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
+  EXPECT_FALSE(check.disagrees());
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
+  EXPECT_TRUE(check.turns());
+}
+
+// The white noise of half a second decides, whatever the ticks are: 0.35 deg/s of a sample at 100
+// Hz allow 0.42 deg/s.
+TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
+  constexpr float kLoud = 0.35F * kRadPerDeg;
+  for (const int tick_ms : {10, 20, 100, 500}) {
+    OdometerCheck check{{}, Duration::milliseconds(tick_ms), kSamplePeriod, kLoud * kLoud};
+    const auto samples = static_cast<std::uint32_t>(tick_ms / 10);
+    const auto run = [&](float dps, int ms) {
+      for (int tick = 0; tick < ms / tick_ms; ++tick) {
+        check.on_standing_tick(turning(dps), samples, &kBias);
+      }
+    };
+    run(0.0F, 20'000);
+    run(0.38F, 1'000);
+    EXPECT_FALSE(check.turns()) << tick_ms;
+    run(0.9F, 500);
+    EXPECT_TRUE(check.turns()) << tick_ms;
+  }
+}
+
+// 5 s are less than a tick of 10 s: one tick, not for ever.
+TEST(OdometerCheckWhoseTickIsLongerThanABend, BelievesTheRateOfTwoTicks) {
+  constexpr Duration kLong = Duration::seconds(10);
+  OdometerCheck check{{}, kLong, kSamplePeriod, kSigmaRadS * kSigmaRadS};
+  constexpr std::uint32_t kMany = 1000;
+  for (int tick = 0; tick < 10; ++tick) check.on_standing_tick(kBias, kMany, &kBias);
+  check.on_driving_tick(kBias);
+  check.on_standing_tick(turning(0.5F), kMany, &kBias);
+  EXPECT_TRUE(check.turns());
+  check.on_standing_tick(turning(0.5F), kMany, &kBias);
+  EXPECT_FALSE(check.turns());
 }
 
 TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {

@@ -49,6 +49,16 @@ TEST(TickAverageWithJitter, StillGivesEverySampleItsTick) {
   for (const auto& mean : means_of(samples)) EXPECT_EQ(mean.samples, 10U);
 }
 
+// 24.8 days of ticks of a millisecond; docs/reference/zerorated.md tells it of filter.rate_hz.
+TEST(TickAverageOfMoreTicksThanACounterHolds, TakesNoFurtherSample) {
+  constexpr Duration kMillisecond = Duration::milliseconds(1);
+  TickAverage<1> average{kMillisecond, kMillisecond};
+  average.enter(Instant{});
+  constexpr std::int64_t kTicks = std::int64_t{1} << 31U;
+  EXPECT_TRUE(average.can_take(Instant{} + kMillisecond * (kTicks - 1)));
+  EXPECT_FALSE(average.can_take(Instant{} + kMillisecond * kTicks));
+}
+
 TEST(TickAverageWithAGap, NumbersTheNextTickByTheClock) {
   const auto means = means_of({{Instant{}, 1.0F},
                                {Instant{} + Duration::seconds(3600), 2.0F},

@@ -208,7 +208,7 @@ TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {
   other.predictors.kalman.axes[1].rejection_variance = 1.0F;
   EXPECT_FALSE(other == state);
   other = state;
-  other.predictors.axes[1].monitor.is_consistent = false;
+  other.predictors.axes[1].monitor.doubted = 1;
   EXPECT_FALSE(other == state);
 }
 

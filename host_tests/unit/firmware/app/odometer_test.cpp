@@ -67,6 +67,22 @@ TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
   EXPECT_GT(node.measured_ticks(), learnt + 60);
 }
 
+// Nobody can tell a constant turn from a bias; but no bias of this chip is so large.
+TEST(GyroNodeSwitchedOnInATurnBeyondItsZeroRateLevel, IsNeverHealthy) {
+  auto params = node_params();
+  params.largest_bias_rad_s = 5.0F * kDps;
+  for (const float turn_dps : {-8.0F, 5.5F, 20.0F}) {
+    Node node{params};
+    Trip trip{node};
+    for (int second = 0; second < 60; ++second) {
+      const Health health = trip.go(1'000, turn_dps * kDps, false).health;
+      EXPECT_TRUE(!health.calibrated || health.model_inconsistent) << turn_dps << ", " << second;
+    }
+  }
+  Node within{params};
+  EXPECT_FALSE(Trip{within}.go(60'000, 3.0F * kDps, false).health.model_inconsistent);
+}
+
 TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
   const auto params = node_params();
   Node node{params};

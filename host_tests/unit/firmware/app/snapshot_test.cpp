@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "core/noise/flicker.hpp"
@@ -91,7 +94,7 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
     // The oracle: the same node, asked without a stop between, over the same time.
     core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
     core::KalmanBank<core::ModelShape{.decaying = 4}, 3> oracle{coefficients};
-    oracle.restore(learnt.node.filter());
+    oracle.restore(learnt.node.predictors().filter());
     const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =
         oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)))[1];
@@ -119,6 +122,30 @@ TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStopAndCountsAsCalibratedBefore) 
   EXPECT_NEAR(last.axes[0].bias.in(core::rad_per_s), changed_rad_s,
               4.0F * last.axes[0].sigma.in(core::rad_per_s));
   EXPECT_LT(last.axes[0].sigma.in(core::rad_per_s), kTurnOnSigma_rad_s);
+}
+
+// 2^32 ticks of 5 ms are 249 days; what is aged stops at 2^30, and never becomes young again.
+TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByAsManyAsAreCounted) {
+  Node::Params params = params_with_turn_on();
+  params.modes =
+      core::compose(core::Duration::milliseconds(5), core::Start::stationary,
+                    zerorate::testing::flicker_like<4>(core::Duration::milliseconds(5), 0.5),
+                    core::RandomWalk{.coefficient_rad_s_sqrt_s = 1e-6F});
+  params.sample_period = core::Duration::milliseconds(5);
+  params.standstill.hold_back = core::Duration::milliseconds(200);  // as many ticks as are held
+  Node node{params};
+  for (std::int64_t ms = 0; ms < 30'000; ms += 5) {
+    (void)node.step(noisy_sample(at_ms(ms), kBias_rad_s));
+  }
+  const auto record = Snapshot<Node>{params, kSensor}.of_filters(node, kSaved);
+  float before = 0.0F;
+  for (const std::int64_t pause_s : {100'000LL, 21'474'835LL, 21'474'840LL, 30'000'000LL}) {
+    Node again{params};
+    ASSERT_TRUE(taken_up(params, record, after(pause_s), again)) << pause_s;
+    const float variance = again.predict(Predictor::kalman, 0).variance_rad2_s2;
+    EXPECT_GE(variance, before) << pause_s;
+    before = variance;
+  }
 }
 
 TEST(SnapshotWithoutAClock, IsAgedByADay) {
@@ -178,6 +205,71 @@ TEST(SnapshotOfAnUnknownContent, IsRefusedThoughItsChecksumIsRight) {
   record[kContentAt] = 2;
   zerorate::testing::put_checksum(record);
   EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::not_a_snapshot);
+}
+
+/// Random bytes or words anywhere behind the header of a record, and the checksum that they need.
+template <class Record>
+void forge(Record& record, std::mt19937& random) {
+  constexpr std::size_t kHeader = 64;
+  const auto below = [&](std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>{0, n - 1}(random);
+  };
+  for (std::size_t change = 0; change <= below(3); ++change) {
+    const std::size_t length = below(2) == 0 ? 1 : 4;
+    const std::size_t at = kHeader + below(record.size() - kHeader - 4 - length);
+    for (std::size_t i = 0; i < length; ++i) record[at + i] = static_cast<std::uint8_t>(below(256));
+  }
+  zerorate::testing::put_checksum(record);
+}
+
+/// Whether it was taken up; then a minute of samples gives figures that are numbers.
+template <class Record>
+bool publishes_numbers_if_taken_up(const Node::Params& params, const Record& record) {
+  Node node{params};
+  if (!taken_up(params, record, kSaved, node)) {
+    EXPECT_FALSE(node.predict(Predictor::kalman, 0).is_available()) << "it was touched";
+    return false;
+  }
+  for (std::int64_t ms = 60'000; ms < 120'000; ms += 50) {
+    const RateMessage message = node.step(noisy_sample(at_ms(ms), kBias_rad_s));
+    for (const AxisRate& axis : message.axes) {
+      EXPECT_TRUE(std::isfinite(axis.bias.in(core::rad_per_s)));
+      const float sigma = axis.sigma.in(core::rad_per_s);
+      EXPECT_TRUE(!message.health.calibrated || (std::isfinite(sigma) && sigma >= 0.0F)) << sigma;
+    }
+  }
+  return true;
+}
+
+TEST(SnapshotOfImpossibleContent, IsRefusedThoughItsChecksumIsRight) {
+  Learnt learnt;
+  std::mt19937 random(5);
+  const auto state = learnt.snapshot.of_state(learnt.node.state(), kSaved);
+  const auto filters = learnt.snapshot.of_filters(learnt.node, kSaved);
+  int taken_up = 0;
+  for (int k = 0; k < 500; ++k) {
+    auto forged_state = state;
+    forge(forged_state, random);
+    taken_up += publishes_numbers_if_taken_up(learnt.params, forged_state) ? 1 : 0;
+    auto forged_filters = filters;
+    forge(forged_filters, random);
+    taken_up += publishes_numbers_if_taken_up(learnt.params, forged_filters) ? 1 : 0;
+  }
+  // Most of a number's bits are possible either way; most of its exponents are not.
+  EXPECT_GT(taken_up, 0);
+  EXPECT_LT(taken_up, 1000);
+}
+
+TEST(SnapshotWhoseFilterIsImpossible, SaysSo) {
+  Learnt learnt;
+  constexpr std::size_t kBiasVarianceAt = 64 + 24 + 4 + 3 * 8;
+  for (const float impossible : {-1.0F, NAN, INFINITY, 1e20F}) {
+    auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
+    const auto bytes = std::bit_cast<std::array<std::uint8_t, 4>>(impossible);
+    std::ranges::copy(bytes, record.begin() + kBiasVarianceAt);
+    zerorate::testing::put_checksum(record);
+    EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::impossible) << impossible;
+  }
 }
 
 TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {
@@ -252,7 +344,7 @@ TEST(SnapshotOfAnotherModel, GivesTheBiasWithAWiderInterval) {
     const auto taken = again.predict(Predictor::kalman, 0);
     EXPECT_NEAR(taken.bias_rad_s, known.bias_rad_s, known.sigma_rad_s());
     EXPECT_GE(taken.variance_rad2_s2, known.variance_rad2_s2);
-    EXPECT_TRUE(again.has_learnt());
+    EXPECT_TRUE(again.predictors().has_learnt());
   }
 }
 

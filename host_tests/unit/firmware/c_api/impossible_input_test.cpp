@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <random>
 #include <utility>
 #include <vector>
 
+#include "host_tests/support/checksum.hpp"
 #include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
 
 namespace zerorate::c_api {
@@ -31,6 +36,9 @@ TEST(CInterfaceWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
        }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.rotating[0].initial_variance = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.slope_sigma_rad_s_per_k = -1.0F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.slope_sigma_rad_s_per_k = 1e4F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.curvature_rad_s_per_k2 = -1e4F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.largest_bias_rad_s = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = kNan; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = 1e7F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 1e7F; }},
@@ -69,6 +77,47 @@ TEST(CInterfaceAtAPlaceThatCannotBe, RefusesIt) {
     config.latitude_deg = latitude_deg;
     EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << latitude_deg;
   }
+}
+
+TEST(CInterfaceGivenAForgedRecord, RefusesItOrPublishesNumbers) {
+  static zerorate_node learnt;
+  ASSERT_EQ(zerorate_init(&learnt, &front_gyro, nullptr), ZERORATE_OK);
+  for (std::int64_t k = 0; k < testing::kStopSamples; ++k) {
+    (void)testing::feed(learnt, testing::moment(k));
+  }
+  std::vector<std::uint8_t> good(ZERORATE_SNAPSHOT_BYTES);
+  ASSERT_EQ(zerorate_save(&learnt, 0, good.data(), good.size()), ZERORATE_OK);
+  constexpr std::size_t kHeader = 64;
+  std::mt19937 random(11);
+  std::uniform_int_distribution<std::size_t> place(kHeader, good.size() - 5);
+  std::uniform_int_distribution<int> byte(0, 255);
+  static zerorate_node node;
+  for (int record = 0; record < 1000; ++record) {
+    auto forged = good;
+    for (int change = 0; change <= record % 8; ++change) {
+      forged[place(random)] = static_cast<std::uint8_t>(byte(random));
+    }
+    zerorate::testing::put_checksum(forged);
+    ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+    const zerorate_result result = zerorate_restore(&node, 60, forged.data(), forged.size());
+    ASSERT_TRUE(result == ZERORATE_OK || result == ZERORATE_SNAPSHOT_DAMAGED) << result;
+    if (result != ZERORATE_OK) continue;
+    for (std::int64_t k = 0; k < 100; ++k) {
+      const zerorate_rate rate = testing::feed(node, testing::moment(k));
+      for (std::size_t i = 0; i < ZERORATE_AXES; ++i) {
+        ASSERT_TRUE(std::isfinite(rate.bias_rad_s[i])) << record;
+        ASSERT_TRUE(std::isfinite(rate.sigma_rad_s[i]) && rate.sigma_rad_s[i] >= 0.0F) << record;
+      }
+    }
+  }
+}
+
+// The bytes of an instance in a buffer that a cast made of bytes.
+TEST(CInterfaceWithStorageAtAnOddAddress, RefusesIt) {
+  alignas(zerorate_node) static std::array<std::uint8_t, sizeof(zerorate_node) + 8> aligned;
+  auto* odd = static_cast<zerorate_node*>(static_cast<void*>(aligned.data() + 1));
+  EXPECT_EQ(zerorate_init(odd, &front_gyro, nullptr), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_pulse(odd, 0), ZERORATE_NOT_INITIALISED);
 }
 
 TEST(CInterfaceAskedForAHeadingBeyondItsClock, RefusesIt) {

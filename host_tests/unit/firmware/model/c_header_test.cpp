@@ -34,6 +34,7 @@ TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
   EXPECT_EQ(front_gyro.tick_ns, kTick.ns());
   EXPECT_EQ(front_gyro.white_variance_rad2_s2, node.white_variance_rad2_s2);
   EXPECT_EQ(front_gyro.turn_on_variance_rad2_s2, node.turn_on_variance_rad2_s2);
+  EXPECT_EQ(front_gyro.largest_bias_rad_s, node.largest_bias_rad_s);
   EXPECT_EQ(front_gyro.starts_stationary, node.modes.start == core::Start::stationary);
   EXPECT_EQ(front_gyro.is_stationary, node.modes.is_stationary);
   std::size_t used = 0;
@@ -56,6 +57,7 @@ TEST(CHeaderOfAModelOfSingleSamples, IsRefused) {
 TEST(CHeaderOfAModelWithALine, HasItsRotatingMode) {
   SensorModel model = find_model("lsm6dso");
   model.turn_on.reset();
+  model.zero_rate.reset();
   model.name = "no end */ of a comment";
   model.harmonic.push_back({.rms_rad_s = 1e-4, .frequency_hz = 0.3, .coherence_time_s = 10.0});
   const std::string text = format_c_header(model, kSamplePeriod, kTick, "with_line");

@@ -1,0 +1,144 @@
+/// @file
+/// The distance that the bias covers between stops, over what is predicted.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/base/numeric.hpp"
+#include "core/estimator/prediction.hpp"
+
+namespace zerorate::core {
+
+/// Factor, at least 1, of the variances that a learning bank predicts for a drive: by maximum
+/// likelihood in fixed memory (docs/design/learning.md, section 5).
+///
+/// The innovations within a stop are many and tell of the white noise. Those between stops are few
+/// and tell what the interval of a drive is worth: a sensor outside the family shows in these
+/// alone. A stop that resolves the share f of the variance v moves the estimate of an axis by d,
+/// whose variance is s f v. The logarithm of s follows the score f (d^2 / (s f v) - 1) / 2 over the
+/// information gathered, f^2 / 2. A stop too short to tell anything has f near 0.
+///
+/// Cost of a stop: 20 times the mixture's, and some 40 floating-point operations and 6 divisions.
+template <class Bank>
+class DriveScale {
+ public:
+  static constexpr std::size_t kHypotheses = Bank::kHypotheses;
+  static constexpr std::size_t kAxes = Bank::kAxes;
+  using Biases = std::array<Prediction, kAxes>;
+  using Variances = std::array<float, kHypotheses>;
+  using BankState = typename Bank::State;
+
+  /// Part that is worth keeping while the power is off.
+  struct Memory {
+    float scale = 1.0F;
+    float information = kPriorInformation;  ///< about the logarithm of the scale
+
+    constexpr bool operator==(const Memory&) const = default;
+  };
+  struct State {
+    Memory memory;
+    Biases before{};               ///< predicted when the stop began
+    Variances variances_before{};  ///< by each hypothesis, of scale 1
+    std::uint8_t ticks_left = 0;   ///< of the stop, until it is judged; 0: no stop
+
+    constexpr bool operator==(const State&) const = default;
+  };
+  static_assert(std::is_trivially_copyable_v<State>);
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+  constexpr void restore(const Memory& memory) { state_ = {.memory = memory}; }
+  [[nodiscard]] constexpr float scale() const { return state_.memory.scale; }
+
+  /// Whether memory from outside may be such a memory, or such a state.
+  [[nodiscard]] static constexpr bool is_possible(const Memory& memory) {
+    return memory.scale >= 1.0F && is_plausible(memory.scale) &&
+           memory.information >= kPriorInformation && memory.information <= kMostInformation;
+  }
+  [[nodiscard]] static constexpr bool is_possible(const State& state) {
+    bool are_possible =
+        is_possible(state.memory) && are_plausible_variances(state.variances_before);
+    for (const Prediction& before : state.before) {
+      are_possible =
+          are_possible && is_plausible_rate(before.bias_rad_s) && before.variance_rad2_s2 >= 0.0F;
+    }
+    return are_possible;
+  }
+
+  /// Whether the bias moves by so much more than is predicted that no chance explains it.
+  [[nodiscard]] constexpr bool is_exceeded() const {
+    const float excess = scale() / kWorrying - 1.0F;
+    return excess > 0.0F && excess * excess * state_.memory.information > kDeviations * kDeviations;
+  }
+
+  /// A stop begins, for which these biases are predicted.
+  constexpr void begin_stop(const BankState& bank) {
+    state_.before = Bank::newest(bank);
+    for (std::size_t m = 0; m < kHypotheses; ++m) {
+      state_.variances_before[m] = bank.filters[m].bias_variance;
+    }
+    state_.ticks_left = kTicks;
+  }
+  /// A tick of the stop was learnt from. The drift of a long stop says nothing of the drive.
+  constexpr void on_tick(const BankState& bank) {
+    if (state_.ticks_left == 1) {
+      end_stop(bank);
+    } else if (state_.ticks_left > 0) {
+      --state_.ticks_left;
+    }
+  }
+  /// The stop is over: learns from it, if on_tick() has not.
+  constexpr void end_stop(const BankState& bank) {
+    if (state_.ticks_left == 0) return;
+    state_.ticks_left = 0;
+    float score = 0.0F;
+    float information = 0.0F;
+    const Biases after = Bank::newest(bank);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const float moved = after[i].bias_rad_s - state_.before[i].bias_rad_s;
+      const float share = share_resolved(bank, i);
+      const float resolved = share * state_.before[i].variance_rad2_s2;
+      // An axis without any noise is not there.
+      if (!is_finite_positive(resolved) || moved == 0.0F) continue;
+      const float surprise = std::min(moved * moved / (scale() * resolved), kLargest);
+      score += 0.5F * share * (surprise - 1.0F);
+      information += 0.5F * share * share;
+    }
+    Memory& memory = state_.memory;
+    memory.information = std::min(memory.information + information, kMostInformation);
+    memory.scale *= 1.0F + std::clamp(score / memory.information, kLargestFall, kLargestRise);
+    memory.scale = std::max(memory.scale, 1.0F);
+  }
+
+ private:
+  /// Share of the variance that the stop has resolved, by hypotheses and scales as they are now: a
+  /// scale that was learnt in between is no knowledge of the bias.
+  [[nodiscard]] constexpr float share_resolved(const BankState& bank, std::size_t axis) const {
+    float before = 0.0F;
+    float after = 0.0F;
+    for (std::size_t m = 0; m < kHypotheses; ++m) {
+      const float level =
+          bank.evidence.hypotheses[m][axis].weight * bank.evidence.mean_scale(m, axis);
+      before += level * state_.variances_before[m];
+      after += level * bank.filters[m].bias_variance;
+    }
+    return 1.0F - after / before;
+  }
+  static constexpr float kPriorInformation = 6.0F;  ///< a factor of 1.5 either way
+  static constexpr float kMostInformation = 30.0F;  ///< memory of some twenty stops
+  static constexpr std::uint8_t kTicks = 20;
+  static constexpr float kLargest = 16.0F;  ///< one stop that went wrong is not the noise
+  static constexpr float kLargestRise = 3.0F;
+  static constexpr float kLargestFall = -0.5F;
+  /// Factor of the variance from which the sensor is none that the node knows.
+  static constexpr float kWorrying = 2.0F;
+  static constexpr float kDeviations = 3.0F;
+
+  State state_{};
+};
+
+}  // namespace zerorate::core
