@@ -5,8 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "core/base/compile_time.hpp"
 #include "core/base/complex.hpp"
-#include "core/base/unroll.hpp"
 #include "core/estimator/symmetric_matrix.hpp"
 #include "core/noise/model_shape.hpp"
 

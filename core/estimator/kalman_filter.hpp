@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "core/base/compile_time.hpp"
 #include "core/base/numeric.hpp"
-#include "core/base/unroll.hpp"
 #include "core/estimator/kalman_coefficients.hpp"
 #include "core/estimator/symmetric_matrix.hpp"
 

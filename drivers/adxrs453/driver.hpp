@@ -14,7 +14,6 @@
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/gyro_source.hpp"
-#include "drivers/common/raw_rates.hpp"
 
 namespace zerorate::drivers {
 

@@ -15,9 +15,7 @@
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
 #include "drivers/common/gyro_source.hpp"
-#include "drivers/common/raw_rates.hpp"
 #include "drivers/common/register_access.hpp"
-#include "drivers/common/register_bus.hpp"
 #include "drivers/common/sample_clock.hpp"
 
 namespace zerorate::drivers {

@@ -2,7 +2,7 @@
 /// The table of chips: the one list from which boards, the probe and the replay know every gyro.
 #pragma once
 
-#include "core/base/type_list.hpp"
+#include "core/base/compile_time.hpp"
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
 #include "drivers/icm42688/chip.hpp"

@@ -10,7 +10,6 @@
 #include "core/base/result.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/register_access.hpp"
-#include "drivers/common/register_bus.hpp"
 
 namespace zerorate::drivers {
 

@@ -12,7 +12,6 @@
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
-#include "drivers/common/register_bus.hpp"
 
 namespace zerorate::drivers {
 

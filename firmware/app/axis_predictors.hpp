@@ -8,11 +8,11 @@
 #include <span>
 #include <type_traits>
 
+#include "core/estimator/bias_predictor.hpp"
 #include "core/estimator/calibration_mean.hpp"
 #include "core/estimator/drive_scale.hpp"
 #include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/moving_average.hpp"
-#include "core/estimator/no_predictor.hpp"
 #include "core/monitor/innovation_monitor.hpp"
 #include "firmware/app/learnt_noise.hpp"
 #include "firmware/app/node_params.hpp"

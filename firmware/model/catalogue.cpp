@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/model/model_file.hpp"
-#include "firmware/toml/nearest_name.hpp"
+#include "firmware/toml/error.hpp"
 
 namespace zerorate::model {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
 namespace {

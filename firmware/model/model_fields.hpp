@@ -10,7 +10,7 @@
 
 #include "firmware/model/decimal.hpp"
 #include "firmware/model/sensor_model.hpp"
-#include "firmware/toml/rule.hpp"
+#include "firmware/toml/strict_table.hpp"
 
 namespace zerorate::model {
 

@@ -19,7 +19,7 @@
 #include "core/noise/rate_ramp.hpp"
 #include "core/noise/warm_up.hpp"
 #include "firmware/model/flicker_fit.hpp"
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
 namespace {

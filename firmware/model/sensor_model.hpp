@@ -232,4 +232,9 @@ struct SensorModel {
   bool operator==(const SensorModel&) const = default;
 };
 
+/// Throws std::invalid_argument, which names the field and what was expected, where a number is
+/// impossible: negative, not finite, an order outside (0, 1), ...
+void validate(const SensorModel& model);
+void validate(const Flicker& flicker);
+
 }  // namespace zerorate::model

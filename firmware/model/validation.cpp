@@ -1,4 +1,4 @@
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 
 #include <optional>
 #include <sstream>

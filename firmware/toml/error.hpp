@@ -1,10 +1,12 @@
 /// @file
-/// Why a file that a person wrote cannot be used.
+/// Why a file that a person wrote cannot be used, and what its author may have meant.
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace zerorate::toml_file {
@@ -44,5 +46,10 @@ class ErrorList {
  private:
   std::vector<std::string> messages_;
 };
+
+/// `; did you mean "NAME"?` with the candidate that is fewest edits away from `name`, or nothing
+/// where none is near (more than a third of the letters would have to change).
+[[nodiscard]] std::string suggestion(std::string_view name,
+                                     std::span<const std::string_view> candidates);
 
 }  // namespace zerorate::toml_file

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <system_error>
 
-#include "firmware/toml/nearest_name.hpp"
+#include "firmware/toml/error.hpp"
 
 namespace zerorate::toml_file {
 namespace {

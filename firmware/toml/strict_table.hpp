@@ -12,10 +12,17 @@
 #include <vector>
 
 #include "firmware/toml/error.hpp"
-#include "firmware/toml/rule.hpp"
 #include "firmware/toml/toml.hpp"
 
 namespace zerorate::toml_file {
+
+enum class Presence : std::uint8_t { required, optional };
+
+/// Rule for a number, in code and in words ("a positive number").
+struct Rule {
+  bool (*holds)(double);
+  std::string_view words;
+};
 
 /// A file's text, for messages and for the digits of its numbers.
 class Document {

@@ -1,17 +1,39 @@
 /// @file
-/// A node in /dev that may disappear and come back.
+/// The calls by which the back ends reach the kernel, and a node in /dev that may disappear and
+/// come back.
 #pragma once
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <string>
 #include <utility>
 
 #include "core/base/result.hpp"
 #include "hal/linux/bus_error.hpp"
-#include "hal/linux/system_calls.hpp"
 
 namespace zerorate::hal::linux_os {
+
+/// Value that a call returned, or the error number that it left.
+using CallResult = core::Result<int, int>;
+
+[[nodiscard]] inline CallResult checked(int returned) {
+  if (returned < 0) return core::Unexpected{errno};
+  return returned;
+}
+
+/// The real ones.
+struct SystemCalls {
+  static CallResult open(const char* path, int flags) {
+    return checked(::open(path, flags | O_CLOEXEC));
+  }
+  static void close(int descriptor) { (void)::close(descriptor); }
+  static CallResult ioctl(int descriptor, unsigned long request, void* argument) {
+    return checked(::ioctl(descriptor, request, argument));
+  }
+};
 
 /// Opens its node at the first use, and again at the first use after the device was gone: a sensor
 /// that is unplugged and plugged in again needs no restart of the program.

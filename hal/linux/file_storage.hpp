@@ -11,7 +11,7 @@
 
 #include "core/base/result.hpp"
 #include "hal/contract/storage.hpp"
-#include "hal/linux/system_calls.hpp"
+#include "hal/linux/device_file.hpp"
 
 namespace zerorate::hal::linux_os {
 

@@ -8,7 +8,6 @@
 
 #include "hal/linux/gpio_line.hpp"
 #include "hal/linux/gpio_request.hpp"
-#include "hal/linux/sequence_gaps.hpp"
 
 namespace zerorate::hal::linux_os {
 namespace {

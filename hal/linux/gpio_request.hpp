@@ -1,11 +1,13 @@
 /// @file
-/// Parts of a request for a line that both versions of libgpiod need.
+/// Parts of a request for a line that both versions of libgpiod need, and the count of the events
+/// that a version with numbered events has lost.
 #pragma once
 
 #include <fcntl.h>
 
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -35,5 +37,20 @@ namespace zerorate::hal::linux_os {
   const int flags = fcntl(descriptor, F_GETFL);
   return flags >= 0 && fcntl(descriptor, F_SETFL, flags | O_NONBLOCK) >= 0;
 }
+
+/// The kernel numbers the events of a line request from 1 on, in 32 bits that wrap. Nothing is lost
+/// as long as each number follows the one before it.
+class SequenceGaps {
+ public:
+  /// How many events are missing between the one before and this one.
+  std::uint32_t take(std::uint32_t number) {
+    const std::uint32_t missing = number - newest_ - 1U;
+    newest_ = number;
+    return missing;
+  }
+
+ private:
+  std::uint32_t newest_ = 0;
+};
 
 }  // namespace zerorate::hal::linux_os

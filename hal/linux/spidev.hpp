@@ -17,7 +17,6 @@
 #include "hal/contract/bus_operation.hpp"
 #include "hal/contract/spi_device.hpp"
 #include "hal/linux/device_file.hpp"
-#include "hal/linux/system_calls.hpp"
 
 namespace zerorate::hal::linux_os {
 

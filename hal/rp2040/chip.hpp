@@ -1,5 +1,6 @@
 /// @file
-/// From the ring oscillator that the boot ROM leaves running to 125 MHz from the crystal.
+/// From the ring oscillator that the boot ROM leaves running to 125 MHz from the crystal, and the
+/// connection of each pin.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +43,29 @@ inline void start_clocks() {
   clocks::kPeriCtrl.write(clocks::kPeriEnable);
 
   watchdog::kTick.write(kCrystalMHz | watchdog::kTickEnable);
+}
+
+enum class Pull : std::uint32_t {
+  none = 0,
+  up = pads_bank0::kPullUp,
+  down = pads_bank0::kPullDown,
+};
+
+/// Connects a pin to a peripheral (table in datasheet section 2.19.2), its input enabled.
+template <unsigned Pin>
+void connect(io_bank0::Function function, Pull pull = Pull::none) {
+  static_assert(Pin < 30, "bank 0 has GPIO 0 to 29");
+  pads_bank0::kPad<Pin>.write(pads_bank0::kInputEnable | pads_bank0::kSchmitt |
+                              pads_bank0::kDrive4mA | static_cast<std::uint32_t>(pull));
+  io_bank0::kControl<Pin>.write(function);
+}
+
+/// A pin that software drives; high from the start, without a pulse on the way.
+template <unsigned Pin>
+void connect_output_high() {
+  sio::kOutSet.write(bit(Pin));
+  sio::kOutEnableSet.write(bit(Pin));
+  connect<Pin>(io_bank0::sio);
 }
 
 }  // namespace zerorate::hal::rp2040

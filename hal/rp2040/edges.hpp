@@ -16,8 +16,8 @@
 #include "core/base/time.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/pulse_input.hpp"
+#include "hal/rp2040/chip.hpp"
 #include "hal/rp2040/interrupts.hpp"
-#include "hal/rp2040/pins.hpp"
 #include "hal/rp2040/registers.hpp"
 #include "hal/rp2040/timer.hpp"
 

@@ -10,7 +10,6 @@
 #include "core/base/result.hpp"
 #include "hal/contract/i2c_bus.hpp"
 #include "hal/rp2040/chip.hpp"
-#include "hal/rp2040/pins.hpp"
 #include "hal/rp2040/registers.hpp"
 #include "hal/rp2040/timer.hpp"
 

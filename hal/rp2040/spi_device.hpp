@@ -9,7 +9,6 @@
 #include "core/base/result.hpp"
 #include "hal/contract/spi_device.hpp"
 #include "hal/rp2040/chip.hpp"
-#include "hal/rp2040/pins.hpp"
 #include "hal/rp2040/registers.hpp"
 #include "hal/rp2040/timer.hpp"
 

@@ -1,5 +1,6 @@
 /// @file
-/// The chip's timer: the node's one clock, and a beat that wakes the main loop.
+/// The chip's timer: the node's one clock, and a beat that wakes the main loop; and the watchdog on
+/// the same tick, which resets the chip if the main loop stops.
 #pragma once
 
 #include <atomic>
@@ -64,6 +65,19 @@ class Beat {
 
  private:
   std::atomic<bool> is_due_{false};
+};
+
+/// Datasheet, 4.7. The counter loses two a tick (erratum RP2040-E1).
+template <std::uint32_t TimeoutMicroseconds>
+class Watchdog {
+  static_assert(2 * TimeoutMicroseconds < (1U << 24U), "the counter has 24 bits");
+
+ public:
+  static void start() {
+    feed();
+    watchdog::kControl.set(watchdog::kEnable);
+  }
+  static void feed() { watchdog::kLoad.write(2 * TimeoutMicroseconds); }
 };
 
 }  // namespace zerorate::hal::rp2040

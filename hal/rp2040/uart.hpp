@@ -11,7 +11,6 @@
 
 #include "hal/rp2040/chip.hpp"
 #include "hal/rp2040/interrupts.hpp"
-#include "hal/rp2040/pins.hpp"
 #include "hal/rp2040/registers.hpp"
 
 namespace zerorate::hal::rp2040 {

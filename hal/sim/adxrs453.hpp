@@ -9,8 +9,8 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/frame_spi.hpp"
 
 namespace zerorate::hal::sim {
 

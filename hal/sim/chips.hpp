@@ -2,7 +2,7 @@
 /// Every simulated chip, each of the same name as its line in the table of chips (drivers/chips).
 #pragma once
 
-#include "core/base/type_list.hpp"
+#include "core/base/compile_time.hpp"
 #include "hal/sim/adxrs453.hpp"
 #include "hal/sim/bmi088.hpp"
 #include "hal/sim/icm42688.hpp"

@@ -9,13 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/i2c.hpp"
 #include "hal/sim/lsm6dso.hpp"
-#include "hal/sim/spi.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "hal/testing/scripted_bus.hpp"
 #include "host_tests/unit/hal/linux/kernel_double.hpp"

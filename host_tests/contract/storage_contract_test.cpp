@@ -10,7 +10,7 @@
 #include "hal/rp2040/flash_storage.hpp"
 #include "hal/sim/storage.hpp"
 #include "host_tests/support/cut_flash.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 
 namespace zerorate::hal {
 namespace {

@@ -26,7 +26,7 @@ TIES = {
 def lock_file_findings(name, text):
     """A finding for every package of a package-lock.json that names its download address."""
     packages = json.loads(text).get("packages", {})
-    return [f"{name}: resolved address of {package or 'the root'}"
+    return [f"{name}: resolved address of {package or 'the root'}: see npm's --omit-lockfile-registry-resolved"
             for package, entry in packages.items() if "resolved" in entry]
 
 

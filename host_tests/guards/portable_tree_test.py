@@ -41,7 +41,8 @@ class PlantedTie(unittest.TestCase):
     def test_resolved_address_in_a_lock_file_is_found(self):
         lock = {"packages": {"": {"name": "a"}, "node_modules/b": {"version": "1.0.0", "resolved": "somewhere"}}}
         self.assertEqual(findings_in("tools/package-lock.json", json.dumps(lock)),
-                         ["tools/package-lock.json: resolved address of node_modules/b"])
+                         ["tools/package-lock.json: resolved address of node_modules/b: "
+                          "see npm's --omit-lockfile-registry-resolved"])
 
 
 class PortableText(unittest.TestCase):

@@ -7,15 +7,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/compile_time.hpp"
 #include "core/base/time.hpp"
-#include "core/base/type_list.hpp"
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/frame_bus.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
-#include "hal/sim/frame_spi.hpp"
-#include "hal/sim/i2c.hpp"
-#include "hal/sim/spi.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "host_tests/support/gyro_rig.hpp"
 

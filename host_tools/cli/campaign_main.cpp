@@ -22,7 +22,6 @@
 #include "host_tools/cli/program.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/lib/campaign/answer.hpp"
-#include "host_tools/lib/campaign/gain_summary.hpp"
 #include "host_tools/lib/campaign/scenario.hpp"
 #include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/campaign/tally.hpp"

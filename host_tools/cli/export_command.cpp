@@ -6,8 +6,7 @@
 #include <string>
 
 #include "core/base/time.hpp"
-#include "firmware/model/c_header.hpp"
-#include "firmware/model/cpp_header.hpp"
+#include "firmware/model/source_headers.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/text_output.hpp"

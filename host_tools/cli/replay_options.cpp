@@ -14,7 +14,7 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"

@@ -21,7 +21,7 @@
 #include "core/noise/warm_up.hpp"
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/frame_bus.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/boards/linux/configuration_tables.hpp"
-#include "firmware/toml/nearest_name.hpp"
+#include "firmware/toml/error.hpp"
 #include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {

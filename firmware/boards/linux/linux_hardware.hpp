@@ -10,7 +10,6 @@
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/process/event.hpp"
 #include "hal/linux/gpio_line.hpp"
-#include "hal/linux/latest_edge.hpp"
 
 namespace zerorate::linux_node {
 

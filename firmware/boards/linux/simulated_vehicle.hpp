@@ -8,15 +8,15 @@
 #include <random>
 #include <span>
 
-#include "drivers/common/erased_gyro.hpp"
+#include "drivers/common/any_gyro.hpp"
 #include "drivers/lsm6dso/driver.hpp"
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/process/event.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/odometer.hpp"
-#include "hal/sim/spi.hpp"
 
 namespace zerorate::linux_node {
 

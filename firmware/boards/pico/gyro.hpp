@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "drivers/common/frame_bus.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "firmware/boards/pico/chip.hpp"
 #include "firmware/boards/pico/node.hpp"

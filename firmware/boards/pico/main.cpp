@@ -17,7 +17,6 @@
 #include "hal/rp2040/interrupts.hpp"
 #include "hal/rp2040/timer.hpp"
 #include "hal/rp2040/uart.hpp"
-#include "hal/rp2040/watchdog.hpp"
 
 namespace zerorate::pico {
 namespace {

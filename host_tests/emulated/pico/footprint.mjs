@@ -1,13 +1,55 @@
 // How much of a Pico the node needs: measured on the image that is shipped, in the emulated chip.
 // `node footprint.mjs FILE` writes docs/reference/footprint.md; footprint.test.mjs holds it to that.
 
+import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { rates } from './frames.mjs';
 import { LEARNING, Rig, drive, image } from './rig.mjs';
-import { provenStack, worstStack } from './stack.mjs';
 
 const DURATION_S = 40, SEED = 3;
+
+// The depth that the stack really reaches when interrupts come at the worst instruction, and the bound
+// that toolchains/gates/stack_depth.py proves for the same image.
+
+const SET_PENDING = 0xe000e200; // NVIC_ISPR (ARMv6-M, B3.4.5)
+const FIRST_INTERRUPT = 16;
+const LOW_PRIORITY = 1 << 0 | 1 << 20; // timer_0, uart0
+const HIGH_PRIORITY = 1 << 13;         // io_bank0
+
+// Bytes that no call, nested interrupts included, can exceed.
+export function provenStack(name = 'zerorate-pico') {
+  const tool = (program) => [`--${program}`, `arm-none-eabi-${program}`];
+  const interrupts = ['handle_timer_0,handle_uart0', 'handle_io_bank0'].flatMap((names) => ['--interrupts', names]);
+  const done = spawnSync('python3', ['-B', process.env.PICO_STACK_GATE, ...tool('objdump'), ...tool('nm'),
+    ...interrupts, `${image(name)}.elf`], { encoding: 'utf8' });
+  return Number(/^stack: (\d+) bytes at most/.exec(done.stdout)[1]);
+}
+
+// Bytes that the image uses at most in some seconds of standstill and a pulse, while every new depth of the
+// program is interrupted by both handlers of low priority, and every new depth of these by the third.
+export function worstStack(name = 'zerorate-pico', until_us = 5e6) {
+  const rig = new Rig({ name });
+  const { board } = rig;
+  const { core } = board.mcu;
+  const deepest = { program: Infinity, handler: Infinity };
+  const open = [];
+  const { exceptionEntry, exceptionReturn } = core;
+  core.exceptionEntry = (number) => { exceptionEntry(number); open.push(number - FIRST_INTERRUPT); };
+  core.exceptionReturn = (code) => { exceptionReturn(code); open.pop(); };
+  const pend = (interrupts) => board.mcu.writeUint32(SET_PENDING, interrupts);
+  board.beforeInstruction = () => {
+    const level = ['program', 'handler'][open.length];
+    if (level === undefined || !(core.SP < deepest[level])) return;
+    deepest[level] = core.SP;
+    pend(level === 'program' ? LOW_PRIORITY : HIGH_PRIORITY);
+  };
+  rig.measureForEver([100, -200, 300]);
+  board.run(until_us - 1e6);
+  rig.pulse();
+  board.run(until_us);
+  return board.stackUsed;
+}
 
 // Instructions from one conversion of the gyro to the next: everything the processor does meanwhile,
 // interrupts and waiting for the bus included. By the state that the message said.
@@ -115,7 +157,7 @@ The images may take 40 and 64 KiB of flash, and 8 and 24 KiB of RAM. A sample pe
 125 MHz; an instruction of the Cortex-M0+ takes one or two, and more where it waits for the flash, which the emulator
 does not model. The proved bound of the stack follows every call of the linked image (\`toolchains/gates/stack_depth.py\`),
 and it is reached: with an interrupt of each priority at every new depth of the stack, the image uses exactly as much, and
-so does one that publishes the moving average (\`stack.test.mjs\`). The largest sample period is one in which a stop ends
+so does one that publishes the moving average (\`footprint.test.mjs\`). The largest sample period is one in which a stop ends
 and what was learnt is written to the flash. Counts of single calls are means over four seconds of standstill, with all
 that is called and without interrupts; what a tick of the predictors takes is in [instructions](instructions.md).
 `;

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { format, measure, parse } from './footprint.mjs';
+import { format, measure, parse, provenStack, worstStack } from './footprint.mjs';
 
 const GROWTH = 1.03;
 
@@ -31,3 +31,9 @@ test('what is written is read back', () => {
   const figures = new Map([['flash, bytes', [1, 2]], ['other', [23, 4]]]);
   assert.deepEqual(parse(format(figures)), figures);
 });
+
+for (const name of ['zerorate-pico', 'zerorate-pico-learning', 'mutant-moving-average-published']) {
+  test(`the bound of the stack is reached, and not exceeded: ${name}`, () => {
+    assert.equal(worstStack(name), provenStack(name));
+  });
+}

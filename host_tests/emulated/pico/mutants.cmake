@@ -44,6 +44,6 @@ pico_mutant(interrupts-from-flash hal/rp2040/flash_chip.cpp
   "nvic::kClearEnable.write(~bit(nvic::io_bank0));" "")
 pico_mutant(no-write-enable hal/rp2040/flash_chip.cpp "exchange(kWriteEnable)" "exchange(kReadStatus)")
 
-# No mistake: what the stack needs is proved for this image too, and reached by it (stack.test.mjs).
+# No mistake: what the stack needs is proved for this image too, and reached by it (footprint.test.mjs).
 pico_mutant(moving-average-published firmware/app/node_params.hpp
   "published = Predictor::kalman;" "published = Predictor::moving_average;")

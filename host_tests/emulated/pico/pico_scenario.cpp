@@ -12,15 +12,15 @@
 #include <string>
 
 #include "core/base/time.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/boards/pico/node.hpp"
 #include "firmware/wire/cobs.hpp"
 #include "firmware/wire/rate_frame.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/odometer.hpp"
-#include "hal/sim/spi.hpp"
 #include "host_tests/emulated/pico/scenario.hpp"
 
 namespace zerorate::emulated {

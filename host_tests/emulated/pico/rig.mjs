@@ -4,9 +4,8 @@ import { spawnSync } from 'node:child_process';
 import path from 'node:path';
 import { Board } from './board.mjs';
 import { framesIn } from './frames.mjs';
-import { Lsm6dso } from './lsm6dso.mjs';
+import { Lsm6dso, SimulatedChip } from './gyros.mjs';
 import { I2cPort, SpiPort, framesOnSpi, registersOnSpi } from './ports.mjs';
-import { SimulatedChip } from './simulated_chip.mjs';
 
 const SMALL = 'zerorate-pico';
 export const LEARNING = 'zerorate-pico-learning';

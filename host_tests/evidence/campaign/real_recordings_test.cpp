@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/experiments/drives/drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"

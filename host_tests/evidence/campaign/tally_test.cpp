@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "host_tools/lib/campaign/gain_summary.hpp"
 #include "host_tools/lib/campaign/scenario.hpp"
 
 namespace zerorate::campaign {

@@ -16,7 +16,7 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tests/evidence/drives/made_drive.hpp"
-#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/folders.hpp"
 
 namespace zerorate::drives {
 namespace {

@@ -1,12 +1,13 @@
 #!/bin/bash
-# report_in_browser_test.sh PROGRAM FOLDER
+# report_in_browser_test.sh PROGRAM REPORT FOLDER
 #
-# Opens the report that PROGRAM writes in a headless browser, on screen and on paper, and asks
+# Opens the report of that name that PROGRAM writes in a headless browser, on screen and on paper, and asks
 # whether every chart was painted and no script complained. Without chromium it says so and ends
 # with 77 (skipped).
 set -euo pipefail
 program=$1
-folder=$2
+name=$2
+folder=$3
 
 browser=$(command -v chromium || command -v chromium-browser || true)
 if [[ -z $browser ]]; then
@@ -18,7 +19,7 @@ mkdir -p "$folder"
 profile=$(mktemp -d "$folder/profile.XXXXXX")
 trap 'rm -rf "$profile"' EXIT
 report=$(realpath "$folder")/report.html
-"$program" "$report"
+"$program" "$name" "$report"
 
 open_report() {
   timeout 60 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run \

@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 
 namespace zerorate::evaluate {
 namespace {

@@ -13,20 +13,20 @@
 #include <span>
 #include <vector>
 
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "drivers/lsm6dso/driver.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "firmware/model/hypotheses.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/odometer.hpp"
-#include "hal/sim/spi.hpp"
 #include "hal/sim/storage.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "host_tests/system/scenario/play.hpp"
-#include "host_tools/lib/simulate/driver.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
 
 namespace zerorate::scenario {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/model/catalogue.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/recording/writer.hpp"

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::campaign {
 namespace {

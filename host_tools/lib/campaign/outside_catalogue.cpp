@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tools/lib/campaign/normal.hpp"
 #include "host_tools/lib/campaign/sized_effect.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::campaign {
 namespace {
@@ -255,11 +255,12 @@ SizedEffect draw_deadband(const RecordingSetting& setting, Draws& /*draws*/) {
                 double sum = 0.0;
                 for (const double slow : setting.slow_rad_s) {
                   const double centre = (slow - setting.bias_rad_s) / white;
-                  const double mass =
-                      normal_tail(centre - width / white) - normal_tail(centre + width / white);
+                  const double mass = statistics::normal_tail(centre - width / white) -
+                                      statistics::normal_tail(centre + width / white);
                   if (mass < 1e-15) continue;
                   // Nothing is left beside the point: what the cell held before is in the mass.
-                  sum += mass * std::log(std::max(1.0, mass / (kCell * normal_density(centre))));
+                  sum += mass * std::log(std::max(
+                                    1.0, mass / (kCell * statistics::normal_density(centre))));
                 }
                 return sum;
               },

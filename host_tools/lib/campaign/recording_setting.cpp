@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "host_tools/lib/spectrum/noise_strength.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::campaign {
 namespace {

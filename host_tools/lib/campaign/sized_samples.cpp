@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "host_tools/lib/campaign/normal.hpp"
 #include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::campaign {
 namespace {
@@ -19,9 +19,10 @@ double rounding_loss(double step, double centre) {
   double loss = 0.0;
   for (int level = -reach; level <= reach; ++level) {
     const double from = (level - 0.5) * step - centre * step;
-    const double mass = normal_tail(from) - normal_tail(from + step);
+    const double mass = statistics::normal_tail(from) - statistics::normal_tail(from + step);
     if (mass < 1e-15) continue;
-    const double believed = step * normal_density(((level - centre) * step) / spread) / spread;
+    const double believed =
+        step * statistics::normal_density(((level - centre) * step) / spread) / spread;
     loss += mass * std::log(mass / believed);
   }
   return loss;
@@ -108,9 +109,10 @@ SizedEffect draw_saturation(const RecordingSetting& setting, Draws& /*draws*/) {
             double sum = 0.0;
             for (const double slow : setting.slow_rad_s) {
               const double z = (full_scale(size) - sign * slow) / white;
-              const double mass = normal_tail(z);
+              const double mass = statistics::normal_tail(z);
               if (mass < 1e-15) continue;
-              sum += mass * std::log(mass / std::max(1e-300, kCell * normal_density(z)));
+              sum +=
+                  mass * std::log(mass / std::max(1e-300, kCell * statistics::normal_density(z)));
             }
             return sum;
           },

@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/erased_gyro.hpp"
+#include "drivers/common/any_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
-#include "hal/sim/frame_spi.hpp"
-#include "hal/sim/spi.hpp"
 
 namespace zerorate::evaluate {
 namespace {

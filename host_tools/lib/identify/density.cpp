@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::identify {
 namespace {

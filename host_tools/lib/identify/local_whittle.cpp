@@ -12,7 +12,7 @@
 #include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::identify {
 namespace {

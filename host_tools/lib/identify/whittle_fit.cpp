@@ -11,9 +11,8 @@
 
 #include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/spectrum/cosine_transform.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::identify {
 namespace {

@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "host_tools/lib/odometry/silence.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"

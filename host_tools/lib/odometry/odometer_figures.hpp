@@ -1,5 +1,6 @@
 /// @file
-/// Figures of a real odometer, measured against a reference's speed.
+/// Figures of a real odometer, measured against a reference's speed, and the stretches in which it
+/// says zero although the vehicle rolls.
 #pragma once
 
 #include <array>
@@ -79,5 +80,23 @@ struct OdometerFigures {
 
 /// Ends with a line end.
 [[nodiscard]] std::string to_json(const SpeedRecord& record, const OdometerFigures& figures);
+
+/// Row in which the vehicle rolls although its odometer says zero.
+struct RollingRow {
+  std::size_t row;
+  Situation situation;
+};
+
+struct Silence {
+  Stretch rows;
+  std::vector<RollingRow> rolling;
+};
+
+[[nodiscard]] std::vector<Silence> find_silences(const SpeedRecord& record);
+
+/// @param situation  none: all of them
+[[nodiscard]] Rolling describe_rolling(const SpeedRecord& record,
+                                       const std::vector<Silence>& silences,
+                                       std::optional<Situation> situation);
 
 }  // namespace zerorate::odometry

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host_tools/lib/odometry/silence.hpp"
+#include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
 #include "host_tools/lib/units/units.hpp"

@@ -1,4 +1,4 @@
-#include "host_tools/lib/odometry/silence.hpp"
+#include "host_tools/lib/odometry/odometer_figures.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "host_tools/lib/simulate/driver.hpp"
 #include "host_tools/lib/simulate/odometer.hpp"
-#include "host_tools/lib/simulate/scenario_gyro.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 #include "host_tools/lib/units/units.hpp"

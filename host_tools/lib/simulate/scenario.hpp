@@ -4,11 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "host_tools/lib/recording/row.hpp"
+#include "host_tools/lib/simulate/simulate.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
 
 namespace zerorate::simulate {
 
@@ -53,5 +56,22 @@ struct Scenario {
 [[nodiscard]] ScenarioDrive parking_turn(std::uint64_t seed);
 /// The drive of dead_band(), with a speed message once a second.
 [[nodiscard]] ScenarioDrive speed_by_can(std::uint64_t seed);
+
+inline constexpr double kScenarioPeriod_s = 1.0 / 104.0;
+
+/// Particulars of the gyro of a scenario.
+struct ScenarioGyro {
+  std::array<double, 3> bias_dps{0.3, -0.2, 0.1};
+  double arw_dps_rt_s = kScenarioArwDpsRtS;
+  double bias_instability_dph = kScenarioBiasInstabilityDph;
+  std::vector<Effect> drift{};                       ///< of the bias about z
+  std::vector<Effect> disturbance{};                 ///< of what is measured about every axis
+  std::function<double(double)> temperature_degc{};  ///< at a time in seconds; none: no thermometer
+};
+
+/// The gyro on the vehicle, its odometer, and the motion's own heading, rate and speed as
+/// reference.
+[[nodiscard]] ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro,
+                                   std::uint64_t seed);
 
 }  // namespace zerorate::simulate

@@ -1,4 +1,4 @@
-#include "host_tools/lib/simulate/scenario_gyro.hpp"
+#include "host_tools/lib/simulate/scenario.hpp"
 
 #include <cmath>
 #include <cstddef>

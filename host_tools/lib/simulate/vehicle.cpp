@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
+
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::simulate {
 namespace {
@@ -103,6 +107,132 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
     motion.speed_m_s.push_back(drive.speed(t));
     motion.odometer_pulses.push_back(
         static_cast<std::int64_t>(distance_m / params.metres_per_pulse));
+  }
+  return motion;
+}
+
+namespace {
+
+constexpr double kFirstStop_s = 30.0;
+constexpr double kGathered_m_s = 2.0;
+constexpr double kBend_dps = 12.0;  // the peak of a bend at cruising speed
+
+class Driver {
+ public:
+  Driver(const DriverParams& params, const random::RandomStream& stream)
+      : params_(params), stream_(stream.substream("driver")) {}
+
+  std::vector<Leg> drive() {
+    stand(kFirstStop_s);
+    while (time_s_ < params_.duration_s) {
+      pull_away();
+      cruise();
+      come_to_rest();
+      wait();
+    }
+    return legs_;
+  }
+
+ private:
+  double uniform() { return stream_.uniform(next_++); }
+  double around(double value) { return value * (0.6 + 0.8 * uniform()); }
+  double exponential(double mean) { return -mean * std::log(uniform()); }
+  bool happens(double share) { return uniform() < share; }
+
+  /// Changes speed with an acceleration, then holds it for a time.
+  void go(double held_s, double speed_m_s, double turn_dps, double acceleration_m_s2) {
+    const double before_m_s = legs_.empty() ? 0.0 : legs_.back().speed_m_s;
+    const double ramp_s = std::max(0.2, std::abs(speed_m_s - before_m_s) / acceleration_m_s2);
+    legs_.push_back({.length_s = ramp_s + held_s,
+                     .speed_m_s = speed_m_s,
+                     .turn_dps = turn_dps,
+                     .ramp_s = ramp_s});
+    time_s_ += ramp_s + held_s;
+  }
+
+  void stand(double length_s) { go(length_s, 0.0, 0.0, around(params_.brakes_with_m_s2)); }
+
+  void creep() {
+    const double speed_m_s = around(params_.creep_speed_m_s);
+    go(around(params_.creep_s), speed_m_s, turn_dps(speed_m_s),
+       around(params_.pulls_away_with_m_s2));
+  }
+
+  /// Yaw rate in a bend at random.
+  double turn_dps(double speed_m_s) {
+    const double side = happens(0.5) ? 1.0 : -1.0;
+    const double radius_m = params_.tightest_bend_m *
+                            std::pow(params_.widest_bend_m / params_.tightest_bend_m, uniform());
+    return side * speed_m_s / radius_m * units::kDegPerRad;
+  }
+
+  /// Maybe with a creep, and in a bend until it has gathered speed.
+  void pull_away() {
+    if (happens(params_.creeping_share)) creep();
+    go(0.0, kGathered_m_s, turn_dps(kGathered_m_s), around(params_.pulls_away_with_m_s2));
+  }
+
+  void cruise() {
+    const double speed_m_s = around(params_.cruise_speed_m_s);
+    const double bend_dps = kBend_dps * (2.0 * uniform() - 1.0);
+    const double held_s = exponential(params_.mean_drive_s);
+    go(0.5 * held_s, speed_m_s, 0.0, around(params_.pulls_away_with_m_s2));
+    go(4.0, speed_m_s, bend_dps, params_.pulls_away_with_m_s2);
+    go(0.5 * held_s, speed_m_s, 0.0, params_.pulls_away_with_m_s2);
+  }
+
+  void come_to_rest() {
+    if (!happens(params_.creeping_share)) return;
+    go(0.0, params_.creep_speed_m_s, 0.0, around(params_.brakes_with_m_s2));
+    creep();
+  }
+
+  /// A stop, and as many moves forward within it as chance gives.
+  void wait() {
+    const double share = params_.inches_per_stop / (1.0 + params_.inches_per_stop);
+    stand(2.0 + exponential(params_.mean_stop_s));
+    while (happens(share)) {
+      creep();
+      stand(2.0 + exponential(params_.mean_stop_s));
+    }
+  }
+
+  DriverParams params_;
+  random::RandomStream stream_;
+  std::int64_t next_ = 0;
+  double time_s_ = 0.0;
+  std::vector<Leg> legs_;
+};
+
+}  // namespace
+
+std::vector<Leg> drive_in_traffic(const DriverParams& params, const random::RandomStream& stream) {
+  return Driver{params, stream}.drive();
+}
+
+VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double metres_per_pulse) {
+  using units::kRadPerDeg;
+  VehicleMotion motion{
+      .sample_period_s = sample_period_s, .rate_rad_s = {}, .speed_m_s = {}, .odometer_pulses = {}};
+  Leg before = legs.front();
+  double distance_m = 0.0;
+  double start_s = 0.0;
+  for (const Leg& leg : legs) {
+    for (;;) {
+      const double t_s = static_cast<double>(motion.size()) * sample_period_s;
+      if (t_s >= start_s + leg.length_s) break;
+      const double share = std::min(1.0, (t_s - start_s) / leg.ramp_s);
+      const double speed = std::lerp(before.speed_m_s, leg.speed_m_s, share);
+      const double yaw = std::lerp(before.turn_dps, leg.turn_dps, share) * kRadPerDeg;
+      const double nod =
+          0.004 * std::sin(2.0 * std::numbers::pi * 1.3 * t_s) * std::min(1.0, speed / 14.0);
+      distance_m += speed * sample_period_s;
+      motion.rate_rad_s.push_back({0.05 * yaw, nod, yaw});
+      motion.speed_m_s.push_back(speed);
+      motion.odometer_pulses.push_back(static_cast<std::int64_t>(distance_m / metres_per_pulse));
+    }
+    start_s += leg.length_s;
+    before = leg;
   }
   return motion;
 }

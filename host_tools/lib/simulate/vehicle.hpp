@@ -1,10 +1,13 @@
 /// @file
-/// A road vehicle between stops: how it turns, and what its odometer counts.
+/// A road vehicle between stops: how it turns, and what its odometer counts; and a driver in
+/// traffic, who pulls away, drives, brakes to a stop, inches forward in a queue, and turns while
+/// creeping.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host_tools/lib/random/random_stream.hpp"
@@ -35,5 +38,41 @@ struct VehicleMotion {
 /// stop, which is why a node waits for a settle time.
 [[nodiscard]] VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
                                              const random::RandomStream& stream);
+
+/// A stretch at one speed and one yaw rate, to which both change from those of the leg before.
+struct Leg {
+  double length_s = 0.0;
+  double speed_m_s = 0.0;
+  double turn_dps = 0.0;
+  double ramp_s = 1.0;  ///< time of that change, from the leg's beginning
+};
+
+/// The body leans and nods as that of simulate_vehicle(); it does not rock after braking.
+[[nodiscard]] VehicleMotion follow(std::span<const Leg> legs, double sample_period_s,
+                                   double metres_per_pulse = 0.05);
+
+/// Habits of a driver; those of docs/reference/real-odometers.md by default. Lengths of stops and
+/// drives are exponential around their means, all other figures uniform within 40 % of theirs.
+struct DriverParams {
+  double duration_s = 1800.0;
+  double mean_stop_s = 14.0;
+  double mean_drive_s = 50.0;
+  double cruise_speed_m_s = 9.0;
+  double pulls_away_with_m_s2 = 0.9;
+  double brakes_with_m_s2 = 0.9;
+  double creep_speed_m_s = 0.45;  ///< while creeping or inching
+  double creep_s = 2.0;           ///< length of each creep
+  /// Share of the stops that begin with a creep, and of those that end with one.
+  double creeping_share = 0.15;
+  double inches_per_stop = 0.2;  ///< mean number of moves forward within a stop
+  /// Radii of the bends in which it creeps and pulls away, to either side: their logarithms are
+  /// uniform between those of these two.
+  double tightest_bend_m = 20.0;
+  double widest_bend_m = 8000.0;
+};
+
+/// Legs of a drive that begins with a stop of half a minute and ends at rest.
+[[nodiscard]] std::vector<Leg> drive_in_traffic(const DriverParams& params,
+                                                const random::RandomStream& stream);
 
 }  // namespace zerorate::simulate

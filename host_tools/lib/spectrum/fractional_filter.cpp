@@ -4,7 +4,7 @@
 #include <bit>
 #include <complex>
 
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::spectrum {
 namespace {

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/erased_gyro.hpp"
+#include "drivers/common/any_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
-#include "drivers/common/register_bus.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
 

@@ -9,8 +9,8 @@
 #include "host_tests/emulated/linux/guest/daemon_process.hpp"
 #include "host_tests/emulated/linux/guest/device_world.hpp"
 #include "host_tests/emulated/linux/guest/receivers.hpp"
+#include "host_tests/emulated/linux/guest/scenarios.hpp"
 #include "host_tests/emulated/linux/guest/schedule.hpp"
-#include "host_tests/emulated/linux/guest/verdict.hpp"
 #include "host_tests/emulated/linux/guest/witness.hpp"
 
 namespace zerorate::emulated {

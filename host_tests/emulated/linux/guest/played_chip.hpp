@@ -10,12 +10,10 @@
 
 #include "hal/linux/clock.hpp"
 #include "hal/sim/adxrs453.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/frame_spi.hpp"
-#include "hal/sim/i2c.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
-#include "hal/sim/spi.hpp"
 #include "host_tests/emulated/linux/kernel/zerorate_bus.h"
 
 namespace zerorate::emulated {

@@ -1,11 +1,33 @@
 /// @file
-/// Scenarios that the emulated machine goes through. Each scenario has a zerorated of its own.
+/// Scenarios that the emulated machine goes through, and the count of what they find. Each scenario
+/// has a zerorated of its own.
 #pragma once
 
+#include <cstdio>
+
 #include "host_tests/emulated/linux/guest/device_world.hpp"
-#include "host_tests/emulated/linux/guest/verdict.hpp"
 
 namespace zerorate::emulated {
+
+class Verdict {
+ public:
+  void begin(const char* scenario) const { std::printf("scenario: %s\n", scenario); }
+  /// @param value  is printed: what decided
+  template <class Number>
+  void check(const char* what, bool is_right, Number value) {
+    std::printf("  %s: %s (%.6g)\n", is_right ? "ok" : "FAILED", what, static_cast<double>(value));
+    std::fflush(stdout);
+    (is_right ? passed_ : failed_) += 1;
+  }
+  int report() const {
+    std::printf("WORLD %d passed, %d failed\n", passed_, failed_);
+    return failed_ == 0 ? 0 : 1;
+  }
+
+ private:
+  int passed_ = 0;
+  int failed_ = 0;
+};
 
 /// Stops and drives without a fault; leaves /run/recording.csv and /run/monitor.txt.
 void drive_undisturbed(DeviceWorld& world, Verdict& verdict, double seconds);

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/model/c_header.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
+#include "firmware/model/source_headers.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "firmware/model/flicker_fit.hpp"
 #include "firmware/model/model_file.hpp"
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
 namespace {

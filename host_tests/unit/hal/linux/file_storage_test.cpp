@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 
 namespace zerorate::hal::linux_os {
 namespace {

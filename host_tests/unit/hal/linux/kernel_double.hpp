@@ -19,7 +19,7 @@
 
 #include "hal/contract/bus_operation.hpp"
 #include "hal/contract/i2c_bus.hpp"
-#include "hal/linux/system_calls.hpp"
+#include "hal/linux/device_file.hpp"
 
 namespace zerorate::hal::linux_os {
 

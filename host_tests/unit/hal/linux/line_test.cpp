@@ -7,8 +7,7 @@
 
 #include "hal/linux/clock.hpp"
 #include "hal/linux/gpio_line.hpp"
-#include "hal/linux/latest_edge.hpp"
-#include "hal/linux/sequence_gaps.hpp"
+#include "hal/linux/gpio_request.hpp"
 #include "hal/sim/odometer.hpp"
 
 namespace zerorate::hal::linux_os {

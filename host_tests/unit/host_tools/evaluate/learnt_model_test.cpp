@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "firmware/model/catalogue.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tests/support/recordings_folder.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_trace.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"

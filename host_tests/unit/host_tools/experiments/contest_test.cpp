@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "host_tools/lib/experiments/paper/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/predictors.hpp"
 #include "host_tools/lib/experiments/paper/table1.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/random/random_stream.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "firmware/model/model_file.hpp"
-#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/model_curves.hpp"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/units/units.hpp"

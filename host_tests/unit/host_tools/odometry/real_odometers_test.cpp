@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
 #include "host_tools/lib/units/units.hpp"

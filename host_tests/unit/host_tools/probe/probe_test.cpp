@@ -9,12 +9,10 @@
 #include <set>
 #include <string>
 
+#include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/frame_spi.hpp"
-#include "hal/sim/i2c.hpp"
-#include "hal/sim/spi.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tests/unit/hal/linux/kernel_double.hpp"
 #include "host_tools/lib/probe/probe.hpp"
 

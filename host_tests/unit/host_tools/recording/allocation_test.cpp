@@ -3,7 +3,7 @@
 #include <string>
 
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::recording {

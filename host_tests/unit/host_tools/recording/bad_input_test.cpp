@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::recording {

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <ostream>
 
-#include "host_tests/support/recordings_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::recording {

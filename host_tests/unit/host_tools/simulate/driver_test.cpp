@@ -1,6 +1,6 @@
 // Habits of the simulated driver, measured in its legs; and the scenarios that it drives.
 
-#include "host_tools/lib/simulate/driver.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
 
 #include <gtest/gtest.h>
 

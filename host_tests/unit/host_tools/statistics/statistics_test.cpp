@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "host_tools/lib/statistics/bootstrap.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::statistics {
 namespace {

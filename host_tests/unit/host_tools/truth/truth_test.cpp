@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 

@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {

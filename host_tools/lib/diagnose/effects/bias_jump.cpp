@@ -7,7 +7,7 @@
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -9,8 +9,7 @@
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 #include "host_tools/lib/units/units.hpp"
 

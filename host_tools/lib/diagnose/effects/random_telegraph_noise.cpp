@@ -10,8 +10,7 @@
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 #include "host_tools/lib/units/units.hpp"
 

@@ -11,7 +11,6 @@
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/effects/noise_effect.hpp"
 #include "host_tools/lib/statistics/logit.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/lib/spectrum/cosine_transform.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 

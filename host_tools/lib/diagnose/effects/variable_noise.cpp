@@ -10,8 +10,7 @@
 #include "core/samples/noise_level_track.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/effect_figures.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 namespace {

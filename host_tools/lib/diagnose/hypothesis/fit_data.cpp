@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/spectrum/real_fft.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
 
 namespace zerorate::diagnose {

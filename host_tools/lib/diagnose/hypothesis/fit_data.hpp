@@ -11,7 +11,7 @@
 #include "host_tools/lib/diagnose/hypothesis/part.hpp"
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/record/level_lattice.hpp"
-#include "host_tools/lib/spectrum/cosine_transform.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 

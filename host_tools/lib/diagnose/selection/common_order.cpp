@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/statistics/search_significance.hpp"
 #include "host_tools/lib/statistics/tails.hpp"
 
 namespace zerorate::diagnose {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "firmware/model/hypotheses.hpp"
-#include "firmware/model/validation.hpp"
+#include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/experiments/drives/drive_models.hpp"
 #include "host_tools/lib/recording/error.hpp"

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host_tools/lib/evaluate/learnt_model.hpp"
-#include "host_tools/lib/experiments/drives/present_standings.hpp"
 #include "host_tools/lib/experiments/drives/presentation.hpp"
 #include "host_tools/lib/recording/json.hpp"
 #include "host_tools/lib/units/units.hpp"

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {
 namespace {
@@ -127,6 +130,25 @@ Figure controlled_rsse_ratio(std::span<const Score> scores, std::optional<double
   const double value = regression.solve(a)(0) / mean_b;
   const VectorXd difference = a - value * b;
   return {value, mean(difference - controls * regression.solve(difference)).error / mean_b};
+}
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+Expectation expect(const Predictor& predictor, const reference::FractionalNoise& noise,
+                   const Lengths& lengths) {
+  // The answers of a linear predictor to each sample alone are its weights.
+  const auto n = static_cast<Index>(lengths.calibration);
+  const Forecasts answers = predictor.predict(MatrixXd::Identity(n, n));
+  const MatrixXd covariance = reference::error_covariance(noise, answers.bias);
+  const reference::NormMoments rsse = reference::gaussian_norm(covariance);
+  const Eigen::ArrayXd stated_over_true =
+      answers.sigma.col(0).array() / covariance.diagonal().array().sqrt();
+  const auto within_two = [](double ratio) { return std::erf(std::numbers::sqrt2 * ratio); };
+  return {.std_ie = std::sqrt(covariance.sum()),
+          .mean_rsse = rsse.mean,
+          .std_rsse = rsse.standard_deviation,
+          .coverage = stated_over_true.unaryExpr(within_two).mean()};
 }
 
 }  // namespace zerorate::experiments

@@ -6,8 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "host_tools/lib/experiments/paper/node_predictors.hpp"
-#include "host_tools/lib/experiments/paper/reference_predictors.hpp"
+#include "host_tools/lib/experiments/paper/predictors.hpp"
 #include "host_tools/lib/identify/whittle_fit.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"

@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/paper/node_predictors.hpp"
+#include "host_tools/lib/experiments/paper/predictors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "host_tools/lib/experiments/paper/figures.hpp"
-#include "host_tools/lib/experiments/paper/filter_cost.hpp"
 #include "host_tools/lib/experiments/paper/measured_sets.hpp"
 #include "host_tools/lib/experiments/paper/table1.hpp"
 #include "host_tools/lib/experiments/presentation.hpp"

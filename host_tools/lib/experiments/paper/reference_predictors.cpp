@@ -1,4 +1,4 @@
-#include "host_tools/lib/experiments/paper/reference_predictors.hpp"
+#include "host_tools/lib/experiments/paper/predictors.hpp"
 
 #include "host_tools/lib/reference/autoregression.hpp"
 

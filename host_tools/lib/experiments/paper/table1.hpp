@@ -1,14 +1,15 @@
 /// @file
 /// The paper's Table I, simulated half, with the node's filter and the paper's future work beside
-/// it: the optimum, autoregressive models, intervals of the simple predictors, other orders d.
+/// it: the optimum, autoregressive models, intervals of the simple predictors, other orders d; and
+/// what a sample costs in the paper's full-state filter and in the decade filter.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "host_tools/lib/experiments/paper/contest.hpp"
-#include "host_tools/lib/experiments/paper/expectation.hpp"
 #include "host_tools/lib/reference/fractional_noise.hpp"
 
 namespace zerorate::experiments {
@@ -55,5 +56,15 @@ struct OrderStanding {
 [[nodiscard]] std::vector<OrderStanding> compare_orders(const std::vector<double>& orders,
                                                         const SimulationOptions& options,
                                                         const parallel::Progress& progress);
+
+struct FilterCost {
+  std::size_t samples = 0;           ///< length n of the calibration so far
+  double full_state_sample_s = 0.0;  ///< time that the full-state filter takes for sample n + 1
+  double decade_sample_s = 0.0;      ///< the same of the decade filter: a mean over n samples
+};
+
+/// Times both on this machine, one thread. The full-state filter at n starts from the covariance
+/// that it has when it has waited for n samples, because running it there costs O(n^3).
+[[nodiscard]] std::vector<FilterCost> measure_filter_cost(const std::vector<std::size_t>& lengths);
 
 }  // namespace zerorate::experiments

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/experiments/drives/exponential_means.hpp"
 
 namespace zerorate::experiments {

@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
+#include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tests/support/scratch_folder.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::experiments {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/boards/linux/metrics_text.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
 
 namespace zerorate::linux_node {

@@ -28,7 +28,7 @@
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/process.hpp"
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 

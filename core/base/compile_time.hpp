@@ -1,0 +1,26 @@
+/// @file
+/// Lists of types, and loops that the compiler writes out.
+#pragma once
+
+namespace zerorate::core {
+
+/// A list of types.
+template <class... Types>
+struct TypeList {
+  /// Calls `visit.template operator()<Type>()` for each type, in order.
+  template <class Visit>
+  static constexpr void for_each(Visit visit) {
+    (visit.template operator()<Types>(), ...);
+  }
+};
+
+}  // namespace zerorate::core
+
+/// ZERORATE_UNROLLED for (...): asks the compiler to unroll the loop completely, which nested loops
+/// over a triangle need before their indices become constants. Clang does so of its own accord;
+/// where floating point is software it is half the code again for a twentieth of the time.
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__ARM_ARCH_6M__)
+#define ZERORATE_UNROLLED _Pragma("GCC unroll 16")
+#else
+#define ZERORATE_UNROLLED
+#endif

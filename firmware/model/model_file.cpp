@@ -1,0 +1,152 @@
+#include "firmware/model/model_file.hpp"
+
+#include <array>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/model/model_fields.hpp"
+#include "firmware/model/sensor_model.hpp"
+#include "firmware/toml/strict_table.hpp"
+#include "firmware/toml/toml.hpp"
+
+namespace zerorate::model {
+namespace {
+
+/// A visitor of model_fields.hpp that reads one table.
+class TableReader {
+ public:
+  explicit TableReader(toml_file::StrictTable& table) : table_(table) {}
+
+  void number(std::string_view key, double& si, FileUnit unit, const Rule& rule,
+              Presence presence) {
+    const toml::node* const node = table_.find(key, rule.words, presence);
+    if (node == nullptr) return;
+    const double value = table_.checked_number(*node, key, rule);
+    si = si_from_decimal(table_.document().decimal(*node, value), unit);
+  }
+  void number(std::string_view key, int& value, FileUnit /*unit*/, const Rule& rule,
+              Presence presence) {
+    if (const auto read = table_.integer(key, rule, presence)) value = static_cast<int>(*read);
+  }
+  void text(std::string_view key, std::string& value, Presence presence) {
+    if (const auto read = table_.text(key, presence)) value = *read;
+  }
+  void start(std::string_view key, core::Start& value) {
+    constexpr std::array kStarts{core::Start::stationary, core::Start::zero};
+    static constexpr std::array kNames{start_name(kStarts[0]), start_name(kStarts[1])};
+    if (const auto read = table_.choice(key, kNames, Presence::optional)) value = kStarts[*read];
+  }
+
+  template <class Part>
+  void table(std::string_view key, Part& part, Presence presence) {
+    if (auto found = table_.table(key, presence)) read(*found, part);
+  }
+  template <class Part>
+  void table(std::string_view key, std::optional<Part>& part) {
+    if (table_.find(key, "", Presence::optional) != nullptr) {
+      table(key, part.emplace(), Presence::required);
+    }
+  }
+  template <class Part>
+  void tables(std::string_view key, std::vector<Part>& parts) {
+    auto tables = table_.tables(key);
+    for (toml_file::StrictTable& table : tables) read(table, parts.emplace_back());
+  }
+
+ private:
+  template <class Part>
+  static void read(toml_file::StrictTable& table, Part& part) {
+    TableReader inside(table);
+    visit_fields(inside, part);
+    table.reject_unknown();
+  }
+
+  toml_file::StrictTable& table_;
+};
+
+}  // namespace
+
+SensorModel parse_model(std::string_view toml, std::string_view origin) {
+  const toml_file::Document document(toml, origin);
+  const toml::table parsed = document.parse();
+  toml_file::StrictTable table(document, parsed, "");
+  if (*table.text("schema", Presence::required) != kModelSchema) {
+    table.fail_at("schema", "expected \"" + std::string(kModelSchema) + "\"");
+  }
+  SensorModel model;
+  TableReader reader(table);
+  visit_fields(reader, model);
+  table.reject_unknown();
+  return model;
+}
+
+SensorModel read_model(const std::filesystem::path& file) {
+  return parse_model(toml_file::read_text(file.string()), file.string());
+}
+
+namespace {
+
+/// `text` in double quotes, escaped.
+std::string toml_string(std::string_view text) {
+  std::ostringstream out;
+  const toml::value<std::string> value(text);
+  out << toml::toml_formatter(value, toml::format_flags::allow_unicode_strings);
+  return out.str();
+}
+
+/// A visitor of model_fields.hpp that writes `key = value` lines.
+class Writer {
+ public:
+  void number(std::string_view key, double si, FileUnit unit, const Rule& /*rule*/,
+              Presence /*presence*/) {
+    line(key, decimal_from_si(si, unit));
+  }
+  void text(std::string_view key, const std::string& value, Presence presence) {
+    if (presence == Presence::required || !value.empty()) {
+      line(key, toml_string(value));
+    }
+  }
+  void start(std::string_view key, core::Start value) { line(key, toml_string(start_name(value))); }
+
+  template <class Part>
+  void table(std::string_view key, const Part& part, Presence /*presence*/) {
+    text_ += "\n[" + std::string(key) + "]\n";
+    visit_fields(*this, part);
+  }
+  template <class Part>
+  void table(std::string_view key, const std::optional<Part>& part) {
+    if (part) {
+      table(key, *part, Presence::required);
+    }
+  }
+  template <class Part>
+  void tables(std::string_view key, const std::vector<Part>& parts) {
+    for (const Part& part : parts) {
+      text_ += "\n[[" + std::string(key) + "]]\n";
+      visit_fields(*this, part);
+    }
+  }
+
+  void line(std::string_view key, std::string_view value) {
+    text_.append(key).append(" = ").append(value).append("\n");
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::string format_model(const SensorModel& model) {
+  validate(model);
+  Writer writer;
+  writer.line("schema", toml_string(kModelSchema));
+  visit_fields(writer, model);
+  return writer.text();
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,309 @@
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+
+#include "firmware/model/node_model.hpp"
+#include "firmware/model/source_headers.hpp"
+#include "firmware/model/source_text.hpp"
+
+namespace zerorate::model {
+namespace {
+
+bool is_identifier(std::string_view name) {
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  return !name.empty() && is_letter(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) { return is_letter(c) || is_digit(c); });
+}
+
+/// Words that C or C++ keeps for itself: firmware of either includes the header.
+bool is_keyword(std::string_view name) {
+  static constexpr auto kKeywords = std::to_array<std::string_view>(
+      {"alignas",     "alignof",   "and",          "asm",      "auto",     "bool",
+       "break",       "case",      "catch",        "char",     "class",    "const",
+       "const_cast",  "constexpr", "continue",     "decltype", "default",  "delete",
+       "do",          "double",    "dynamic_cast", "else",     "enum",     "explicit",
+       "export",      "extern",    "false",        "float",    "for",      "friend",
+       "goto",        "if",        "inline",       "int",      "long",     "mutable",
+       "namespace",   "new",       "noexcept",     "not",      "nullptr",  "operator",
+       "or",          "private",   "protected",    "public",   "register", "restrict",
+       "return",      "short",     "signed",       "sizeof",   "static",   "static_assert",
+       "static_cast", "struct",    "switch",       "template", "this",     "thread_local",
+       "throw",       "true",      "try",          "typedef",  "typeid",   "typename",
+       "union",       "unsigned",  "using",        "virtual",  "void",     "volatile",
+       "wchar_t",     "while",     "xor"});
+  return std::ranges::find(kKeywords, name) != kKeywords.end();
+}
+
+std::string field(std::string_view name, const std::string& value) {
+  return "    ." + std::string{name} + " = " + value + ",\n";
+}
+std::string field(std::string_view name, float value) {
+  return field(name, literal(value));
+}
+std::string field(std::string_view name, bool value) {
+  return field(name, std::string{value ? "true" : "false"});
+}
+std::string field(std::string_view name, core::Duration value) {
+  return field(name, "INT64_C(" + std::to_string(value.ns()) + ")");
+}
+
+/// Modes that do nothing are left out: C makes zeros of them, and that is what unused means.
+template <class Modes>
+std::string modes(std::string_view name, const Modes& modes) {
+  std::string text;
+  for (const auto& mode : modes) {
+    if (!detail::is_active(mode)) continue;
+    text += "        {.one_minus_phi = " + literal(mode.one_minus_phi) +
+            ", .noise_variance = " + literal(mode.noise_variance) +
+            ", .initial_variance = " + literal(mode.initial_variance) +
+            ", .initial_mean = " + literal(mode.initial_mean) + "},\n";
+  }
+  return text.empty() ? text : field(name, "{\n" + text + "    }");
+}
+
+std::string turn_on(float variance) {
+  return core::is_finite(variance) ? literal(variance) : "ZERORATE_UNKNOWN_VARIANCE";
+}
+
+std::string temperature(const core::TemperatureDrift& drift) {
+  if (!drift.is_on()) return {};
+  return field(
+      "temperature",
+      "{.reference_degc = " + literal(drift.reference_degc) +
+          ",\n        .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
+          ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
+          ",\n        .curvature_rad_s_per_k2 = " + literal(drift.curvature_rad_s_per_k2) +
+          ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
+          ",\n        .lag_s = " + literal(drift.lag_s) + "}");
+}
+
+/// A list of numbers in braces.
+std::string numbers(const auto& values) {
+  std::string text;
+  for (const float value : values) text += (text.empty() ? "" : ", ") + literal(value);
+  return "{" + text + "}";
+}
+
+/// Hypotheses of the flicker; nothing where the model is taken at its word.
+std::string hypotheses(const core::HypothesesOf<kCApiShape>& all) {
+  if (all.count == 0) return {};
+  std::string text;
+  for (std::size_t m = 0; m < all.count; ++m) {
+    const auto& one = all.all[m];
+    text +=
+        "        {.strength = " + numbers(one.strength) +
+        ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
+        ", .order = " + literal(one.order) +
+        ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+        ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
+        "},\n";
+  }
+  return "#if ZERORATE_HYPOTHESES >= " + std::to_string(all.count) + "\n" +
+         field("hypothesis_count", std::to_string(all.count)) + field("evidence_kept", all.kept) +
+         field("hypotheses", "{\n" + text + "    }") + "#endif\n";
+}
+
+}  // namespace
+
+std::string format_c_header(const SensorModel& model, core::Duration sample_period,
+                            core::Duration filter_tick, std::string_view name) {
+  if (!is_identifier(name) || is_keyword(name)) {
+    throw std::invalid_argument(
+        "the name \"" + std::string{name} +
+        "\" cannot name a constant in C; expected letters, digits and _, and no "
+        "keyword");
+  }
+  const auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
+  if (node.samples.is_on()) {
+    throw std::invalid_argument(
+        "the model \"" + model.name +
+        "\" tells of single samples (outliers, motion_contamination, variable_noise or "
+        "saturation); the C interface takes none of these tables");
+  }
+  const std::string constant{name};
+  std::string guard = constant + "_H";
+  std::transform(guard.begin(), guard.end(), guard.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return "/** @file Sensor model: " + in_comment(model.name) +
+         ".\n"
+         " *  For " +
+         rates(sample_period, filter_tick) +
+         ".\n"
+         " *  Made by `zerorate export --c`; change the model and make it again. */\n"
+         "#ifndef " +
+         guard + "\n#define " + guard +
+         "\n\n"
+         "#include \"firmware/c_api/zerorate.h\"\n\n"
+         "// clang-format off\n"
+         "static const zerorate_model " +
+         constant + " = {\n" + field("sample_period_ns", sample_period) +
+         field("tick_ns", filter_tick) +
+         field("starts_stationary", node.modes.start == core::Start::stationary) +
+         field("is_stationary", node.modes.is_stationary) +
+         field("walk_variance_rad2_s2", node.modes.walk_variance) +
+         field("white_variance_rad2_s2", node.white_variance_rad2_s2) +
+         field("measurement_floor_variance_rad2_s2", node.measurement_floor_variance_rad2_s2) +
+         field("turn_on_variance_rad2_s2", turn_on(node.turn_on_variance_rad2_s2)) +
+         (core::is_finite(node.largest_bias_rad_s)
+              ? field("largest_bias_rad_s", node.largest_bias_rad_s)
+              : std::string{}) +
+         field("gate_threshold_sigma", node.gate.threshold_sigma) +
+         field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
+         modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
+         temperature(node.temperature) + hypotheses(node.hypotheses) +
+         "};\n"
+         "// clang-format on\n\n"
+         "#endif\n";
+}
+
+namespace {
+
+std::string nanoseconds(core::Duration duration) {
+  return "core::Duration::nanoseconds(" + std::to_string(duration.ns()) + ")";
+}
+
+/// `.name = {{...}}`, or nothing where there are none: an empty array takes no initialiser.
+template <class Mode>
+std::string modes(const std::string& name, const Mode* first, std::size_t count) {
+  if (count == 0) return {};
+  std::string text = "              ." + name + " = {{\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    text += "                  {.one_minus_phi = " + literal(first[i].one_minus_phi) +
+            ", .noise_variance = " + literal(first[i].noise_variance) +
+            ", .initial_variance = " + literal(first[i].initial_variance) +
+            ", .initial_mean = " + literal(first[i].initial_mean) + "},\n";
+  }
+  return text + "              }},\n";
+}
+
+/// An infinite variance, which is the default, has no literal.
+std::string turn_on_member(float variance) {
+  if (!core::is_finite(variance)) return {};
+  return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
+}
+
+/// An infinite limit likewise.
+std::string largest_bias_member(float bias_rad_s) {
+  if (!core::is_finite(bias_rad_s)) return {};
+  return ",\n    .largest_bias_rad_s = " + literal(bias_rad_s);
+}
+
+std::string temperature_member(const core::TemperatureDrift& drift) {
+  if (!drift.is_on()) return {};
+  return "    .temperature = {.reference_degc = " + literal(drift.reference_degc) +
+         ", .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
+         ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
+         ",\n                    .curvature_rad_s_per_k2 = " +
+         literal(drift.curvature_rad_s_per_k2) +
+         ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
+         ", .lag_s = " + literal(drift.lag_s) + "},\n";
+}
+
+/// An end that there is not is the default.
+std::string range(const core::MeasuringRange& range) {
+  if (!core::is_finite(range.lower_rad_s) || !core::is_finite(range.upper_rad_s)) return {};
+  return ",\n                .range = {.lower_rad_s = " + literal(range.lower_rad_s) +
+         ", .upper_rad_s = " + literal(range.upper_rad_s) + "}";
+}
+
+std::string samples(const core::SampleModel& samples) {
+  if (!samples.is_on()) return {};
+  return "    .samples = {.outliers = {.probability = " + literal(samples.outliers.probability) +
+         ", .variance_rad2_s2 = " + literal(samples.outliers.variance_rad2_s2) +
+         "},\n                .motion = {.begin_probability = " +
+         literal(samples.motion.begin_probability) +
+         ", .end_probability = " + literal(samples.motion.end_probability) +
+         ", .variance_rad2_s2 = " + literal(samples.motion.variance_rad2_s2) +
+         "},\n                .level = {.variance = " + literal(samples.level.variance) +
+         ", .time_constants_per_tick = " + literal(samples.level.time_constants_per_tick) + "}" +
+         range(samples.range) + "},\n";
+}
+
+std::string numbers(const float* first, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + literal(first[i]);
+  return "{" + text + "}";
+}
+
+/// Hypotheses of the flicker; nothing where the model is taken at its word.
+std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& all,
+                              std::size_t decaying) {
+  if (all.count == 0) return {};
+  std::string text = "    .hypotheses = {.count = " + std::to_string(all.count) +
+                     ", .kept = " + literal(all.kept) + ", .all = {{\n";
+  for (std::size_t m = 0; m < all.count; ++m) {
+    const auto& one = all.all[m];
+    text +=
+        "        {.strength = " + numbers(one.strength.data(), decaying) +
+        ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
+        ", .order = " + literal(one.order) +
+        ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
+        ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
+        "},\n";
+  }
+  return text + "    }}},\n";
+}
+
+}  // namespace
+
+std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
+                              core::Duration filter_tick) {
+  auto node = make_full_node_model(model, sample_period, filter_tick);
+  const auto [decaying, rotating] = move_active_to_front(node);
+  const bool is_stationary = node.modes.start == core::Start::stationary;
+  return "/// @file\n"
+         "/// Sensor model: " +
+         in_comment(model.name) +
+         ".\n"
+         "/// For " +
+         rates(sample_period, filter_tick) +
+         ".\n"
+         "/// Made by `zerorate export --cpp`; change the model and make it again.\n"
+         "#pragma once\n\n"
+         "#include \"core/base/time.hpp\"\n"
+         "#include \"core/noise/model_shape.hpp\"\n"
+         "#include \"firmware/app/node_params.hpp\"\n\n"
+         "namespace zerorate::exported {\n\n"
+         "// clang-format off\n"
+         "inline constexpr core::ModelShape kModelShape{.decaying = " +
+         std::to_string(decaying) + ", .rotating = " + std::to_string(rotating) +
+         ", .temperature_weights = " +
+         std::to_string(node.temperature.is_on() ? kLargestShape.temperature_weights : 0) +
+         ", .hypotheses = " + std::to_string(std::max(node.hypotheses.count, std::size_t{1})) +
+         "};\n\n"
+         "inline constexpr app::NodeParams<kModelShape> kNodeParams{\n"
+         "    .modes = {.tick = " +
+         nanoseconds(filter_tick) +
+         ",\n"
+         "              .start = core::Start::" +
+         (is_stationary ? "stationary" : "zero") +
+         ",\n"
+         "              .is_stationary = " +
+         (node.modes.is_stationary ? "true" : "false") +
+         ",\n"
+         "              .walk_variance = " +
+         literal(node.modes.walk_variance) + ",\n" +
+         modes("decaying", node.modes.decaying.data(), decaying) +
+         modes("rotating", node.modes.rotating.data(), rotating) +
+         "    },\n"
+         "    .white_variance_rad2_s2 = " +
+         literal(node.white_variance_rad2_s2) + ",\n    .measurement_floor_variance_rad2_s2 = " +
+         literal(node.measurement_floor_variance_rad2_s2) +
+         turn_on_member(node.turn_on_variance_rad2_s2) +
+         largest_bias_member(node.largest_bias_rad_s) +
+         ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
+         ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
+         temperature_member(node.temperature) + samples(node.samples) +
+         "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
+         hypotheses_member(node.hypotheses, decaying) +
+         "};\n"
+         "// clang-format on\n\n"
+         "}  // namespace zerorate::exported\n";
+}
+
+}  // namespace zerorate::model

@@ -1,0 +1,165 @@
+"""Scripts that the build, the tests and the installation call.
+
+The text files of the fuzzers' corpora: every input comes back from them byte for byte.
+The number of cases that ./test gives: every case of a program counts, and none that did not pass is lost.
+The packages by purpose: whoever wants the demonstration installs no browser, cross compiler or emulator.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+FUZZ = pathlib.Path(__file__).parents[1] / "fuzz"
+EVERY_BYTE = bytes(range(256))
+
+
+def run(command, first, second):
+    subprocess.run([sys.executable, "-B", FUZZ / "corpus.py", command, first, second], check=True, timeout=50)
+
+
+class Corpus(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def there_and_back(self, inputs):
+        """The inputs after they were collected into a text and expanded from it, and the text."""
+        (self.root / "found").mkdir()
+        for number, data in enumerate(inputs):
+            (self.root / "found" / str(number)).write_bytes(data)
+        run("collect", self.root / "found", self.root / "text")
+        run("expand", self.root / "text", self.root / "expanded")
+        return ({path.read_bytes() for path in (self.root / "expanded").iterdir()},
+                (self.root / "text").read_text(encoding="ascii"))
+
+
+class RoundTrip(Corpus):
+    def test_keeps_every_byte_alone_and_in_any_place(self):
+        inputs = {EVERY_BYTE, EVERY_BYTE[::-1], b"", b"\\x41", b"\\", b"a \n b ", b"\r\n", b"\\n",
+                  *(bytes([byte]) for byte in EVERY_BYTE), *(bytes([byte]) + b"1a" for byte in EVERY_BYTE)}
+        expanded, text = self.there_and_back(inputs)
+        self.assertEqual(expanded, inputs)
+        self.assertEqual(len(text.splitlines()), len(inputs))
+
+    def test_writes_lines_that_no_editor_changes(self):
+        _, text = self.there_and_back([EVERY_BYTE, b"a ", b" "])
+        self.assertTrue(text.replace("\n", "").isprintable())
+        self.assertNotIn(" \n", text)
+
+    def test_keeps_an_input_once(self):
+        expanded, text = self.there_and_back([b"a", b"a"])
+        self.assertEqual((expanded, text), ({b"a"}, "a\n"))
+
+
+class OurCorpora(Corpus):
+    def test_are_what_their_inputs_make(self):
+        files = sorted((FUZZ / "corpus").glob("*.txt"))
+        self.assertEqual({file.stem for file in files},
+                         {file.stem.removesuffix("_fuzzer") for file in FUZZ.glob("*_fuzzer.cpp")})
+        for file in files:
+            run("expand", file, self.root / file.stem)
+            run("collect", self.root / file.stem, self.root / "again.txt")
+            self.assertEqual((self.root / "again.txt").read_bytes(), file.read_bytes(), file.name)
+
+
+COUNT = pathlib.Path(__file__).parents[2] / "toolchains/count_cases.py"
+PASSED = '<testcase name="Passes" status="run" result="completed"/>'
+FAILED = '<testcase name="Fails" status="run" result="completed"><failure message="no"/></testcase>'
+SKIPPED = ('<testcase name="Skips" status="run" result="skipped">'
+           '<skipped message="a_test.cpp:7&#x0A;no recordings"/></testcase>')
+
+
+def counted(tests, programs):
+    """What is printed for {test: status} of ctest and {program: cases of GoogleTest}."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        cases = "".join(f'<testcase name="{name}" status="{status}"/>' for name, status in tests.items())
+        (root / "record.xml").write_text(f"<testsuite>{cases}</testsuite>", encoding="utf-8")
+        for name, text in programs.items():
+            (root / f"{name}.xml").write_text(f"<testsuites><testsuite>{text}</testsuite></testsuites>", encoding="utf-8")
+        run = subprocess.run([sys.executable, "-B", COUNT, root / "record.xml", root], check=True, capture_output=True,
+                             text=True)
+        return run.stdout.splitlines()
+
+
+class Count(unittest.TestCase):
+    def test_is_that_of_the_cases_in_a_program(self):
+        self.assertEqual(counted({"a": "run"}, {"a": 3 * PASSED}), ["3 0 0", ""])
+
+    def test_has_failed_cases_and_skipped_ones_with_their_reason(self):
+        self.assertEqual(counted({"a": "fail"}, {"a": PASSED + FAILED + 2 * SKIPPED}), ["1 1 2", "2 x no recordings"])
+
+    def test_takes_a_test_of_another_kind_as_one(self):
+        self.assertEqual(counted({"a": "run", "b": "fail", "c": "notrun"}, {}), ["1 1 1", "1 x c"])
+
+    def test_has_one_failure_for_a_program_that_ended_without_a_record(self):
+        self.assertEqual(counted({"a": "fail"}, {}), ["0 1 0", ""])
+
+    def test_has_one_failure_for_a_program_that_failed_after_its_last_case(self):
+        self.assertEqual(counted({"a": "fail"}, {"a": PASSED}), ["1 1 0", ""])
+
+    def test_ignores_the_record_of_a_program_that_did_not_run(self):
+        self.assertEqual(counted({"a": "notrun"}, {"a": PASSED}), ["0 0 1", "1 x a"])
+
+
+REPOSITORY = pathlib.Path(__file__).parents[2]
+INSTALLER = REPOSITORY / "toolchains/install-packages.sh"
+LIST = REPOSITORY / "toolchains/debian-packages.txt"
+HEAVY = re.compile(r"chromium|qemu|arm|aarch64|clang|doxygen|gtest|cppcheck")
+
+
+def packages(section):
+    """The names that the installer gives for a section and those above it."""
+    run = subprocess.run([INSTALLER, "--list", section], check=True, capture_output=True, text=True)
+    return run.stdout.split()
+
+
+def help_of(*command):
+    return subprocess.run([REPOSITORY / command[0], *command[1:]], check=True, capture_output=True, text=True).stdout
+
+
+class Sections(unittest.TestCase):
+    def test_nest(self):
+        demo, test, everything = map(packages, ("demo", "test", "all"))
+        self.assertIn("cmake", demo)
+        self.assertEqual(test[:len(demo)], demo)
+        self.assertEqual(everything[:len(test)], test)
+        self.assertLess(len(demo), len(test))
+        self.assertLess(len(test), len(everything))
+
+    def test_name_no_package_twice(self):
+        self.assertEqual(sorted(packages("all")), sorted(set(packages("all"))))
+
+    def test_hold_every_package_of_the_list(self):
+        named = re.findall(r"^([a-z][\w.+-]*)", LIST.read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertEqual(packages("all"), named)
+
+    def test_unknown_is_refused(self):
+        run = subprocess.run([INSTALLER, "--list", "everything"], capture_output=True, text=True)
+        self.assertEqual((run.returncode, run.stdout), (2, ""))
+
+
+class Demonstration(unittest.TestCase):
+    def test_needs_no_browser_cross_compiler_or_emulator(self):
+        self.assertEqual([name for name in packages("demo") if HEAVY.search(name)], [])
+        self.assertTrue([name for name in packages("all") if HEAVY.search(name)])
+
+
+class QuickTests(unittest.TestCase):
+    def test_need_no_browser_emulator_or_second_compiler(self):
+        self.assertEqual([name for name in packages("test") if re.search("chromium|qemu|clang$|clang-tidy", name)], [])
+
+
+class Help(unittest.TestCase):
+    def test_says_what_is_installed(self):
+        for command, section in ((("demo", "--help"), "demo"), (("test", "--help"), "all")):
+            words = help_of(*command).split()
+            self.assertEqual([name for name in packages(section) if name not in words], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

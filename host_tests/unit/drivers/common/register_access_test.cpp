@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "drivers/common/configuration_table.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/register_access.hpp"
+#include "hal/testing/scripted_bus.hpp"
+
+namespace zerorate::drivers {
+namespace {
+
+using hal::testing::FailureAt;
+using hal::testing::reads;
+using hal::testing::writes;
+
+constexpr Register<0x22, Access::read_only> kOutput;
+constexpr Register<0x11, Access::read_write> kControl;
+constexpr hal::I2cAddress kDevice{0x6B};
+
+TEST(SpiRegisters, SetBit7OfTheAddressToRead) {
+  hal::testing::ScriptedSpiDevice spi;
+  spi.expect({writes({0xA2}), reads({1, 2, 3})});
+  SpiRegisters bus{spi};
+  std::array<std::uint8_t, 3> values{};
+  ASSERT_TRUE(read_registers(bus, kOutput, values));
+  EXPECT_EQ(values, (std::array<std::uint8_t, 3>{1, 2, 3}));
+}
+
+TEST(SpiRegisters, WriteAddressAndValueUnderOneSelection) {
+  hal::testing::ScriptedSpiDevice spi;
+  spi.expect({writes({0x11, 0x40})});
+  SpiRegisters bus{spi};
+  EXPECT_TRUE(write_register(bus, kControl, 0x40));
+}
+
+TEST(I2cRegisters, WriteTheAddressAndReadAfterARepeatedStart) {
+  hal::testing::ScriptedI2cBus i2c;
+  i2c.expect(kDevice, {writes({0x22}), reads({7})});
+  I2cRegisters bus{i2c, kDevice};
+  EXPECT_EQ(read_register(bus, kOutput).value_or(0), 7);
+}
+
+TEST(I2cRegisters, WriteAddressAndValueInOneMessage) {
+  hal::testing::ScriptedI2cBus i2c;
+  i2c.expect(kDevice, {writes({0x11, 0x40})});
+  I2cRegisters bus{i2c, kDevice};
+  EXPECT_TRUE(write_register(bus, kControl, 0x40));
+}
+
+TEST(RegisterAccess, ReportsTheBusErrorAndTheRegister) {
+  hal::testing::ScriptedI2cBus i2c;
+  i2c.expect(kDevice, {writes({0x22}), reads({7})}, FailureAt{1, hal::BusError::nack});
+  i2c.expect(kDevice, {writes({0x11, 0x40})}, FailureAt{0, hal::BusError::timeout});
+  I2cRegisters bus{i2c, kDevice};
+  EXPECT_EQ(read_register(bus, kOutput).error(),
+            (DriverError{DriverErrorCode::bus_failed, hal::BusError::nack, 0x22}));
+  EXPECT_EQ(write_register(bus, kControl, 0x40).error(),
+            (DriverError{DriverErrorCode::bus_failed, hal::BusError::timeout, 0x11}));
+}
+
+constexpr std::int16_t kMin = std::numeric_limits<std::int16_t>::min();
+constexpr std::int16_t kMax = std::numeric_limits<std::int16_t>::max();
+
+GyroSample sample_of(std::int16_t x, std::int16_t y, std::int16_t z) {
+  GyroSample sample;
+  set_rates(sample, {x, y, z}, core::rad_per_s(0.1F), 28571);
+  return sample;
+}
+
+TEST(RateOfRawZero, IsExactlyZero) {
+  for (const auto rate : sample_of(0, 0, 0).rate) EXPECT_EQ(rate.in(core::rad_per_s), 0.0F);
+}
+
+TEST(RateOfRawExtremes, IsTheLsbTimesTheCount) {
+  const GyroSample sample = sample_of(kMin, kMax, -1);
+  // One rounding of the constant and one of the product, each at most 2^-24 of the value.
+  const double tolerance = 2.0 * std::exp2(-24);
+  EXPECT_NEAR(sample.rate[0].in(core::rad_per_s), -3276.8, 3276.8 * tolerance);
+  EXPECT_NEAR(sample.rate[1].in(core::rad_per_s), 3276.7, 3276.7 * tolerance);
+  EXPECT_NEAR(sample.rate[2].in(core::rad_per_s), -0.1, 0.1 * tolerance);
+}
+
+TEST(Saturation, BeginsAtFullScaleOnBothSides) {
+  EXPECT_EQ(sample_of(0, 28570, -28570).saturated_axes, 0);
+  EXPECT_EQ(sample_of(28571, 0, 0).saturated_axes, 0b001);
+  EXPECT_EQ(sample_of(0, -28571, 0).saturated_axes, 0b010);
+  EXPECT_EQ(sample_of(kMin, 0, kMax).saturated_axes, 0b101);
+}
+
+TEST(Saturation, OfTheSampleBeforeIsForgotten) {
+  GyroSample sample = sample_of(kMax, kMax, kMax);
+  set_rates(sample, {0, 0, 0}, core::rad_per_s(0.1F), 28571);
+  EXPECT_EQ(sample.saturated_axes, 0);
+}
+
+TEST(Int16, IsTwosComplement) {
+  EXPECT_EQ(decode_int16(0x34, 0x12), 0x1234);
+  EXPECT_EQ(decode_int16(0xFF, 0xFF), -1);
+  EXPECT_EQ(decode_int16(0x00, 0x80), kMin);
+  EXPECT_EQ(decode_int16(0xFF, 0x7F), kMax);
+}
+
+constexpr Register<0x10, Access::read_write> kFirst;
+constexpr Register<0x11, Access::read_write> kSecond;
+
+/// Registers in memory; bits of `stuck_low` cannot be set.
+struct MemoryBus {
+  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
+    ++reads;
+    for (std::uint8_t& value : out) value = memory[first++];
+    return {};
+  }
+  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
+    order.push_back(address);
+    memory[address] = static_cast<std::uint8_t>(value & ~stuck_low);
+    return {};
+  }
+
+  std::array<std::uint8_t, 256> memory{};
+  std::uint8_t stuck_low = 0;
+  int reads = 0;
+  std::vector<std::uint8_t> order;
+};
+static_assert(RegisterBus<MemoryBus>);
+
+ConfigurationTable<2> table() {
+  return ConfigurationTable<2>{{configure(kFirst, 0x0F, 0x05), configure(kSecond, 0xC0, 0x80)}};
+}
+
+TEST(ConfigurationTable, ChangesItsFieldsOnlyAndInOrder) {
+  MemoryBus bus;
+  bus.memory[0x10] = 0xFF;
+  bus.memory[0x11] = 0x7E;
+  auto configuration = table();
+  ASSERT_TRUE(configuration.apply(bus));
+  EXPECT_EQ(bus.memory[0x10], 0xF5);
+  EXPECT_EQ(bus.memory[0x11], 0xBE);
+  EXPECT_EQ(bus.order, (std::vector<std::uint8_t>{0x10, 0x11}));
+}
+
+TEST(ConfigurationTable, StopsAtARegisterThatDoesNotTakeItsValue) {
+  MemoryBus bus;
+  bus.stuck_low = 0x04;
+  auto configuration = table();
+  const auto applied = configuration.apply(bus);
+  ASSERT_FALSE(applied);
+  EXPECT_EQ(applied.error(), (DriverError{DriverErrorCode::configuration_lost, {}, 0x10}));
+  EXPECT_EQ(bus.order.size(), 1U);
+}
+
+TEST(ConfigurationTable, VerifiesOneEntryACallAndBeginsAgain) {
+  MemoryBus bus;
+  auto configuration = table();
+  ASSERT_TRUE(configuration.apply(bus));
+  bus.reads = 0;
+  for (int call = 0; call < 4; ++call) EXPECT_TRUE(configuration.verify_next(bus));
+  EXPECT_EQ(bus.reads, 4);
+}
+
+TEST(ConfigurationTable, SeesBitsThatWereLostAndBitsThatAppeared) {
+  MemoryBus bus;
+  auto configuration = table();
+  ASSERT_TRUE(configuration.apply(bus));
+  bus.memory[0x10] = 0x04;  // bit 0 lost
+  EXPECT_EQ(configuration.verify_next(bus).error().reg, 0x10);
+  EXPECT_FALSE(configuration.verify_next(bus)) << "stays at the entry that differs";
+  bus.memory[0x10] = 0x05;
+  EXPECT_TRUE(configuration.verify_next(bus));
+  bus.memory[0x11] = 0xC0;  // bit 6 appeared
+  EXPECT_EQ(configuration.verify_next(bus).error().reg, 0x11);
+}
+
+TEST(ConfigurationTable, IgnoresBitsThatAreNotItsOwn) {
+  MemoryBus bus;
+  auto configuration = table();
+  ASSERT_TRUE(configuration.apply(bus));
+  bus.memory[0x10] = 0xF5;
+  EXPECT_TRUE(configuration.verify_next(bus));
+}
+
+}  // namespace
+}  // namespace zerorate::drivers

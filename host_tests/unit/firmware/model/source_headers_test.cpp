@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "firmware/boards/pico/node.hpp"
+#include "firmware/c_api/examples/front_gyro.h"
+#include "firmware/model/catalogue.hpp"
+#include "firmware/model/node_model.hpp"
+#include "firmware/model/source_headers.hpp"
+
+namespace zerorate::model {
+namespace {
+
+constexpr auto kSamplePeriod = core::Duration::milliseconds(10);
+constexpr auto kTick = core::Duration::milliseconds(500);
+// The PC and the vehicle agree on what a model may hold, though neither room includes the other.
+static_assert(kCApiShape.decaying == ZERORATE_DECAYING_MODES);
+static_assert(kCApiShape.rotating == ZERORATE_ROTATING_MODES);
+
+TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/c_api/examples/front_gyro.h");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, format_c_header(find_model("lsm6dso"), kSamplePeriod, kTick, "front_gyro"))
+      << "run: zerorate export lsm6dso --c --name front_gyro --sample-rate 100 "
+         "-o firmware/c_api/examples/front_gyro.h";
+}
+
+TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
+  const auto node = make_node_model<kCApiShape>(find_model("lsm6dso"), kSamplePeriod, kTick);
+  EXPECT_EQ(front_gyro.sample_period_ns, kSamplePeriod.ns());
+  EXPECT_EQ(front_gyro.tick_ns, kTick.ns());
+  EXPECT_EQ(front_gyro.white_variance_rad2_s2, node.white_variance_rad2_s2);
+  EXPECT_EQ(front_gyro.turn_on_variance_rad2_s2, node.turn_on_variance_rad2_s2);
+  EXPECT_EQ(front_gyro.largest_bias_rad_s, node.largest_bias_rad_s);
+  EXPECT_EQ(front_gyro.starts_stationary, node.modes.start == core::Start::stationary);
+  EXPECT_EQ(front_gyro.is_stationary, node.modes.is_stationary);
+  std::size_t used = 0;
+  for (const auto& mode : node.modes.decaying) {
+    if (mode.noise_variance == 0.0F) continue;
+    EXPECT_EQ(front_gyro.decaying[used].one_minus_phi, mode.one_minus_phi);
+    EXPECT_EQ(front_gyro.decaying[used].noise_variance, mode.noise_variance);
+    EXPECT_EQ(front_gyro.decaying[used].initial_variance, mode.initial_variance);
+    ++used;
+  }
+  EXPECT_EQ(used, 6U);
+}
+
+TEST(CHeaderOfAModelOfSingleSamples, IsRefused) {
+  SensorModel model = find_model("lsm6dso");
+  model.outliers = Outliers{.probability = 1e-3, .sigma_rad_s = 0.1};
+  EXPECT_THROW((void)format_c_header(model, kSamplePeriod, kTick, "wild"), std::invalid_argument);
+}
+
+TEST(CHeaderOfAModelWithALine, HasItsRotatingMode) {
+  SensorModel model = find_model("lsm6dso");
+  model.turn_on.reset();
+  model.zero_rate.reset();
+  model.name = "no end */ of a comment";
+  model.harmonic.push_back({.rms_rad_s = 1e-4, .frequency_hz = 0.3, .coherence_time_s = 10.0});
+  const std::string text = format_c_header(model, kSamplePeriod, kTick, "with_line");
+  EXPECT_NE(text.find(".rotating = {"), std::string::npos);
+  EXPECT_NE(text.find("ZERORATE_UNKNOWN_VARIANCE"), std::string::npos);
+  EXPECT_NE(text.find("no end  / of a comment"), std::string::npos);
+}
+
+TEST(CHeaderWithANameThatIsNone, IsRefused) {
+  for (const char* name : {"", "2nd", "front gyro", "a-b", "int", "class"}) {
+    EXPECT_THROW((void)format_c_header(find_model("lsm6dso"), kSamplePeriod, kTick, name),
+                 std::invalid_argument)
+        << name;
+  }
+}
+
+constexpr auto kLsm6dsoPeriod = core::Duration::nanoseconds(9'599'520);
+
+/// A model of the catalogue for an image without room for hypotheses.
+SensorModel known_model(std::string_view name) {
+  SensorModel model = find_model(name);
+  model.learning = Learning{.hypotheses = 1};
+  return model;
+}
+
+TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model.hpp");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, format_cpp_header(known_model("lsm6dso"), kLsm6dsoPeriod, kTick))
+      << "run: zerorate export lsm6dso --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp";
+}
+
+TEST(HeaderOfThePicoThatLearns, IsWhatTheCatalogueExportsToday) {
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_learning.hpp");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_TRUE(text == format_cpp_header(find_model("lsm6dso"), kLsm6dsoPeriod, kTick))
+      << "run: zerorate export lsm6dso --cpp --hypotheses 12 -o "
+         "firmware/boards/pico/model_learning.hpp";
+}
+
+TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
+  struct Exported {
+    std::string chip;
+    core::Duration sample_period;
+  };
+  for (const auto& [chip, sample_period] :
+       {Exported{"icm42688", core::Duration::milliseconds(10)},
+        Exported{"bmi088", core::Duration::milliseconds(10)},
+        Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
+    std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_" + chip + ".hpp");
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(text, format_cpp_header(known_model(chip), sample_period, kTick)) << chip;
+  }
+}
+
+TEST(HeaderOfAModelOfSingleSamples, HoldsWhatTheNodeScreens) {
+  SensorModel model = find_model("lsm6dso");
+  model.outliers = Outliers{.probability = 0.0009765625, .sigma_rad_s = 0.5};
+  model.saturation = Saturation{.lower_rad_s = -4.0, .upper_rad_s = 4.0};
+  const std::string text = format_cpp_header(model, kLsm6dsoPeriod, kTick);
+  EXPECT_NE(text.find(".outliers = {.probability = 0.0009765625F, .variance_rad2_s2 = 0.25F}"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find(".range = {.lower_rad_s = -4.0F, .upper_rad_s = 4.0F}"), std::string::npos);
+}
+
+TEST(HeaderOfALearningNode, HoldsItsHypotheses) {
+  const std::string text = format_cpp_header(find_model("lsm6dso"), kLsm6dsoPeriod, kTick);
+  EXPECT_NE(text.find(".hypotheses = 12};"), std::string::npos);
+  EXPECT_NE(text.find(".hypotheses = {.count = 12, .kept = "), std::string::npos);
+}
+
+// The header as compiled, beside the values that the tools compute with.
+TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
+  const auto node =
+      make_node_model<exported::kModelShape>(find_model("lsm6dso"), kLsm6dsoPeriod, kTick);
+  const auto& params = exported::kNodeParams;
+  EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
+  EXPECT_EQ(params.measurement_floor_variance_rad2_s2, node.measurement_floor_variance_rad2_s2);
+  EXPECT_EQ(params.gate.threshold_sigma, node.gate.threshold_sigma);
+  EXPECT_EQ(params.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
+  EXPECT_EQ(params.modes.is_stationary, node.modes.is_stationary);
+  EXPECT_EQ(params.sample_period, kLsm6dsoPeriod);
+  EXPECT_EQ(params.modes.tick, kTick);
+  EXPECT_EQ(params.modes.start, node.modes.start);
+  EXPECT_EQ(params.modes.walk_variance, node.modes.walk_variance);
+  for (std::size_t i = 0; i < exported::kModelShape.decaying; ++i) {
+    EXPECT_EQ(params.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
+    EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
+    EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
+    EXPECT_EQ(params.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);
+  }
+}
+
+TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {
+  SensorModel model = find_model("lsm6dso");
+  model.name = "two\nlines \\";
+  model.harmonic.push_back({.rms_rad_s = 1e-4, .frequency_hz = 0.3, .coherence_time_s = 10.0});
+  const std::string text = format_cpp_header(model, kLsm6dsoPeriod, kTick);
+  EXPECT_NE(text.find(".rotating = 1,"), std::string::npos);
+  EXPECT_NE(text.find(".rotating = {{"), std::string::npos);
+  EXPECT_NE(text.find("/// Sensor model: two lines  ."), std::string::npos);
+}
+
+TEST(HeaderOfAModelWithGateWarmUpAndTemperature, HoldsAll) {
+  SensorModel model = find_model("lsm6dso");
+  model.gate = Gate{.threshold_sigma = 4.5, .longest_knock_s = 3.0};
+  model.warm_up =
+      WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
+  model.temperature = TemperatureDrift{.reference_degc = 25.0, .slope_sigma_rad_s_per_k = 0.5};
+  const std::string text = format_cpp_header(model, kLsm6dsoPeriod, kTick);
+  EXPECT_NE(text.find(".temperature_weights = 2,"), std::string::npos);
+  EXPECT_NE(text.find(".temperature = {.reference_degc = 25.0F, .slope_rad_s_per_k = 0.0F, "
+                      ".slope_sigma_rad_s_per_k = 0.5F,"),
+            std::string::npos);
+  EXPECT_NE(text.find(".gate = {.threshold_sigma = 4.5F, .longest_knock_ticks = 6}"),
+            std::string::npos);
+  EXPECT_NE(text.find(".initial_mean = 0.25F"), std::string::npos);
+  EXPECT_NE(text.find("kModelShape{.decaying = 7,"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace zerorate::model

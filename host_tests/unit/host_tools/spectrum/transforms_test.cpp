@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/lib/spectrum/transforms.hpp"
+
+namespace zerorate::spectrum {
+namespace {
+
+std::vector<double> chirp(std::size_t n) {
+  std::vector<double> values(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto t = static_cast<double>(k);
+    values[k] = std::cos(0.3 * t + 0.01 * t * t) + 0.1 * t;
+  }
+  return values;
+}
+
+TEST(RealFft, EqualsTheDefinition) {
+  for (const std::size_t n : {2U, 4U, 6U, 30U, 64U, 250U, 14U}) {
+    const std::vector<double> values = chirp(n);
+    const RealFft fft(n);
+    std::vector<std::complex<double>> bins(fft.bins());
+    fft.forward(values, bins);
+    for (std::size_t j = 0; j < bins.size(); ++j) {
+      std::complex<double> sum = 0.0;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double turn = static_cast<double>(j * k % n) / static_cast<double>(n);
+        sum += values[k] * std::polar(1.0, -2.0 * std::numbers::pi * turn);
+      }
+      EXPECT_NEAR(std::abs(bins[j] - sum), 0.0, 1e-13 * static_cast<double>(n * n))
+          << n << ' ' << j;
+    }
+  }
+}
+
+TEST(RealFft, InverseUndoesForward) {
+  for (const std::size_t n : {2U, 6U, 1000U, 4096U}) {
+    const std::vector<double> values = chirp(n);
+    const RealFft fft(n);
+    std::vector<std::complex<double>> bins(fft.bins());
+    std::vector<double> back(n);
+    fft.forward(values, bins);
+    fft.inverse(bins, back);
+    for (std::size_t k = 0; k < n; ++k)
+      EXPECT_NEAR(back[k], values[k], 1e-15 * static_cast<double>(n));
+  }
+}
+
+TEST(RealFftDeathTest, StopsAtOddLengthsAndWrongSizes) {
+  EXPECT_DEATH(RealFft(0), "");
+  EXPECT_DEATH(RealFft(7), "");
+  const RealFft fft(8);
+  std::vector<double> values(8);
+  std::vector<std::complex<double>> bins(4);
+  EXPECT_DEATH(fft.forward(values, bins), "");
+  EXPECT_DEATH(fft.inverse(bins, values), "");
+}
+
+TEST(FastLength, IsEvenAndHasNoFactorAboveFive) {
+  EXPECT_EQ(fast_length_below(2), 2U);
+  EXPECT_EQ(fast_length_below(7), 6U);
+  EXPECT_EQ(fast_length_below(2003), 2000U);
+  EXPECT_EQ(fast_length_below(1'000'003), 1'000'000U);
+  for (std::size_t n = 1000; n < 100'000; n += 997) {
+    const std::size_t length = fast_length_below(n);
+    EXPECT_LE(length, n);
+    EXPECT_GT(static_cast<double>(length), 0.94 * static_cast<double>(n));
+  }
+}
+
+TEST(CosineTransform, EqualsTheDefinitionAndKeepsThePower) {
+  for (const std::size_t n : {2U, 4U, 6U, 60U, 128U}) {
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = std::sin(static_cast<double>(i * i) + 0.3);
+    const std::vector<double> coefficients = cosine_transform(values);
+    double power = 0.0;
+    double transformed_power = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const double turn = static_cast<double>(k * (2 * i + 1)) / static_cast<double>(2 * n);
+        sum += values[i] * std::cos(std::numbers::pi * turn);
+      }
+      const double norm = std::sqrt((k == 0 ? 1.0 : 2.0) / static_cast<double>(n));
+      EXPECT_NEAR(coefficients[k], norm * sum, 1e-13 * static_cast<double>(n)) << n << ' ' << k;
+      power += values[k] * values[k];
+      transformed_power += coefficients[k] * coefficients[k];
+    }
+    EXPECT_NEAR(transformed_power, power, 1e-13 * power);
+  }
+}
+
+TEST(CosineTransform, InverseUndoesForward) {
+  for (const std::size_t n : {2U, 6U, 60U, 128U}) {
+    const CosineTransform transform(n);
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = std::cos(static_cast<double>(i * i) + 0.7);
+    const std::vector<double> back = transform.inverse(transform.forward(values));
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(back[i], values[i], 1e-14) << n << ' ' << i;
+  }
+}
+
+}  // namespace
+}  // namespace zerorate::spectrum
