@@ -70,7 +70,7 @@ class Receivers {
     for (std::string line; std::getline(file, line);) {
       const auto message = live::parse_json_message(line);
       if (!message) give_up("a line that is no message");
-      messages.push_back(*message);
+      messages.push_back(message->message);
     }
     return messages;
   }
