@@ -24,7 +24,9 @@ namespace zerorate::core {
 /// is refused for that; it must last a while.
 ///
 /// A window lasts half a second, and until half of its nominal samples have come: where samples are
-/// lost, or the sensor is slower than its nominal rate, it is judged by those that came.
+/// lost, or the sensor is slower than its nominal rate, it is judged by those that came. That of a
+/// loud sensor goes on, up to two seconds, until the least turn exceeds six standard deviations, or
+/// until it shows a change that exceeds six of its own.
 ///
 /// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
 /// some thirty floating-point operations each, and a division a window.
@@ -36,8 +38,8 @@ class OdometerCheck {
   struct Params {
     /// A change by more is a turn. Larger values tolerate rougher engines and noisier gyros;
     /// smaller values detect slower turns. Never below six standard deviations of a window. Default
-    /// 0.3 deg/s; infinite: no turn is ever noticed.
-    float turn_rad_s = 0.3F * kRadPerDeg;
+    /// 0.25 deg/s; infinite: no turn is ever noticed.
+    float turn_rad_s = 0.25F * kRadPerDeg;
     /// A rate that has stayed changed for so long, or for four times as long as the one before it,
     /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
     /// Default 2 min.
@@ -79,6 +81,7 @@ class OdometerCheck {
         back_(ticks_clamped_to_u8(kBackFor, tick)),
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
+        longest_window_(ticks_clamped_to_u8(kLongestWindow, tick)),
         fewest_samples_(static_cast<std::uint32_t>(tick * window_ / (sample_period * 2))),
         least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s),
         turn_rad2_s2_(least_turn_rad2_s2_) {
@@ -141,11 +144,13 @@ class OdometerCheck {
     state_.window_samples += samples;
     if (state_.window_ticks < 0xFF) ++state_.window_ticks;
     if (state_.window_ticks < window_ || state_.window_samples < fewest_samples_) return;
+    if (goes_on()) return;
     close_window(predicted_rad_s);
   }
 
  private:
   static constexpr Duration kWindow = Duration::milliseconds(500);  ///< an engine's idling cancels
+  static constexpr Duration kLongestWindow = Duration::seconds(2);  ///< of a loud sensor
   static constexpr Duration kBackFor = Duration::seconds(1);        ///< then it is over
   static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
   static constexpr float kFollow_s = 15.0F;  ///< time constant at which the level follows a bias
@@ -189,11 +194,27 @@ class OdometerCheck {
     return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, turn_rad2_s2_);
   }
 
-  constexpr void close_window(const Rates* predicted) {
+  /// Square of six standard deviations of the difference of two such windows.
+  [[nodiscard]] constexpr float noise_of_window() const {
+    return kSixSigmaOfDifference2 * white_rad2_s2_ / static_cast<float>(state_.window_samples);
+  }
+
+  [[nodiscard]] constexpr Rates mean_of_window() const {
     const float share = 1.0F / static_cast<float>(state_.window_samples);
     Rates mean{};
     for (std::size_t i = 0; i < kAxes; ++i) mean[i] = state_.sum_rad_s[i] * share;
-    const float noise = kSixSigmaOfDifference2 * white_rad2_s2_ * share;
+    return mean;
+  }
+  /// Whether the window is too loud to tell the least turn, and shows no larger one.
+  [[nodiscard]] constexpr bool goes_on() const {
+    const float noise = noise_of_window();
+    return state_.stands && state_.window_ticks < longest_window_ && noise > least_turn_rad2_s2_ &&
+           is_near(mean_of_window(), state_.level_rad_s, noise);
+  }
+
+  constexpr void close_window(const Rates* predicted) {
+    const Rates mean = mean_of_window();
+    const float noise = noise_of_window();
     turn_rad2_s2_ = least_turn_rad2_s2_ > noise ? least_turn_rad2_s2_ : noise;
     const std::uint8_t ticks = state_.window_ticks;
     clear_window();
@@ -259,6 +280,7 @@ class OdometerCheck {
   std::uint8_t back_;
   std::uint8_t bounced_;
   std::uint8_t window_;
+  std::uint8_t longest_window_;
   std::uint32_t fewest_samples_;  ///< samples that make a window worth judging
   float least_turn_rad2_s2_;      ///< that is told from noise as little as it may be
   float turn_rad2_s2_;            ///< of the newest window

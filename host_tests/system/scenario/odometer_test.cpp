@@ -144,9 +144,7 @@ TEST(Turntable, IsNeverBelievedUnseenAtAnyFilterRate) {
   for (const double filter_hz : {2.0, 10.0, 50.0, 100.0}) {
     for (const double turn_dps : {0.3, 0.6, 1.0, 2.0, 2.9}) {
       const Harm harm = on_a_turntable({.filter_hz = filter_hz, .turn_dps = turn_dps});
-      // In few ticks the slowest turn, learnt for a jump of the bias, is off by 3.5 to 5.2 sigma.
-      const bool is_close = filter_hz == 2.0 && turn_dps == 0.3;
-      EXPECT_LE(harm.unseen_s, is_close ? 0.51 : 0.0)
+      EXPECT_EQ(harm.unseen_s, 0.0)
           << filter_hz << " Hz, " << turn_dps << " deg/s, off by " << harm.worst_dps << " deg/s";
     }
   }

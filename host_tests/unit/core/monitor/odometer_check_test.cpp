@@ -196,8 +196,8 @@ TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
   EXPECT_TRUE(check.turns());
 }
 
-// The white noise of half a second decides, whatever the ticks are: 0.35 deg/s of a sample at 100
-// Hz allow 0.42 deg/s.
+// The white noise of a window decides, whatever the ticks are: 0.35 deg/s of a sample at 100 Hz
+// allow 0.42 deg/s after half a second, and 0.25 deg/s after 1.5 s.
 TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
   constexpr float kLoud = 0.35F * kRadPerDeg;
   for (const int tick_ms : {10, 20, 100, 500}) {
@@ -209,9 +209,14 @@ TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
       }
     };
     run(0.0F, 20'000);
-    run(0.38F, 1'000);
+    run(0.2F, 6'000);
     EXPECT_FALSE(check.turns()) << tick_ms;
-    run(0.9F, 500);
+    run(0.0F, 20'000);
+    run(0.3F, 6'000);
+    EXPECT_TRUE(check.turns()) << tick_ms;
+    run(0.0F, 20'000);
+    EXPECT_FALSE(check.turns()) << tick_ms;
+    run(1.5F, 500);
     EXPECT_TRUE(check.turns()) << tick_ms;
   }
 }
@@ -230,11 +235,16 @@ TEST(OdometerCheckWhoseTickIsLongerThanABend, BelievesTheRateOfTwoTicks) {
 }
 
 TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
-  constexpr float kLoud = 0.5F * kRadPerDeg;  // of a sample; 6 sigma of a difference are 0.6 deg/s
+  // Noise of a sample: 6 sigma of a difference are 0.6 deg/s after half a second and 0.3 deg/s
+  // after two.
+  constexpr float kLoud = 0.5F * kRadPerDeg;
   OdometerCheck check{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(check, kBias, 20);
-  EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1000);
-  EXPECT_EQ(ticks_until(check, turning(1.5F), true), 1);
+  EXPECT_EQ(ticks_until(check, turning(0.28F), true), 1000);
+  EXPECT_LE(ticks_until(check, turning(0.7F), true), 8);
+  OdometerCheck other{{}, kTick, kSamplePeriod, kLoud * kLoud};
+  stand(other, kBias, 20);
+  EXPECT_EQ(ticks_until(other, turning(1.5F), true), 1);
 }
 
 TEST(OdometerCheckWithAnInfiniteTurn, NoticesNone) {

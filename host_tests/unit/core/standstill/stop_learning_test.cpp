@@ -18,7 +18,7 @@ Instant at_ms(std::int64_t ms) {
   return Instant::from_ns(ms * 1'000'000);
 }
 
-/// One second to settle, half a second of hold-back, turns from 0.3 deg/s on; samples every 10 ms.
+/// One second to settle, half a second of hold-back, turns from 0.25 deg/s on; samples every 10 ms.
 struct Vehicle {
   Learning learning{Standstill::Params{}, OdometerCheck::Params{}, kTick, kSamplePeriod, 1e-12F};
   std::vector<std::pair<std::uint32_t, bool>> learnt{};  ///< ticks, and whether each begins a stop
