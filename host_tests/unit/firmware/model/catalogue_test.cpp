@@ -43,6 +43,18 @@ TEST(CatalogueEntriesWithoutADataSheetFigure, SaySo) {
   EXPECT_THAT(find_model("bmi088").flicker->source, testing::StartsWith("Not in the data sheet"));
 }
 
+TEST(CatalogueEntries, BoundTheBiasWhereAFigureForItIsKnown) {
+  const auto limit_dps = [](std::string_view name) {
+    const SensorModel sensor = find_model(name);
+    return sensor.zero_rate ? sensor.zero_rate->limit_rad_s / kDegPerHour / 3600.0 : 0.0;
+  };
+  EXPECT_NEAR(limit_dps("lsm6dso"), 5.0, 1e-9);
+  EXPECT_NEAR(limit_dps("bmi088"), 5.0, 1e-9);
+  EXPECT_NEAR(limit_dps("icm42688"), 2.5, 1e-9);
+  EXPECT_NEAR(limit_dps("adis16405"), 15.0, 1e-9);
+  EXPECT_EQ(limit_dps("adxrs453"), 0.0) << "nobody has seen its figure yet";
+}
+
 TEST(CatalogueEntryOfThePaper, HasItsInnovationOf14DegreesPerHour) {
   const SensorModel paper = find_model("paper");
   EXPECT_NEAR(paper.flicker->bias_instability_rad_s / kDegPerHour, 14.0, 1e-7);
