@@ -112,6 +112,7 @@ class GyroNode {
     if (!refused) take_in(sample);
 
     message.motion = motion();
+    if (sample.has_temperature) message.temperature = sample.temperature;
     message.health.saturated = sample.saturated_axes != 0 || screening_.is_saturated(sample.rate);
     describe(message, refused ? Rate{} : sample.rate);
     return message;

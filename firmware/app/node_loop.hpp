@@ -131,7 +131,10 @@ class NodeLoop {
     }
   }
 
-  constexpr void publish(const RateMessage& message, core::Instant now) {
+  constexpr void publish(RateMessage message, core::Instant now) {
+    if (node_.params().standstill.source != core::StandstillSource::gyro) {
+      message.odometer_pulses = counters_.pulses + counters_.pulses_lost;
+    }
     sink_.publish(message);
     published_at_ = now;
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <optional>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -56,7 +57,11 @@ struct RateMessage {
   /// Share of the newest stop that was calm enough to learn from; kNoCalm before anything was
   /// judged.
   std::uint8_t calm_percent = kNoCalm;
-  std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
+  std::array<AxisRate, 3> axes{};                ///< x, y, z of the sensor
+  std::optional<core::Temperature> temperature;  ///< of the sensor; none where the chip gave none
+  /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an
+  /// odometer.
+  std::optional<std::uint32_t> odometer_pulses;
 
   [[nodiscard]] constexpr bool has_rate() const {
     return !health.sample_refused && !health.time_refused && !health.sensor_fault;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "core/base/units.hpp"
 #include "firmware/app/rate_message.hpp"
@@ -26,14 +27,20 @@ struct CanFrame {
 inline constexpr std::size_t kCanFrames = 4;
 /// Identifier of the status frame unless set otherwise; the axes follow it.
 inline constexpr std::uint16_t kDefaultCanId = 0x200;
-/// Greatest identifier of the status frame: the last axis must still have 11 bits.
-inline constexpr std::uint16_t kGreatestCanId = 0x7FF - 3;
+/// Identifier of the frame of the inputs, from that of the status frame.
+inline constexpr std::uint16_t kCanInputsOffset = 4;
+/// Greatest identifier of the status frame: the last frame must still have 11 bits.
+inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanInputsOffset;
+/// Messages from one frame of the inputs to the next: they change slowly, and the bus is shared.
+inline constexpr std::uint32_t kCanInputsEvery = 16;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
 inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
 /// Content of a signal for which there is no value, or none that fits.
 inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
 inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
+inline constexpr float kCanTemperatureLsbDegC = 0.01F;
+inline constexpr std::uint16_t kCanTemperatureNotAvailable = 0x8000U;
 
 namespace detail {
 /// The nearest number of LSB, ties away from zero, if it lies inside (-limit, limit).
@@ -52,6 +59,13 @@ namespace detail {
   const bool fits = count_lsb(sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS, 65534.0F, lsb);
   return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
 }
+[[nodiscard]] constexpr std::uint16_t encode_can_temperature(
+    const std::optional<core::Temperature>& temperature) {
+  std::int32_t lsb = 0;
+  const bool fits =
+      temperature && count_lsb(temperature->degc() / kCanTemperatureLsbDegC, 32767.0F, lsb);
+  return fits ? static_cast<std::uint16_t>(lsb) : kCanTemperatureNotAvailable;
+}
 }  // namespace detail
 
 /// @param id  identifier of the status frame, at most kGreatestCanId
@@ -69,14 +83,30 @@ namespace detail {
   }
   frames[3].id = id;
   LittleEndianWriter out{frames[3].data};
-  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. There is no
-  // room for more: the dead band of the odometer is not an alarm of a single sample.
+  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. The dead
+  // band of the odometer, which is no alarm of a single sample, is in the frame of the inputs.
   const unsigned health = encode_health(message.health) & 0x3FFU;
   out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
                                     (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
   out.put(static_cast<std::uint8_t>(health & 0xFFU));
   for (const app::AxisRate& axis : message.axes) out.put(detail::encode_can_sigma(axis.sigma));
   return frames;
+}
+
+/// Temperature, odometer and calm, for which the frames of a sample have no room. To be sent with
+/// every kCanInputsEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr CanFrame encode_can_inputs(const app::RateMessage& message,
+                                                   std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanInputsOffset)};
+  LittleEndianWriter out{frame.data};
+  out.put(detail::encode_can_temperature(message.temperature));
+  out.put(message.odometer_pulses.value_or(0));
+  out.put(static_cast<std::uint8_t>((message.odometer_pulses ? 1U : 0U) |
+                                    (message.health.odometer_dead_band ? 2U : 0U)));
+  out.put(message.calm_percent);
+  return frame;
 }
 
 }  // namespace zerorate::wire

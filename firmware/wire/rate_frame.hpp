@@ -16,7 +16,8 @@
 
 namespace zerorate::wire {
 
-inline constexpr std::size_t kRateFrameBytes = 72;
+inline constexpr std::size_t kRateFrameBytes = 80;
+inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
 using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
 
 /// Why bytes are not a rate frame.
@@ -38,8 +39,12 @@ struct NumberedMessage {
 
 namespace detail {
 inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
-inline constexpr std::uint8_t kVersion = 1;
+inline constexpr std::uint8_t kVersion = 1;      // of the other frames
+inline constexpr std::uint8_t kRateVersion = 2;
 inline constexpr std::size_t kChecksumBytes = 4;
+/// Bits of byte 3: which of the last two values the message has.
+inline constexpr unsigned kHasTemperature = 1U << 0U;
+inline constexpr unsigned kHasPulses = 1U << 1U;
 
 constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   out.put(std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)));
@@ -47,16 +52,33 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
 [[nodiscard]] constexpr core::AngularRate take_rate(LittleEndianReader& in) {
   return core::rad_per_s(std::bit_cast<float>(in.take<std::uint32_t>()));
 }
+[[nodiscard]] constexpr std::uint8_t contents_of(const app::RateMessage& message) {
+  return static_cast<std::uint8_t>((message.temperature ? kHasTemperature : 0U) |
+                                   (message.odometer_pulses ? kHasPulses : 0U));
+}
+constexpr void put_inputs(LittleEndianWriter& out, const app::RateMessage& message) {
+  const float degc = message.temperature ? message.temperature->degc() : 0.0F;
+  out.put(std::bit_cast<std::uint32_t>(degc));
+  out.put(message.odometer_pulses.value_or(0));
+}
+constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateMessage& message) {
+  const float degc = std::bit_cast<float>(in.take<std::uint32_t>());
+  const auto pulses = in.take<std::uint32_t>();
+  if ((contents & kHasTemperature) != 0) {
+    message.temperature = core::Temperature::from_degc(degc);
+  }
+  if ((contents & kHasPulses) != 0) message.odometer_pulses = pulses;
+}
 }  // namespace detail
 
-/// Cost: 72 bytes of stack and their checksum; no heap.
+/// Cost: 80 bytes of stack and their checksum; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(const NumberedMessage& numbered) {
   RateFrame frame{};
   LittleEndianWriter out{frame};
   const app::RateMessage& message = numbered.message;
   out.put(detail::kMagic);
-  out.put(detail::kVersion);
-  out.put(std::uint8_t{0});
+  out.put(detail::kRateVersion);
+  out.put(detail::contents_of(message));
   out.put(numbered.sequence);
   out.put(static_cast<std::uint64_t>(message.time.ns()));
   out.put(static_cast<std::uint8_t>(message.motion));
@@ -67,22 +89,25 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
       detail::put_rate(out, rate);
     }
   }
+  detail::put_inputs(out, message);
   out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
   return frame;
 }
 
-/// The inverse, for bytes of any origin.
+/// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses.
 [[nodiscard]] constexpr core::Result<NumberedMessage, FrameError> decode_rate_frame(
     std::span<const std::uint8_t> bytes) {
   using core::Unexpected;
-  if (bytes.size() != kRateFrameBytes) return Unexpected{FrameError::wrong_size};
+  const bool is_version_1 = bytes.size() == kRateFrameBytesOfVersion1;
+  if (bytes.size() != kRateFrameBytes && !is_version_1) return Unexpected{FrameError::wrong_size};
   LittleEndianReader in{bytes};
   if (in.take<std::uint16_t>() != detail::kMagic) return Unexpected{FrameError::not_a_frame};
-  if (in.take<std::uint8_t>() != detail::kVersion) return Unexpected{FrameError::unknown_version};
-  (void)in.take<std::uint8_t>();
-  constexpr std::size_t kChecked = kRateFrameBytes - detail::kChecksumBytes;
-  LittleEndianReader checksum{bytes.subspan(kChecked)};
-  if (checksum.take<std::uint32_t>() != core::crc32(bytes.first(kChecked))) {
+  const unsigned version = is_version_1 ? 1U : detail::kRateVersion;
+  if (in.take<std::uint8_t>() != version) return Unexpected{FrameError::unknown_version};
+  const unsigned contents = in.take<std::uint8_t>();
+  const std::size_t checked = bytes.size() - detail::kChecksumBytes;
+  LittleEndianReader checksum{bytes.subspan(checked)};
+  if (checksum.take<std::uint32_t>() != core::crc32(bytes.first(checked))) {
     return Unexpected{FrameError::wrong_checksum};
   }
   NumberedMessage numbered{.sequence = in.take<std::uint32_t>(), .message = {}};
@@ -100,6 +125,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
       *rate = detail::take_rate(in);
     }
   }
+  if (!is_version_1) detail::take_inputs(in, contents, message);
   return numbered;
 }
 

@@ -14,21 +14,26 @@ import struct
 import zlib
 
 MOTION = ("moving", "settling", "still")
+# Bits of the health, from the lowest.
+HEALTH = ("calibrated", "sample_refused", "time_refused", "saturated", "model_inconsistent", "odometer_fault",
+          "sensor_fault", "measurement_rejected", "temperature_missing", "odometer_disagreement", "odometer_dead_band")
 CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
 
 
 def decode(datagram):
     """The message as a dictionary, rates in deg/s; None for anything that is not a whole rate frame."""
-    if datagram[:2] != b"ZR" or len(datagram) != 72:
+    if datagram[:2] != b"ZR":
         return None  # such as the learnt frame, once a second
-    if datagram[2] != 1:
-        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 1")
-    if struct.unpack_from("<I", datagram, 68)[0] != zlib.crc32(datagram[:68]):
+    if datagram[2] != 2:
+        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 2")
+    if len(datagram) != 80 or struct.unpack_from("<I", datagram, 76)[0] != zlib.crc32(datagram[:76]):
         return None
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
+    temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
     axes = [struct.unpack_from("<4f", datagram, 20 + 16 * axis) for axis in range(3)]
     return {
         "sequence": number,
+        "time_ns": time_ns,
         "time_s": time_ns * 1e-9,
         "motion": MOTION[motion],
         "health": health,
@@ -37,6 +42,8 @@ def decode(datagram):
         "rate_dps": None if health & NO_RATE else [math.degrees(axis[1]) for axis in axes],
         "bias_dps": [math.degrees(axis[2]) for axis in axes],
         "sigma_dps": [math.degrees(axis[3]) for axis in axes],
+        "temperature_c": temperature_c if datagram[3] & 0x01 else None,
+        "odometer_pulses": pulses if datagram[3] & 0x02 else None,
     }
 
 

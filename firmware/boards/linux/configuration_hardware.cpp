@@ -39,6 +39,8 @@ constexpr Rule kScale{[](double x) { return x != 0.0 && x >= -1e6 && x <= 1e6; }
 constexpr Rule kOffset{[](double x) { return x >= -1e6 && x <= 1e6; }, "m/s"};
 constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
                         "seconds, above 0 and at most 1 000 000"};
+constexpr Rule kTimeFactor{[](double x) { return x >= 1.0 && x <= 100.0; },
+                           "a factor from 1 to 100"};
 constexpr Rule kLineNumber{[](double x) { return x >= 0.0 && x <= 65535.0; },
                            "a line's name or number"};
 
@@ -100,9 +102,17 @@ void read_wiring(StrictTable& table, const ChipDescription& chip, GyroSettings& 
   });
 }
 
+void read_simulation(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
+  errors.attempt([&] {
+    gyro.time_factor = table.number("time_factor", kTimeFactor, Presence::optional).value_or(1.0);
+  });
+  errors.attempt([&] { gyro.drives = table.boolean("drives", Presence::optional).value_or(true); });
+}
+
 void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
-  static constexpr std::array<std::string_view, 7> kKeys{
-      "bus", "device", "speed_hz", "address", "rate_hz", "full_scale_dps", "fifo"};
+  static constexpr std::array<std::string_view, 9> kKeys{"bus",     "device",      "speed_hz",
+                                                         "address", "rate_hz",     "full_scale_dps",
+                                                         "fifo",    "time_factor", "drives"};
   if (!errors.attempt([&] { read_chip(table, gyro); })) return pass_over(table, kKeys);
   const bool is_simulated = gyro.is_simulated();
   const ChipDescription& chip = *find_chip(gyro.model_chip());
@@ -114,7 +124,7 @@ void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   errors.attempt([&] {
     gyro.full_scale_dps = one_of(table, "full_scale_dps", chip.full_scales_dps, simulated(250.0));
   });
-  if (is_simulated) return;
+  if (is_simulated) return read_simulation(table, gyro, errors);
   errors.attempt([&] {
     gyro.fifo = table.boolean("fifo", Presence::optional).value_or(false);
     if (gyro.fifo && !chip.has_fifo) table.fail_at("fifo", "the chip has none");
@@ -193,7 +203,9 @@ SpeedSettings read_speed(StrictTable& table, OdometerType type) {
 
 void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& errors) {
   const OdometerType type = odometer_type(table);
-  if (type != OdometerType::gpio) {
+  if (type != OdometerType::gpio && configuration.gyro.time_factor != 1.0) {
+    table.fail_at("type", "messages come in real time: time_factor of [gyro] must be 1");
+  } else if (type != OdometerType::gpio) {
     configuration.speed = read_speed(table, type);
   } else if (configuration.gyro.is_simulated()) {
     table.fail_at("type",

@@ -51,6 +51,8 @@ std::string_view cure_of_device(int error_number) {
       return " (is the user in the device's group, i2c or spi?)";
     case EBUSY:
       return " (does another program or a driver of the kernel use it?)";
+    case ENOTTY:
+      return " (is it a node of i2c-dev or spidev?)";
     default:
       return "";
   }
@@ -73,6 +75,8 @@ std::string_view cure_of_line(int error_number) {
 
 std::string_view cure_of_speed(int error_number) {
   switch (error_number) {
+    case EAFNOSUPPORT:
+      return " (has this kernel CAN? modprobe can_raw)";
     case ETIMEDOUT:
       return " (no message with a speed comes: do its sender, identifier and length agree?)";
     case ENODEV:
@@ -88,6 +92,8 @@ std::string_view cure_of_speed(int error_number) {
 
 std::string_view cure_of_sink(int error_number) {
   switch (error_number) {
+    case EAFNOSUPPORT:
+      return " (has this kernel CAN? modprobe can_raw)";
     case ENODEV:
       return " (is there such an interface? ip link)";
     case ENETDOWN:
@@ -189,9 +195,13 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       node_(configuration.node),
       loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
-  for (const SinkSettings& settings : configuration.sinks) sinks_.push_back(make_sink(settings));
-  sink_errors_.resize(sinks_.size());
+  for (const SinkSettings& settings : configuration.sinks) add_sink(make_sink(settings));
   if (configuration.state) save_at_ = save_at_ + configuration.state->save_interval;
+}
+
+void NodeService::add_sink(std::unique_ptr<Sink> sink) {
+  sinks_.push_back(std::move(sink));
+  sink_errors_.push_back(0);
 }
 
 bool NodeService::restore() {

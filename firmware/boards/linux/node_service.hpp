@@ -47,6 +47,9 @@ class NodeService {
   NodeService(const Configuration& configuration, Hardware& hardware,
               hal::linux_os::FileStorage* storage, const app::Session& session, Log log);
 
+  /// Publishes to one more receiver than the configuration names. Before measure().
+  void add_sink(std::unique_ptr<Sink> sink);
+
   /// Takes up the saved state, if there is one that fits. Before measure().
   /// @return whether it did
   bool restore();

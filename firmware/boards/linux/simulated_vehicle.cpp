@@ -41,8 +41,18 @@ SimulatedMotion motion_at(core::Duration time) {
   return {.turn = core::deg_per_s(kTurn_dps * std::sin(phase)), .is_moving = true};
 }
 
+core::Temperature temperature_at(core::Duration time) {
+  constexpr float kCold_degc = 25.0F;
+  constexpr float kRise_k = 4.0F;
+  constexpr float kTimeConstant_s = 300.0F;
+  return core::Temperature::from_degc(
+      kCold_degc + kRise_k * (1.0F - std::exp(-time.in_seconds() / kTimeConstant_s)));
+}
+
 SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
-    : clock_(hal::linux_os::KernelClock::now()),
+    : time_factor_(configuration.gyro.time_factor),
+      drives_(configuration.gyro.drives),
+      clock_(hal::linux_os::KernelClock::now()),
       begin_(clock_.now()),
       next_sample_(begin_),
       next_pulse_(begin_),
@@ -59,14 +69,17 @@ SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
 }
 
 core::Instant SimulatedVehicle::now() const {
-  return hal::linux_os::KernelClock::now();
+  const core::Duration real = hal::linux_os::KernelClock::now() - begin_;
+  return begin_ +
+         core::Duration::nanoseconds(std::llround(static_cast<double>(real.ns()) * time_factor_));
 }
 
 /// One sample at most, stamped with the time when it was due.
 void SimulatedVehicle::wait() {
   const core::Duration left = std::max(next_sample_ - now(), core::Duration{});
-  const std::timespec limit{.tv_sec = static_cast<std::time_t>(left.ns() / 1'000'000'000),
-                            .tv_nsec = static_cast<long>(left.ns() % 1'000'000'000)};
+  const auto real_ns = static_cast<std::int64_t>(static_cast<double>(left.ns()) / time_factor_);
+  const std::timespec limit{.tv_sec = static_cast<std::time_t>(real_ns / 1'000'000'000),
+                            .tv_nsec = static_cast<long>(real_ns % 1'000'000'000)};
   pollfd source{.fd = wake_.descriptor(), .events = POLLIN, .revents = 0};
   (void)ppoll(&source, 1, &limit, nullptr);
   wake_.clear();
@@ -75,7 +88,8 @@ void SimulatedVehicle::wait() {
 
 void SimulatedVehicle::measure() {
   clock_.advance_to(next_sample_);
-  const SimulatedMotion motion = motion_at(next_sample_ - begin_);
+  const core::Duration time = next_sample_ - begin_;
+  const SimulatedMotion motion = drives_ ? motion_at(time) : SimulatedMotion{};
   if (motion.is_moving && next_sample_ >= next_pulse_) {
     odometer_.pulse(next_sample_);
     next_pulse_ = next_sample_ + kPulsePeriod;
@@ -90,7 +104,7 @@ void SimulatedVehicle::measure() {
     const float turn = i == 2 ? motion.turn.in(core::rad_per_s) : 0.0F;
     rates.at(i) = core::rad_per_s(turn + bias_rad_s_.at(i) + noise_(random_));
   }
-  chip_.measure(rates, core::Temperature::from_degc(25.0F));
+  chip_.measure(rates, temperature_at(time));
   next_sample_ = next_sample_ + gyro_.sample_period();
 }
 

@@ -26,12 +26,16 @@ struct SimulatedMotion {
   bool is_moving = false;
 };
 
+/// Temperature of a chip that warms up by 4 K after the start, with a time constant of 5 min.
+[[nodiscard]] core::Temperature temperature_at(core::Duration time);
+
 /// Twenty seconds at rest, forty in bends of at most 10 deg/s, again and again.
 /// @param time  since the start
 [[nodiscard]] SimulatedMotion motion_at(core::Duration time);
 
 /// A simulated LSM6DSO, read by its driver, with the white noise of the configured model, a bias
-/// that wanders, and an odometer of ten pulses a second. Samples come in real time. Uses the heap.
+/// that wanders, and an odometer of ten pulses a second. Samples come in real time, or faster by
+/// the configured factor. Uses the heap.
 class SimulatedVehicle final : public Hardware {
  public:
   explicit SimulatedVehicle(const Configuration& configuration);
@@ -55,6 +59,8 @@ class SimulatedVehicle final : public Hardware {
 
   void measure();
 
+  double time_factor_;
+  bool drives_;
   hal::sim::SimulatedClock clock_;
   core::Instant begin_;
   core::Instant next_sample_;

@@ -49,8 +49,8 @@ port = {port}
 def decoded(frame):
     """Sequence, health bits and axis x of a frame, checked against its page and zlib."""
     magic, version, sequence, motion, health = struct.unpack_from("<2sBxI8xBH", frame)
-    assert (len(frame), magic, version) == (72, b"ZR", 1), frame
-    assert struct.unpack_from("<I", frame, 68)[0] == zlib.crc32(frame[:68])
+    assert (len(frame), magic, version) == (80, b"ZR", 2), frame
+    assert struct.unpack_from("<I", frame, 76)[0] == zlib.crc32(frame[:76])
     return {"sequence": sequence, "motion": motion, "health": health,
             "x": struct.unpack_from("<4f", frame, 20)}
 
@@ -78,6 +78,7 @@ class Node(unittest.TestCase):
         self.file = self.folder / "zerorated.toml"
         self.configure()
         self.process = None
+        self.environment = os.environ
 
     def tearDown(self):
         if self.process and self.process.poll() is None:
@@ -94,7 +95,7 @@ class Node(unittest.TestCase):
         self.file.write_text(text)
 
     def start(self):
-        environment = dict(os.environ, NOTIFY_SOCKET=str(self.folder / "notify"), WATCHDOG_USEC="2000000")
+        environment = dict(self.environment, NOTIFY_SOCKET=str(self.folder / "notify"), WATCHDOG_USEC="2000000")
         self.process = subprocess.Popen([ZERORATED, "--config", self.file], env=environment,
                                         stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         self.assertEqual(self.notification(), "READY=1")
@@ -149,7 +150,7 @@ class Zerorated(Node):
         self.start()
         for _ in range(12):
             self.message()
-        self.assertRegex(self.stop(), r"zerorated: sink can:no-can: .+; its messages are dropped")
+        self.assertRegex(self.stop(), r"zerorated: sink can:no-can: .+ \(.+\); its messages are dropped")
 
     def test_feeds_the_watchdog_and_serves_its_metrics(self):
         self.start()
@@ -366,7 +367,7 @@ class MaintainerScripts(unittest.TestCase):
         self.root = pathlib.Path(folder.name)
         for path in ("bin", "run/systemd/system", "var/lib/zerorate", "etc/zerorate"):
             (self.root / path).mkdir(parents=True)
-        for name in ("systemctl", "adduser", "addgroup", "deluser", "udevadm", "getent"):
+        for name in ("systemctl", "deb-systemd-helper", "deb-systemd-invoke", "adduser", "addgroup", "deluser", "udevadm", "getent"):
             stub = self.root / "bin" / name
             stub.write_text(f'#!/bin/sh\necho "{name} $*" >> "{self.root}/calls"\n')
             stub.chmod(0o755)
@@ -379,12 +380,14 @@ class MaintainerScripts(unittest.TestCase):
         return (self.root / "calls").read_text().splitlines()
 
     def test_an_upgrade_restarts_the_node_and_an_installation_does_not(self):
-        restart = "systemctl try-restart zerorated.service"
+        restart = "deb-systemd-invoke try-restart zerorated.service"
         self.assertIn(restart, self.calls("postinst", "configure", "0.1.0"))
         self.assertNotIn(restart, self.calls("postinst", "configure", ""))
 
     def test_a_purge_leaves_neither_state_nor_user(self):
-        self.assertEqual(self.calls("postrm", "remove"), ["systemctl daemon-reload"])
+        self.assertEqual(self.calls("prerm", "remove"), ["deb-systemd-invoke stop zerorated.service"])
+        self.assertEqual(self.calls("postrm", "remove"),
+                         ["systemctl --system daemon-reload", "deb-systemd-helper mask zerorated.service"])
         self.assertTrue((self.root / "var/lib/zerorate").exists())
         self.assertIn("deluser --quiet --system zerorate", self.calls("postrm", "purge"))
         self.assertFalse((self.root / "var/lib/zerorate").exists())

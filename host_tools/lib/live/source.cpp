@@ -61,6 +61,10 @@ class UdpSource final : public DatagramSource {
         socket_(checked_descriptor(
             socket(address.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0),
             "socket")) {
+    // Room for messages that come while a recorder waits for its disk; the kernel's limit may be
+    // less.
+    constexpr int kBytes = 4 * 1024 * 1024;
+    (void)setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &kBytes, sizeof kBytes);
     if (bind(socket_.get(), address.get(), address.size) != 0) fail(this->name());
   }
 
@@ -226,6 +230,18 @@ core::Motion read_motion(const json& word) {
   throw json::other_error::create(501, "unknown motion", &word);
 }
 
+/// Members that lines of older nodes do not have.
+void read_inputs(const json& line, app::RateMessage& message) {
+  if (const json degc = line.value("temperature_c", json{}); !degc.is_null()) {
+    const auto figure = degc.get<float>();
+    if (core::is_finite(figure)) message.temperature = core::Temperature::from_degc(figure);
+  }
+  if (const json pulses = line.value("odometer_pulses", json{}); !pulses.is_null()) {
+    if (!pulses.is_number_unsigned()) throw json::other_error::create(503, "no count", &pulses);
+    message.odometer_pulses = pulses.get<std::uint32_t>();
+  }
+}
+
 wire::NumberedMessage read_message(const json& line) {
   wire::NumberedMessage numbered{.sequence = line.at("sequence"), .message = {}};
   app::RateMessage& message = numbered.message;
@@ -238,6 +254,7 @@ wire::NumberedMessage read_message(const json& line) {
              std::numeric_limits<float>::infinity());
   const json& calm = line.at("calm_percent");
   if (!calm.is_null()) message.calm_percent = calm;
+  read_inputs(line, message);
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     message.health.*bit.flag = line.at(std::string{bit.name});
   }

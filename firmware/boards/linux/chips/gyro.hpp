@@ -29,6 +29,8 @@ struct GyroSettings {
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
   bool fifo = false;                   ///< samples through the chip's FIFO
+  double time_factor = 1.0;            ///< of the simulated gyro: how much faster its time goes
+  bool drives = true;                  ///< whether the simulated vehicle ever leaves its place
 
   [[nodiscard]] bool is_simulated() const { return chip == kSimulatedChip; }
   /// Name of the chip whose rates, ranges and noise model are the gyro's.

@@ -38,6 +38,19 @@ class Line {
     add("]");
   }
 
+  void add_inputs(const app::RateMessage& message) {
+    if (message.temperature && core::is_finite(message.temperature->degc())) {
+      add(",\"temperature_c\":{}", message.temperature->degc());
+    } else {
+      add(",\"temperature_c\":null");
+    }
+    if (message.odometer_pulses) {
+      add(",\"odometer_pulses\":{}", *message.odometer_pulses);
+    } else {
+      add(",\"odometer_pulses\":null");
+    }
+  }
+
   void add_learnt(const wire::LearntModel& learnt) {
     add(",\"learnt\":{{\"stops\":{}", learnt.stops());
     for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
@@ -82,6 +95,7 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
   } else {
     line.add(",\"calm_percent\":{}", message.calm_percent);
   }
+  line.add_inputs(message);
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     line.add(",\"{}\":{}", bit.name, message.health.*bit.flag);
   }

@@ -158,7 +158,8 @@ class CanSink final : public Sink {
     for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
       if (!write_frame(frame)) return false;
     }
-    return true;
+    if (message.sequence % wire::kCanInputsEvery != 0) return true;
+    return write_frame(wire::encode_can_inputs(message.message, id_));
   }
 
   bool write_frame(const wire::CanFrame& frame) {

@@ -20,7 +20,7 @@ using testing::node_params;
 using testing::noisy_sample;
 using testing::sample_at;
 
-TEST(GyroNodeWithoutTemperature, IsTheSame) {
+TEST(GyroNodeWithoutTemperature, IsTheSameButSaysNone) {
   const auto params = node_params();
   Node with{params};
   Node without{params};
@@ -29,7 +29,10 @@ TEST(GyroNodeWithoutTemperature, IsTheSame) {
     const RateMessage cold = without.step(sample);
     sample.has_temperature = true;
     sample.temperature = core::Temperature::from_degc(60.0F);
-    ASSERT_EQ(with.step(sample), cold);
+    RateMessage warm = with.step(sample);
+    ASSERT_EQ(warm.temperature, sample.temperature);
+    warm.temperature.reset();
+    ASSERT_EQ(warm, cold);
   }
 }
 

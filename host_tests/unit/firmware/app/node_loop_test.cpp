@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -293,6 +294,29 @@ TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulsesAndCountsAsMoving) {
   EXPECT_EQ(rig.counters().pulses_lost, 6U);
   EXPECT_TRUE(rig.published.messages.back().health.odometer_fault);
   EXPECT_EQ(rig.published.messages.back().motion, core::Motion::moving);
+  EXPECT_EQ(rig.published.messages.back().odometer_pulses, 70U);
+}
+
+TEST(NodeLoop, PublishesTheTemperatureOfTheChip) {
+  LoopRig rig;
+  rig.start();
+  for (int i = 0; i < 200; ++i) {
+    rig.hardware.sample({}, core::Temperature::from_degc(40.5F));
+    rig.loop.poll();
+  }
+  const std::optional<core::Temperature> told = rig.published.messages.back().temperature;
+  ASSERT_TRUE(told.has_value());
+  EXPECT_NEAR(told->degc(), 40.5F, 0.01F);
+  rig.wait(Duration::seconds(1));
+  EXPECT_FALSE(rig.published.messages.back().temperature.has_value()) << "there was no sample";
+}
+
+TEST(NodeLoopWithoutAnOdometer, PublishesNoPulses) {
+  LoopRig rig;
+  rig.params.standstill.source = core::StandstillSource::gyro;
+  rig.start();
+  rig.samples(10);
+  EXPECT_FALSE(rig.published.messages.back().odometer_pulses.has_value());
 }
 
 TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {

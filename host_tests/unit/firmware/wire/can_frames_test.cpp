@@ -13,6 +13,7 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "host_tests/unit/firmware/wire/messages.hpp"
 
@@ -66,8 +67,11 @@ std::int64_t raw_value(const CanFrame& frame, const Signal& signal) {
 /// A message as the DBC file lets one see it.
 class Reading {
  public:
-  explicit Reading(const NumberedMessage& message)
-      : frames_(encode_can_frames(message, kDefaultCanId)) {}
+  explicit Reading(const NumberedMessage& message) {
+    const auto frames = encode_can_frames(message, kDefaultCanId);
+    frames_.assign(frames.begin(), frames.end());
+    frames_.push_back(encode_can_inputs(message.message, kDefaultCanId));
+  }
 
   std::int64_t raw(const std::string& name) const {
     for (const CanFrame& frame : frames_) {
@@ -90,14 +94,14 @@ class Reading {
 
  private:
   Dbc dbc_ = read_dbc();
-  std::array<CanFrame, kCanFrames> frames_;
+  std::vector<CanFrame> frames_;
 };
 
 constexpr double kDegPerRad = 57.29577951308232;
 
 TEST(DbcFile, LetsNoTwoSignalsShareABit) {
   const Dbc dbc = read_dbc();
-  ASSERT_EQ(dbc.size(), kCanFrames);
+  ASSERT_EQ(dbc.size(), kCanFrames + 1);
   for (const auto& [id, signals] : dbc) {
     std::set<unsigned> bits;
     for (const auto& [name, signal] : signals) {
@@ -154,6 +158,29 @@ TEST(CanStatusFrame, HoldsMotionCounterAndEachHealthFlag) {
     EXPECT_EQ(reading.raw("TemperatureMissing") == 1, health.temperature_missing);
     EXPECT_EQ(reading.raw("OdometerDisagreement") == 1, health.odometer_disagreement);
   }
+}
+
+TEST(CanInputsFrame, HoldsTemperatureOdometerAndCalm) {
+  std::mt19937_64 random{6};
+  for (int i = 0; i < 200; ++i) {
+    const app::RateMessage sent = testing::random_message(random).message;
+    const Reading reading{{.sequence = 0, .message = sent}};
+    if (sent.temperature) {
+      EXPECT_NEAR(reading.value("Temperature"), sent.temperature->degc(), 0.0051);
+    } else {
+      EXPECT_EQ(reading.raw("Temperature"), -32768);
+    }
+    EXPECT_EQ(reading.raw("HasOdometer") == 1, sent.odometer_pulses.has_value());
+    EXPECT_EQ(reading.raw("OdometerPulses"), sent.odometer_pulses.value_or(0));
+    EXPECT_EQ(reading.raw("OdometerDeadBand") == 1, sent.health.odometer_dead_band);
+    EXPECT_EQ(reading.raw("CalmPercent"), sent.calm_percent);
+  }
+}
+
+TEST(CanTemperatureThatDoesNotFit, IsNotAvailable) {
+  NumberedMessage sent;
+  sent.message.temperature = core::Temperature::from_degc(400.0F);
+  EXPECT_EQ(Reading{sent}.raw("Temperature"), -32768);
 }
 
 TEST(CanFramesWithoutARate, SaySo) {

@@ -36,6 +36,8 @@ TEST(JsonMessage, GivesBackWhatZerorateWroteButForTheRoundingOfDegrees) {
     EXPECT_EQ(read->message.time, sent.message.time);
     EXPECT_EQ(read->message.motion, sent.message.motion);
     EXPECT_EQ(read->message.health, sent.message.health);
+    EXPECT_EQ(read->message.temperature, sent.message.temperature);
+    EXPECT_EQ(read->message.odometer_pulses, sent.message.odometer_pulses);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       EXPECT_FLOAT_EQ(read->message.axes[axis].bias.in(core::deg_per_s),
                       sent.message.axes[axis].bias.in(core::deg_per_s));
@@ -68,6 +70,18 @@ TEST(JsonMessage, RefusesWhatIsNoMessage) {
   EXPECT_FALSE(parse_json_message(asleep).has_value());
   EXPECT_FALSE(parse_json_message("[]").has_value());
   EXPECT_FALSE(parse_json_message("null").has_value());
+}
+
+TEST(JsonMessageOfAnOlderNode, HasNeitherTemperatureNorPulses) {
+  linux_node::JsonBuffer buffer{};
+  std::string line{linux_node::format_json_line(calibrated_message(1), buffer)};
+  const std::string inputs = R"(,"temperature_c":null,"odometer_pulses":null)";
+  line.erase(line.find(inputs), inputs.size());
+  EXPECT_EQ(
+      parse_json_message(line)->message,
+      parse_json_message(std::string_view{buffer.data()}.substr(0, line.size() + inputs.size()))
+          ->message);
+  EXPECT_FALSE(parse_json_message(line)->message.message.temperature.has_value());
 }
 
 TEST(JsonMessageWithALearntModel, GivesItBackButForTheRoundingOfUnits) {

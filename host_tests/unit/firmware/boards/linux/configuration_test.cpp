@@ -259,6 +259,22 @@ TEST(ConfigurationWithoutHardware, NamesTheSimulatedChipAlone) {
       HasSubstr("\"type\" in [odometer]: the simulated gyro brings an odometer of its own"));
 }
 
+TEST(ConfigurationWithoutHardware, MayHurryAndStayAtRest) {
+  const std::string simulated = "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\n";
+  EXPECT_EQ(parse_configuration(simulated, "z.toml").gyro.time_factor, 1.0);
+  EXPECT_TRUE(parse_configuration(simulated, "z.toml").gyro.drives);
+  const Configuration c =
+      parse_configuration(simulated + "time_factor = 20\ndrives = false\n", "z.toml");
+  EXPECT_EQ(c.gyro.time_factor, 20.0);
+  EXPECT_FALSE(c.gyro.drives);
+  EXPECT_THAT(message_of(simulated + "time_factor = 0.5\n"), HasSubstr("a factor from 1 to 100"));
+  const std::string messages =
+      "[odometer]\ntype = \"udp\"\naddress = \"127.0.0.1\"\nport = 4000\ndead_band_mps = 0.1\n"
+      "latency_s = 0\n";
+  EXPECT_THAT(message_of(simulated + "time_factor = 2\n" + messages),
+              HasSubstr("messages come in real time: time_factor of [gyro] must be 1"));
+}
+
 constexpr const char* kCan = R"([odometer]
 type = "can"
 interface = "can0"

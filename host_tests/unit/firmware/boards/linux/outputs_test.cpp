@@ -45,6 +45,8 @@ NumberedMessage widest_message() {
   for (app::AxisRate& axis : widest.message.axes) {
     axis.measured = axis.corrected = axis.bias = axis.sigma = core::rad_per_s(-1.17549435e-38F);
   }
+  widest.message.temperature = core::Temperature::from_degc(-1.17549435e-38F);
+  widest.message.odometer_pulses = std::numeric_limits<std::uint32_t>::max();
   return widest;
 }
 
@@ -67,6 +69,14 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
         EXPECT_EQ(json["rate_dps"][axis].get<float>(), rate.corrected.in(core::deg_per_s));
         EXPECT_EQ(json["measured_dps"][axis].get<float>(), rate.measured.in(core::deg_per_s));
       }
+    }
+    EXPECT_EQ(json["temperature_c"].is_null(), !sent.message.temperature);
+    if (sent.message.temperature) {
+      EXPECT_EQ(json["temperature_c"].get<float>(), sent.message.temperature->degc());
+    }
+    EXPECT_EQ(json["odometer_pulses"].is_null(), !sent.message.odometer_pulses);
+    if (sent.message.odometer_pulses) {
+      EXPECT_EQ(json["odometer_pulses"], *sent.message.odometer_pulses);
     }
     for (const wire::HealthBit& bit : wire::kHealthBits) {
       EXPECT_EQ(json[std::string(bit.name)], sent.message.health.*bit.flag);
@@ -260,6 +270,11 @@ TEST(ErrorOfTheGyro, IsToldWithPlaceReasonAndCure) {
        {.error_number = EBUSY},
        "/dev/i2c-1 at 0x6a: bus failed (timeout) at register 0x0f: Device or resource busy (does "
        "another program or a driver of the kernel use it?)"},
+      {BusKind::i2c,
+       bus_error(hal::BusError::io),
+       {.error_number = ENOTTY},
+       "/dev/i2c-1 at 0x6a: bus failed (input/output error) at register 0x0f: Inappropriate ioctl "
+       "for device (is it a node of i2c-dev or spidev?)"},
       {BusKind::i2c,
        bus_error(hal::BusError::nack),
        {.error_number = ENXIO},
