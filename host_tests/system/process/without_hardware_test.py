@@ -6,44 +6,114 @@ usage: without_hardware_test.py ZERORATED [unittest arguments]
 ZERORATE_CONSUMER_S: how long the example of a consumer runs, 5 unless set.
 """
 
+import importlib.util
 import json
 import math
 import os
 import pwd
 import select
+import shutil
 import socket
+import struct
 import subprocess
 import sys
+import threading
 import time
+import types
 import unittest
+import xml.etree.ElementTree
 
 import zerorated_test
 from zerorated_test import LIMIT_S, REPOSITORY
 
 
+# Stands in for the kernel's CAN where there is none: the socket is a Unix datagram socket that takes the same frames.
+NO_CAN = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <linux/can.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#define REAL(name, ...) ((int (*)(__VA_ARGS__))dlsym(RTLD_NEXT, #name))
+int socket(int family, int type, int protocol) {
+  const int is_can = family == PF_CAN;
+  return REAL(socket, int, int, int)(is_can ? AF_UNIX : family, is_can ? SOCK_DGRAM | SOCK_CLOEXEC : type,
+                                     is_can ? 0 : protocol);
+}
+int ioctl(int file, unsigned long request, ...) {
+  va_list more;
+  va_start(more, request);
+  void* argument = va_arg(more, void*);
+  va_end(more);
+  if (request == SIOCGIFINDEX) return ((struct ifreq*)argument)->ifr_ifindex = 1, 0;
+  return REAL(ioctl, int, unsigned long, void*)(file, request, argument);
+}
+int setsockopt(int file, int level, int name, const void* value, socklen_t size) {
+  return level == SOL_CAN_RAW ? 0 : REAL(setsockopt, int, int, int, const void*, socklen_t)(file, level, name, value, size);
+}
+int bind(int file, const struct sockaddr* address, socklen_t size) {
+  if (address->sa_family != AF_CAN) return REAL(bind, int, const struct sockaddr*, socklen_t)(file, address, size);
+  struct sockaddr_un path = {.sun_family = AF_UNIX};
+  strncpy(path.sun_path, getenv("ZERORATE_TEST_CAN"), sizeof path.sun_path - 1);
+  return REAL(bind, int, const struct sockaddr*, socklen_t)(file, (const struct sockaddr*)&path, sizeof path);
+}
+"""
+
 TRAITS = "dead_band_mps = 0.1\nlatency_s = 0.05\n"
 
 
-class WithoutHardware(zerorated_test.Node):
+class Simulated(zerorated_test.Node):
     def simulate(self, more=""):
         text = self.file.read_text()
         gyro, rest = text.index("[gyro]"), text.index("[state]")
         self.file.write_text(text[:gyro] + '[gyro]\nchip = "simulated"\n' + text[rest:] + more)
 
-    def test_gives_a_consumer_the_rate_that_its_json_says(self):
-        port = self.receiver.getsockname()[1]
+    def consume(self, command, count):
+        """Lines of a consumer of so many messages, and the messages by number as the JSON lines have them."""
         lines = self.folder / "rate.jsonl"
         self.simulate(f'[[sink]]\ntype = "json"\nfile = "{lines}"\n')
         self.receiver.close()
-        count = int(float(os.environ.get("ZERORATE_CONSUMER_S", "5")) * 104)
-        with subprocess.Popen([sys.executable, REPOSITORY / "docs/examples/python/receive_rate.py", "--port", str(port),
-                               "--count", str(count)], stdout=subprocess.PIPE, text=True) as consumer:
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as consumer:
             time.sleep(0.5)
             self.start()
             received = [line.split() for line in consumer.communicate(timeout=count / 104 + LIMIT_S)[0].splitlines()]
         self.stop()
-        said = {message["sequence"]: message for message in map(json.loads, lines.read_text().splitlines())}
         self.assertEqual(len(received), count)
+        return received, {line["sequence"]: line for line in map(json.loads, lines.read_text().splitlines())}
+
+
+class WithoutHardware(Simulated):
+    @unittest.skipUnless(shutil.which("cc"), "no C compiler named cc")
+    def test_gives_a_consumer_in_c_the_message_that_its_json_says(self):
+        program = self.folder / "receive_rate"
+        subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-o", program,
+                        REPOSITORY / "docs/examples/c/receive_rate.c"], check=True)
+        received, said = self.consume([program, str(self.receiver.getsockname()[1]), "300"], 300)
+        for number, seconds, motion, *rates, temperature, pulses, calibrated, lost in received:
+            message = said[int(number)]
+            self.assertEqual((motion, lost), (message["motion"], "lost=0"))
+            self.assertAlmostEqual(float(seconds), message["time_ns"] * 1e-9, delta=1e-6)
+            self.assertEqual(calibrated == "calibrated", message["calibrated"])
+            self.assertEqual(int(pulses), message["odometer_pulses"])
+            if rates[0] == "none":
+                self.assertEqual(message["rate_dps"], [None] * 3)
+                continue
+            self.assertAlmostEqual(float(temperature), message["temperature_c"], delta=1e-5)
+            for rate, expected in zip(rates, message["rate_dps"], strict=True):
+                self.assertAlmostEqual(float(rate), expected, delta=1e-6 * max(1.0, abs(expected)))
+        self.assertGreater(sum(fields[3] != "none" for fields in received), 270)
+
+    def test_gives_a_consumer_the_rate_that_its_json_says(self):
+        count = int(float(os.environ.get("ZERORATE_CONSUMER_S", "5")) * 104)
+        port = str(self.receiver.getsockname()[1])
+        received, said = self.consume([sys.executable, REPOSITORY / "docs/examples/python/receive_rate.py", "--port",
+                                       port, "--count", str(count)], count)
         self.assertEqual({fields[-1] for fields in received}, {"lost=0"})
         for number, _, motion, x, y, z, *_ in received:
             message = said[int(number)]
@@ -130,6 +200,38 @@ class WithoutHardware(zerorated_test.Node):
             self.drive_by_messages(lambda words: sender.sendto(words, str(path)))
         self.assertFalse(path.exists())
 
+    def drive_by_can(self, interface, send):
+        """Speed as a signed signal of 0.01 m/s in big byte order."""
+        self.simulate(f'[odometer]\ntype = "can"\ninterface = "{interface}"\nid = 0x1A0\nstart_bit = 7\nlength = 16\n'
+                      'byte_order = "big"\nsigned = true\nscale_mps = 0.01\n' + TRAITS)
+
+        def say(words):
+            speed = struct.pack(">h6x", 0 if words == b"still" else round(100 * float(words)))
+            send(struct.pack("=IB3x8s", 0x1A0, 8, speed))
+        errors = self.drive_by_messages(say)
+        self.assertIn(f"odometer can:{interface} id 0x1a0: Connection timed out (no message with a speed comes", errors)
+
+    @unittest.skipUnless(shutil.which("ip"), "no ip")
+    def test_takes_the_speed_from_can(self):
+        name = f"zrt{os.getpid() % 10**6}"
+        made = subprocess.run(["ip", "link", "add", name, "type", "vcan"], capture_output=True, text=True, check=False)
+        if made.returncode != 0:
+            self.skipTest(f"no vcan here: {made.stderr.strip()}")
+        self.addCleanup(subprocess.run, ["ip", "link", "del", name], check=True)
+        subprocess.run(["ip", "link", "set", name, "up"], check=True)
+        with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as sender:
+            sender.bind((name,))
+            self.drive_by_can(name, sender.send)
+
+    @unittest.skipUnless(shutil.which("cc"), "no C compiler named cc")
+    @unittest.skipIf(zerorated_test.is_sanitized(), "the sanitizer's library must be loaded first")
+    def test_takes_the_speed_from_a_stand_in_for_can(self):
+        path, library = self.folder / "can", self.folder / "no_can.so"
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, "-x", "c", "-"], input=NO_CAN, text=True, check=True)
+        self.environment = dict(os.environ, LD_PRELOAD=str(library), ZERORATE_TEST_CAN=str(path))
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+            self.drive_by_can("can0", lambda frame: sender.sendto(frame, str(path)))
+
     def test_says_that_the_can_interface_of_the_speed_is_not_there(self):
         self.simulate('[odometer]\ntype = "can"\ninterface = "no-can"\nid = 0x1A0\nstart_bit = 0\nlength = 8\n'
                       'byte_order = "little"\nscale_mps = 0.1\n' + TRAITS)
@@ -138,7 +240,87 @@ class WithoutHardware(zerorated_test.Node):
         self.assertEqual(message["motion"], 0)
         for _ in range(200):
             self.message()
-        self.assertRegex(self.stop(), r"odometer can:no-can id 0x1a0: .+; the vehicle counts as moving")
+        self.assertRegex(self.stop(), r"odometer can:no-can id 0x1a0: .+ \(.+\); the vehicle counts as moving")
+
+
+def stand_ins_for_ros(published):
+    """Modules with just what imu_node.py takes of a ROS installation, which is not here."""
+    class Message(types.SimpleNamespace):
+        def __getattr__(self, name):  # a member of a message is a message until it is set
+            member = Message()
+            setattr(self, name, member)
+            return member
+
+    class Node:
+        def __init__(self, name):
+            pass
+
+        def declare_parameter(self, name, default):
+            return Message(value=default)
+
+        def create_publisher(self, kind, topic, quality):
+            return Message(publish=lambda message: published.append((topic, message)))
+
+        def get_clock(self):
+            return Message(now=lambda: Message(nanoseconds=time.time_ns()))
+
+    class Time(Message):
+        def to_msg(self):
+            return self.nanoseconds
+
+    status = type("DiagnosticStatus", (Message,), {"OK": b"\0", "WARN": b"\1"})
+    names = {"rclpy": {"ok": lambda: True}, "rclpy.node": {"Node": Node}, "rclpy.time": {"Time": Time},
+             "rclpy.qos": {"qos_profile_sensor_data": None},
+             "diagnostic_msgs.msg": {"DiagnosticArray": Message, "DiagnosticStatus": status, "KeyValue": Message},
+             "geometry_msgs.msg": {"Vector3Stamped": Message},
+             "sensor_msgs.msg": {"Imu": Message, "Temperature": Message}}
+    for name, members in names.items():
+        sys.modules[name] = types.ModuleType(name)
+        vars(sys.modules[name]).update(members)
+
+
+class RosNode(Simulated):
+    """The example for ROS 2, against stand-ins: it was never run in ROS."""
+
+    def test_publishes_imu_messages_by_rep_145(self):
+        published = []
+        stand_ins_for_ros(published)
+        folder = REPOSITORY / "docs/examples/ros2"
+        specification = importlib.util.spec_from_file_location("imu_node", folder / "imu_node.py")
+        module = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(module)
+        node = module.ImuNode()
+        node._port = self.receiver.getsockname()[1]  # pylint: disable=protected-access
+        self.receiver.close()
+        threading.Thread(target=node.receive, daemon=True).start()
+        self.simulate()
+        self.start()
+        deadline = time.monotonic() + LIMIT_S
+        while sum(topic == "imu/data" for topic, _ in published) < 100 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.stop()
+        of_topic = {topic: [message for name, message in published if name == topic] for topic, _ in published}
+        self.assertEqual(set(of_topic), {"imu/data", "imu/bias", "imu/temperature", "diagnostics"})
+        self.assertGreater(len(of_topic["imu/temperature"]), len(of_topic["imu/data"]), "none before the calibration")
+        stamps = [imu.header.stamp for imu in of_topic["imu/data"]]
+        for before, after in zip(stamps, stamps[1:]):
+            self.assertAlmostEqual(after - before, 1e9 / 104, delta=1e7)
+        self.assertLess(abs(stamps[-1] - time.time_ns()), 10e9)
+        imu = of_topic["imu/data"][-1]
+        self.assertEqual(imu.header.frame_id, "imu_link")
+        self.assertEqual((imu.orientation_covariance[0], imu.linear_acceleration_covariance[0]), (-1.0, -1.0))
+        covariance = imu.angular_velocity_covariance
+        self.assertEqual([i for i, value in enumerate(covariance) if value != 0.0], [0, 4, 8])
+        self.assertGreater(covariance[0], math.radians(0.03) ** 2)
+        self.assertLess(covariance[0], math.radians(0.1) ** 2)
+        self.assertLess(abs(imu.angular_velocity.x), math.radians(0.5))
+        bias = of_topic["imu/bias"][-1].vector
+        self.assertAlmostEqual(math.degrees(bias.x), 0.35, delta=0.1)
+        self.assertEqual(of_topic["diagnostics"][0].status[0].message, "not calibrated yet")
+
+    def test_has_a_package_that_can_be_read(self):
+        package = xml.etree.ElementTree.parse(REPOSITORY / "docs/examples/ros2/package.xml").getroot()
+        self.assertEqual((package.tag, package.find("name").text), ("package", "zerorate_imu"))
 
 
 if __name__ == "__main__":
