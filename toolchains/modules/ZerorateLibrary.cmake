@@ -35,5 +35,3 @@ foreach(name zerorate zerorate-c)
 endforeach()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/examples/library" "${PROJECT_SOURCE_DIR}/docs/examples/c"
   DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/libzerorate-dev/examples" COMPONENT library)
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/libzerorate-dev"
-  RENAME copyright COMPONENT library)

@@ -3,7 +3,9 @@
 #
 # Builds the node's Debian package for an architecture, lets apt find everything it depends on in Debian's
 # archive, as on a machine that has nothing yet, unpacks all of it into an empty root, and runs the programs
-# there: under qemu-user where this machine has another processor. The scripts of the package are not run.
+# there: under qemu-user where this machine has another processor. On amd64 the package is also installed for real, in a
+# Debian of its own: lintian finds nothing, the package's own tests (toolchains/debian/tests/control) pass, and a
+# purge leaves nothing.
 set -euo pipefail
 repository=$(readlink -f "$1")
 mkdir -p "$2"
@@ -45,7 +47,13 @@ run /usr/bin/zerorate model show lsm6dso | grep -q '^schema'
 sed 's/rate_hz = 104/rate_hz = 105/' "$root/etc/zerorate/zerorated.toml" >"$work/wrong-$arch.toml"
 if run /usr/sbin/zerorated --check-config --config "$work/wrong-$arch.toml" 2>"$work/wrong-$arch.log"; then exit 1; fi
 grep -q 'wrong-.*:11:11: .*the chip offers' "$work/wrong-$arch.log"
-for page in man1/zerorate.1 man8/zerorated.8 man5/zerorated.toml.5; do [[ -e "$root/usr/share/man/$page" ]]; done
+for page in man1/zerorate.1 man8/zerorated.8 man5/zerorated.toml.5; do [[ -e "$root/usr/share/man/$page.gz" ]]; done
+# What the node's build of the tool has: recordings, and an answer for those commands that it lacks.
+rm -f "$work/rest-$arch.csv.gz"
+run /usr/bin/zerorate record --chip simulated --duration 3s --output "$work/rest-$arch.csv.gz"
+[[ $(gzip -dc "$work/rest-$arch.csv.gz" | wc -l) -gt 300 ]]
+if run /usr/bin/zerorate characterize "$work/rest-$arch.csv.gz" 2>"$work/desktop-$arch.log"; then exit 1; fi
+grep -q 'characterize is in the desktop build of zerorate' "$work/desktop-$arch.log"
 
 # The example in C against libzerorate-dev.
 dpkg-deb -x "$repository/build/linux-$arch"/libzerorate-dev_*_"$arch".deb "$root"
@@ -54,3 +62,35 @@ dpkg-deb -x "$repository/build/linux-$arch"/libzerorate-dev_*_"$arch".deb "$root
   $(PKG_CONFIG_LIBDIR="$root/usr/lib/${triplet[$arch]}/pkgconfig" pkg-config --cflags --libs zerorate-c)
 run /usr/bin/example
 echo "$arch: zerorated and zerorate run in the clean root"
+if [[ $arch != amd64 ]]; then exit; fi
+
+lintian --allow-root --fail-on error,warning "$repository/build/linux-$arch"/{zerorate,libzerorate-dev}_*_"$arch".deb
+echo "$arch: lintian finds neither an error nor a warning"
+if [[ $(id -u) != 0 ]]; then echo "$arch: not root: the package is not installed"; exit; fi
+
+# A Debian with what the package depends on, made once.
+base="$work/debian-$arch.tar"
+if [[ ! -e $base ]]; then
+  mmdebstrap --quiet --mode=root --variant=apt --include="$(dpkg-deb --field "$deb" Depends | sed 's/ *([^)]*)//g; s/, */,/g')" \
+    "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$base.new" /etc/apt/sources.list.d/debian.sources
+  mv "$base.new" "$base"
+fi
+debian="$work/debian-$arch"
+rm -rf --one-file-system "$debian"
+mkdir "$debian"
+tar -C "$debian" -xf "$base"
+cp "$deb" "$debian/zerorate.deb"
+mount -t proc proc "$debian/proc"
+trap 'umount "$debian/proc"' EXIT
+inside() { env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 AUTOPKGTEST_TMP=/tmp chroot "$debian" "$@"; }
+inside dpkg --install /zerorate.deb
+sed -n 's/^Test-Command: //p' "$repository/toolchains/debian/tests/control" >"$work/commands"
+while read -r command; do inside sh -c "$command" </dev/null >"$work/command.log" 2>&1 || { cat "$work/command.log"; exit 1; }; done <"$work/commands"
+echo "$arch: $(wc -l <"$work/commands") tests of the package pass where it is installed"
+echo "# changed" >>"$debian/etc/zerorate/zerorated.toml"
+inside dpkg --install /zerorate.deb
+grep -q '^# changed' "$debian/etc/zerorate/zerorated.toml"
+inside dpkg --purge zerorate
+for path in etc/zerorate var/lib/zerorate usr/bin/zerorate lib/systemd/system/zerorated.service; do [[ ! -e $debian/$path ]]; done
+if inside id zerorate 2>/dev/null; then exit 1; fi
+echo "$arch: an upgrade keeps the configuration, a purge leaves nothing"
