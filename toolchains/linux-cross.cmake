@@ -2,7 +2,7 @@
 # which sets ZERORATE_TRIPLET and ZERORATE_DEBIAN_ARCH first.
 #
 # The compiler brings the C and C++ libraries; headers that are the same for every architecture come from
-# this machine; the one library that is neither, libgpiod, is unpacked from Debian's package of the target
+# this machine; the two libraries that are neither, libgpiod and zlib, are unpacked from Debian's packages of the target
 # architecture into build/sysroot (toolchains/fetch-sysroot.sh), without touching this machine's packages.
 
 set(CMAKE_SYSTEM_NAME Linux)
@@ -27,13 +27,18 @@ if(NOT EXISTS "${_zerorate_sysroot}/usr/include/gpiod.h")
     ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libgpiod-dev ${_zerorate_gpiod}
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
+if(NOT EXISTS "${_zerorate_sysroot}/usr/include/zlib.h")
+  execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" zlib1g-dev
+    COMMAND_ERROR_IS_FATAL ANY)
+endif()
 # What the tests need of the target's besides.
 if(BUILD_TESTING AND NOT EXISTS "${_zerorate_sysroot}/usr/include/fmt")
   execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/fetch-sysroot.sh"
-    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libfmt-dev libfmt9 libgmock-dev libgtest-dev zlib1g-dev
+    ${ZERORATE_DEBIAN_ARCH} "${_zerorate_sysroot}" "${ZERORATE_GPIOD_SUITE}" libfmt-dev libfmt9 libgmock-dev libgtest-dev
     COMMAND_ERROR_IS_FATAL ANY)
 endif()
-set(ZLIB_USE_STATIC_LIBS ON)
+set(ZLIB_USE_STATIC_LIBS ON)  # the link to the shared one leads out of the sysroot
 set(CMAKE_CROSSCOMPILING_EMULATOR ${ZERORATE_EMULATOR} -L "/usr/${ZERORATE_TRIPLET}"
     -E "LD_LIBRARY_PATH=${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}")
 set(ENV{PKG_CONFIG_LIBDIR} "${_zerorate_sysroot}/usr/lib/${ZERORATE_TRIPLET}/pkgconfig")

@@ -42,6 +42,7 @@ using OpenPage = std::function<ShowTally(const std::string& address, std::uint16
 /// @param open_page  nullptr: this build has none
 [[nodiscard]] Command add_monitor(CLI::App& app, const OpenPage& open_page = nullptr);
 [[nodiscard]] Command add_probe(CLI::App& app);
+[[nodiscard]] Command add_record(CLI::App& app);
 [[nodiscard]] Command add_odometer(CLI::App& app);
 
 /// All that this build has: board_commands.cpp or desktop_commands.cpp.

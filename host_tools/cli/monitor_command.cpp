@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -8,15 +7,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "firmware/model/model_file.hpp"
-#include "hal/linux/descriptor.hpp"
 #include "hal/linux/named_socket.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/live_options.hpp"
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/live/source.hpp"
 #include "host_tools/lib/live/view.hpp"
@@ -29,11 +27,7 @@ using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
 struct MonitorFlags {
-  std::string udp = "127.0.0.1:24680";
-  std::string unix_path;
-  std::string serial;
-  unsigned baud = 115'200;
-  std::string json;
+  LiveOptions live;
   std::string model_out;
   std::string http;
   bool is_http_remote = false;
@@ -41,59 +35,20 @@ struct MonitorFlags {
   std::uint64_t count = 0;
 };
 
-struct Endpoint {
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 0;
-};
-
-/// "ADDRESS:PORT" or "PORT"; an IPv6 address may stand in brackets.
-Endpoint parse_endpoint(const std::string& option, const std::string& where, unsigned least_port) {
-  const std::size_t colon = where.rfind(':');
-  const bool has_address = colon != std::string::npos;
-  const std::string port = has_address ? where.substr(colon + 1) : where;
-  const bool is_number =
-      !port.empty() && port.size() <= 5 && std::ranges::all_of(port, [](unsigned char character) {
-        return std::isdigit(character) != 0;
-      });
-  const unsigned long number = is_number ? std::stoul(port) : 65536;
-  if (number < least_port || number > 65535) {
-    throw std::invalid_argument(
-        fmt::format("{}: \"{}\" does not end in a port, {} to 65535", option, where, least_port));
-  }
-  Endpoint endpoint{.port = static_cast<std::uint16_t>(number)};
-  if (!has_address) return endpoint;
-  endpoint.address = where.substr(0, colon);
-  if (endpoint.address.starts_with('[') && endpoint.address.ends_with(']')) {
-    endpoint.address = endpoint.address.substr(1, endpoint.address.size() - 2);
-  }
-  return endpoint;
-}
-
-std::unique_ptr<live::Source> listen_udp(const std::string& where) {
-  const Endpoint endpoint = parse_endpoint("--udp", where, 1);
-  return live::listen_udp(endpoint.address, endpoint.port);
-}
-
-std::unique_ptr<live::Source> open_source(const MonitorFlags& flags) {
-  if (!flags.serial.empty()) return live::open_serial(flags.serial, flags.baud);
-  if (!flags.unix_path.empty()) return live::listen_unix(flags.unix_path);
-  if (!flags.json.empty()) return live::open_json_lines(flags.json);
-  return listen_udp(flags.udp);
-}
-
 /// Shows the tally: on its page, and on a terminal by painting over the last picture, elsewhere
 /// line by line.
 class Display {
  public:
   Display(std::string source, ShowTally page)
       : source_(std::move(source)),
+        silence_(source_),
         page_(std::move(page)),
         is_terminal_(isatty(STDOUT_FILENO) == 1) {
     if (!is_terminal_) fmt::print("{}", live::line_header());
   }
 
   void show(const live::Tally& tally, milliseconds silence) {
-    tell_silence(tally, silence);
+    silence_.tell(tally.messages, silence);
     if (page_) page_(tally, source_, silence);
     if (is_terminal_) {
       paint(live::format_screen(tally, source_, silence));
@@ -114,16 +69,6 @@ class Display {
   }
 
  private:
-  /// Once, where nothing has ever come.
-  void tell_silence(const live::Tally& tally, milliseconds silence) {
-    constexpr milliseconds kPatience{2000};
-    if (tally.messages > 0 || silence < kPatience || is_silence_told_) return;
-    is_silence_told_ = true;
-    fmt::print(stderr,
-               "zerorate: no message on {} yet; does zerorated run, and has it a sink there? "
-               "journalctl -u zerorated\n",
-               source_);
-  }
   void paint(std::string_view screen) {
     if (lines_ > 0) fmt::print("\033[{}A\033[J", lines_);
     fmt::print("{}", screen);
@@ -131,21 +76,12 @@ class Display {
   }
 
   std::string source_;
+  SilenceNotice silence_;
   ShowTally page_;
   bool is_terminal_;
   std::uint64_t shown_ = 0;
   std::ptrdiff_t lines_ = 0;
-  bool is_silence_told_ = false;
 };
-
-/// SIGINT and SIGTERM as something to read: the source is closed properly.
-hal::linux_os::Descriptor open_end_signals() {
-  sigset_t signals{};
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&signals, signal);
-  sigprocmask(SIG_BLOCK, &signals, nullptr);
-  return hal::linux_os::checked_descriptor(signalfd(-1, &signals, SFD_CLOEXEC), "signalfd");
-}
 
 /// Model of an axis as a model file holds it.
 model::SensorModel to_model(const wire::LearntModel& learnt, std::size_t axis) {
@@ -209,7 +145,7 @@ ExitCode run_monitor(const MonitorFlags& flags, const OpenPage& open_page) {
   const auto interval =
       duration_cast<milliseconds>(std::chrono::duration<double>(flags.interval_s));
   const auto signals = open_end_signals();
-  const auto source = open_source(flags);
+  const auto source = open_source(flags.live);
   Display display{source->name(), page_of(flags, open_page)};
   live::Tally tally;
   display.begin(tally);
@@ -242,18 +178,7 @@ ExitCode run_monitor(const MonitorFlags& flags, const OpenPage& open_page) {
 Command add_monitor(CLI::App& app, const OpenPage& open_page) {
   const auto flags = std::make_shared<MonitorFlags>();
   auto* command = app.add_subcommand("monitor", "Show what a node publishes, as it comes");
-  auto* udp = command->add_option("--udp", flags->udp, "receive datagrams, [ADDRESS:]PORT")
-                  ->capture_default_str();
-  auto* local =
-      command->add_option("--unix", flags->unix_path, "receive on a Unix datagram socket");
-  auto* serial = command->add_option("--serial", flags->serial, "read a Pico's serial line");
-  command->add_option("--baud", flags->baud, "speed of the serial line")
-      ->capture_default_str()
-      ->needs(serial);
-  auto* json = command->add_option("--json", flags->json, "read JSON lines; - for standard input");
-  udp->excludes(local)->excludes(serial)->excludes(json);
-  local->excludes(serial)->excludes(json);
-  serial->excludes(json);
+  add_live_options(*command, flags->live);
   command->add_option("--interval", flags->interval_s, "seconds between two updates")
       ->check(CLI::Range(0.01, 3600.0))
       ->capture_default_str();

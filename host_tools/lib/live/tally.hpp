@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
@@ -21,6 +22,7 @@ struct Tally {
   std::uint64_t stops = 0;     ///< times the vehicle came to stand
   std::uint64_t restarts = 0;  ///< of the sender, whose numbers begin at 0 then
   std::uint64_t damaged = 0;   ///< frames and lines that could not be read
+  std::vector<wire::NumberedMessage>* every = nullptr;  ///< where each message is kept, if wanted
 
   void take(const wire::NumberedMessage& message) {
     if (newest && message.sequence <= newest->sequence) {
@@ -31,6 +33,7 @@ struct Tally {
     const bool stood = newest && newest->message.motion == core::Motion::still;
     if (!stood && message.message.motion == core::Motion::still) ++stops;
     newest = message;
+    if (every != nullptr) every->push_back(message);
     ++messages;
   }
 };

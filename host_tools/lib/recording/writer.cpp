@@ -31,7 +31,37 @@ std::error_code last_fault() {
   return {errno, std::generic_category()};
 }
 
+/// The fewest digits, from six, that the reader turns into the same float again. Found by trying:
+/// a rate in deg/s is not a float, so the shortest form of a float is not its shortest form.
+void append_measured(std::string& text, float value, double si_per_unit) {
+  const double in_file = static_cast<double>(value) / si_per_unit;
+  const std::size_t begin = text.size();
+  for (int digits = 6; digits <= 17; ++digits) {
+    text.resize(begin);
+    fmt::format_to(std::back_inserter(text), ",{:.{}g}", in_file, digits);
+    const auto read = parse_real(std::string_view{text}.substr(begin + 1));
+    if (!std::isfinite(in_file) || to_si(*read, si_per_unit) == value) {
+      return;
+    }
+  }
+}
+
 }  // namespace
+
+void append_row(std::string& text, const Columns& columns, const Row& row) {
+  append_seconds(text, row.time_ns);
+  for (std::size_t axis = 0; axis < columns.axis_count; ++axis) {
+    append_measured(text, row.rate_rad_s[axis], rad_per_s_in(columns.rate_unit));
+  }
+  if (columns.temperature) append_measured(text, row.temperature_degc, 1.0);
+  if (columns.odometer) fmt::format_to(std::back_inserter(text), ",{}", row.odometer_pulses);
+  if (columns.still) fmt::format_to(std::back_inserter(text), ",{:d}", row.still);
+  const double rad_per_deg = rad_per_s_in(RateUnit::deg_per_s);
+  if (columns.ref_heading) append_measured(text, row.ref_heading_rad, rad_per_deg);
+  if (columns.ref_rate) append_measured(text, row.ref_rate_rad_s, rad_per_deg);
+  if (columns.ref_speed) append_measured(text, row.ref_speed_m_s, 1.0);
+  text += '\n';
+}
 
 Writer::Writer(const std::filesystem::path& path, const Columns& columns)
     : path_(path), columns_(columns) {
@@ -52,41 +82,9 @@ Writer::Writer(const std::filesystem::path& path, const Columns& columns)
 }
 
 void Writer::write(const Row& row) {
-  append_seconds(text_, row.time_ns);
-  for (std::size_t axis = 0; axis < columns_.axis_count; ++axis) {
-    append_measured(row.rate_rad_s[axis], rad_per_s_in(columns_.rate_unit));
-  }
-  if (columns_.temperature) {
-    append_measured(row.temperature_degc, 1.0);
-  }
-  if (columns_.odometer) {
-    fmt::format_to(std::back_inserter(text_), ",{}", row.odometer_pulses);
-  }
-  if (columns_.still) {
-    fmt::format_to(std::back_inserter(text_), ",{:d}", row.still);
-  }
-  const double rad_per_deg = rad_per_s_in(RateUnit::deg_per_s);
-  if (columns_.ref_heading) append_measured(row.ref_heading_rad, rad_per_deg);
-  if (columns_.ref_rate) append_measured(row.ref_rate_rad_s, rad_per_deg);
-  if (columns_.ref_speed) append_measured(row.ref_speed_m_s, 1.0);
-  text_ += '\n';
+  append_row(text_, columns_, row);
   if (text_.size() >= kTextBytes) {
     flush();
-  }
-}
-
-/// The fewest digits, from six, that the reader turns into the same float again. Found by trying:
-/// a rate in deg/s is not a float, so the shortest form of a float is not its shortest form.
-void Writer::append_measured(float value, double si_per_unit) {
-  const double in_file = static_cast<double>(value) / si_per_unit;
-  const std::size_t begin = text_.size();
-  for (int digits = 6; digits <= 17; ++digits) {
-    text_.resize(begin);
-    fmt::format_to(std::back_inserter(text_), ",{:.{}g}", in_file, digits);
-    const auto read = parse_real(std::string_view{text_}.substr(begin + 1));
-    if (!std::isfinite(in_file) || to_si(*read, si_per_unit) == value) {
-      return;
-    }
   }
 }
 

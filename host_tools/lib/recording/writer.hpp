@@ -17,6 +17,10 @@
 
 namespace zerorate::recording {
 
+/// Appends the line of a row, with its line end: times with all their nanoseconds, every other
+/// number with as few digits as reading the same bits back takes.
+void append_row(std::string& text, const Columns& columns, const Row& row);
+
 /// Writes a recording: gzip if the name ends in .gz, plain CSV otherwise. The file appears under
 /// its name, replacing an older one, when finish() has succeeded; without finish() nothing stays
 /// (see output::OutputFile). Only regular files are written: a recording is there to be read again.
@@ -43,7 +47,6 @@ class Writer {
   };
 
   void flush();
-  void append_measured(float value, double si_per_unit);
   [[nodiscard]] Error cannot(std::string_view action, const std::error_code& fault) const;
 
   std::filesystem::path path_;
