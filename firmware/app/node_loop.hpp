@@ -102,7 +102,10 @@ class NodeLoop {
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
-      for (std::size_t i = 0; i < *count; ++i) publish(node_.step(samples[i]), now);
+      for (std::size_t i = 0; i < *count; ++i) {
+        RateMessage message = node_.step(samples[i]);
+        publish(message, now);
+      }
       counters_.samples += static_cast<std::uint32_t>(*count);
       if (*count < Batch) return;
     }
@@ -131,7 +134,8 @@ class NodeLoop {
     }
   }
 
-  constexpr void publish(RateMessage message, core::Instant now) {
+  /// Adds the pulses to the message and publishes it.
+  constexpr void publish(RateMessage& message, core::Instant now) {
     if (node_.params().standstill.source != core::StandstillSource::gyro) {
       message.odometer_pulses = counters_.pulses + counters_.pulses_lost;
     }
@@ -145,7 +149,8 @@ class NodeLoop {
     if (!published_at_) published_at_ = now;  // the clock's first reading
     if (now - *published_at_ < std::max(kLongestSilence, gyro_.sample_period() * 4)) return;
     ++counters_.silences;
-    publish(node_.step_without_sample(now), now);
+    RateMessage message = node_.step_without_sample(now);
+    publish(message, now);
   }
 
   constexpr void start(core::Instant now) {

@@ -72,14 +72,14 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
 }  // namespace detail
 
 /// Cost: 80 bytes of stack and their checksum; no heap.
-[[nodiscard]] constexpr RateFrame encode_rate_frame(const NumberedMessage& numbered) {
+[[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
+                                                    const app::RateMessage& message) {
   RateFrame frame{};
   LittleEndianWriter out{frame};
-  const app::RateMessage& message = numbered.message;
   out.put(detail::kMagic);
   out.put(detail::kRateVersion);
   out.put(detail::contents_of(message));
-  out.put(numbered.sequence);
+  out.put(sequence);
   out.put(static_cast<std::uint64_t>(message.time.ns()));
   out.put(static_cast<std::uint8_t>(message.motion));
   out.put(encode_health(message.health));
@@ -92,6 +92,9 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
   detail::put_inputs(out, message);
   out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
   return frame;
+}
+[[nodiscard]] constexpr RateFrame encode_rate_frame(const NumberedMessage& numbered) {
+  return encode_rate_frame(numbered.sequence, numbered.message);
 }
 
 /// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses.

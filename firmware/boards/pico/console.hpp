@@ -30,12 +30,12 @@ class Console {
   }
 
   void publish(const app::RateMessage& message) {
-    const wire::NumberedMessage numbered{.sequence = sequence_++, .message = message};
+    const std::uint32_t sequence = sequence_++;
     if (is_text_) {
       wire::TextLine text;
       send(wire::write_rate(message, text));
     } else {
-      send_frame(wire::encode_rate_frame(numbered));
+      send_frame(wire::encode_rate_frame(sequence, message));
     }
   }
 
