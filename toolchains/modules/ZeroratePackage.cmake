@@ -55,10 +55,11 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME zerorate)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Bias-corrected rate of a MEMS gyroscope on Linux boards")
 set(CPACK_COMPONENT_NODE_DESCRIPTION
-"Reads a MEMS gyroscope by SPI or I2C and an odometer by GPIO, CAN or a socket,
- learns the bias of the gyroscope and its noise whenever the vehicle stands, and
- publishes the corrected rate with an interval by UDP, Unix sockets, CAN and JSON
- lines. The tool zerorate finds, watches and records such a gyroscope.")
+"Reads a MEMS gyroscope by SPI or I2C and an odometer by GPIO, CAN or a
+socket, learns the bias of the gyroscope and its noise whenever the
+vehicle stands, and publishes the corrected rate with an interval by UDP,
+Unix sockets, CAN and JSON lines. The tool zerorate finds, watches and
+records such a gyroscope.")
 set(CPACK_PACKAGE_CONTACT "zerorate maintainers <maintainers@zerorate.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_SET_DESTDIR ON)  # the configuration stands outside of the prefix
@@ -72,8 +73,9 @@ set(CPACK_DEBIAN_NODE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libzerorate-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
-"The bias predictor of zerorate for programs and firmware of their own: headers in
- C++, the predictor compiled with an interface in C, and drivers of gyroscopes.")
+"The bias predictor of zerorate for programs and firmware of their own:
+headers in C++, the predictor compiled with an interface in C, and drivers
+of gyroscopes.")
 if(ZERORATE_DEBIAN_ARCH)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${ZERORATE_DEBIAN_ARCH})
 endif()
