@@ -11,6 +11,18 @@
 
 #include "core/base/complex.hpp"
 
+#if defined(__cplusplus) && __cplusplus < 202002L
+#error "zerorate is written in C++20: compile its files with -std=c++20 or later"
+#endif
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "-ffast-math changes what zerorate computes: compile its files with -fno-fast-math"
+#endif
+#if defined(__FLT_EVAL_METHOD__) && (__FLT_EVAL_METHOD__ == 1 || __FLT_EVAL_METHOD__ == 2)
+#error \
+    "float is computed with more digits than a float has: on x86 compile with -msse2 -mfpmath=sse"
+#endif
+
 namespace zerorate::core {
 
 /// False for NaN and both infinities; a test of the bits, so that no compiler flag removes it.
@@ -77,6 +89,27 @@ namespace detail {
 }
 }  // namespace detail
 
+#if defined(__SSE2__) || defined(__ARM_FP) || defined(__riscv_flen)
+#define ZERORATE_HAS_SQUARE_ROOT_INSTRUCTION
+namespace detail {
+/// One instruction, correctly rounded by IEEE 754. Not __builtin_sqrtf(), which is a call of a
+/// maths library too wherever errno counts.
+[[nodiscard]] inline float square_root_by_instruction(float x) {
+  float root;  // NOLINT(cppcoreguidelines-init-variables): the instruction writes it
+#if defined(__SSE2__)
+  asm("sqrtss %1, %0" : "=x"(root) : "x"(x));
+#elif defined(__aarch64__)
+  asm("fsqrt %s0, %s1" : "=w"(root) : "w"(x));
+#elif defined(__ARM_FP)
+  asm("vsqrt.f32 %0, %1" : "=t"(root) : "t"(x));
+#else
+  asm("fsqrt.s %0, %1" : "=f"(root) : "f"(x));
+#endif
+  return root;
+}
+}  // namespace detail
+#endif
+
 /// The correctly rounded square root; 0 for 0, and 0 for negative numbers or NaN, which a variance
 /// can only be after a fault that its owner reports.
 [[nodiscard]] constexpr float square_root(float x) {
@@ -86,9 +119,9 @@ namespace detail {
   if (!is_finite(x)) {
     return x;
   }
-#if defined(__SSE2__) || defined(__ARM_FP)
+#ifdef ZERORATE_HAS_SQUARE_ROOT_INSTRUCTION
   if (!std::is_constant_evaluated()) {
-    return __builtin_sqrtf(x);  // one instruction, correctly rounded by IEEE 754: the same bits
+    return detail::square_root_by_instruction(x);
   }
 #endif
   return detail::square_root_by_digits(x);

@@ -18,6 +18,8 @@ struct TickTemperature {
   std::array<float, K> weights{};  ///< e and e^2, e above the reference; the last known ones
   Instant at;                      ///< where the tick began
   bool is_known = false;
+  /// The bytes up to the next member. A record holds them, so they are the same on every processor.
+  std::array<std::uint8_t, 7> reserved{};
   Instant unknown_since;  ///< the last reading, or the start; only where it is not known
 
   constexpr bool operator==(const TickTemperature&) const = default;

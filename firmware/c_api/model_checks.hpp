@@ -7,7 +7,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
-#include "firmware/c_api/zerorate.h"
+#include "firmware/c_api/include/zerorate.h"
 
 namespace zerorate::c_api {
 

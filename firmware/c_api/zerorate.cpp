@@ -1,4 +1,14 @@
-#include "firmware/c_api/zerorate.h"
+// The same bits whatever flags the firmware around is compiled with: before the first include, so
+// that it holds for every function of this file. Fused multiply-add rounds once where others round
+// twice.
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#pragma GCC diagnostic ignored "-Wpsabi"  // nothing here is called by code of another compiler
+#endif
+
+#include "firmware/c_api/include/zerorate.h"
 
 #include <algorithm>
 #include <cstddef>

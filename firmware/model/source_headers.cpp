@@ -138,7 +138,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          "#ifndef " +
          guard + "\n#define " + guard +
          "\n\n"
-         "#include \"firmware/c_api/zerorate.h\"\n\n"
+         "#include <zerorate.h>\n\n"
          "// clang-format off\n"
          "static const zerorate_model " +
          constant + " = {\n" + field("sample_period_ns", sample_period) +

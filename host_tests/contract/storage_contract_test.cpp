@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hal/cortex_m/flash_storage.hpp"
 #include "hal/linux/file_storage.hpp"
-#include "hal/rp2040/flash_storage.hpp"
 #include "hal/sim/storage.hpp"
 #include "host_tests/support/cut_flash.hpp"
 #include "host_tests/support/folders.hpp"
@@ -26,7 +26,7 @@ struct InFiles {
 
 struct InFlash {
   InFlash() { testing::CutFlash::reset(); }
-  rp2040::FlashStorage<testing::CutFlash, 0> medium;
+  cortex_m::FlashStorage<testing::CutFlash, 0> medium;
 };
 
 template <class BackEnd>
@@ -75,7 +75,7 @@ TYPED_TEST(StorageContract, RefusesARecordThatDoesNotFitAndKeepsTheOneBefore) {
 
 using testing::CutFlash;
 using testing::PowerCut;
-using FlashStorage = rp2040::FlashStorage<CutFlash, 0>;
+using FlashStorage = cortex_m::FlashStorage<CutFlash, 0>;
 
 std::vector<std::uint8_t> record_of(int number) {
   return std::vector<std::uint8_t>(600, static_cast<std::uint8_t>(number));

@@ -1,11 +1,12 @@
 // The node behind its C interface, called with anything in any order: what is published as a rate
 // is finite and its deviation no NaN, whatever was fed before.
 
+#include <zerorate.h>
+
 #include <array>
 #include <bit>
 #include <cmath>
 
-#include "firmware/c_api/zerorate.h"
 #include "host_tests/fuzz/fuzz.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/cortex_m/flash_storage.hpp"
 #include "hal/linux/file_storage.hpp"
-#include "hal/rp2040/flash_storage.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
 #include "host_tests/support/cut_flash.hpp"
 
@@ -95,7 +95,7 @@ void in_flash(FuzzedDataProvider& input) {
         input.ConsumeBytes<std::uint8_t>(input.ConsumeIntegralInRange<std::size_t>(0, 64));
     std::ranges::copy(bytes, CutFlash::bytes.begin() + std::ptrdiff_t(place * kPlaceBytes));
   }
-  hal::rp2040::FlashStorage<CutFlash, 0> storage;
+  hal::cortex_m::FlashStorage<CutFlash, 0> storage;
   exercise(storage);
 }
 

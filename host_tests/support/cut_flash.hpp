@@ -13,7 +13,7 @@ namespace zerorate::testing {
 /// Thrown where the power fails.
 struct PowerCut {};
 
-/// A double that hal/rp2040/flash_storage.hpp takes for a flash. Bits are cleared only, and set
+/// A double that hal/cortex_m/flash_storage.hpp takes for a flash. Bits are cleared only, and set
 /// only by erasing a sector; a step is a byte programmed, half an erasure, or the whole of it.
 struct CutFlash {
   static constexpr std::size_t kPageBytes = 256;

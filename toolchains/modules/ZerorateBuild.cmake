@@ -31,9 +31,7 @@ option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitiz
 option(ZERORATE_FUZZ "Let all code tell the fuzzers what of it was reached (clang)" OFF)
 
 # Flags of all our own code. Designated initialisers rely on member defaults, so their warning is
-# off. No contraction: fused multiply-add would make x86, Cortex-M0+ and M4F
-# disagree in the last bits, and replay is to be the firmware's equal. No errno: with it a square root is one
-# instruction and a call into the C library.
+# off.
 add_library(zerorate_flags INTERFACE)
 # Warnings that follow the values through a function: at -O1 GCC 12 sees half of the way and gives them for copies of
 # empty vectors and the like. Every build at -O2 has them.
@@ -43,7 +41,7 @@ target_compile_options(zerorate_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast> $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
   $<$<COMPILE_LANGUAGE:CXX>:-Woverloaded-virtual> -Wcast-align -Wimplicit-fallthrough -Werror
   "$<$<CONFIG:Dev>:${ZERORATE_WARNINGS_OF_O2}>"
-  -ffp-contract=off -fno-math-errno $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
+  ${ZERORATE_ARITHMETIC_OPTIONS} $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 target_include_directories(zerorate_flags INTERFACE "${PROJECT_SOURCE_DIR}")
 if(ZERORATE_SANITIZE)
   target_compile_options(zerorate_flags INTERFACE
@@ -62,7 +60,7 @@ target_link_libraries(zerorate_target_flags INTERFACE zerorate_flags)
 # to a double as a promotion too, which such code makes on purpose; GCC, which builds the images, warns
 # of arithmetic only.
 target_compile_options(zerorate_target_flags INTERFACE
-  -fno-math-errno $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion>)
 if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
   target_compile_options(zerorate_target_flags INTERFACE
     -fstack-usage -Wstack-usage=${ZERORATE_STACK_FRAME_CEILING})

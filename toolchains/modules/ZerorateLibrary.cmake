@@ -1,26 +1,27 @@
-# The library for other programs: the headers of everything that is flashed, and compiled, the interface for
-# firmware in C (firmware/c_api); found by find_package(zerorate) and pkg-config. Headers stand in a folder of
-# their own, since they include each other from its root.
+# The library for other programs, installed by `cmake --install BUILD --component library`, from an mcu-* preset too:
+# zerorate.h and libzerorate.a for firmware in C; the headers of everything that is flashed for C++, in a folder of
+# their own, since they include each other from its root. Found by find_package(zerorate) and pkg-config.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(ZERORATE_HEADERS "${CMAKE_INSTALL_INCLUDEDIR}/zerorate")
-foreach(room core hal/contract drivers firmware/app firmware/c_api firmware/wire)
+set(ZERORATE_INCLUDE "${CMAKE_INSTALL_INCLUDEDIR}")
+set(ZERORATE_HEADERS "${ZERORATE_INCLUDE}/zerorate")
+install(FILES "${PROJECT_SOURCE_DIR}/firmware/c_api/include/zerorate.h" DESTINATION "${ZERORATE_INCLUDE}"
+  COMPONENT library)
+foreach(room core hal/contract drivers firmware/app firmware/wire)
   cmake_path(GET room PARENT_PATH above)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${room}" DESTINATION "${ZERORATE_HEADERS}/${above}"
-    COMPONENT library FILES_MATCHING PATTERN "*.hpp" PATTERN "zerorate.h" PATTERN "assert.cpp" PATTERN examples EXCLUDE)
+    COMPONENT library FILES_MATCHING PATTERN "*.hpp" PATTERN "assert.cpp")
 endforeach()
-
-add_library(zerorate_c STATIC $<TARGET_OBJECTS:zerorate_firmware_c_api> $<TARGET_OBJECTS:zerorate_core_base>)
-set_target_properties(zerorate_c PROPERTIES OUTPUT_NAME zerorate LINKER_LANGUAGE CXX)
-install(TARGETS zerorate_c ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
+install(TARGETS zerorate_c_objects ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
 set(ZERORATE_LIBRARY "${CMAKE_INSTALL_LIBDIR}/libzerorate.a")
+list(JOIN ZERORATE_ARITHMETIC_OPTIONS " " ZERORATE_ARITHMETIC)
 
 set(package "${CMAKE_INSTALL_LIBDIR}/cmake/zerorate")
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/../package/zerorateConfig.cmake.in"
   "${PROJECT_BINARY_DIR}/zerorateConfig.cmake" INSTALL_DESTINATION "${package}"
-  PATH_VARS ZERORATE_HEADERS ZERORATE_LIBRARY)
+  PATH_VARS ZERORATE_INCLUDE ZERORATE_HEADERS ZERORATE_LIBRARY)
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/zerorateConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/zerorateConfig.cmake" "${PROJECT_BINARY_DIR}/zerorateConfigVersion.cmake"
   DESTINATION "${package}" COMPONENT library)

@@ -3,7 +3,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "firmware/c_api/zerorate.h"
+#include <zerorate.h>
 
 #define SAMPLE_PERIOD_NS INT64_C(10000000)
 #define RAD_S_PER_DEG_S 0.0174532925F

@@ -5,15 +5,16 @@
 
 #include "core/base/time.hpp"
 #include "firmware/app/node_loop.hpp"
-#include "firmware/boards/pico/console.hpp"
+#include "firmware/boards/common/console.hpp"
+#include "firmware/boards/common/state_keeper.hpp"
 #include "firmware/boards/pico/gyro.hpp"
 #include "firmware/boards/pico/node.hpp"
-#include "firmware/boards/pico/state_keeper.hpp"
 #include "firmware/boards/pico/wiring.hpp"
+#include "hal/cortex_m/flash_storage.hpp"
+#include "hal/cortex_m/interrupts.hpp"
 #include "hal/rp2040/chip.hpp"
 #include "hal/rp2040/edges.hpp"
 #include "hal/rp2040/flash_chip.hpp"
-#include "hal/rp2040/flash_storage.hpp"
 #include "hal/rp2040/interrupts.hpp"
 #include "hal/rp2040/timer.hpp"
 #include "hal/rp2040/uart.hpp"
@@ -22,6 +23,10 @@ namespace zerorate::pico {
 namespace {
 
 using namespace hal::rp2040;
+using boards::Console;
+using boards::StateKeeper;
+using hal::cortex_m::FlashStorage;
+using hal::cortex_m::sleep_unless;
 
 constexpr core::Duration kReportEvery = core::Duration::seconds(1);
 

@@ -4,7 +4,7 @@
 #ifndef FRONT_GYRO_H
 #define FRONT_GYRO_H
 
-#include "firmware/c_api/zerorate.h"
+#include <zerorate.h>
 
 // clang-format off
 static const zerorate_model front_gyro = {

@@ -5,7 +5,7 @@
 #ifndef ZERORATE_EXAMPLE_HEADING_H
 #define ZERORATE_EXAMPLE_HEADING_H
 
-#include "firmware/c_api/zerorate.h"
+#include <zerorate.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -36,7 +36,7 @@ pico_mutant(spi-not-enabled hal/rp2040/spi_device.hpp
   "spi0::kControl1.write(spi0::kEnable)" "spi0::kControl1.write(0)")
 pico_mutant(no-fifo-wait hal/rp2040/uart.hpp
   " && (uart0::kFlags.read() & uart0::kTransmitFull) == 0" "")
-pico_mutant(lost-wake-up hal/rp2040/interrupts.hpp
+pico_mutant(lost-wake-up hal/cortex_m/interrupts.hpp
   "  const InterruptLock lock;\n  if (!has_work())" "  if (!has_work())")
 pico_mutant(flash-routine-in-flash hal/rp2040/flash_chip.cpp
   "[[gnu::section(\".ram_code\"), gnu::noinline]] std::uint8_t exchange" "[[gnu::noinline]] std::uint8_t exchange")

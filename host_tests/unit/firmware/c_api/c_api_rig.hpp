@@ -2,12 +2,13 @@
 /// A drive as vehicle firmware feeds it: stops and turns of a gyro with a bias, at 100 Hz.
 #pragma once
 
+#include <zerorate.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "firmware/c_api/examples/front_gyro.h"
-#include "firmware/c_api/zerorate.h"
 #include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::c_api::testing {

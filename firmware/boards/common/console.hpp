@@ -13,7 +13,7 @@
 #include "firmware/wire/rate_text.hpp"
 #include "firmware/wire/status_frame.hpp"
 
-namespace zerorate::pico {
+namespace zerorate::boards {
 
 /// A RateSink. A message for which the line has no room is dropped whole and counted; its number is
 /// used up, so that the reader sees the gap.
@@ -60,4 +60,4 @@ class Console {
   bool is_text_ = false;
 };
 
-}  // namespace zerorate::pico
+}  // namespace zerorate::boards

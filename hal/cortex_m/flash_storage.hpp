@@ -14,7 +14,7 @@
 #include "core/base/result.hpp"
 #include "hal/contract/storage.hpp"
 
-namespace zerorate::hal::rp2040 {
+namespace zerorate::hal::cortex_m {
 
 /// A Storage in two sectors with room for several records each, written in turn, so that a sector
 /// is erased once in as many saves: with four, 100,000 erasures last for 800,000 saves. A cut at
@@ -188,4 +188,4 @@ class FlashStorage {
   Saving saving_;
 };
 
-}  // namespace zerorate::hal::rp2040
+}  // namespace zerorate::hal::cortex_m

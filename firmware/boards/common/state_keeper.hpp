@@ -10,11 +10,11 @@
 #include "firmware/app/snapshot.hpp"
 #include "hal/contract/storage.hpp"
 
-namespace zerorate::pico {
+namespace zerorate::boards {
 
 /// Saves at the end of a stop from which the node has learnt, at most once a minute: a page of the
 /// flash in each turn of the main loop, so that no sample is missed.
-/// @tparam Medium  a Storage with prepare() and save_page(): see hal/rp2040/flash_storage.hpp
+/// @tparam Medium  a Storage with prepare() and save_page(): see hal/cortex_m/flash_storage.hpp
 template <class Node, hal::Storage Medium>
 class StateKeeper {
  public:
@@ -73,4 +73,4 @@ class StateKeeper {
   std::array<std::uint8_t, app::Snapshot<Node>::kBytesOfFilters> record_{};
 };
 
-}  // namespace zerorate::pico
+}  // namespace zerorate::boards

@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""Makes the C interface two files to drop into a project: zerorate.h and zerorate.cpp, with manifests around them.
+
+usage: amalgamate.py OUTPUT_FOLDER
+
+zerorate.cpp is firmware/c_api/zerorate.cpp, core/base/assert.cpp and every header that they include, each once and in
+the order in which the compiler reads them; not a token is different (host_tests/foreign/foreign_test.py). The folder is
+at the same time a library for PlatformIO, Arduino, Zephyr and ESP-IDF, and a folder for add_subdirectory().
+"""
+
+import json
+import pathlib
+import re
+import sys
+
+REPOSITORY = pathlib.Path(__file__).parents[2]
+SOURCES = ("firmware/c_api/zerorate.cpp", "core/base/assert.cpp")
+HEADER = "firmware/c_api/include/zerorate.h"
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+
+DESCRIPTION = "Predicts the bias of a MEMS gyroscope between standstills, with its error; C interface, no heap"
+
+README = """# zerorate {version}, to drop in
+
+`src/zerorate.h` and `src/zerorate.cpp` are the C interface of zerorate, made from its repository by
+`toolchains/package/amalgamate.py`: change them there. Compile `zerorate.cpp` as C++20; it needs the headers of a C++
+library, and links with neither a C++ library nor a maths library. `-fno-exceptions -fno-rtti -fno-threadsafe-statics`
+keep it free of calls into a C++ run time. `-DZERORATE_HYPOTHESES=4` (or 1) for the library and all that includes the header
+makes an instance smaller.
+
+| way | files | tested | not tested |
+|---|---|---|---|
+| any build | `src` | compiled by GCC 11, 12 and clang 13 to 16; Cortex-M4F and this machine: bits of the library | |
+| CMake | `CMakeLists.txt` | `add_subdirectory()`, target `zerorate::c` | |
+| PlatformIO | `library.json` | the fields against what its documentation demands | a build by PlatformIO |
+| Arduino | `library.properties` | the fields against what its specification demands | a build by Arduino; the core must compile as C++20 |
+| Zephyr | `zephyr/` | Kconfig by kconfiglib, CMake with stand-ins for Zephyr's functions | a build in a Zephyr tree |
+| ESP-IDF | `idf_component.yml`, `CMakeLists.txt` | YAML, CMake with a stand-in for `idf_component_register()` | a build by ESP-IDF |
+"""
+
+CMAKE = """# A folder for add_subdirectory(), giving zerorate::c, and a component of ESP-IDF.
+cmake_minimum_required(VERSION 3.16)
+set(options -ffp-contract=off -fno-math-errno -fno-fast-math -fno-exceptions -fno-rtti -fno-threadsafe-statics)
+if(ESP_PLATFORM)
+  idf_component_register(SRCS src/zerorate.cpp INCLUDE_DIRS src)
+  target_compile_features(${COMPONENT_LIB} PRIVATE cxx_std_20)
+  target_compile_options(${COMPONENT_LIB} PRIVATE ${options})
+  return()
+endif()
+project(zerorate VERSION @version@ LANGUAGES CXX)
+add_library(zerorate_objects STATIC src/zerorate.cpp)
+set_target_properties(zerorate_objects PROPERTIES OUTPUT_NAME zerorate CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON)
+target_compile_options(zerorate_objects PRIVATE ${options})
+add_library(zerorate_c INTERFACE)
+add_library(zerorate::c ALIAS zerorate_c)
+add_dependencies(zerorate_c zerorate_objects)
+target_link_libraries(zerorate_c INTERFACE "$<TARGET_FILE:zerorate_objects>")
+target_include_directories(zerorate_c INTERFACE "${CMAKE_CURRENT_SOURCE_DIR}/src")
+"""
+
+ZEPHYR_MODULE = """name: zerorate
+build:
+  cmake: zephyr
+  kconfig: zephyr/Kconfig
+"""
+
+ZEPHYR_KCONFIG = """# Not built in a Zephyr tree: README.md.
+config ZERORATE
+	bool "Bias prediction for MEMS gyroscopes (zerorate)"
+	depends on STD_CPP20
+	select REQUIRES_FULL_LIBCPP
+	help
+	  The C interface of zerorate: zerorate.h. Needs CONFIG_CPP and C++20; on a processor with a
+	  floating-point unit, CONFIG_FPU.
+
+config ZERORATE_HYPOTHESES
+	int "Noise models that an instance weighs: 12, 4 or, without learning, 1"
+	depends on ZERORATE
+	default 12
+	range 1 12
+"""
+
+ZEPHYR_CMAKE = """if(CONFIG_ZERORATE)
+  zephyr_library_named(zerorate)
+  zephyr_library_sources(${CMAKE_CURRENT_LIST_DIR}/../src/zerorate.cpp)
+  zephyr_library_compile_options(-ffp-contract=off -fno-math-errno -fno-fast-math)
+  zephyr_include_directories(${CMAKE_CURRENT_LIST_DIR}/../src)
+  zephyr_compile_definitions(ZERORATE_HYPOTHESES=${CONFIG_ZERORATE_HYPOTHESES})
+endif()
+"""
+
+
+def version():
+    return re.search(r"project\(zerorate VERSION (\S+)", (REPOSITORY / "CMakeLists.txt").read_text())[1]
+
+
+def expanded(name, seen):
+    """The lines of a file with what it includes in place; a header of the repository or of the system only once."""
+    for line in (REPOSITORY / name).read_text(encoding="utf-8").splitlines():
+        include = INCLUDE.match(line)
+        if line.strip() == "#pragma once":
+            continue
+        if include is None:
+            yield line
+        elif include[2] in seen:
+            continue
+        elif include[1] == "<":
+            seen.add(include[2])
+            yield line
+        else:
+            seen.add(include[2])
+            if include[2] == HEADER:
+                yield '#include "zerorate.h"'
+            else:
+                yield from expanded(include[2], seen)
+
+
+def amalgam():
+    seen = set()
+    lines = [f"// zerorate {version()}, Apache-2.0: one file made of {{count}} by toolchains/package/amalgamate.py. C++20."]
+    for name in SOURCES:
+        lines += [*expanded(name, seen), ""]
+    count = len(SOURCES) + sum((REPOSITORY / name).is_file() for name in seen)
+    text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines))
+    return text.replace("{count}", str(count), 1)
+
+
+def manifests():
+    """Path below the output folder -> text."""
+    platformio = {
+        "name": "zerorate",
+        "version": version(),
+        "description": DESCRIPTION,
+        "keywords": ["gyroscope", "imu", "bias", "kalman", "navigation"],
+        "license": "Apache-2.0",
+        "headers": "zerorate.h",
+        "frameworks": "*",
+        "platforms": "*",
+        "build": {"srcDir": "src", "includeDir": "src", "unflags": "-std=gnu++11 -std=gnu++14 -std=gnu++17",
+                  "flags": "-std=gnu++20 -ffp-contract=off -fno-math-errno"},
+    }
+    arduino = {
+        "name": "zerorate",
+        "version": version(),
+        "author": "zerorate maintainers",
+        "maintainer": "zerorate maintainers",
+        "sentence": DESCRIPTION,
+        "paragraph": "Needs a core that compiles as C++20, such as that of the ESP32 from 3.0 on.",
+        "category": "Signal Input/Output",
+        "url": "https://zerorate.invalid",
+        "architectures": "*",
+        "includes": "zerorate.h",
+    }
+    component = (f'# Not built by ESP-IDF: README.md.\nversion: "{version()}"\ndescription: "{DESCRIPTION}"\n'
+                 'license: "Apache-2.0"\ndependencies:\n  idf: ">=5.0"\n')
+    return {
+        "src/zerorate.cpp": amalgam(),
+        "src/zerorate.h": (REPOSITORY / HEADER).read_text(encoding="utf-8"),
+        "README.md": README.replace("{version}", version()),
+        "LICENSE": (REPOSITORY / "LICENSE").read_text(encoding="utf-8"),
+        "CMakeLists.txt": CMAKE.replace("@version@", version()),
+        "library.json": json.dumps(platformio, indent=2) + "\n",
+        "library.properties": "".join(f"{key}={value}\n" for key, value in arduino.items()),
+        "idf_component.yml": component,
+        "zephyr/module.yml": ZEPHYR_MODULE,
+        "zephyr/Kconfig": ZEPHYR_KCONFIG,
+        "zephyr/CMakeLists.txt": ZEPHYR_CMAKE,
+    }
+
+
+def main():
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        print(__doc__)
+        sys.exit(0 if sys.argv[1:] in (["--help"], ["-h"]) else 2)
+    folder = pathlib.Path(sys.argv[1])
+    for name, text in manifests().items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
