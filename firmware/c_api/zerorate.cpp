@@ -1,6 +1,6 @@
-// The same bits whatever flags the firmware around is compiled with: before the first include, so
-// that it holds for every function of this file. Fused multiply-add rounds once where others round
-// twice.
+// Gives the same bits whatever flags the firmware around is compiled with: before the first
+// include, so that it holds for every function of this file. Fused multiply-add rounds once where
+// others round twice.
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)

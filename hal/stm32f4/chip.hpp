@@ -11,7 +11,7 @@
 
 namespace zerorate::hal::stm32f4 {
 
-/// What the buses run at [Hz]. A timer of bus 1 counts twice as fast where the bus is divided
+/// Frequencies of the buses [Hz]. A timer of bus 1 counts twice as fast where the bus is divided
 /// (RM0090, 7.2).
 struct Clocks {
   std::uint32_t apb1_hz;

@@ -23,6 +23,8 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).parent
+# Debian's modules, for a Python that is not Debian's.
+sys.path.append("/usr/lib/python3/dist-packages")
 SAMPLES = 2000
 RECORDING = "adis16405_static/run1_100hz_raw.csv.gz"
 # Every compiler of Debian 12 that knows what of C++20 zerorate is written in.

@@ -30,7 +30,7 @@ set(misra_command cppcheck --std=c11 --language=c --addon=misra --enable=style -
     --suppress=unusedFunction --suppress=missingIncludeSystem
     --suppress=misra-c2012-1.4 --suppress=misra-c2012-2.5)
 add_test(NAME style.misra
-  COMMAND ${misra_command} -I . firmware/c_api/examples/heading.c
+  COMMAND ${misra_command} -I . -I firmware/c_api/include firmware/c_api/examples/heading.c
   WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
 set_tests_properties(style.misra PROPERTIES LABELS style TIMEOUT 120)
 

@@ -9,7 +9,7 @@
 
 #include "core/base/time.hpp"
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "firmware/boards/common/console.hpp"

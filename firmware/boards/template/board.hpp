@@ -12,7 +12,7 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/register_bus.hpp"
+#include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/boards/pico/model.hpp"
 #include "hal/contract/monotonic_clock.hpp"
@@ -102,7 +102,7 @@ struct Memory {
 };
 static_assert(hal::Storage<Memory>);
 
-/// What happens once, before anything else: clocks, pins, the interrupts that call the two
+/// Starts the board, once and before anything else: clocks, pins, the interrupts that call the two
 /// functions below.
 inline void start() {
   // FILL IN
