@@ -149,6 +149,10 @@ class NodeLoop {
     if (!published_at_) published_at_ = now;  // the clock's first reading
     if (now - *published_at_ < std::max(kLongestSilence, gyro_.sample_period() * 4)) return;
     ++counters_.silences;
+    publish_silence(now);
+  }
+  /// Not inlined: poll() does not keep room for its message while the node computes.
+  [[gnu::noinline]] constexpr void publish_silence(core::Instant now) {
     RateMessage message = node_.step_without_sample(now);
     publish(message, now);
   }
