@@ -368,7 +368,7 @@ def compilers(shop):
     found = [name for name in COMPILERS if shutil.which(name)]
     require(len(found) >= 2, f"only {found} of {COMPILERS}")
     for name in found:
-        made = shop.make(name, f"DROP_IN={folder}/src", f"CXX={name}", "OPTIMISATION=-O2")
+        made = shop.make(name, f"DROP_IN={folder}/src", f"CXX={name}", "CPU=-fPIE", "OPTIMISATION=-O2")
         shop.compare(f"{name} {run(name, '-dumpfullversion', '-dumpversion').split()[0]}", run(made / "firmware"))
     for name in COMPILERS:
         if name not in found:
