@@ -9,6 +9,7 @@
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -24,7 +25,7 @@ using units::kDegPerRad;
 using units::kDphPerRadS;
 
 struct CharacterizeOptions {
-  std::string recording;
+  InputFlags input;
   std::string axis = "all";
   std::string order = "free";
   OutputOptions outputs;
@@ -43,7 +44,7 @@ std::optional<double> parse_order(const std::string& text) {
 
 identify::Characterization run_identification(const CharacterizeOptions& options) {
   const std::optional<double> order = parse_order(options.order);
-  recording::Reader reader{options.recording};
+  recording::Reader reader{to_input(options.input)};
   const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
   identify::RestOptions rest;
   ProgressBar progress{"characterizing"};
@@ -53,7 +54,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   };
   const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
   return identify::characterize(
-      samples, {.recording = std::filesystem::path(options.recording).filename().string(),
+      samples, {.recording = std::filesystem::path(options.input.recording).filename().string(),
                 .axes = axes,
                 .order = order,
                 .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }});
@@ -141,8 +142,7 @@ Command add_characterize(CLI::App& app) {
   auto* command =
       app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
   const auto options = std::make_shared<CharacterizeOptions>();
-  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
-      ->required();
+  add_input_options(*command, options->input);
   command->add_option("--axis", options->axis, "x, y, z or all")
       ->check(CLI::IsMember({"x", "y", "z", "all"}))
       ->capture_default_str();

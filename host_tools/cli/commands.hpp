@@ -44,6 +44,7 @@ using OpenPage = std::function<ShowTally(const std::string& address, std::uint16
 [[nodiscard]] Command add_probe(CLI::App& app);
 [[nodiscard]] Command add_record(CLI::App& app);
 [[nodiscard]] Command add_odometer(CLI::App& app);
+[[nodiscard]] Command add_convert(CLI::App& app);
 
 /// All that this build has: board_commands.cpp or desktop_commands.cpp.
 [[nodiscard]] std::vector<Command> add_commands(CLI::App& app);

@@ -8,6 +8,7 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/text_output.hpp"
@@ -25,7 +26,7 @@ namespace {
 constexpr std::size_t kYaw = 2;
 
 struct DemoOptions {
-  std::string recording;
+  InputFlags input;  ///< without a recording: a simulated drive
   ReplayFlags flags;
   std::string directory = "zerorate-demo";
   double hours = 2.0;
@@ -33,7 +34,7 @@ struct DemoOptions {
 };
 
 /// A replay that leaves its results in the demo's directory.
-void replay_and_report(const DemoOptions& options, const std::string& recording,
+void replay_and_report(const DemoOptions& options, const recording::Input& recording,
                        const evaluate::ReplayOptions& replay_options, evaluate::TrueRate true_rate,
                        const evaluate::RestRecord& rest, const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
@@ -109,7 +110,7 @@ ExitCode run_simulated(DemoOptions& options) {
   fmt::print("Replaying {} through the simulated chip, its driver and the node ...\n\n",
              std::filesystem::absolute(recording).string());
   replay_and_report(
-      options, recording.string(), replay_options,
+      options, recording, replay_options,
       [&](std::uint64_t row) { return drive.true_rate_rad_s(row); },
       {.rate_rad_s = drive.rest_rate_rad_s(kYaw),
        .sample_period_s = drive.sample_period_s(),
@@ -129,27 +130,28 @@ ExitCode run_simulated(DemoOptions& options) {
 
 ExitCode run_recorded(const DemoOptions& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  const recording::Input input = to_input(options.input);
+  const std::string& recording = options.input.recording;
   const bool at_rest = replay_options.schedule.has_value();
   evaluate::RestRecording rest;
-  if (at_rest)
-    rest = evaluate::read_at_rest(options.recording, chosen_axes(options.flags.axis, 3).back());
+  if (at_rest) rest = evaluate::read_at_rest(input, chosen_axes(options.flags.axis, 3).back());
   replay_and_report(
-      options, options.recording, replay_options, {},
+      options, input, replay_options, {},
       {.rate_rad_s = rest.rate_rad_s,
        .sample_period_s = rest.sample_period_s,
        .caption = "The recording against the model that the node runs. Where they part, "
                   "the model lacks something."},
-      {.title = "zerorate: " + std::filesystem::path(options.recording).filename().string(),
+      {.title = "zerorate: " + input.path.filename().string(),
        .lead = fmt::format("The recording went through the node's firmware with the "
                            "model of {}.",
                            replay_options.model.name),
-       .provenance = "zerorate " ZERORATE_VERSION ", zerorate demo " + options.recording});
+       .provenance = "zerorate " ZERORATE_VERSION ", zerorate demo " + recording});
   return success;
 }
 
 ExitCode run_demo(DemoOptions& options) {
   std::filesystem::create_directories(options.directory);
-  return options.recording.empty() ? run_simulated(options) : run_recorded(options);
+  return options.input.recording.empty() ? run_simulated(options) : run_recorded(options);
 }
 
 }  // namespace
@@ -158,8 +160,9 @@ Command add_demo(CLI::App& app) {
   auto* command = app.add_subcommand(
       "demo", "Simulate a drive, or take a recording, and show what the node makes of it");
   const auto options = std::make_shared<DemoOptions>();
-  command->add_option("RECORDING", options->recording,
-                      "CSV or CSV.gz file; none: a simulated drive");
+  add_input_options(*command, options->input)
+      ->required(false)
+      ->description("CSV or CSV.gz file, a folder as of EuRoC; none: a simulated drive");
   add_replay_flags(*command, options->flags);
   command->add_option("--directory", options->directory, "where report and data go")
       ->capture_default_str();
@@ -174,7 +177,7 @@ Command add_demo(CLI::App& app) {
       "  zerorate demo rest.csv.gz --schedule still=30,drive=120,seed=1");
   return {command, [command, options] {
             // The simulated drive goes through the chip whose model it uses.
-            if (options->recording.empty()) {
+            if (options->input.recording.empty()) {
               if (command->count("--model") == 0) options->flags.model = "lsm6dso";
               if (command->count("--through") == 0) options->flags.through = "chip";
             }

@@ -22,7 +22,8 @@ ShowTally open_page(const std::string& address, std::uint16_t port) {
 std::vector<Command> add_commands(CLI::App& app) {
   return {add_replay(app), add_demo(app),     add_characterize(app), add_model(app),
           add_export(app), add_evaluate(app), add_diagnose(app),     add_monitor(app, open_page),
-          add_probe(app),  add_record(app),   add_simulate(app),     add_odometer(app)};
+          add_probe(app),  add_record(app),   add_simulate(app),     add_odometer(app),
+          add_convert(app)};
 }
 
 }  // namespace zerorate::cli

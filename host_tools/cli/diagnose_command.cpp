@@ -11,6 +11,7 @@
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -31,7 +32,8 @@ namespace {
 using diagnose::Diagnosis;
 
 struct DiagnoseOptions {
-  std::string recording;
+  InputFlags input_flags;
+  recording::Input recording;  ///< by input_flags
   std::string axis = "all";
   std::string model;
   std::string model_out;
@@ -39,9 +41,9 @@ struct DiagnoseOptions {
   OutputOptions outputs;
 };
 
-/// The last part of a path: what a report and a model say of where they come from.
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
+/// The last part of its path: what a report and a model say of where they come from.
+std::string file_name(const recording::Input& recording) {
+  return recording.path.filename().string();
 }
 
 using odometry::OdometerDiagnosis;
@@ -52,11 +54,11 @@ void print_note(const DiagnoseOptions& options, const std::string& note) {
 
 /// Faults of the odometer; nullopt where the recording has no reference to judge it by.
 std::optional<OdometerDiagnosis> examine_odometer(const DiagnoseOptions& options) {
-  if (!std::filesystem::is_regular_file(options.recording)) return std::nullopt;
+  if (!std::filesystem::is_regular_file(options.recording.path)) return std::nullopt;
   const recording::Columns columns = recording::Reader{options.recording}.columns();
   if (!columns.ref_speed || !columns.odometer) return std::nullopt;
   try {
-    const odometry::SpeedRecord record = odometry::read_speed_record(options.recording);
+    const odometry::SpeedRecord record = odometry::read_speed_record(options.recording.path);
     OdometerDiagnosis odometer;
     odometer.findings = odometry::find_odometer_faults(record, odometry::measure_odometer(record));
     odometer.configuration = odometry::configuration_of(record, odometer.findings);
@@ -273,7 +275,8 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
   }
 }
 
-ExitCode run_diagnose(const DiagnoseOptions& options) {
+ExitCode run_diagnose(DiagnoseOptions& options) {
+  options.recording = to_input(options.input_flags);
   std::optional<OdometerDiagnosis> odometer = examine_odometer(options);
   const std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer);
   if (odometer && odometer->find("motion_in_stops") != nullptr) {
@@ -298,8 +301,7 @@ Command add_diagnose(CLI::App& app) {
       "Find what white + 1/f noise does not explain in a recording, and extend the "
       "model");
   const auto options = std::make_shared<DiagnoseOptions>();
-  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
-      ->required();
+  add_input_options(*command, options->input_flags);
   command->add_option("--axis", options->axis, "x, y, z or all")
       ->check(CLI::IsMember({"x", "y", "z", "all"}))
       ->capture_default_str();

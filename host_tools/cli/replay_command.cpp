@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/text_output.hpp"
@@ -17,7 +18,7 @@ namespace zerorate::cli {
 namespace {
 
 struct ReplayCommandOptions {
-  std::string recording;
+  InputFlags input;
   ReplayFlags flags;
   TruthFlags truth;
   OutputOptions outputs;
@@ -26,10 +27,11 @@ struct ReplayCommandOptions {
 
 ExitCode run_replay(const ReplayCommandOptions& options) {
   const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  const recording::Input input = to_input(options.input);
   // A schedule says that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
-  if (!replay_options.schedule) truth = read_truth(options.recording, options.truth);
-  recording::Reader reader{options.recording};
+  if (!replay_options.schedule) truth = read_truth(input, options.truth);
+  recording::Reader reader{input};
   const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
 
   std::optional<evaluate::CorrectedWriter> corrected;
@@ -43,7 +45,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   if (traced) {
     evaluate::make_report(
         result, axes, trace, {}, replay_options.model,
-        {.title = "Replay of " + options.recording,
+        {.title = "Replay of " + options.input.recording,
          .lead = "The recording went through the node's firmware with the model " +
                  replay_options.model.name + ".",
          .provenance = "zerorate " ZERORATE_VERSION ", zerorate replay"})
@@ -60,8 +62,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
 Command add_replay(CLI::App& app) {
   auto* command = app.add_subcommand("replay", "Run a recording through the node's firmware");
   const auto options = std::make_shared<ReplayCommandOptions>();
-  command->add_option("RECORDING", options->recording, "CSV or CSV.gz file; - for standard input")
-      ->required();
+  add_input_options(*command, options->input);
   add_replay_flags(*command, options->flags);
   add_truth_flags(*command, options->truth);
   add_output_options(*command, options->outputs);

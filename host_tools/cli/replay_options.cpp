@@ -257,10 +257,10 @@ void add_truth_flags(CLI::App& app, TruthFlags& flags) {
       ->capture_default_str();
 }
 
-std::optional<truth::Truth> read_truth(const std::string& recording, const TruthFlags& flags) {
+std::optional<truth::Truth> read_truth(const recording::Input& input, const TruthFlags& flags) {
   // A pipe can be read once only.
-  if (!std::filesystem::is_regular_file(recording)) return std::nullopt;
-  recording::Reader reader{recording};
+  if (!std::filesystem::is_regular_file(input.path)) return std::nullopt;
+  recording::Reader reader{input};
   const recording::Columns& columns = reader.columns();
   if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
   truth::TruthOptions options{.usable_from_s = flags.reference_from_s};

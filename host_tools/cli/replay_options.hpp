@@ -45,7 +45,7 @@ void add_truth_flags(CLI::App& app, TruthFlags& flags);
 
 /// The true drives of a recording; nullopt where it has no reference columns, or cannot be read
 /// twice. Throws std::invalid_argument, recording::Error, recording::DataError.
-[[nodiscard]] std::optional<truth::Truth> read_truth(const std::string& recording,
+[[nodiscard]] std::optional<truth::Truth> read_truth(const recording::Input& input,
                                                      const TruthFlags& flags);
 
 /// A sensor model: a file if there is one of that name, else an entry of the catalogue. Throws

@@ -98,8 +98,8 @@ SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
   return {std::move(motion), std::move(rest)};
 }
 
-RestRecording read_at_rest(const std::filesystem::path& path, std::size_t axis) {
-  recording::Reader reader{path};
+RestRecording read_at_rest(const recording::Input& input, std::size_t axis) {
+  recording::Reader reader{input};
   const std::size_t column = std::min(axis, reader.columns().axis_count - 1);
   RestRecording rest;
   for (recording::Row row; reader.next(row);) {

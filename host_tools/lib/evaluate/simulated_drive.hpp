@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/recording/input.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 
@@ -61,6 +62,6 @@ struct RestRecording {
 };
 
 /// Leaves out the rows whose rate is lost. Throws recording::Error.
-[[nodiscard]] RestRecording read_at_rest(const std::filesystem::path& path, std::size_t axis);
+[[nodiscard]] RestRecording read_at_rest(const recording::Input& input, std::size_t axis);
 
 }  // namespace zerorate::evaluate

@@ -1,5 +1,5 @@
 /// @file
-/// The comma-separated fields of one line.
+/// The fields of one line, separated by commas or by another character.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,14 @@
 namespace zerorate::recording {
 
 /// Walks over the fields of a line, without spaces and tabs around them. A field in double quotes
-/// may hold commas (RFC 4180); a doubled quote inside it stays doubled, and it ends in its line.
+/// may hold delimiters (RFC 4180); a doubled quote inside it stays doubled, and it ends in its
+/// line. Where spaces separate, several of them count as one.
 class Fields {
  public:
-  explicit Fields(std::string_view line)
-      : line_(line.data()), end_(line.data() + line.size()), rest_(line_) {}
+  explicit Fields(std::string_view line, char delimiter = ',')
+      : line_(line.data()), end_(line.data() + line.size()), rest_(line_), delimiter_(delimiter) {
+    while (delimiter == ' ' && end_ != line_ && is_blank(end_[-1])) --end_;
+  }
 
   /// Moves to the next field; false after the last. A line always has at least one field.
   [[nodiscard]] bool next() {
@@ -36,24 +39,27 @@ class Fields {
   }
 
  private:
-  static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+  [[nodiscard]] bool is_blank(char c) const {
+    return c == ' ' || (c == '\t' && delimiter_ != '\t');
+  }
 
-  /// The comma after the field that begins at rest_, or the end of the line.
+  /// The delimiter after the field that begins at rest_, or the end of the line.
   [[nodiscard]] const char* end_of_field() const {
     const char* from = rest_;
     if (from != end_ && *from == '"') {
-      // A doubled quote closes and opens again: commas between an even number of quotes separate.
+      // A doubled quote closes and opens again: delimiters between an even number of quotes
+      // separate.
       bool quoted = false;
-      for (; from != end_ && (quoted || *from != ','); ++from) {
+      for (; from != end_ && (quoted || *from != delimiter_); ++from) {
         quoted = quoted != (*from == '"');
       }
       return from;
     }
-    const void* const comma = std::memchr(from, ',', static_cast<std::size_t>(end_ - from));
-    return comma != nullptr ? static_cast<const char*>(comma) : end_;
+    const void* const found = std::memchr(from, delimiter_, static_cast<std::size_t>(end_ - from));
+    return found != nullptr ? static_cast<const char*>(found) : end_;
   }
 
-  static std::string_view trimmed(const char* begin, const char* end) {
+  [[nodiscard]] std::string_view trimmed(const char* begin, const char* end) const {
     while (end != begin && is_blank(end[-1])) {
       --end;
     }
@@ -67,6 +73,7 @@ class Fields {
   const char* line_;
   const char* end_;
   const char* rest_;  ///< where the next field begins; null after the last
+  char delimiter_;
   std::string_view text_;
 };
 

@@ -58,6 +58,9 @@ std::string_view description(Finding finding) {
       return "last line has no line end (file cut off?)";
     case Finding::reference_missing:
       return "heading, rate or speed of the reference is empty, nan or infinite";
+    case Finding::motion_unknown:
+      return "no word of the speed for more than a second and three of its intervals: the vehicle "
+             "counts as moving";
   }
   return "unknown finding";
 }

@@ -24,8 +24,9 @@ enum class Finding : std::uint8_t {
   odometer_backwards,  ///< the pulse count is below that of the row before
   line_unterminated,   ///< the last line does not end in a newline: the file may have been cut
   reference_missing,   ///< heading, rate or speed of the reference is empty, nan or infinite
+  motion_unknown,      ///< no word of the speed for too long: the vehicle counts as moving
 };
-inline constexpr std::size_t kFindingCount = 9;
+inline constexpr std::size_t kFindingCount = 10;
 
 /// A gap is an interval longer than this many median intervals.
 inline constexpr std::int64_t kGapPeriods = 10;

@@ -7,7 +7,7 @@
 #include <array>
 #include <cctype>
 #include <optional>
-#include <string_view>
+#include <utility>
 
 #include "host_tools/lib/recording/fields.hpp"
 #include "host_tools/lib/recording/number.hpp"
@@ -17,50 +17,155 @@ namespace {
 
 struct AcceptedName {
   std::string_view name;
-  Meaning meaning;
-  RateUnit unit = RateUnit::deg_per_s;  ///< of a rate
-  std::size_t axis = 0;                 ///< of a rate
-  std::size_t axis_count = 0;           ///< of a rate: how many columns make the set
+  std::string_view key;   ///< of the quantity
+  std::string_view unit;  ///< empty: a count, or stated in brackets behind the name
 };
 
-/// Accepted names of columns; of two with one meaning the first is the one that is written.
+/// Names of zerorate's own format; of two with one meaning the first is the one that is written.
 constexpr std::array kAcceptedNames = {
-    AcceptedName{"t_s", Meaning::time},
-    AcceptedName{"time_s", Meaning::time},
-    AcceptedName{"gx_dps", Meaning::rate, RateUnit::deg_per_s, 0, 3},
-    AcceptedName{"gy_dps", Meaning::rate, RateUnit::deg_per_s, 1, 3},
-    AcceptedName{"gz_dps", Meaning::rate, RateUnit::deg_per_s, 2, 3},
-    AcceptedName{"gx_radps", Meaning::rate, RateUnit::rad_per_s, 0, 3},
-    AcceptedName{"gy_radps", Meaning::rate, RateUnit::rad_per_s, 1, 3},
-    AcceptedName{"gz_radps", Meaning::rate, RateUnit::rad_per_s, 2, 3},
-    AcceptedName{"rate_dps", Meaning::rate, RateUnit::deg_per_s, 0, 1},
-    AcceptedName{"rate_radps", Meaning::rate, RateUnit::rad_per_s, 0, 1},
-    AcceptedName{"temp_c", Meaning::temperature},
-    AcceptedName{"temperature_c", Meaning::temperature},
-    AcceptedName{"odometer_pulses", Meaning::odometer},
-    AcceptedName{"still", Meaning::still},
-    AcceptedName{"ref_heading_deg", Meaning::ref_heading},
-    AcceptedName{"ref_rate_dps", Meaning::ref_rate},
-    AcceptedName{"ref_speed_mps", Meaning::ref_speed},
+    AcceptedName{"t_s", "t", "s"},
+    AcceptedName{"time_s", "t", "s"},
+    AcceptedName{"gx_dps", "gx", "dps"},
+    AcceptedName{"gy_dps", "gy", "dps"},
+    AcceptedName{"gz_dps", "gz", "dps"},
+    AcceptedName{"gx_radps", "gx", "radps"},
+    AcceptedName{"gy_radps", "gy", "radps"},
+    AcceptedName{"gz_radps", "gz", "radps"},
+    AcceptedName{"rate_dps", "rate", "dps"},
+    AcceptedName{"rate_radps", "rate", "radps"},
+    AcceptedName{"temp_c", "temp", "c"},
+    AcceptedName{"temperature_c", "temp", "c"},
+    AcceptedName{"odometer_pulses", "pulses", ""},
+    AcceptedName{"still", "still", ""},
+    AcceptedName{"speed_mps", "speed", "mps"},
+    AcceptedName{"ref_heading_deg", "ref_heading", "deg"},
+    AcceptedName{"ref_rate_dps", "ref_rate", "dps"},
+    AcceptedName{"ref_speed_mps", "ref_speed", "mps"},
+};
+
+/// Names of other formats, known where a unit in brackets follows: "timestamp [ns]".
+constexpr std::array kNamesBeforeUnits = {
+    AcceptedName{"timestamp", "t", ""}, AcceptedName{"time", "t", ""},
+    AcceptedName{"w_RS_S_x", "gx", ""}, AcceptedName{"w_RS_S_y", "gy", ""},
+    AcceptedName{"w_RS_S_z", "gz", ""}, AcceptedName{"gyro_x", "gx", ""},
+    AcceptedName{"gyro_y", "gy", ""},   AcceptedName{"gyro_z", "gz", ""},
+    AcceptedName{"temp", "temp", ""},   AcceptedName{"speed", "speed", ""},
 };
 
 constexpr std::string_view kRateNames =
     "gx_dps,gy_dps,gz_dps or rate_dps (deg/s), or gx_radps,gy_radps,gz_radps or rate_radps (rad/s)";
+constexpr std::string_view kNameRates =
+    "Name the columns and their unit: --columns gx=NAME,gy=NAME,gz=NAME --units rate=radps.";
+constexpr std::string_view kNameTime =
+    "Name the column and its unit: --columns t=NAME --units time=ms.";
+constexpr std::string_view kNameMotion =
+    "Name the column: --odometer-columns t=NAME,speed=NAME --odometer-units speed=kmh.";
 
-const AcceptedName* find_accepted(std::string_view name) {
-  const auto* const found = std::find_if(kAcceptedNames.begin(), kAcceptedNames.end(),
-                                         [&](const AcceptedName& a) { return a.name == name; });
-  return found != kAcceptedNames.end() ? found : nullptr;
-}
-
-/// A column of the header line together with the entry of the table that it matched.
+/// A column of the header line, and what it was taken for.
 struct NamedColumn {
   std::string name;
-  std::size_t position;  ///< character in the line, from 1
-  const AcceptedName* accepted;
+  std::size_t position = 0;            ///< character in the line, from 1
+  const Quantity* quantity = nullptr;  ///< nullptr: not needed
+  std::optional<Unit> unit = {};       ///< of a quantity with a dimension
 };
 
 using NamedColumns = std::vector<NamedColumn>;
+
+template <std::size_t N>
+const AcceptedName* find_name(const std::array<AcceptedName, N>& names, std::string_view name) {
+  const auto* const found = std::ranges::find(names, name, &AcceptedName::name);
+  return found != names.end() ? found : nullptr;
+}
+
+/// The unit in brackets behind a name; empty where there is none.
+std::string_view unit_in_brackets(std::string_view name) {
+  const std::size_t open = name.find(" [");
+  if (open == std::string_view::npos || !name.ends_with(']')) return {};
+  return name.substr(open + 2, name.size() - open - 3);
+}
+
+std::optional<Unit> unit_in_name(Dimension dimension, std::string_view name) {
+  const AcceptedName* const accepted = find_name(kAcceptedNames, name);
+  return parse_unit(dimension, accepted != nullptr ? accepted->unit : unit_in_brackets(name));
+}
+
+const Quantity* quantity_in_name(std::string_view name) {
+  if (const AcceptedName* const accepted = find_name(kAcceptedNames, name)) {
+    return find_quantity(accepted->key);
+  }
+  const std::string_view unit = unit_in_brackets(name);
+  if (unit.empty()) return nullptr;
+  const AcceptedName* const stem = find_name(kNamesBeforeUnits, name.substr(0, name.find(" [")));
+  if (stem == nullptr) return nullptr;
+  const Quantity* const quantity = find_quantity(stem->key);
+  return parse_unit(quantity->dimension, unit) ? quantity : nullptr;
+}
+
+/// Gives columns their meaning: by the user's word, else by their names.
+class ColumnNaming {
+ public:
+  ColumnNaming(const LineReader& lines, const Layout& layout) : lines_(lines), layout_(layout) {}
+
+  void name(NamedColumn& column, std::size_t index) {
+    column.quantity = by_word(column.name, index);
+    const bool is_said = column.quantity != nullptr;
+    if (!is_said) {
+      column.quantity = quantity_in_name(column.name);
+      if (column.quantity != nullptr && is_said_elsewhere(*column.quantity))
+        column.quantity = nullptr;
+    }
+    if (column.quantity == nullptr || column.quantity->dimension == Dimension::none) return;
+    const Dimension dimension = column.quantity->dimension;
+    const auto said = layout_.units.find(dimension);
+    column.unit = unit_in_name(dimension, column.name);
+    if (said != layout_.units.end() && (is_said || !column.unit)) {
+      column.unit = said->second;
+      used_.push_back(dimension);
+    }
+    if (column.unit) return;
+    throw Error{lines_.place(column.position), "no unit in the name " + excerpt(column.name),
+                fmt::format("{}", unit_names(dimension)),
+                fmt::format("Say the unit: --units {}=...", recording::name(dimension))};
+  }
+
+  /// Refuses what the user said and no column bears out.
+  void check(const NamedColumns& columns) const {
+    for (const auto& [key, name] : layout_.columns) {
+      const bool is_found = std::ranges::any_of(columns, [&](const NamedColumn& column) {
+        return column.quantity == find_quantity(key);
+      });
+      if (is_found) continue;
+      throw Error{lines_.place(), "no column " + excerpt(name),
+                  fmt::format("the column of {} named in --columns", key),
+                  "Names count as they stand in the header; #3 is the third column."};
+    }
+    for (const auto& [dimension, unit] : layout_.units) {
+      if (std::ranges::find(used_, dimension) != used_.end()) continue;
+      throw Error{lines_.place(),
+                  fmt::format("no column that needs --units {}=...", recording::name(dimension)),
+                  "units in names (gx_dps), or columns named in --columns",
+                  "Leave the unit out, or name the column."};
+    }
+  }
+
+ private:
+  [[nodiscard]] const Quantity* by_word(std::string_view name, std::size_t index) const {
+    for (const auto& [key, said] : layout_.columns) {
+      if (said == name || said == fmt::format("#{}", index + 1)) return find_quantity(key);
+    }
+    return nullptr;
+  }
+
+  [[nodiscard]] bool is_said_elsewhere(const Quantity& quantity) const {
+    return std::ranges::any_of(layout_.columns, [&](const auto& said) {
+      return find_quantity(said.first)->meaning == quantity.meaning;
+    });
+  }
+
+  const LineReader& lines_;
+  const Layout& layout_;
+  std::vector<Dimension> used_;
+};
 
 std::string all_names(const NamedColumns& columns) {
   std::vector<std::string_view> names;
@@ -77,28 +182,20 @@ bool begins_with(std::string_view name, std::string_view lower_case_stem) {
              [](char stem, char c) { return stem == std::tolower(static_cast<unsigned char>(c)); });
 }
 
-/// The first column without a meaning whose name begins, in any case, with one of the stems.
-const NamedColumn* find_near_miss(const NamedColumns& columns,
-                                  std::initializer_list<std::string_view> stems) {
+/// Tells of a missing column: at the one without a meaning whose name begins, in any case, with one
+/// of the stems, else at the line.
+Error missing(const LineReader& lines, const NamedColumns& columns,
+              std::initializer_list<std::string_view> stems, std::string expected,
+              std::string_view mend) {
   for (const NamedColumn& column : columns) {
-    for (const std::string_view stem : stems) {
-      if (column.accepted == nullptr && begins_with(column.name, stem)) {
-        return &column;
-      }
-    }
+    const bool is_near = std::ranges::any_of(
+        stems, [&](std::string_view stem) { return begins_with(column.name, stem); });
+    if (column.quantity != nullptr || !is_near) continue;
+    return Error{lines.place(column.position), "the column name " + excerpt(column.name),
+                 std::move(expected), std::string(mend)};
   }
-  return nullptr;
-}
-
-Error missing(const LineReader& lines, const NamedColumns& columns, const NamedColumn* near_miss,
-              std::string expected) {
-  if (near_miss == nullptr) {
-    return Error{lines.place(), "the columns " + all_names(columns), std::move(expected),
-                 "Add the column, or rename the one that holds it."};
-  }
-  return Error{lines.place(near_miss->position), "the column name " + excerpt(near_miss->name),
-               std::move(expected),
-               "The name carries the unit: convert the column if need be, and rename it."};
+  return Error{lines.place(), "the columns " + all_names(columns), std::move(expected),
+               std::string(mend)};
 }
 
 /// Finds the column of a meaning, and refuses a second one.
@@ -106,7 +203,7 @@ const NamedColumn* find_single(const LineReader& lines, const NamedColumns& colu
                                Meaning meaning) {
   const NamedColumn* found = nullptr;
   for (const NamedColumn& column : columns) {
-    if (column.accepted == nullptr || column.accepted->meaning != meaning) {
+    if (column.quantity == nullptr || column.quantity->meaning != meaning) {
       continue;
     }
     if (found != nullptr) {
@@ -120,17 +217,17 @@ const NamedColumn* find_single(const LineReader& lines, const NamedColumns& colu
 }
 
 /// Finds the set of rate columns: all of one unit, all axes, each once.
-const AcceptedName& find_rates(const LineReader& lines, const NamedColumns& columns) {
+const NamedColumn& find_rates(const LineReader& lines, const NamedColumns& columns) {
   const NamedColumn* first = nullptr;
   std::array<const NamedColumn*, kMaxAxes> axes{};
   for (const NamedColumn& column : columns) {
-    if (column.accepted == nullptr || column.accepted->meaning != Meaning::rate) {
+    if (column.quantity == nullptr || column.quantity->meaning != Meaning::rate) {
       continue;
     }
     first = first != nullptr ? first : &column;
-    const NamedColumn*& seen = axes[column.accepted->axis];
-    if (seen != nullptr || column.accepted->unit != first->accepted->unit ||
-        column.accepted->axis_count != first->accepted->axis_count) {
+    const NamedColumn*& seen = axes[column.quantity->axis];
+    if (seen != nullptr || column.unit != first->unit ||
+        column.quantity->axis_count != first->quantity->axis_count) {
       throw Error{lines.place(column.position),
                   fmt::format("both {} and {}", seen ? seen->name : first->name, column.name),
                   "the rate once and in one unit", "Remove or rename one of the two."};
@@ -138,17 +235,17 @@ const AcceptedName& find_rates(const LineReader& lines, const NamedColumns& colu
     seen = &column;
   }
   if (first == nullptr) {
-    throw missing(lines, columns, find_near_miss(columns, {"gx", "gy", "gz", "gyro", "rate"}),
-                  fmt::format("gyro columns named {}", kRateNames));
+    throw missing(lines, columns, {"gx", "gy", "gz", "gyro", "rate"},
+                  fmt::format("gyro columns named {}", kRateNames), kNameRates);
   }
-  for (std::size_t axis = 0; axis < first->accepted->axis_count; ++axis) {
+  for (std::size_t axis = 0; axis < first->quantity->axis_count; ++axis) {
     if (axes[axis] == nullptr) {
       throw Error{lines.place(), fmt::format("{} but not all three axes", first->name),
                   "x, y and z; or a single axis named rate_dps or rate_radps",
-                  "Add the missing axis, or rename the only one."};
+                  "Add the missing axis, or call the only one the rate: --columns rate=NAME."};
     }
   }
-  return *first->accepted;
+  return *first;
 }
 
 void refuse_binary(const LineReader& lines, std::string_view line) {
@@ -162,72 +259,122 @@ void refuse_binary(const LineReader& lines, std::string_view line) {
   }
 }
 
-NamedColumns split(const LineReader& lines, std::string_view line) {
-  refuse_binary(lines, line);
+/// The first of comma, semicolon and tab that the line has; a comma where it has none.
+char delimiter_in(std::string_view line) {
+  for (const char candidate : {',', ';', '\t'}) {
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  }
+  return ',';
+}
+
+NamedColumns split(std::string_view line, char delimiter) {
   NamedColumns columns;
-  for (Fields fields{line}; fields.next();) {
-    columns.push_back({std::string{fields.text()}, fields.column(), find_accepted(fields.text())});
-  }
-  if (parse_real(columns.front().name) && !columns.front().name.empty()) {
-    throw Error{lines.place(), "numbers in the first line: " + excerpt(line),
-                "a header line with the names of the columns",
-                "Put a line such as t_s,gx_dps,gy_dps,gz_dps in front."};
-  }
-  if (columns.size() == 1 && line.find_first_of(";\t") != std::string_view::npos) {
-    throw Error{lines.place(line.find_first_of(";\t") + 1),
-                "fields separated by semicolons or tabs: " + excerpt(line),
-                "fields separated by commas", "Export with commas, and points in the decimals."};
+  for (Fields fields{line, delimiter}; fields.next();) {
+    columns.push_back({.name = std::string{fields.text()}, .position = fields.column()});
   }
   return columns;
+}
+
+bool holds_numbers(const NamedColumns& columns) {
+  return !columns.front().name.empty() && parse_real(columns.front().name).has_value();
+}
+
+/// Whether a comment names a time and a rate together with their units.
+bool is_header(std::string_view comment) {
+  const NamedColumns columns = split(comment, delimiter_in(comment));
+  const auto names = [&](Meaning meaning) {
+    return std::ranges::any_of(columns, [&](const NamedColumn& column) {
+      const Quantity* const quantity = quantity_in_name(column.name);
+      return quantity != nullptr && quantity->meaning == meaning;
+    });
+  };
+  return names(Meaning::time) && names(Meaning::rate);
 }
 
 /// Moves to the header line, past comments and empty lines.
 std::string_view find_header_line(LineReader& lines) {
   std::string_view line;
   while (lines.next(line)) {
-    if (!line.empty() && !line.starts_with('#')) {
-      return line;
-    }
+    if (line.starts_with('#') && is_header(line.substr(1))) return line.substr(1);
+    if (!line.empty() && !line.starts_with('#')) return line;
   }
   throw Error{lines.place(), lines.line() == 0 ? "an empty file" : "only comments and empty lines",
               "a header line and samples", "Check that this is the right file."};
 }
 
+/// Names of columns may be numbers of columns: then the file needs no header.
+bool may_lack_header(const Layout& layout) {
+  return !layout.columns.empty() && std::ranges::all_of(layout.columns, [](const auto& column) {
+    return column.second.starts_with('#');
+  });
+}
+
+Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs needs) {
+  if (find_single(lines, named, Meaning::time) == nullptr) {
+    throw missing(lines, named, {"t_", "time", "stamp"},
+                  "a time column named t_s or time_s (seconds)", kNameTime);
+  }
+  Columns columns;
+  const auto has = [&](Meaning meaning) { return find_single(lines, named, meaning) != nullptr; };
+  columns.odometer = has(Meaning::odometer);
+  columns.still = has(Meaning::still);
+  columns.speed = has(Meaning::speed);
+  if (needs == Needs::rates) {
+    const NamedColumn& rates = find_rates(lines, named);
+    columns.axis_count = rates.quantity->axis_count;
+    const bool is_in_degrees = rates.unit == parse_unit(Dimension::rate, "dps");
+    columns.rate_unit = is_in_degrees ? RateUnit::deg_per_s : RateUnit::rad_per_s;
+  } else if (!columns.odometer && !columns.still && !columns.speed) {
+    throw missing(lines, named, {"speed", "v", "wheel", "odo", "ticks"},
+                  "a column named odometer_pulses, still or speed_mps", kNameMotion);
+  }
+  columns.temperature = has(Meaning::temperature);
+  columns.ref_heading = has(Meaning::ref_heading);
+  columns.ref_rate = has(Meaning::ref_rate);
+  columns.ref_speed = has(Meaning::ref_speed);
+  return columns;
+}
+
 }  // namespace
 
-Header read_header(LineReader& lines) {
-  const NamedColumns named = split(lines, find_header_line(lines));
-  if (find_single(lines, named, Meaning::time) == nullptr) {
-    throw missing(lines, named, find_near_miss(named, {"t_", "time", "stamp"}),
-                  "a time column named t_s or time_s (seconds)");
-  }
-  const AcceptedName& rates = find_rates(lines, named);
+Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
+  const std::string_view line = find_header_line(lines);
+  refuse_binary(lines, line);
   Header header;
-  header.columns.axis_count = rates.axis_count;
-  header.columns.rate_unit = rates.unit;
-  const auto has = [&](Meaning meaning) { return find_single(lines, named, meaning) != nullptr; };
-  header.columns.temperature = has(Meaning::temperature);
-  header.columns.odometer = has(Meaning::odometer);
-  header.columns.still = has(Meaning::still);
-  header.columns.ref_heading = has(Meaning::ref_heading);
-  header.columns.ref_rate = has(Meaning::ref_rate);
-  header.columns.ref_speed = has(Meaning::ref_speed);
+  header.delimiter = layout.delimiter != '\0' ? layout.delimiter : delimiter_in(line);
+  NamedColumns named = split(line, header.delimiter);
+  if (holds_numbers(named)) {
+    if (!may_lack_header(layout)) {
+      throw Error{lines.place(), "numbers in the first line: " + excerpt(line),
+                  "a header line with the names of the columns",
+                  "Say which column is which: --columns t=#1,gx=#2,gy=#3,gz=#4 --units "
+                  "time=s,rate=dps."};
+    }
+    header.first_row = line;
+  }
+  ColumnNaming naming{lines, layout};
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (!header.first_row.empty()) named[i].name = fmt::format("column {}", i + 1);
+    naming.name(named[i], i);
+  }
+  naming.check(named);
+  header.columns = columns_of(lines, named, needs);
   for (const NamedColumn& column : named) {
-    const AcceptedName* const accepted = column.accepted;
-    header.layout.push_back(accepted != nullptr
-                                ? Column{column.name, accepted->meaning, accepted->axis}
-                                : Column{column.name});
+    const Quantity ignored;
+    const Quantity& quantity = column.quantity != nullptr ? *column.quantity : ignored;
+    header.layout.push_back(
+        {column.name, quantity.meaning, quantity.axis, column.unit.value_or(Unit{})});
   }
   return header;
 }
 
 std::string header_line(const Columns& columns) {
+  const std::string_view unit = columns.rate_unit == RateUnit::deg_per_s ? "dps" : "radps";
   std::string line = "t_s";
-  for (const AcceptedName& accepted : kAcceptedNames) {
-    if (accepted.meaning == Meaning::rate && accepted.unit == columns.rate_unit &&
-        accepted.axis_count == columns.axis_count) {
-      line.append(",").append(accepted.name);
-    }
+  if (columns.axis_count == 1) {
+    line += fmt::format(",rate_{}", unit);
+  } else {
+    line += fmt::format(",gx_{0},gy_{0},gz_{0}", unit);
   }
   line += columns.temperature ? ",temp_c" : "";
   line += columns.odometer ? ",odometer_pulses" : "";

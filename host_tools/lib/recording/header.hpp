@@ -5,42 +5,41 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "host_tools/lib/recording/layout.hpp"
 #include "host_tools/lib/recording/line_reader.hpp"
 #include "host_tools/lib/recording/row.hpp"
 
 namespace zerorate::recording {
-
-/// Meaning of a column of the file.
-enum class Meaning : std::uint8_t {
-  time,
-  rate,
-  temperature,
-  odometer,
-  still,
-  ref_heading,
-  ref_rate,
-  ref_speed,
-  ignored
-};
 
 /// One column of the file.
 struct Column {
   std::string name;
   Meaning meaning = Meaning::ignored;
   std::size_t axis = 0;  ///< of a rate: its index in Row::rate_rad_s
+  Unit unit;
 };
 
 /// The header of a recording.
 struct Header {
   std::vector<Column> layout;  ///< all columns, in the order of the file
   Columns columns;
+  char delimiter = ',';
+  std::string first_row;  ///< the line that was read, where it holds numbers instead of names
 };
 
-/// Reads the lines up to and including the header. Lines before it may be empty or comments (#).
-/// Throws Error if the file is empty, is no CSV, or lacks or doubles a column.
-[[nodiscard]] Header read_header(LineReader& lines);
+/// What a file has to hold.
+enum class Needs : std::uint8_t {
+  rates,   ///< a recording of a gyro
+  motion,  ///< pulses, still or speed of an odometer
+};
+
+/// Reads the lines up to and including the header. Lines before it may be empty or comments (#); a
+/// comment that names time and rates with their units is the header (EuRoC). Throws Error if the
+/// file is empty, is no CSV, or lacks or doubles a column.
+[[nodiscard]] Header read_header(LineReader& lines, const Layout& layout, Needs needs);
 
 /// The header line that Writer puts out for these columns, without a line end.
 [[nodiscard]] std::string header_line(const Columns& columns);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <iterator>
 #include <limits>
 
@@ -99,7 +100,77 @@ std::optional<std::uint64_t> scale(Decimal decimal, bool& exact) {
   return decimal.mantissa + (last_digit >= 5 ? 1 : 0);
 }
 
+/// Takes exactly `digits` digits at the front of the text.
+std::optional<int> take_number(std::string_view& text, int digits) {
+  Decimal number;
+  std::string_view field = text.substr(0, static_cast<std::size_t>(digits));
+  if (take_digits(field, number, false) != digits) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(digits));
+  return static_cast<int>(number.mantissa);
+}
+
+bool take_character(std::string_view& text, std::string_view accepted) {
+  if (text.empty() || accepted.find(text.front()) == std::string_view::npos) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+/// Takes "hh:mm" at the front of the text; minutes.
+std::optional<int> take_hours_and_minutes(std::string_view& text) {
+  const auto hours = take_number(text, 2);
+  if (!hours || *hours > 23 || !take_character(text, ":")) return std::nullopt;
+  const auto minutes = take_number(text, 2);
+  if (!minutes || *minutes > 59) return std::nullopt;
+  return *hours * 60 + *minutes;
+}
+
+std::optional<std::chrono::sys_days> take_date(std::string_view& text) {
+  const auto year = take_number(text, 4);
+  if (!year || !take_character(text, "-")) return std::nullopt;
+  const auto month = take_number(text, 2);
+  if (!month || !take_character(text, "-")) return std::nullopt;
+  const auto day = take_number(text, 2);
+  if (!day) return std::nullopt;
+  const std::chrono::year_month_day date{std::chrono::year{*year},
+                                         std::chrono::month{static_cast<unsigned>(*month)},
+                                         std::chrono::day{static_cast<unsigned>(*day)}};
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days{date};
+}
+
+/// Takes "Z", "+01:00" or nothing at the front of the text; minutes ahead of UTC.
+std::optional<int> take_zone(std::string_view& text) {
+  if (text.empty() || take_character(text, "Zz")) return 0;
+  const int sign = text.front() == '-' ? -1 : 1;
+  if (!take_character(text, "+-")) return std::nullopt;
+  const auto minutes = take_hours_and_minutes(text);
+  if (!minutes) return std::nullopt;
+  return sign * *minutes;
+}
+
 }  // namespace
+
+std::optional<std::int64_t> parse_calendar_time(std::string_view text) {
+  constexpr std::int64_t kNsPerMinute = 60'000'000'000;
+  constexpr std::int64_t kNsPerDay = 1440 * kNsPerMinute;
+  constexpr int kFirstYearInRange = 1900;
+  constexpr int kLastYearInRange = 2110;  // within core::kLatestTime
+  const auto date = take_date(text);
+  if (!date || !take_character(text, "Tt ")) return std::nullopt;
+  const auto minutes = take_hours_and_minutes(text);
+  if (!minutes || !take_character(text, ":")) return std::nullopt;
+  const std::string_view seconds = text.substr(0, text.find_first_of("Zz+-"));
+  const auto of_minute = parse_fixed_point(seconds, 9);
+  if (!of_minute || seconds.size() < 2 || of_minute->value > kNsPerMinute) return std::nullopt;
+  text.remove_prefix(seconds.size());
+  const auto zone = take_zone(text);
+  const std::chrono::year_month_day day{*date};
+  const bool is_in_range = day.year() >= std::chrono::year{kFirstYearInRange} &&
+                           day.year() <= std::chrono::year{kLastYearInRange};
+  if (!zone || !text.empty() || !is_in_range) return std::nullopt;
+  return date->time_since_epoch().count() * kNsPerDay + (*minutes - *zone) * kNsPerMinute +
+         of_minute->value;
+}
 
 std::optional<FixedPoint> parse_fixed_point(std::string_view text, int decimals) {
   std::optional<Decimal> decimal = parse_decimal(text);

@@ -24,6 +24,12 @@ struct FixedPoint {
 /// exceeds double precision are infinite. @return nullopt for anything else.
 [[nodiscard]] std::optional<double> parse_real(std::string_view text);
 
+/// Reads a date and time of day by ISO 8601, "2026-03-01T12:30:00.25Z" or with "+01:00":
+/// nanoseconds since 1970. Without a zone the time counts as UTC; only its differences matter to a
+/// recording.
+/// @return nullopt for anything else and for a date that no calendar has.
+[[nodiscard]] std::optional<std::int64_t> parse_calendar_time(std::string_view text);
+
 /// Nanoseconds as decimal seconds without trailing zeros: 10'000'000 gives "0.01".
 void append_seconds(std::string& text, std::int64_t time_ns);
 

@@ -13,7 +13,7 @@ namespace zerorate::recording {
 
 inline constexpr std::size_t kMaxAxes = 3;
 
-/// The unit of the rates in the file. In a Row they are always rad/s.
+/// The unit in which Writer writes rates. In a Row they are always rad/s.
 enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
 
 /// Factor from a unit of the file to rad/s.
@@ -34,6 +34,7 @@ struct Columns {
   bool ref_heading = false;  ///< of a reference system, as ref_rate and ref_speed
   bool ref_rate = false;
   bool ref_speed = false;
+  bool speed = false;  ///< of the vehicle's own odometer; WithMotion makes the others of it
 
   bool operator==(const Columns&) const = default;
 };
@@ -45,6 +46,7 @@ struct Row {
   float temperature_degc = std::numeric_limits<float>::quiet_NaN();
   std::int64_t odometer_pulses = 0;  ///< counted since some moment before the recording
   bool still = false;
+  float speed_m_s = std::numeric_limits<float>::quiet_NaN();  ///< by the vehicle's odometer
   /// Heading by a reference system, of any origin and sign, wrapped or not. Single precision
   /// resolves 0.0000003 of its size: a wrapped heading to 0.00003 deg.
   float ref_heading_rad = std::numeric_limits<float>::quiet_NaN();

@@ -1,0 +1,88 @@
+#include "host_tools/cli/input_options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <stdexcept>
+
+namespace zerorate::cli {
+namespace {
+
+/// Runs what reads an option's text, and names the option in what it refuses.
+template <class Take>
+void read_option(const char* option, const std::string& text, Take take) {
+  if (text.empty()) return;
+  try {
+    take(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
+  }
+}
+
+}  // namespace
+
+CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
+  CLI::Option* const recording =
+      command
+          .add_option("RECORDING", flags.recording,
+                      "CSV or CSV.gz file; - for standard input; a folder as of EuRoC")
+          ->required();
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->group("Files of other formats");
+  };
+  add("--columns", flags.columns,
+      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, "
+      "pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
+  add("--units", flags.units,
+      "units that names do not tell: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
+      "counts), temp=c|k|f, speed=mps|kmh|mph, angle=deg|rad");
+  add("--delimiter", flags.delimiter,
+      ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
+  command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")
+      ->group("Files of other formats");
+  add("--speed-column", flags.speed_column,
+      "speed of the vehicle, which tells rest; in the odometer's file if there is one");
+  add("--still-below", flags.still_below_mps, "a greater speed is motion [m/s]; default 0")
+      ->check(CLI::Range(0.0, 10.0));
+  add("--speed-delay", flags.speed_delay_s,
+      "from the motion to the stamp of its speed [s]; default 0")
+      ->check(CLI::Range(0.0, 60.0));
+  add("--metres-per-pulse", flags.metres_per_pulse, "make odometer pulses of the speed [m]")
+      ->check(CLI::PositiveNumber);
+  CLI::Option* const file =
+      add("--odometer-file", flags.odometer_file,
+          "pulses, still or speed at a rate of their own, by the clock of the recording");
+  add("--odometer-columns", flags.odometer_columns, "its columns: t=NAME,speed=NAME")->needs(file);
+  add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
+  return recording;
+}
+
+recording::Input to_input(const InputFlags& flags) {
+  recording::Input input{flags.recording};
+  input.odometer_path = flags.odometer_file;
+  using Text = const std::string&;
+  read_option("--columns", flags.columns, [&](Text text) { input.layout.set_columns(text); });
+  read_option("--units", flags.units, [&](Text text) { input.layout.set_units(text); });
+  read_option("--delimiter", flags.delimiter, [&](Text text) { input.layout.set_delimiter(text); });
+  input.layout.decimal_comma = flags.decimal_comma;
+  read_option("--odometer-columns", flags.odometer_columns,
+              [&](Text text) { input.odometer_layout.set_columns(text); });
+  read_option("--odometer-units", flags.odometer_units,
+              [&](Text text) { input.odometer_layout.set_units(text); });
+  if (!flags.speed_column.empty()) {
+    auto& layout = input.odometer_path.empty() ? input.layout : input.odometer_layout;
+    if (!layout.columns.emplace("speed", flags.speed_column).second) {
+      throw std::invalid_argument("--speed-column: the column of the speed is given twice");
+    }
+  }
+  if (flags.still_below_mps || flags.speed_delay_s || flags.metres_per_pulse) {
+    input.speed = recording::SpeedRule{
+        .dead_band_m_s = flags.still_below_mps.value_or(0.0),
+        .delay = core::Duration::nanoseconds(std::llround(flags.speed_delay_s.value_or(0.0) * 1e9)),
+        .metres_per_pulse = flags.metres_per_pulse};
+  }
+  return input;
+}
+
+}  // namespace zerorate::cli

@@ -1,0 +1,39 @@
+/// @file
+/// The recording of a command, and what its files do not say themselves.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host_tools/lib/recording/input.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
+class App;
+class Option;
+}  // namespace CLI
+
+namespace zerorate::cli {
+
+/// Options as typed; to_input() turns them into a recording::Input.
+struct InputFlags {
+  std::string recording;
+  std::string columns;
+  std::string units;
+  std::string delimiter;
+  bool decimal_comma = false;
+  std::string speed_column;
+  std::optional<double> still_below_mps;
+  std::optional<double> speed_delay_s;
+  std::optional<double> metres_per_pulse;
+  std::string odometer_file;
+  std::string odometer_columns;
+  std::string odometer_units;
+};
+
+/// Adds RECORDING, which it returns, and the options for files of other formats.
+CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
+
+/// Throws std::invalid_argument that names the option.
+[[nodiscard]] recording::Input to_input(const InputFlags& flags);
+
+}  // namespace zerorate::cli

@@ -1,0 +1,40 @@
+/// @file
+/// Where a recording comes from, and what its files do not say themselves.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/time.hpp"
+#include "host_tools/lib/recording/layout.hpp"
+
+namespace zerorate::recording {
+
+/// How the speed of a vehicle tells that the vehicle stands.
+struct SpeedRule {
+  double dead_band_m_s = 0.0;              ///< a greater speed, forwards or backwards, is motion
+  core::Duration delay;                    ///< from the motion to the stamp of its speed
+  std::optional<double> metres_per_pulse;  ///< makes pulses of the distance instead of still
+};
+
+/// A recording as the user names it. A path alone is enough for files in zerorate's own format.
+struct Input {
+  std::filesystem::path path;  ///< "-" is standard input; a folder of EuRoC or of a ROS 2 bag
+  Layout layout;
+  std::optional<SpeedRule> speed;       ///< nullopt: any speed but 0 is motion, without delay
+  std::filesystem::path odometer_path;  ///< empty: the odometer is in `path`, if anywhere
+  Layout odometer_layout;
+  std::string topic;           ///< of sensor_msgs/Imu in a bag; empty: the only one
+  std::string odometry_topic;  ///< of nav_msgs/Odometry in a bag; empty: the only one, if any
+
+  Input() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): a path is the usual case
+  Input(std::filesystem::path file) : path(std::move(file)) {}
+  Input(const char* file) : path(file) {}         // NOLINT(google-explicit-constructor)
+  Input(const std::string& file) : path(file) {}  // NOLINT(google-explicit-constructor)
+};
+
+}  // namespace zerorate::recording
