@@ -162,7 +162,7 @@ Command add_demo(CLI::App& app) {
   const auto options = std::make_shared<DemoOptions>();
   add_input_options(*command, options->input)
       ->required(false)
-      ->description("CSV or CSV.gz file, a folder as of EuRoC; none: a simulated drive");
+      ->description("a recording as of replay; none: a simulated drive");
   add_replay_flags(*command, options->flags);
   command->add_option("--directory", options->directory, "where report and data go")
       ->capture_default_str();

@@ -25,8 +25,10 @@ void read_option(const char* option, const std::string& text, Take take) {
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   CLI::Option* const recording =
       command
-          .add_option("RECORDING", flags.recording,
-                      "CSV or CSV.gz file; - for standard input; a folder as of EuRoC")
+          .add_option(
+              "RECORDING", flags.recording,
+              "CSV or CSV.gz file, folder of EuRoC, bag of ROS 2 (.db3 or its folder); - for "
+              "standard input")
           ->required();
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Files of other formats");
@@ -61,6 +63,8 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
 recording::Input to_input(const InputFlags& flags) {
   recording::Input input{flags.recording};
   input.odometer_path = flags.odometer_file;
+  input.topic = flags.topic;
+  input.odometry_topic = flags.odometry_topic;
   using Text = const std::string&;
   read_option("--columns", flags.columns, [&](Text text) { input.layout.set_columns(text); });
   read_option("--units", flags.units, [&](Text text) { input.layout.set_units(text); });

@@ -28,6 +28,8 @@ struct InputFlags {
   std::string odometer_file;
   std::string odometer_columns;
   std::string odometer_units;
+  std::string topic;
+  std::string odometry_topic;
 };
 
 /// Adds RECORDING, which it returns, and the options for files of other formats.

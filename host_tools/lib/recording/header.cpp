@@ -295,6 +295,10 @@ bool is_header(std::string_view comment) {
 std::string_view find_header_line(LineReader& lines) {
   std::string_view line;
   while (lines.next(line)) {
+    if (line.starts_with("#ROSBAG V")) {
+      throw Error{lines.place(), "a bag of ROS 1", "a CSV or CSV.gz file, or a bag of ROS 2",
+                  "Convert it: rosbags-convert --src run.bag --dst run_db3."};
+    }
     if (line.starts_with('#') && is_header(line.substr(1))) return line.substr(1);
     if (!line.empty() && !line.starts_with('#')) return line;
   }

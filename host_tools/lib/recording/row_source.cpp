@@ -1,9 +1,10 @@
 #include "host_tools/lib/recording/row_source.hpp"
 
-#include <array>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "host_tools/lib/recording/bag_rows.hpp"
 #include "host_tools/lib/recording/csv_rows.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/motion.hpp"
@@ -21,14 +22,9 @@ std::filesystem::path text_file(const std::filesystem::path& path) {
   return path;
 }
 
-}  // namespace
-
-std::unique_ptr<RowSource> open_rows(const Input& input) {
-  return with_motion(std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates),
-                     input);
-}
-
-std::unique_ptr<RowSource> with_motion(std::unique_ptr<RowSource> rates, const Input& input) {
+/// Joins rates with the odometer that the user named, or with the speed that stands beside them.
+std::unique_ptr<RowSource> with_odometer_file(std::unique_ptr<RowSource> rates,
+                                              const Input& input) {
   const Columns& columns = rates->columns();
   const SpeedRule rule = input.speed.value_or(SpeedRule{});
   if (!input.odometer_path.empty()) {
@@ -44,6 +40,44 @@ std::unique_ptr<RowSource> with_motion(std::unique_ptr<RowSource> rates, const I
               columns.speed ? "pulses or still beside the speed" : "no speed",
               "a speed alone for --still-below, --speed-delay and --metres-per-pulse",
               "Name its column: --speed-column NAME --units speed=mps."};
+}
+
+#ifdef ZERORATE_HAS_SQLITE
+
+std::unique_ptr<RowSource> open_bag(const Input& input) {
+  std::vector<std::filesystem::path> files = bag_files(input.path);
+  if (files.empty()) return nullptr;
+  if (!input.layout.columns.empty() || !input.layout.units.empty()) {
+    throw Error{{input.path.string()},
+                "a bag of ROS 2",
+                "no columns and units: its messages tell them",
+                "Leave out --columns and --units; --topic names what is read."};
+  }
+  auto rates = std::make_unique<BagRows>(files, Needs::rates, input.topic);
+  const bool has_odometry =
+      !input.odometry_topic.empty() || !bag_topics(files.front(), Needs::motion).empty();
+  if (!has_odometry || !input.odometer_path.empty())
+    return with_odometer_file(std::move(rates), input);
+  auto motion = std::make_unique<BagRows>(std::move(files), Needs::motion, input.odometry_topic);
+  return std::make_unique<WithMotion>(std::move(rates), std::move(motion),
+                                      input.speed.value_or(SpeedRule{}));
+}
+
+#else
+
+/// This build reads no bags.
+std::unique_ptr<RowSource> open_bag(const Input& /*input*/) {
+  return nullptr;
+}
+
+#endif
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_rows(const Input& input) {
+  if (auto bag = open_bag(input)) return bag;
+  return with_odometer_file(
+      std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates), input);
 }
 
 }  // namespace zerorate::recording

@@ -29,12 +29,7 @@ class RowSource {
   [[nodiscard]] virtual std::vector<std::string> ignored_columns() const { return {}; }
 };
 
-/// Opens a text file or a folder of EuRoC, joined with its odometer. Throws Error.
+/// Opens a text file, a folder of EuRoC or a bag of ROS 2, joined with its odometer. Throws Error.
 [[nodiscard]] std::unique_ptr<RowSource> open_rows(const Input& input);
-
-/// Joins rates with the odometer that the user named, or with the speed that stands beside them.
-/// Throws Error.
-[[nodiscard]] std::unique_ptr<RowSource> with_motion(std::unique_ptr<RowSource> rates,
-                                                     const Input& input);
 
 }  // namespace zerorate::recording
