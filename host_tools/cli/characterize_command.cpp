@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
@@ -16,6 +18,8 @@
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/identify/motion_at_rest.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
@@ -27,6 +31,7 @@ using units::kDphPerRadS;
 struct CharacterizeOptions {
   InputFlags input;
   std::string axis = "all";
+  std::string still_from = "odometer";
   std::string order = "free";
   OutputOptions outputs;
   std::string model_out;
@@ -42,7 +47,9 @@ std::optional<double> parse_order(const std::string& text) {
   return order;
 }
 
-identify::Characterization run_identification(const CharacterizeOptions& options) {
+/// @param doubts  set to what speaks against rest and is not certain
+identify::Characterization run_identification(const CharacterizeOptions& options,
+                                              std::vector<std::string>& doubts) {
   const std::optional<double> order = parse_order(options.order);
   recording::Reader reader{to_input(options.input)};
   const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
@@ -52,7 +59,12 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
   };
-  const identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  identify::RestSamples samples = identify::read_rest_samples(reader, rest);
+  if (options.still_from == "gyro") {
+    identify::leave_out_motion(samples,
+                               identify::find_motion(samples, core::StandstillSource::gyro));
+  }
+  doubts = identify::require_rest(samples);
   return identify::characterize(
       samples, {.recording = std::filesystem::path(options.input.recording).filename().string(),
                 .axes = axes,
@@ -117,14 +129,18 @@ ExitCode judge(const identify::Characterization& result) {
 }
 
 ExitCode run_characterize(const CharacterizeOptions& options) {
-  const identify::Characterization result = run_identification(options);
+  std::vector<std::string> doubts;
+  const identify::Characterization result = run_identification(options, doubts);
   if (!options.outputs.report.empty()) {
     identify::make_report(
         result, "zerorate " ZERORATE_VERSION ", zerorate characterize " + result.recording)
         .write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) write_text(options.outputs.json, identify::to_json(result));
-  if (options.outputs.prints_text()) print_characterization(result);
+  if (options.outputs.prints_text()) {
+    for (const std::string& doubt : doubts) fmt::print("  note: {}\n", doubt);
+    print_characterization(result);
+  }
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
     write_text(options.model_out, model::format_model(axis.model));
@@ -133,7 +149,7 @@ ExitCode run_characterize(const CharacterizeOptions& options) {
                  result.axes.size() > 1 ? ", the one with the median slow noise" : "");
     }
   }
-  return judge(result);
+  return doubts.empty() ? judge(result) : finding;
 }
 
 }  // namespace
@@ -143,6 +159,7 @@ Command add_characterize(CLI::App& app) {
       app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
   const auto options = std::make_shared<CharacterizeOptions>();
   add_input_options(*command, options->input);
+  add_rest_options(*command, options->still_from);
   command->add_option("--axis", options->axis, "x, y, z or all")
       ->check(CLI::IsMember({"x", "y", "z", "all"}))
       ->capture_default_str();
@@ -160,7 +177,9 @@ Command add_characterize(CLI::App& app) {
       "The error of the order by local Whittle is that of its finite number of frequencies; the\n"
       "textbook's 1/(2 sqrt(m)) is 15 % too low at m = 44 (docs/design/identification.md).\n"
       "Exit codes: 0 done (also if no flicker noise is detectable), 1 the bias drifts more than\n"
-      "flicker noise can, 2 wrong usage, 3 data that cannot be used.\n"
+      "flicker noise can, or the recording may not be one at rest, 2 wrong usage, 3 data that "
+      "cannot\n"
+      "be used, as of a sensor that was turned.\n"
       "Examples:\n"
       "  zerorate characterize rest.csv.gz --report noise.html --model-out mine.toml\n"
       "  zerorate replay other.csv.gz --model mine.toml --schedule still=60,drive=300,seed=1\n"

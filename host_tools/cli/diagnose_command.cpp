@@ -21,6 +21,7 @@
 #include "host_tools/lib/diagnose/presentation/report.hpp"
 #include "host_tools/lib/diagnose/presentation/words.hpp"
 #include "host_tools/lib/identify/motion_at_rest.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
@@ -35,6 +36,7 @@ struct DiagnoseOptions {
   InputFlags input_flags;
   recording::Input recording;  ///< by input_flags
   std::string axis = "all";
+  std::string still_from = "odometer";
   std::string model;
   std::string model_out;
   double holdout = 0.3;
@@ -172,7 +174,13 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
   identify::RestSamples samples = identify::read_rest_samples(reader, rest);
-  if (reader.columns().odometer) keep_calm(samples, odometer);
+  if (options.still_from == "gyro") {
+    identify::leave_out_motion(samples,
+                               identify::find_motion(samples, core::StandstillSource::gyro));
+  } else if (reader.columns().odometer) {
+    keep_calm(samples, odometer);
+  }
+  for (const std::string& doubt : identify::require_rest(samples)) print_note(options, doubt);
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
@@ -302,6 +310,7 @@ Command add_diagnose(CLI::App& app) {
       "model");
   const auto options = std::make_shared<DiagnoseOptions>();
   add_input_options(*command, options->input_flags);
+  add_rest_options(*command, options->still_from);
   command->add_option("--axis", options->axis, "x, y, z or all")
       ->check(CLI::IsMember({"x", "y", "z", "all"}))
       ->capture_default_str();

@@ -60,6 +60,15 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   return recording;
 }
 
+void add_rest_options(CLI::App& command, std::string& still_from) {
+  command
+      .add_option("--still-from", still_from,
+                  "what tells rest: odometer (pulses, still or speed; without them all is rest) or "
+                  "gyro (its own calm)")
+      ->check(CLI::IsMember({"odometer", "gyro"}))
+      ->capture_default_str();
+}
+
 recording::Input to_input(const InputFlags& flags) {
   recording::Input input{flags.recording};
   input.odometer_path = flags.odometer_file;

@@ -35,6 +35,9 @@ struct InputFlags {
 /// Adds RECORDING, which it returns, and the options for files of other formats.
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
 
+/// Adds --still-from for commands that want rest alone.
+void add_rest_options(CLI::App& command, std::string& still_from);
+
 /// Throws std::invalid_argument that names the option.
 [[nodiscard]] recording::Input to_input(const InputFlags& flags);
 

@@ -53,11 +53,10 @@ class StopBias {
   int ticks_ = 0;
 };
 
-std::vector<JudgedTick> judge_ticks(const RestSamples& samples) {
+std::vector<JudgedTick> judge_ticks(const RestSamples& samples, core::StandstillSource source) {
   const core::Duration tick = std::max(core::Duration::milliseconds(500), samples.sample_period);
   core::TickAverage<recording::kMaxAxes> average{tick, samples.sample_period};
-  core::CalmJudge judge{core::StandstillSource::odometer,
-                        core::OdometerCheck::Params{}.longest_bend, tick,
+  core::CalmJudge judge{source, core::OdometerCheck::Params{}.longest_bend, tick,
                         variance_of_differences(samples)};
   StopBias bias;
   std::vector<JudgedTick> ticks;
@@ -120,8 +119,8 @@ double MotionAtRest::share() const {
   return static_cast<double>(std::ranges::count(moved, true)) / static_cast<double>(moved.size());
 }
 
-MotionAtRest find_motion(const RestSamples& samples) {
-  const std::vector<JudgedTick> ticks = judge_ticks(samples);
+MotionAtRest find_motion(const RestSamples& samples, core::StandstillSource source) {
+  const std::vector<JudgedTick> ticks = judge_ticks(samples, source);
   MotionAtRest motion{.moved = std::vector<bool>(samples.time.size(), false),
                       .stops = samples.after_drives.size() + 1};
   std::vector<bool> stop_has_motion(motion.stops, false);

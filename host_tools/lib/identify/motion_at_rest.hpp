@@ -27,7 +27,9 @@ struct MotionAtRest {
 };
 
 /// Finds motion in the samples. Linear in their number.
-[[nodiscard]] MotionAtRest find_motion(const RestSamples& samples);
+/// @param source  gyro: no odometer has already left out the drives
+[[nodiscard]] MotionAtRest find_motion(
+    const RestSamples& samples, core::StandstillSource source = core::StandstillSource::odometer);
 
 /// Keeps the calm. Where a sample is left out, the vehicle moved (RestSamples::after_drives).
 void leave_out_motion(RestSamples& samples, const MotionAtRest& motion);

@@ -1,0 +1,110 @@
+#include "host_tools/lib/identify/rest_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "host_tools/lib/identify/motion_at_rest.hpp"
+#include "host_tools/lib/recording/error.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kRadPerDeg = 0.017453292519943295;
+
+/// Rate about z over 200 s at 100 Hz: a function of time [s] in deg/s; the other axes are noise
+/// alone.
+RestSamples samples(const std::function<double(double)>& rate_dps, double noise_dps = 0.05) {
+  std::mt19937_64 generator{7};
+  std::normal_distribution<double> noise{0.0, noise_dps};
+  RestSamples made{.sample_period = core::Duration::milliseconds(10),
+                   .mean_period = core::Duration::milliseconds(10)};
+  for (int k = 0; k < 20'000; ++k) {
+    made.time.push_back(core::Instant::from_ns(k * std::int64_t{10'000'000}));
+    const double z = rate_dps(0.01 * k) + noise(generator);
+    made.rate_rad_s.push_back({static_cast<float>(noise(generator) * kRadPerDeg),
+                               static_cast<float>(noise(generator) * kRadPerDeg),
+                               static_cast<float>(z * kRadPerDeg)});
+  }
+  return made;
+}
+
+std::vector<std::string> sentences(const RestSamples& rest, bool certain) {
+  std::vector<std::string> chosen;
+  for (const RestDoubt& doubt : doubts_of_rest(rest)) {
+    if (doubt.is_certain == certain) chosen.push_back(doubt.sentence);
+  }
+  return chosen;
+}
+
+/// A turn of 40 deg/s for four seconds, every twenty.
+double turns(double t) {
+  return std::fmod(t, 20.0) < 4.0 ? 40.0 : 0.0;
+}
+
+TEST(GyroAtRest, IsBelievedWithWhateverASensorDoes) {
+  EXPECT_THAT(doubts_of_rest(samples([](double) { return 12.0; })), IsEmpty());
+  EXPECT_THAT(doubts_of_rest(samples([](double t) { return 0.03 * t; })), IsEmpty()) << "a drift";
+  EXPECT_THAT(doubts_of_rest(samples([](double t) { return t > 90.0 ? 3.0 : 0.0; })), IsEmpty())
+      << "a jump";
+  EXPECT_THAT(doubts_of_rest(samples([](double t) { return 2.0 * std::sin(188.0 * t); })),
+              IsEmpty())
+      << "an engine that idles";
+  EXPECT_THAT(doubts_of_rest(samples([](double) { return 0.0; }, 5.0)), IsEmpty())
+      << "0.5 deg/s/sqrt(Hz)";
+}
+
+TEST(GyroThatWasTurned, IsToldWithShareAndRate) {
+  const auto certain = sentences(samples(turns), true);
+  ASSERT_EQ(certain.size(), 1);
+  EXPECT_THAT(certain[0], HasSubstr("axis z moved in 2"));  // 20 % and the ticks beside the turns
+  EXPECT_THAT(certain[0], HasSubstr("40 deg/s"));
+  EXPECT_THAT(certain[0], HasSubstr("--still-from gyro"));
+  EXPECT_THROW(static_cast<void>(require_rest(samples(turns))), recording::DataError);
+}
+
+TEST(GyroThatWasTurnedOnce, IsTold) {
+  const auto rest = samples([](double t) { return t > 50.0 && t < 53.0 ? 20.0 : 0.0; });
+  EXPECT_THAT(sentences(rest, true), IsEmpty());
+  EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("by up to 20 deg/s")));
+  EXPECT_EQ(require_rest(rest).size(), 1);
+}
+
+TEST(GyroThatWasTurned, IsSeparatedByItsOwnCalm) {
+  RestSamples rest = samples(turns);
+  leave_out_motion(rest, find_motion(rest, core::StandstillSource::gyro));
+  EXPECT_THAT(doubts_of_rest(rest), IsEmpty());
+  // Of the 160 s at rest the judge needs some seconds around each of ten turns.
+  EXPECT_GT(rest.time.size(), 9'000);
+}
+
+TEST(RawCounts, AreTold) {
+  RestSamples rest = samples([](double) { return 7.0; }, 3.0);
+  for (auto& rates : rest.rate_rad_s) {
+    for (float& rate : rates) {
+      rate = static_cast<float>(std::round(double{rate} / kRadPerDeg) * kRadPerDeg);
+    }
+  }
+  EXPECT_THAT(sentences(rest, true), ElementsAre(HasSubstr("raw counts")));
+}
+
+TEST(DegreesNamedRadians, AreNoisierThanAnyGyro) {
+  const auto rest = samples([](double) { return 0.0; }, 0.5 / kRadPerDeg);
+  EXPECT_THAT(sentences(rest, true), ElementsAre(HasSubstr("degrees named radians")));
+}
+
+TEST(RadiansNamedDegrees, AreQuieterThanAnyMemsGyro) {
+  const auto rest = samples([](double) { return 0.0; }, 0.05 * kRadPerDeg);
+  EXPECT_THAT(sentences(rest, true), IsEmpty());
+  EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("radians named degrees")));
+}
+
+}  // namespace
+}  // namespace zerorate::identify
