@@ -65,6 +65,9 @@ int run_program(const char* description, const char* name, std::vector<Command> 
     CLI::App app{description, name};
     const std::vector<Command> commands = add(app);
     return after_output(app, parse_and_run(app, commands, argc, argv));
+  } catch (const std::system_error& error) {  // a help text that was lost, as on a full disk
+    static_cast<void>(std::fprintf(stderr, "%s: %s\n", name, error.what()));
+    return bad_data;
   } catch (...) {  // no memory, or what the error stream itself refused to print
     return bad_data;
   }

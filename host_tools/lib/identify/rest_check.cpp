@@ -47,6 +47,7 @@ Turning turning_of(const RestSamples& samples, const std::vector<TickMean>& tick
   constexpr double kFurthest_rad_s = 15.0 * kRadPerDeg;
   constexpr double kSigmas = 8.0;
   std::vector<double> means;
+  means.reserve(ticks.size());
   for (const TickMean& tick : ticks) means.push_back(double{tick.rate_rad_s[axis]});
   const double median = statistics::median_of(means);
   const double a_tick =

@@ -170,7 +170,7 @@ class Database {
 };
 
 /// The topic that is meant: the one named, or the only one with such messages.
-std::string choose_topic(const std::filesystem::path& file, Needs needs, std::string named) {
+std::string choose_topic(const std::filesystem::path& file, Needs needs, const std::string& named) {
   const std::vector<std::string> topics = bag_topics(file, needs);
   const char* const option = needs == Needs::rates ? "--topic" : "--odometry-topic";
   const char* const type = type_names(needs)[0];
@@ -193,7 +193,7 @@ std::string choose_topic(const std::filesystem::path& file, Needs needs, std::st
                 list,
                 fmt::format("Name the one that is meant: {}.", option)};
   }
-  return named.empty() ? topics.front() : std::move(named);
+  return named.empty() ? topics.front() : named;
 }
 
 }  // namespace
@@ -233,10 +233,10 @@ struct BagRows::OpenFile {
   Statement messages;
 };
 
-BagRows::BagRows(std::vector<std::filesystem::path> files, Needs needs, std::string topic)
+BagRows::BagRows(std::vector<std::filesystem::path> files, Needs needs, const std::string& topic)
     : files_(std::move(files)),
       needs_(needs),
-      topic_(choose_topic(files_.front(), needs, std::move(topic))),
+      topic_(choose_topic(files_.front(), needs, topic)),
       columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion} {
   for (const auto& file : files_) {
     messages_known_ += static_cast<std::uint64_t>(Database{file}.number(kCount, {topic_.c_str()}));

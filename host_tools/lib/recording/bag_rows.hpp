@@ -31,7 +31,7 @@ class BagRows : public RowSource {
   /// @param files  of bag_files(), at least one
   /// @param topic  empty: the only one with such messages
   /// Throws Error.
-  BagRows(std::vector<std::filesystem::path> files, Needs needs, std::string topic);
+  BagRows(std::vector<std::filesystem::path> files, Needs needs, const std::string& topic);
   ~BagRows() override;
 
   [[nodiscard]] const Columns& columns() const override { return columns_; }

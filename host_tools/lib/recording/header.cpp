@@ -131,9 +131,9 @@ class ColumnNaming {
   /// Refuses what the user said and no column bears out.
   void check(const NamedColumns& columns) const {
     for (const auto& [key, name] : layout_.columns) {
-      const bool is_found = std::ranges::any_of(columns, [&](const NamedColumn& column) {
-        return column.quantity == find_quantity(key);
-      });
+      const Quantity* const said = find_quantity(key);
+      const bool is_found = std::ranges::any_of(
+          columns, [&](const NamedColumn& column) { return column.quantity == said; });
       if (is_found) continue;
       throw Error{lines_.place(), "no column " + excerpt(name),
                   fmt::format("the column of {} named in --columns", key),

@@ -30,7 +30,7 @@ struct Header {
   std::string first_row;  ///< the line that was read, where it holds numbers instead of names
 };
 
-/// What a file has to hold.
+/// Columns that a file must hold.
 enum class Needs : std::uint8_t {
   rates,   ///< a recording of a gyro
   motion,  ///< pulses, still or speed of an odometer

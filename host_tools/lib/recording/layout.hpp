@@ -61,7 +61,7 @@ struct Quantity {
 /// Name of a dimension as in `--units`: "rate".
 [[nodiscard]] std::string_view name(Dimension dimension);
 
-/// What the user says of a file because the file does not.
+/// The user's word on a file that does not describe itself.
 struct Layout {
   char delimiter = '\0';       ///< between fields; '\0': the header line shows it
   bool decimal_comma = false;  ///< decimals are written with a comma: "0,5"

@@ -42,7 +42,7 @@ class WithMotion : public RowSource {
     Row row;
     std::uint64_t line = 0;
   };
-  /// What the odometer said of one moment.
+  /// A statement of the odometer on one moment.
   struct Word {
     std::int64_t at_ns = 0;
     bool moves = false;

@@ -1,5 +1,5 @@
 /// @file
-/// What rows come from: a text file, a bag, or one of them joined with an odometer's.
+/// Sources of rows: a text file, a bag, or one of them joined with an odometer's.
 #pragma once
 
 #include <cstdint>
