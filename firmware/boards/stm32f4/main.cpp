@@ -1,5 +1,5 @@
-// The node on an STM32F405 with an LSM6DSO on SPI 1. Built and gated, and started in QEMU without a
-// gyro; never run on silicon.
+// The node on an STM32F405 with an LSM6DSO on SPI 1. Built and gated; never run, neither in QEMU
+// nor on silicon.
 //
 // PA4-PA7 select, clock, in, out; PB0 data-ready, PB1 odometer, PA2 messages
 // (docs/how-to/port-to-a-board.md).
