@@ -195,14 +195,16 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
 
 void print_causes(const Diagnosis& diagnosis) {
   if (diagnosis.causes.empty()) return;
-  fmt::print("\n  {:<24}{:>12}{:>12}  {}\n", "cause", "gain nats", "p", "alternatives");
+  fmt::print("\n  {:<24}{:>12}{:>12}{:>12}{:>10}  {}\n", "cause", "probability", "gain nats", "p",
+             "in model", "alternatives");
   for (const diagnose::Cause& cause : diagnosis.causes) {
     std::string rivals;
     for (const diagnose::Alternative& rival : cause.alternatives) {
       rivals += fmt::format("{}{} ({:.1f} behind)", rivals.empty() ? "" : ", ", rival.effect,
                             rival.less_likely_by_nats);
     }
-    fmt::print("  {:<24}{:>12.1f}{:>12.1e}  {}{}\n", cause.effect, cause.gain_nats, cause.p_value,
+    fmt::print("  {:<24}{:>12.2f}{:>12.1f}{:>12.1e}{:>10}  {}{}\n", cause.effect, cause.probability,
+               cause.gain_nats, cause.p_value, cause.in_model ? "yes" : "no",
                rivals.empty() ? "none" : rivals, cause.axes > 1 ? "; of all axes together" : "");
     for (const diagnose::Parameter& parameter : cause.parameters) {
       fmt::print("    {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", parameter.name, parameter.value,
@@ -241,7 +243,7 @@ void print_gain(const Diagnosis& diagnosis) {
 }
 
 void print_diagnosis(const Diagnosis& diagnosis) {
-  fmt::print("axis {}: {}\n\n{}\n", diagnosis.axis, diagnose::name(diagnosis.verdict),
+  fmt::print("axis {}: {}\n\n{}\n", diagnosis.axis, diagnose::verdict_in_words(diagnosis),
              diagnose::in_words(diagnosis));
   for (const std::string& remark : diagnosis.remarks) fmt::print("  note: {}\n", remark);
   print_causes(diagnosis);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace zerorate::campaign {
 namespace {
@@ -50,6 +51,8 @@ Gain gain_in(const nlohmann::json& json) {
           .log_score_gain_nats_per_sample = figure(json.at("log_score_gain_nats_per_sample"))};
 }
 
+constexpr double kStandsAlone = 0.8;  ///< below it the answer is "one of"
+
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
@@ -62,6 +65,9 @@ void add_cause(const nlohmann::json& cause, Answer& answer) {
     answer.intervals[answer.causes.back()][key.substr(0, key.size() - kEnd.size())] = {
         interval[0].get<double>(), interval[1].get<double>()};
   }
+  Certainty certainty{.probability = cause.at("probability").get<double>()};
+  for (const auto& one : cause.at("set95")) certainty.set95.push_back(one.at("name"));
+  answer.certainties.push_back(std::move(certainty));
   for (const auto& rival : cause.at("alternatives")) {
     answer.alternatives.push_back(rival.at("name"));
   }
@@ -75,7 +81,8 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
       run({zerorate.string(), "diagnose", recording.string(), "--json", json.string()});
   if (code > 1) throw std::runtime_error(fmt::format("zerorate diagnose ended with {}", code));
   const auto document = nlohmann::json::parse(std::ifstream{json});
-  Answer answer{.verdict = document.at("verdict"), .gain = gain_in(document.at("gain"))};
+  Answer answer{.verdict = document.at("verdict"),
+                .gain = gain_in(document.at("gain_over_data_sheet"))};
   for (const char* list : {"causes", "further_causes"}) {
     for (const auto& cause : document.at(list)) add_cause(cause, answer);
   }
@@ -97,7 +104,11 @@ Score score(const Scenario& scenario, const Answer& answer) {
   score.first = !answer.causes.empty() && hidden(answer.causes.front());
   score.alone = score.first && std::ranges::all_of(answer.causes, hidden);
   score.alternative = any_hidden && std::ranges::all_of(scenario.truth, mentioned);
-  score.wrong = answer.verdict == "explained" && !std::ranges::all_of(answer.causes, hidden);
+  for (std::size_t i = 0; i < answer.causes.size(); ++i) {
+    const bool stands_alone =
+        i >= answer.certainties.size() || answer.certainties[i].probability >= kStandsAlone;
+    score.wrong |= answer.verdict == "explained" && stands_alone && !hidden(answer.causes[i]);
+  }
   return score;
 }
 

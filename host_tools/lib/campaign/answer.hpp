@@ -21,6 +21,12 @@ struct Gain {
   double log_score_gain_nats_per_sample = 0.0;
 };
 
+/// Certainty of a cause, as it was stated.
+struct Certainty {
+  double probability = 1.0;
+  std::vector<std::string> set95;  ///< effects one of which is there with 95 %
+};
+
 /// Fields read from the JSON of one axis.
 struct Answer {
   std::string verdict;
@@ -29,6 +35,7 @@ struct Answer {
   Gain gain;
   /// 95 % intervals of the parameters of each cause, by its name and theirs.
   std::map<std::string, std::map<std::string, std::pair<double, double>>> intervals;
+  std::vector<Certainty> certainties;  ///< one for each cause; none: all are certain
 };
 
 /// Runs `zerorate diagnose recording --json ...` as a process of its own and reads what it wrote.
@@ -42,7 +49,8 @@ struct Score {
   bool first = false;        ///< the strongest cause is a hidden effect
   bool alone = false;        ///< and nothing but hidden effects is a cause
   bool alternative = false;  ///< what is not named as cause is named as alternative to one
-  bool wrong = false;        ///< "explained", by a cause that is not hidden in it
+  /// "explained", by a cause that stands alone and is not hidden in it.
+  bool wrong = false;
 };
 
 [[nodiscard]] Score score(const Scenario& scenario, const Answer& answer);

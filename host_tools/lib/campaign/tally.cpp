@@ -150,6 +150,40 @@ bool is_surely_above(const Rate& rate, double p) {
          kOnceInAThousand;
 }
 
+void Reliability::count(double probability, bool right) {
+  const auto last = static_cast<double>(bins_.size() - 1);
+  Bin& bin = bins_[static_cast<std::size_t>(std::clamp(probability * 10.0, 0.0, last))];
+  bin.stated += probability;
+  bin.right.count(right);
+}
+
+std::size_t Reliability::size() const {
+  std::size_t all = 0;
+  for (const Bin& bin : bins_) all += bin.right.runs;
+  return all;
+}
+
+double Reliability::expected_calibration_error() const {
+  double sum = 0.0;
+  for (const Bin& bin : bins_) sum += std::abs(bin.stated - static_cast<double>(bin.right.hits));
+  return sum / static_cast<double>(std::max<std::size_t>(1, size()));
+}
+
+std::string Reliability::markdown() const {
+  std::string text =
+      "| stated | causes | mean stated | right | share, 95 % interval |\n|---|---|---|---|---|\n";
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
+    const Bin& bin = bins_[i];
+    if (bin.right.runs == 0) continue;
+    text +=
+        fmt::format("| {:.1f} to {:.1f} | {} | {:.3f} | {} ({:.3f}) | {} to {} |\n",
+                    0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i + 1), bin.right.runs,
+                    bin.stated / static_cast<double>(bin.right.runs), bin.right.hits,
+                    bin.right.share(), percent(bin.right.lo95()), percent(bin.right.hi95()));
+  }
+  return text;
+}
+
 void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer) {
   const Score result = score(scenario, answer);
   Row& row = rows_[truth_of(scenario)];
@@ -174,7 +208,10 @@ void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer)
       outside_unexplained_.count(answer.verdict == "unexplained");
       break;
   }
-  if (answer.verdict == "explained") wrong_.count(result.wrong);
+  if (answer.verdict == "explained") {
+    wrong_.count(result.wrong);
+    count_certainties(scenario, answer);
+  }
   count_coverage(scenario, answer);
   if (!is_right(scenario, answer, result)) {
     misses_.push_back(fmt::format(
@@ -182,6 +219,16 @@ void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer)
         scenario.truth.empty() ? "clean" : fmt::format("{}", fmt::join(scenario.truth, " + ")),
         scenario.description, answer.verdict, fmt::join(answer.causes, ", "),
         fmt::join(answer.alternatives, ", ")));
+  }
+}
+
+void Tally::count_certainties(const Scenario& scenario, const Answer& answer) {
+  const auto hidden = [&](const std::string& name) {
+    return std::ranges::find(scenario.truth, name) != scenario.truth.end();
+  };
+  for (std::size_t i = 0; i < answer.certainties.size(); ++i) {
+    reliability_.count(answer.certainties[i].probability, hidden(answer.causes[i]));
+    in_set95_.count(std::ranges::any_of(answer.certainties[i].set95, hidden));
   }
 }
 
@@ -200,13 +247,14 @@ void Tally::count_coverage(const Scenario& scenario, const Answer& answer) {
 
 std::vector<Bar> Tally::bars() const {
   const double single = options_.nats >= 40.0 ? 0.95 : 0.90;
-  std::vector<Bar> bars{{"single effects named", named_, single},
-                        {"single effects named first and alone", first_and_alone_,
-                         options_.nats >= 40.0 ? 0.92 : 0.87},
-                        {"two effects, both named", both_named_, 0.80},
-                        {"false alarms on clean recordings", false_alarms_, 0.02, false},
-                        {"outside the catalogue, called unexplained", outside_unexplained_, 0.85},
-                        {"wrong cause among answers `explained`", wrong_, 0.05, false}};
+  std::vector<Bar> bars{
+      {"single effects named", named_, single},
+      {"single effects named first and alone", first_and_alone_,
+       options_.nats >= 40.0 ? 0.92 : 0.87},
+      {"two effects, both named", both_named_, 0.80},
+      {"false alarms on clean recordings", false_alarms_, 0.02, false},
+      {"outside the catalogue, called unexplained", outside_unexplained_, 0.85},
+      {"wrong cause that stands alone, among answers `explained`", wrong_, 0.05, false}};
   std::erase_if(bars, [](const Bar& bar) { return bar.rate.runs == 0; });
   return bars;
 }
@@ -221,6 +269,13 @@ std::string Tally::markdown() const {
                     percent(bar.rate.share()), percent(bar.rate.lo95()), percent(bar.rate.hi95()),
                     bar.rate.runs, bar.holds() ? "holds" : "**missed**");
   }
+  text += fmt::format(
+      "\nProbabilities of the causes of answers `explained`: expected calibration error {:.3f} "
+      "over "
+      "{} causes; {} of the sets that hold the cause with 95 % hold a hidden effect ({} to "
+      "{}).\n\n{}",
+      reliability_.expected_calibration_error(), reliability_.size(), percent(in_set95_.share()),
+      percent(in_set95_.lo95()), percent(in_set95_.hi95()), reliability_.markdown());
   text += "\n" + coverage_table() + "\n" + matrix();
   if (misses_.empty()) return text;
   text += "\nAnswers that were not the right one:\n\n";
@@ -274,12 +329,15 @@ std::string Tally::matrix() const {
 }
 
 std::string Tally::json() const {
-  nlohmann::ordered_json document{{"schema", "zerorate.hidden_effect_campaign/1"},
-                                  {"seed", options_.seed},
-                                  {"samples", options_.samples},
-                                  {"nats", options_.nats},
-                                  {"bars", nlohmann::json::array()},
-                                  {"misses", misses_}};
+  nlohmann::ordered_json document{
+      {"schema", "zerorate.hidden_effect_campaign/1"},
+      {"seed", options_.seed},
+      {"samples", options_.samples},
+      {"nats", options_.nats},
+      {"bars", nlohmann::json::array()},
+      {"expected_calibration_error", reliability_.expected_calibration_error()},
+      {"in_set95", in_set95_.share()},
+      {"misses", misses_}};
   for (const Bar& bar : bars()) {
     document["bars"].push_back({{"what", bar.what},
                                 {"bar", bar.bar},

@@ -2,6 +2,7 @@
 /// Answers of a campaign, counted, and the gain of their extended models on the data held out.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -84,6 +85,23 @@ struct Row {
   std::map<std::string, std::size_t> answers;  ///< by strongest cause, or the verdict without one
 };
 
+/// Stated probabilities of causes against how often they were right: a reliability diagram.
+class Reliability {
+ public:
+  void count(double probability, bool right);
+  /// Mean distance between stated and right, weighed by the number of causes.
+  [[nodiscard]] double expected_calibration_error() const;
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::string markdown() const;
+
+ private:
+  struct Bin {
+    double stated = 0.0;  ///< sum
+    Rate right;
+  };
+  std::array<Bin, 10> bins_;
+};
+
 class Tally {
  public:
   explicit Tally(const ScenarioOptions& options) : options_(options) {}
@@ -100,6 +118,7 @@ class Tally {
   [[nodiscard]] std::string json() const;
 
  private:
+  void count_certainties(const Scenario& scenario, const Answer& answer);
   void count_coverage(const Scenario& scenario, const Answer& answer);
   [[nodiscard]] std::string matrix() const;
   [[nodiscard]] std::string coverage_table() const;
@@ -112,6 +131,8 @@ class Tally {
   Rate false_alarms_;
   Rate outside_unexplained_;
   Rate wrong_;
+  Reliability reliability_;  ///< of the causes of answers `explained`
+  Rate in_set95_;            ///< whose sets hold a hidden effect
   std::map<std::string, Rate> coverage_;
   std::vector<std::string> misses_;
 };

@@ -11,13 +11,15 @@
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
+#include "host_tools/lib/diagnose/extension_choice.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
-#include "host_tools/lib/diagnose/held_out_gain.hpp"
 #include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/materiality.hpp"
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/selection/causes.hpp"
 #include "host_tools/lib/diagnose/selection/common_order.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
+#include "host_tools/lib/diagnose/selection/node_models.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/order_statistics.hpp"
@@ -87,6 +89,22 @@ std::vector<Point> thinned(const EvenSeries& series) {
   return points;
 }
 
+/// Three causes that were searched for in time or in slow noise draw any record. A record is far
+/// more often one that nothing in the catalogue fits than one with three rare effects at once, so
+/// that their fit proves none of them. A cause that was measured beside the rate does not count.
+void doubt_many_slow_causes(const std::vector<Choice>& choices, const Hypothesis& hypothesis,
+                            Adequacy& adequacy) {
+  constexpr std::size_t kTooMany = 3;
+  std::size_t slow = 0;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (is_slow(hypothesis.parts()[i]) && !choices[i].effect->has_measured_cause()) ++slow;
+  }
+  if (slow < kTooMany) return;
+  adequacy.holds = false;
+  adequacy.failures.emplace_back(
+      "three slow effects at once would be needed, and so many can draw any recording");
+}
+
 /// Nothing is left, but the model that was given is not what does it: unexplained as well.
 Verdict verdict_of(const Diagnosis& diagnosis) {
   if (!diagnosis.extended_adequacy.holds) return Verdict::unexplained;
@@ -129,55 +147,76 @@ struct Axis {
   std::optional<OrderProfile> others;  ///< of the order, if it is in common
 };
 
+/// Chooses the extensions of the model, says of each choice whether it is one, and measures what
+/// they are worth.
+void choose_model(const Axis& axis, const NodeModels& models, const DiagnoseOptions& options,
+                  std::vector<Choice>& choices, Diagnosis& diagnosis) {
+  try {
+    ExtensionChoice chosen = choose_extensions(axis.record, choices, axis.others,
+                                               {.recording = options.recording,
+                                                .base_model = options.base_model,
+                                                .share = options.holdout,
+                                                .seed = options.seed});
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      choices[i].in_model = chosen.is_in[i];
+      choices[i].left_out_because = std::move(chosen.reasons[i]);
+    }
+    diagnosis.gain = chosen.gain;
+    diagnosis.gain_over_data_sheet = chosen.gain_over_data_sheet;
+    diagnosis.extended_model = models.with(chosen.is_in);
+  } catch (const ModelCannotRun& reason) {
+    diagnosis.extended_model = models.base();
+    diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+  }
+}
+
 Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
   const Record& record = axis.record;
   const PreparedAxis prepared(record, options.seed);
   const EvenSeries& series = prepared.series();
   const FitData& data = prepared.data();
   const Hypothesis fitted_base(data, {});
-  const Hypothesis base =
-      options.base_model ? hypothesis_of(data, *options.base_model) : fitted_base;
   Hypothesis hypothesis(data, axis.selection.parts, &fitted_base);
+  const Hypothesis base = options.base_model ? hypothesis_of(data, *options.base_model)
+                                             : base_beside_fast_effects(fitted_base, hypothesis);
   std::vector<Choice> choices = axis.selection.choices;
-  const std::string source = options.recording + ", axis " + record.axis;
+  const NodeModels models(record, hypothesis, choices, options.recording);
   Diagnosis diagnosis{.axis = record.axis,
                       .samples = record.size(),
                       .sample_period_s = record.sample_period_s,
                       .is_base_given = options.base_model.has_value(),
-                      .base_adequacy = examine_adequacy(base),
-                      .base_model = options.base_model.value_or(model_of(fitted_base, {}, source)),
+                      .base_adequacy = examine_adequacy(options.base_model ? base : fitted_base),
+                      .base_model = options.base_model.value_or(models.base()),
                       .evidence = axis.selection.evidence,
                       .thinned = thinned(series)};
 
-  if (options.base_model && diagnosis.base_adequacy.holds &&
-      is_enough(base, *options.base_model, hypothesis)) {
+  const bool is_given_enough = options.base_model && diagnosis.base_adequacy.holds &&
+                               is_enough(base, *options.base_model, hypothesis);
+  if (is_given_enough) {
     hypothesis = base;
     choices.clear();
     diagnosis.evidence.clear();
     diagnosis.extended_model = diagnosis.base_model;
   } else {
-    diagnosis.extended_model = model_of(hypothesis, choices, source);
+    choose_model(axis, models, options, choices, diagnosis);
   }
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);
   diagnosis.extended_adequacy = examine_adequacy(hypothesis);
+  if (!is_given_enough) {
+    doubt_many_slow_causes(choices, hypothesis, diagnosis.extended_adequacy);
+  }
   diagnosis.verdict = verdict_of(diagnosis);
+  if (diagnosis.verdict == Verdict::unexplained) {
+    diagnosis.materiality = weigh_remainder(hypothesis, diagnosis.extended_model);
+  }
   Envelopes envelopes = simulate_envelopes(base, hypothesis);
   diagnosis.allan = std::move(envelopes.allan);
   diagnosis.density = std::move(envelopes.density);
   diagnosis.misfit = std::move(envelopes.misfit);
-  diagnosis.remarks = remarks_on(diagnosis, record, series);
-  try {
-    if (!choices.empty() || !options.base_model) {
-      diagnosis.gain = held_out_gain(record, choices, axis.others,
-                                     {.recording = options.recording,
-                                      .base_model = options.base_model,
-                                      .share = options.holdout,
-                                      .seed = options.seed});
-    }
-  } catch (const ModelCannotRun& reason) {
-    diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+  for (std::string& remark : remarks_on(diagnosis, record, series)) {
+    diagnosis.remarks.push_back(std::move(remark));
   }
   return diagnosis;
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -31,21 +32,6 @@ struct Band {
 /// Bounds that `rows` of them together keep with 95 %: each at 1 - 0.05 / rows.
 double quantile_of_family(std::size_t rows) {
   return random::normal_quantile(1.0 - 0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
-}
-
-/// DCT coefficients of the mean functions of a hypothesis.
-std::vector<double> mean_coefficients(const Hypothesis& hypothesis) {
-  std::vector<double> mean(hypothesis.data().size());
-  std::size_t amplitude = 0;
-  for (const Part& part : hypothesis.parts()) {
-    for (const Column& column : part.columns) {
-      const double size = hypothesis.amplitudes()[amplitude++];
-      for (std::size_t k = column.first; k < column.end(); ++k) {
-        mean[k] += size * column.coefficients[k - column.first];
-      }
-    }
-  }
-  return mean;
 }
 
 /// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.

@@ -155,20 +155,19 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
   return remarks;
 }
 
+/// Quicker decades than half the sample period would be white noise to the filter.
+double shortest_time_constant_s(core::Duration sample_period) {
+  return std::max(0.5, 0.5 * seconds(sample_period));
+}
+
 AxisCharacterization characterize_axis(const RestSamples& samples,
                                        const std::vector<TickMean>& ticks, core::Duration tick,
                                        std::size_t axis, const CharacterizeOptions& options) {
   const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
-  const InnovationsLikelihood likelihood{ticks, axis, samples.mean_period, tick};
-  // Quicker decades than half the sample period would be white noise to the filter.
-  const double shortest_s = std::max(0.5, 0.5 * seconds(samples.mean_period));
   AxisCharacterization result{.axis = axis_name(samples, axis)};
-  result.fit = fit_by_innovations(
-      likelihood,
-      {.starts = start_values(likelihood, ticks, even_ticks, axis, options.order, shortest_s),
-       .order = options.order,
-       .shortest_time_constant_s = shortest_s});
-  result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
+  result.fit = fit_noise({ticks, samples.mean_period, tick, axis}, options.order);
+  result.model = named_model(result.fit, shortest_time_constant_s(samples.mean_period),
+                             options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
 
@@ -196,6 +195,21 @@ const AllanPoint& AxisCharacterization::allan_floor() const {
   return *std::ranges::min_element(allan, {}, &AllanPoint::adev);
 }
 
+InnovationsFit fit_noise(const AxisTicks& ticks, std::optional<double> order) {
+  const EvenRecord even = longest_even_ticks(ticks.means, ticks.tick, ticks.axis);
+  const InnovationsLikelihood likelihood{ticks.means, ticks.axis, ticks.sample_period, ticks.tick};
+  const double shortest_s = shortest_time_constant_s(ticks.sample_period);
+  return fit_by_innovations(likelihood, {.starts = start_values(likelihood, ticks.means, even,
+                                                                ticks.axis, order, shortest_s),
+                                         .order = order,
+                                         .shortest_time_constant_s = shortest_s});
+}
+
+model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,
+                            const std::string& recording, const std::string& axis) {
+  return named_model(fit, shortest_time_constant_s(sample_period), recording, axis);
+}
+
 core::Duration identification_tick(core::Duration span, core::Duration sample_period) {
   constexpr std::int64_t kFewTicks = 1024;
   constexpr std::int64_t kManyTicks = 65'536;
@@ -206,13 +220,15 @@ core::Duration identification_tick(core::Duration span, core::Duration sample_pe
 }
 
 Characterization characterize(const RestSamples& samples, const CharacterizeOptions& options) {
-  Characterization result{.recording = options.recording,
-                          .rows = samples.rows,
-                          .rows_moving = samples.moving,
-                          .rows_lost = samples.lost,
-                          .findings = samples.findings,
-                          .sample_period = samples.mean_period,
-                          .tick = identification_tick(samples.span(), samples.sample_period)};
+  Characterization result{
+      .recording = options.recording,
+      .rows = samples.rows,
+      .rows_moving = samples.moving,
+      .rows_lost = samples.lost,
+      .findings = samples.findings,
+      .sample_period = samples.mean_period,
+      .tick = identification_tick(samples.span(),
+                                  std::max(samples.sample_period, samples.mean_period))};
   const std::vector<TickMean> ticks = average_ticks(samples, result.tick);
   result.ticks = ticks.size();
   result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);

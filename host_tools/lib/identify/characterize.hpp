@@ -60,6 +60,23 @@ struct CharacterizeOptions {
 /// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
 [[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
 
+/// Tick means of one axis of a recording.
+struct AxisTicks {
+  const std::vector<TickMean>& means;
+  core::Duration sample_period;  ///< the mean, see RestSamples
+  core::Duration tick;
+  std::size_t axis = 0;
+};
+
+/// White and flicker noise of one axis: the base that characterize() and the diagnosis share.
+/// It is fitted to tick means, which the sensor's low-pass, fast lines and rounding leave alone.
+/// @param order  d where it is known
+[[nodiscard]] InnovationsFit fit_noise(const AxisTicks& ticks, std::optional<double> order = {});
+
+/// Model of a fit, with its sources.
+[[nodiscard]] model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,
+                                          const std::string& recording, const std::string& axis);
+
 /// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
 /// without holes. The strength of the white noise is that of tick means on purpose: at the raw rate
 /// the sensor's low-pass and quantization are in it, which a filter at the tick never sees.

@@ -10,6 +10,8 @@
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/diagnose/selection/selection.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
@@ -23,6 +25,8 @@ using zerorate::testing::kRadPerDeg;
 
 constexpr std::size_t kSamples = 20'000;
 constexpr double kPeriod = 0.1;
+constexpr double kTicks =
+    kSamples * kPeriod / 0.5;  // half a second each: the base is fitted to them
 
 Record simulated(std::vector<simulate::Effect> more, std::uint64_t run) {
   std::vector<simulate::Effect> effects{simulate::ConstantBias{0.3 * kRadPerDeg},
@@ -39,9 +43,9 @@ TEST(DiagnosisOfWhiteAndFlickerNoise, IsConsistentAndFindsTheBaseModel) {
 
   EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
   EXPECT_TRUE(diagnosis.causes.empty());
-  // 20,000 samples, most of them white: N to 1 / sqrt(2 n) and a little more.
+  // Most of a tick's noise is white: N to 1 / sqrt(2 n) of n ticks, and a little more.
   EXPECT_NEAR(diagnosis.base_model.white.angle_random_walk_rad_per_sqrt_s / kRadPerDeg, 0.04,
-              0.04 * 5.0 / std::sqrt(2.0 * kSamples));
+              0.04 * 5.0 / std::sqrt(2.0 * kTicks));
   ASSERT_TRUE(diagnosis.base_model.flicker);
 }
 
@@ -78,7 +82,64 @@ TEST(DiagnosisOfALine, NamesItWithItsFrequency) {
   EXPECT_EQ(diagnosis.causes.front().effect, "periodic_disturbance");
   // A line is known to a small part of 1 / (record length).
   EXPECT_NEAR(diagnosis.causes.front().parameters[1].value, 1.2345, 0.1 / (kSamples * kPeriod));
-  ASSERT_EQ(diagnosis.extended_model.harmonic.size(), 1U);
+  const bool in_model = diagnosis.causes.front().in_model;
+  EXPECT_EQ(diagnosis.extended_model.harmonic.size(), in_model ? 1U : 0U);
+}
+
+TEST(ModelOfADiagnosis, TakesAnExtensionThatPaysOnDataHeldOut) {
+  const double slope = 7e-4 * kRadPerDeg;
+  const Diagnosis diagnosis = diagnose(simulated({simulate::RateRamp{slope}}, 8));
+
+  ASSERT_EQ(diagnosis.causes.size(), 1U);
+  EXPECT_TRUE(diagnosis.causes.front().in_model);
+  EXPECT_TRUE(diagnosis.causes.front().left_out_because.empty());
+  EXPECT_TRUE(diagnosis.extended_model.rate_ramp);
+  EXPECT_LT(diagnosis.gain.heading_drift_ratio.value, 1.0);
+}
+
+TEST(ModelOfADiagnosis, LeavesOutAnExtensionThatDoesNotPayAndSaysWhy) {
+  // The jump lies in the part held out: a walk that stands for it helps no drive before it.
+  const Record record = simulated({simulate::BiasJump{0.05 * kRadPerDeg, 1995.0},
+                                   simulate::PeriodicDisturbance{0.01 * kRadPerDeg, 4.4}},
+                                  9);
+  const Diagnosis diagnosis = diagnose(record);
+
+  ASSERT_FALSE(diagnosis.causes.empty());
+  for (const Cause& cause : diagnosis.causes) {
+    EXPECT_EQ(cause.in_model, cause.left_out_because.empty()) << cause.effect;
+  }
+  if (!diagnosis.causes.front().in_model) {
+    EXPECT_EQ(diagnosis.extended_model, diagnosis.base_model);
+  }
+}
+
+TEST(ModelOfADiagnosis, HasTheBaseThatCharacterizeWrites) {
+  const Record record = simulated({}, 1);
+  const identify::Characterization characterized =
+      identify::characterize(samples_of(record), {.recording = "rest.csv", .axes = {0}});
+  const Diagnosis diagnosis = diagnose(record, {.recording = "rest.csv"});
+
+  EXPECT_EQ(diagnosis.base_model, characterized.axes.front().model);
+  EXPECT_EQ(diagnosis.extended_model, diagnosis.base_model);
+}
+
+TEST(CertaintyOfACause, IsSharedWithItsRivalsByTheirLikelihood) {
+  const std::vector<Alternative> rivals{{"correlated_noise", std::log(3.0)}};
+  const std::vector<Explanation> shares = weigh("rate_random_walk", 1000.0, rivals);
+
+  ASSERT_EQ(shares.size(), 3U);
+  EXPECT_EQ(shares[0].effect, "rate_random_walk");
+  EXPECT_DOUBLE_EQ(shares[0].probability, 0.75);
+  EXPECT_DOUBLE_EQ(shares[1].probability, 0.25);
+  EXPECT_EQ(shares[2].effect, kByChance);
+}
+
+TEST(CertaintyOfACause, IsLessWhereChanceIsNear) {
+  const double far = weigh("bias_jump", 30.0, {}).front().probability;
+  const double near = weigh("bias_jump", 8.2, {}).front().probability;
+  EXPECT_GT(far, 0.9999);
+  EXPECT_LT(near, 0.97);
+  EXPECT_GT(near, 0.9);
 }
 
 TEST(DiagnosisOfASquareWave, NamesNoTelegraphAsProven) {
@@ -119,7 +180,7 @@ TEST(DiagnosisAgainstAGivenModel, FindsTheRecordOutsideWhatAModelOfOtherStrength
   EXPECT_THAT(diagnosis.remarks, Contains(HasSubstr("other strengths")));
   // The extended model is the fit, which a user may take instead.
   EXPECT_NEAR(diagnosis.extended_model.white.angle_random_walk_rad_per_sqrt_s / kRadPerDeg, 0.04,
-              0.04 * 5.0 / std::sqrt(2.0 * kSamples));
+              0.04 * 5.0 / std::sqrt(2.0 * kTicks));
 }
 
 TEST(DiagnosisAgainstAGivenModel, NamesOnlyWhatTheModelLacks) {

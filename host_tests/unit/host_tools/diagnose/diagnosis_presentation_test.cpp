@@ -30,6 +30,8 @@ Diagnosis explained_by_a_walk() {
                   .p_value = 1e-12,
                   .parameters = {{"coefficient_dps_per_sqrt_s", 1.2e-4, 1.0e-4, 1.5e-4}},
                   .alternatives = {{"fractional_order", 2.1}},
+                  .probability = 0.89,
+                  .set95 = {{"rate_random_walk", 0.89}, {"fractional_order", 0.11}},
                   .sentence = "A random walk of 1.2e-4 deg/s/sqrt(s) explains it."}},
       .misfit = {{"allan_deviation_dps", "tau 800 s", 2.1e-2, 4e-3, 1e-2},
                  {"excess_kurtosis", "", 0.0, -0.1, 0.1}},
@@ -58,6 +60,12 @@ TEST(DiagnosisJson, HasTheKeysOfTheSchema) {
   EXPECT_EQ(cause.at("name"), "rate_random_walk");
   EXPECT_EQ(cause.at("parameters").at("coefficient_dps_per_sqrt_s_ci95").at(1), 1.5e-4);
   EXPECT_EQ(cause.at("alternatives").at(0).at("less_likely_by_nats"), 2.1);
+  EXPECT_EQ(cause.at("probability"), 0.89);
+  EXPECT_EQ(cause.at("stands_alone"), true);
+  EXPECT_EQ(cause.at("set95").at(1).at("name"), "fractional_order");
+  EXPECT_EQ(cause.at("in_model"), true);
+  EXPECT_EQ(json.at("material"), false);
+  EXPECT_TRUE(json.at("remainder").empty());
   // Rows inside the envelope are no misfit; what was not measured is null.
   EXPECT_EQ(json.at("misfit").size(), 1U);
   EXPECT_EQ(json.at("adequacy").at("base").at("holds"), false);
@@ -77,10 +85,47 @@ TEST(DiagnosisInWords, SaysMisfitCauseRivalsAndGain) {
   EXPECT_THAT(words, HasSubstr("The Allan deviation (tau 800 s) is 2.1 times the most that white "
                                "noise, 1/f noise and a constant give."));
   EXPECT_THAT(words, HasSubstr("A random walk of 1.2e-4 deg/s/sqrt(s) explains it."));
-  EXPECT_THAT(words, HasSubstr("fractional order (2.1 nats behind)"));
+  EXPECT_THAT(words, HasSubstr("fractional order explains it almost as well (2.1 nats less)"));
   EXPECT_THAT(words, HasSubstr("rate ramp comes nearest and does not do (14 nats worse)"));
-  EXPECT_THAT(words, HasSubstr("the heading drift over 300 s falls from 6.9 to 5.2 deg [4.8, 5.7], "
-                               "and the 95 % interval covers 95 % instead of 81 %"));
+  EXPECT_THAT(
+      words,
+      HasSubstr(
+          "With its extensions the heading drift over 300 s falls from 6.9 to 5.2 deg [4.8, 5.7], "
+          "and the 95 % interval covers 95 % instead of 81 %"));
+}
+
+TEST(DiagnosisInWords, SaysOneOfWhereNoNameStandsAlone) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.causes.front().probability = 0.6;
+  diagnosis.causes.front().set95 = {{"rate_random_walk", 0.6}, {"fractional_order", 0.4}};
+  EXPECT_THAT(in_words(diagnosis), HasSubstr("cannot decide: it is one of rate random walk (60 %), "
+                                             "fractional order (40 %)."));
+}
+
+TEST(DiagnosisInWords, SaysWhatTheModelLeavesOutAndWhy) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.causes.front().in_model = false;
+  diagnosis.causes.front().left_out_because = "it predicts no better";
+  const std::string words = in_words(diagnosis);
+  EXPECT_THAT(words, HasSubstr("The model leaves out the rate random walk: it predicts no better. "
+                               "The model is that of zerorate characterize."));
+  EXPECT_THAT(words, Not(HasSubstr("heading drift")));
+}
+
+TEST(DiagnosisInWords, SaysFirstWhetherTheRemainderMatters) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.verdict = Verdict::unexplained;
+  EXPECT_EQ(verdict_in_words(diagnosis), "unexplained");
+  EXPECT_FALSE(diagnosis.is_material().has_value());
+  diagnosis.materiality = Materiality{
+      .by_drive = {
+          {.drive_s = 60.0, .drives = 30, .ratio = {.value = 1.02, .lo = 0.9, .hi = 1.15}}}};
+  EXPECT_EQ(verdict_in_words(diagnosis), "unexplained, but it does not matter for the heading");
+  EXPECT_TRUE(in_words(diagnosis).starts_with(
+      "The heading error is 1.02 [0.90, 1.15] times over 60 s that of simulations"));
+  diagnosis.materiality->is_material = true;
+  const std::array axes{diagnosis};
+  EXPECT_EQ(nlohmann::json::parse(to_json(axes)).at("material"), true);
 }
 
 TEST(DiagnosisInWords, NamesNoCauseAsProvenWhenSomethingIsLeft) {

@@ -18,6 +18,7 @@ constexpr double kSoundRate = 1e-6;
 class DroppedSamples final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "dropped_samples"; }
+  [[nodiscard]] bool is_in_base() const override { return true; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const Losses& losses = fitted.hypothesis.data().series().losses;

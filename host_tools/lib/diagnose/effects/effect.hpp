@@ -61,6 +61,8 @@ class Effect {
   /// Searches for the effect; nothing where it is not found or where there is an obstacle.
   /// @param without  hypothesis that does without the effect
   [[nodiscard]] std::optional<Candidate> examine(const Hypothesis& without) const;
+  /// True if the node needs no extension for it: white and flicker noise of tick means have it.
+  [[nodiscard]] virtual bool is_in_base() const { return false; }
   [[nodiscard]] virtual Description describe(const FittedPart& fitted) const = 0;
   /// Adds the effect to the model that the node runs.
   virtual void add_to_model(const FittedPart& fitted, model::SensorModel& model) const = 0;

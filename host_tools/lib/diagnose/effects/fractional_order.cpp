@@ -12,6 +12,7 @@ namespace {
 class FractionalOrder final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "fractional_order"; }
+  [[nodiscard]] bool is_in_base() const override { return true; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const double order = fitted.hypothesis.noise().spectrum.flicker_order;

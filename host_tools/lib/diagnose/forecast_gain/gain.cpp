@@ -23,16 +23,6 @@ core::Duration duration(double seconds) {
   return core::Duration::nanoseconds(std::llround(seconds * 1e9));
 }
 
-/// One axis of the record as samples that the tick average takes.
-identify::RestSamples samples_of(const Record& record) {
-  identify::RestSamples samples{.axis_count = 1, .sample_period = duration(record.sample_period_s)};
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    samples.time.push_back(core::Instant::from_ns(std::llround(record.time_s[k] * 1e9)));
-    samples.rate_rad_s.push_back({static_cast<float>(record.rate_rad_s[k])});
-  }
-  return samples;
-}
-
 /// Neighbouring drives share the slow noise: blocks of about the cube root of their number.
 BootstrapFigure with_interval(std::size_t size, const statistics::Statistic& statistic,
                               std::uint64_t seed) {
@@ -146,43 +136,57 @@ BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extende
 
 }  // namespace
 
-Gain measure_gain(const Record& record, const model::SensorModel& base,
-                  const model::SensorModel& extended, double holdout, std::uint64_t seed) {
+HeldOutDrives::HeldOutDrives(const Record& record, double holdout, std::uint64_t seed)
+    : record_(&record), seed_(seed) {
   const identify::RestSamples samples = samples_of(record);
-  const core::Duration tick = identify::identification_tick(samples.span(), samples.sample_period);
-  const std::vector<identify::TickMean> means = identify::average_ticks(samples, tick);
-  const std::uint32_t all = means.back().tick + 1;
-  const auto judged_from = static_cast<std::uint32_t>((1.0 - holdout) * static_cast<double>(all));
-  const double tick_s = static_cast<double>(tick.ns()) * 1e-9;
+  tick_ = identify::identification_tick(samples.span(),
+                                        std::max(samples.sample_period, samples.mean_period));
+  means_ = identify::average_ticks(samples, tick_);
+  const std::uint32_t all = means_.back().tick + 1;
+  judged_from_ = static_cast<std::uint32_t>((1.0 - holdout) * static_cast<double>(all));
+  temperatures_ = temperatures_of(record, means_);
+}
+
+ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
+  const std::uint32_t all = means_.back().tick + 1;
+  const double tick_s = static_cast<double>(tick_.ns()) * 1e-9;
   const auto longest = static_cast<std::uint32_t>(std::max(4.0, kLongestCycle_s / tick_s));
-  const std::uint32_t cycle = std::clamp((all - judged_from) / kCycles, 4U, longest);
-  const std::vector<float> temperatures = temperatures_of(record, means);
-  const double step = extended.quantization ? extended.quantization->step_rad_s : 0.0;
-  const ScoredTicks scored{.ticks = means,
-                           .rate_rad_s = record.rate_rad_s,
-                           .temperature_degc = temperatures,
-                           .level_step_rad_s = step,
-                           .sample_period = duration(record.mean_period_s),
-                           .tick = tick,
-                           .judged_from = judged_from,
-                           .stop_ticks = std::max(1U, cycle / 4),
-                           .drive_ticks = cycle - std::max(1U, cycle / 4)};
+  const std::uint32_t cycle = std::clamp((all - judged_from_) / kCycles, 4U, longest);
+  return {.ticks = means_,
+          .rate_rad_s = record_->rate_rad_s,
+          .temperature_degc = temperatures_,
+          .level_step_rad_s = level_step_rad_s,
+          .sample_period = duration(record_->mean_period_s),
+          .tick = tick_,
+          .judged_from = judged_from_,
+          .stop_ticks = std::max(1U, cycle / 4),
+          .drive_ticks = cycle - std::max(1U, cycle / 4)};
+}
+
+Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorModel& extended) const {
+  const ScoredTicks scored = cut(extended.quantization ? extended.quantization->step_rad_s : 0.0);
   const ScoreOf what = level_of(extended);
   const NodeScores with_base = score(base, scored, what);
   const NodeScores with_extended = score(extended, scored, what);
 
-  Gain gain{.drive_s = tick_s * static_cast<double>(scored.drive_ticks)};
+  Gain gain{.drive_s =
+                static_cast<double>(tick_.ns()) * 1e-9 * static_cast<double>(scored.drive_ticks)};
   double judged_samples = 0.0;
-  for (const identify::TickMean& mean : means) {
-    if (mean.tick >= judged_from) judged_samples += static_cast<double>(mean.samples);
+  for (const identify::TickMean& mean : means_) {
+    if (mean.tick >= judged_from_) judged_samples += static_cast<double>(mean.samples);
   }
   gain.holdout_samples = static_cast<std::size_t>(judged_samples);
-  compare_drives(with_base.drives, with_extended.drives, seed, gain);
+  compare_drives(with_base.drives, with_extended.drives, seed_, gain);
   const double samples_per_tick =
       judged_samples / static_cast<double>(std::max<std::size_t>(1, with_base.log_scores.size()));
   gain.log_score_gain_nats_per_sample =
-      log_score_gain(with_base, with_extended, samples_per_tick, seed);
+      log_score_gain(with_base, with_extended, samples_per_tick, seed_);
   return gain;
+}
+
+Gain measure_gain(const Record& record, const model::SensorModel& base,
+                  const model::SensorModel& extended, double holdout, std::uint64_t seed) {
+  return HeldOutDrives(record, holdout, seed).gain(base, extended);
 }
 
 }  // namespace zerorate::diagnose

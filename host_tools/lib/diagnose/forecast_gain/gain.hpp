@@ -4,18 +4,40 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
 #include "host_tools/lib/diagnose/record/record.hpp"
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {
 
-/// Runs both models through the node's filter. It learns from everything up to the last part of the
-/// record; there stops and drives alternate, and what it had predicted of each drive is compared
-/// with what was measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs.
-/// Throws ModelCannotRun.
-/// @param base, extended fitted to the first part
-/// @param holdout share of the record at its end, in (0, 1)
+/// The last part of a record, in which stops and drives alternate.
+class HeldOutDrives {
+ public:
+  /// @param record  outlives this object
+  /// @param holdout  share of the record at its end, in (0, 1)
+  HeldOutDrives(const Record& record, double holdout, std::uint64_t seed);
+
+  /// Runs both models through the node's filter. It learns from everything up to the last part of
+  /// the record; there it predicts each drive, and the prediction is compared with what was
+  /// measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs.
+  /// Throws ModelCannotRun.
+  /// @param base, extended  fitted to the first part
+  [[nodiscard]] Gain gain(const model::SensorModel& base, const model::SensorModel& extended) const;
+
+ private:
+  [[nodiscard]] ScoredTicks cut(double level_step_rad_s) const;
+
+  const Record* record_;
+  std::uint64_t seed_;
+  core::Duration tick_;
+  std::vector<identify::TickMean> means_;
+  std::vector<float> temperatures_;
+  std::uint32_t judged_from_ = 0;
+};
+
+/// Gain on the last part of a record, see HeldOutDrives.
 [[nodiscard]] Gain measure_gain(const Record& record, const model::SensorModel& base,
                                 const model::SensorModel& extended, double holdout,
                                 std::uint64_t seed);

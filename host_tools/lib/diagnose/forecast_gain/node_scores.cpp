@@ -117,7 +117,8 @@ void for_each_tick(const ScoredTicks& scored, Visit visit) {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     const identify::TickMean& mean = scored.ticks[k];
     visit(mean, scored.temperature_degc.empty() ? kNone : scored.temperature_degc[k],
-          scored.rate_rad_s.subspan(first, mean.samples));
+          scored.rate_rad_s.empty() ? scored.rate_rad_s
+                                    : scored.rate_rad_s.subspan(first, mean.samples));
     first += mean.samples;
   }
 }
@@ -219,6 +220,10 @@ ScoreOf level_of(const model::SensorModel& model) {
                  model.variable_noise || model.saturation
              ? ScoreOf::samples
              : ScoreOf::tick_means;
+}
+
+std::vector<ScoredDrive> score_drives(const model::SensorModel& model, const ScoredTicks& ticks) {
+  return drives(node_model_of(model, ticks), ticks);
 }
 
 NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what) {

@@ -16,7 +16,8 @@ namespace zerorate::diagnose {
 /// Ticks of one axis, and from which on the model is judged.
 struct ScoredTicks {
   std::span<const identify::TickMean> ticks;  ///< the axis is the first one
-  std::span<const double> rate_rad_s;         ///< the samples of the ticks, one after the other
+  std::span<const double> rate_rad_s;         ///< the samples of the ticks, one after the
+                                              ///< other; none where no model asks for them
   std::span<const float> temperature_degc;    ///< mean of each tick; none: there is no thermometer
   double level_step_rad_s = 0.0;              ///< of the levels that the samples lie on; 0: none
   core::Duration sample_period;
@@ -56,6 +57,10 @@ struct NodeScores {
 
 /// Object of a model's score: samples if the model says more of them than white noise.
 [[nodiscard]] ScoreOf level_of(const model::SensorModel& model);
+
+/// The drives alone: one pass. Throws ModelCannotRun.
+[[nodiscard]] std::vector<ScoredDrive> score_drives(const model::SensorModel& model,
+                                                    const ScoredTicks& ticks);
 
 /// Two passes of the node's filter, in its single precision. Throws ModelCannotRun.
 [[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks,

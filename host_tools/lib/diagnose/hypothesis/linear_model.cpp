@@ -188,4 +188,18 @@ Column decay_column(const FitData& data, double tau_s) {
   return column;
 }
 
+std::vector<double> mean_coefficients(const Hypothesis& hypothesis) {
+  std::vector<double> mean(hypothesis.data().size());
+  std::size_t amplitude = 0;
+  for (const Part& part : hypothesis.parts()) {
+    for (const Column& column : part.columns) {
+      const double size = hypothesis.amplitudes()[amplitude++];
+      for (std::size_t k = column.first; k < column.end(); ++k) {
+        mean[k] += size * column.coefficients[k - column.first];
+      }
+    }
+  }
+  return mean;
+}
+
 }  // namespace zerorate::diagnose

@@ -73,4 +73,7 @@ class NormalEquations {
 /// Column of e^(-t / tau).
 [[nodiscard]] Column decay_column(const FitData& data, double tau_s);
 
+/// DCT coefficients of the mean functions of a hypothesis.
+[[nodiscard]] std::vector<double> mean_coefficients(const Hypothesis& hypothesis);
+
 }  // namespace zerorate::diagnose

@@ -29,8 +29,16 @@ Json cause_json(const Cause& cause) {
             {"gain_nats", number(cause.gain_nats)},
             {"p_value", number(cause.p_value)},
             {"axes", cause.axes},
+            {"probability", number(cause.probability)},
+            {"stands_alone", cause.stands_alone()},
+            {"set95", Json::array()},
+            {"in_model", cause.in_model},
             {"parameters", Json::object()},
             {"alternatives", Json::array()}};
+  if (!cause.in_model) json["left_out_because"] = cause.left_out_because;
+  for (const Explanation& one : cause.set95) {
+    json["set95"].push_back({{"name", one.effect}, {"probability", number(one.probability)}});
+  }
   for (const Parameter& parameter : cause.parameters) {
     add(json["parameters"], parameter.name, parameter.value, parameter.lo, parameter.hi);
   }
@@ -71,17 +79,30 @@ Json gain_json(const Gain& gain) {
   return json;
 }
 
+Json remainder_json(const Diagnosis& axis) {
+  Json json = Json::array();
+  if (!axis.materiality) return json;
+  for (const HeadingExcess& excess : axis.materiality->by_drive) {
+    json.push_back({{"drive_s", number(excess.drive_s)}, {"drives", excess.drives}});
+    add(json.back(), "heading_error_ratio", excess.ratio);
+  }
+  return json;
+}
+
 Json axis_json(const Diagnosis& axis) {
   Json json{{"schema", kSchema},
             {"axis", axis.axis},
             {"verdict", name(axis.verdict)},
+            {"material", axis.is_material() ? Json(*axis.is_material()) : Json()},
+            {"remainder", remainder_json(axis)},
             {"causes", Json::array()},
             {"further_causes", Json::array()},
             {"misfit", misfit_json(axis.misfit)},
             {"adequacy",
              {{"base", adequacy_json(axis.base_adequacy)},
               {"extended", adequacy_json(axis.extended_adequacy)}}},
-            {"gain", gain_json(axis.gain)}};
+            {"gain", gain_json(axis.gain)},
+            {"gain_over_data_sheet", gain_json(axis.gain_over_data_sheet)}};
   for (std::size_t i = 0; i < axis.causes.size(); ++i) {
     json[i < kMostCauses ? "causes" : "further_causes"].push_back(cause_json(axis.causes[i]));
   }

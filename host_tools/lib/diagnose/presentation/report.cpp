@@ -30,8 +30,9 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
        fmt::format("{} samples every {:.4g} s", diagnosis.samples, diagnosis.sample_period_s)}};
   for (const Cause& cause : diagnosis.causes) {
     figures.push_back({"Cause", plain_name(cause.effect),
-                       fmt::format("{:.1f} nats{}, p {}", cause.gain_nats,
-                                   cause.axes > 1 ? " of all axes" : "", p_value(cause.p_value))});
+                       fmt::format("{:.0f} % sure; {:.1f} nats{}, p {}", 100.0 * cause.probability,
+                                   cause.gain_nats, cause.axes > 1 ? " of all axes" : "",
+                                   p_value(cause.p_value))});
   }
   const Gain& gain = diagnosis.gain;
   if (gain.has_drives()) {
@@ -191,7 +192,7 @@ void add_model(report::Report& report, const Diagnosis& diagnosis, const std::st
 
 void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportText& text) {
   const std::string axis = diagnosis.axis == "rate" ? "Verdict" : "Axis " + diagnosis.axis;
-  auto& verdict = report.section(fmt::format("{}: {}", axis, name(diagnosis.verdict)));
+  auto& verdict = report.section(fmt::format("{}: {}", axis, verdict_in_words(diagnosis)));
   verdict.key_figures(key_figures(diagnosis)).paragraph(in_words(diagnosis));
   if (!diagnosis.causes.empty()) verdict.table(parameter_table(diagnosis));
   for (const std::string& remark : diagnosis.remarks) verdict.paragraph(remark);
@@ -212,9 +213,10 @@ std::string lead(std::span<const Diagnosis> axes) {
   }
   std::string text;
   for (const Diagnosis& axis : axes) {
-    text += fmt::format("{}Axis {}: {}", text.empty() ? "" : "; ", axis.axis, name(axis.verdict));
+    text +=
+        fmt::format("{}Axis {}: {}", text.empty() ? "" : "; ", axis.axis, verdict_in_words(axis));
     for (std::size_t i = 0; i < axis.causes.size(); ++i) {
-      text += (i == 0 ? ", " : " and ") + plain_name(axis.causes[i].effect);
+      text += (i == 0 ? ": " : " and ") + plain_name(axis.causes[i].effect);
     }
   }
   return text + ".";

@@ -74,18 +74,27 @@ std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
                      plain_name(rival->effect), worth(*chosen) - worth(*rival));
 }
 
+/// "This recording cannot decide between rate random walk (56 %) and fractional order (41 %)."
+std::string one_of(const Cause& cause) {
+  std::vector<std::string> names;
+  for (const Explanation& one : cause.set95) {
+    names.push_back(fmt::format("{} ({:.0f} %)", plain_name(one.effect), 100.0 * one.probability));
+  }
+  return fmt::format(" This recording cannot decide: it is one of {}.", fmt::join(names, ", "));
+}
+
 std::string cause_sentences(const Diagnosis& diagnosis) {
   std::string text;
   for (const Cause& cause : diagnosis.causes) {
     text += " " + cause.sentence;
-    if (cause.alternatives.empty()) continue;
-    std::vector<std::string> rivals;
-    for (const Alternative& rival : cause.alternatives) {
-      rivals.push_back(fmt::format("{} ({:.1f} nats behind)", plain_name(rival.effect),
-                                   rival.less_likely_by_nats));
+    if (!cause.stands_alone()) {
+      text += one_of(cause);
+    } else if (!cause.alternatives.empty()) {
+      const Alternative& rival = cause.alternatives.front();
+      text += fmt::format(
+          " {:.0f} % speak for it; {} explains it almost as well ({:.1f} nats less).",
+          100.0 * cause.probability, plain_name(rival.effect), rival.less_likely_by_nats);
     }
-    text += fmt::format(" As good as that, so not told apart by this recording: {}.",
-                        fmt::join(rivals, ", "));
   }
   if (diagnosis.causes.size() == 1 && diagnosis.causes.front().axes == 1)
     text += rejected_rival(diagnosis).value_or("");
@@ -102,7 +111,7 @@ std::string drift_sentence(const Gain& gain) {
                        after.value);
   }
   return fmt::format(
-      " With it the heading drift over {:.0f} s {} from {:.3g} to {:.3g} deg "
+      " With its extensions the heading drift over {:.0f} s {} from {:.3g} to {:.3g} deg "
       "[{:.3g}, {:.3g}]",
       gain.drive_s, ratio < 1.0 ? "falls" : "rises", before, after.value, after.lo, after.hi);
 }
@@ -120,6 +129,20 @@ std::string gain_sentence(const Gain& gain) {
       " With it each sample that was held out is predicted {:.2g} nats better "
       "[{:.2g}, {:.2g}].",
       score.value, score.lo, score.hi);
+}
+
+/// Sentences on the causes that the model has, those that it leaves out and why, and its gain.
+std::string model_sentences(const Diagnosis& diagnosis) {
+  std::string text;
+  bool is_extended = false;
+  for (const Cause& cause : diagnosis.causes) {
+    is_extended |= cause.in_model;
+    if (cause.in_model) continue;
+    text += fmt::format(" The model leaves out the {}: {}.", plain_name(cause.effect),
+                        cause.left_out_because);
+  }
+  if (is_extended) return text + gain_sentence(diagnosis.gain);
+  return text + " The model is that of zerorate characterize.";
 }
 
 std::string what_is_left(const Diagnosis& diagnosis) {
@@ -147,6 +170,26 @@ std::string plain_statistic(std::string_view statistic) {
   return "the " + plain_name(statistic);
 }
 
+std::string verdict_in_words(const Diagnosis& diagnosis) {
+  std::string text(name(diagnosis.verdict));
+  if (diagnosis.verdict != Verdict::unexplained) return text;
+  const std::optional<bool> is_material = diagnosis.is_material();
+  if (!is_material) return text;
+  return text + (*is_material ? ", and it matters for the heading"
+                              : ", but it does not matter for the heading");
+}
+
+std::string remainder_in_words(const Diagnosis& diagnosis) {
+  if (!diagnosis.materiality) return {};
+  std::vector<std::string> drives;
+  for (const HeadingExcess& excess : diagnosis.materiality->by_drive) {
+    drives.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] times over {:.0f} s", excess.ratio.value,
+                                 excess.ratio.lo, excess.ratio.hi, excess.drive_s));
+  }
+  return fmt::format("The heading error is {} that of simulations with the causes below. ",
+                     fmt::join(drives, ", "));
+}
+
 std::string in_words(const Diagnosis& diagnosis) {
   const std::string_view base = diagnosis.is_base_given
                                     ? "The given model describes"
@@ -165,9 +208,10 @@ std::string in_words(const Diagnosis& diagnosis) {
                     ? "The given model does not describe this recording."
                     : "White noise, 1/f noise and a constant do not describe this recording.")
           : misfit_sentence(*worst, diagnosis.is_base_given);
+  text.insert(0, remainder_in_words(diagnosis));
   text += cause_sentences(diagnosis);
   if (diagnosis.verdict == Verdict::unexplained) text += what_is_left(diagnosis);
-  if (!diagnosis.causes.empty()) text += gain_sentence(diagnosis.gain);
+  if (!diagnosis.causes.empty()) text += model_sentences(diagnosis);
   return text;
 }
 

@@ -10,6 +10,10 @@
 
 namespace zerorate::diagnose {
 
+/// Verdict, and whether what is left matters for the heading: "unexplained, but it does not matter
+/// for the heading".
+[[nodiscard]] std::string verdict_in_words(const Diagnosis& diagnosis);
+
 /// One paragraph: what the simulation gets wrong, what explains it and what does not, what the
 /// extended model buys; or that nothing is wrong; or what is left and that no cause is proven.
 [[nodiscard]] std::string in_words(const Diagnosis& diagnosis);

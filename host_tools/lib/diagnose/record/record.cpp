@@ -61,6 +61,21 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
   return record;
 }
 
+identify::RestSamples samples_of(const Record& record) {
+  const auto nanoseconds = [](double seconds) { return std::llround(seconds * 1e9); };
+  identify::RestSamples samples{
+      .axis_count = 1,
+      .sample_period = core::Duration::nanoseconds(nanoseconds(record.sample_period_s)),
+      .mean_period = core::Duration::nanoseconds(nanoseconds(record.mean_period_s))};
+  samples.time.reserve(record.size());
+  samples.rate_rad_s.reserve(record.size());
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    samples.time.push_back(core::Instant::from_ns(nanoseconds(record.time_s[k])));
+    samples.rate_rad_s.push_back({static_cast<float>(record.rate_rad_s[k])});
+  }
+  return samples;
+}
+
 Record beginning_of(const Record& record, std::size_t size) {
   const auto first = [&](const std::vector<double>& values) {
     const auto count = static_cast<std::ptrdiff_t>(std::min(size, values.size()));

@@ -28,6 +28,9 @@ struct Record {
 /// that of the sample before.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
+/// Samples of a record, as what averages and characterizes samples takes them.
+[[nodiscard]] identify::RestSamples samples_of(const Record& record);
+
 /// Fewest samples of a record that can be diagnosed.
 inline constexpr std::size_t kFewestSamples = 256;
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,16 @@ struct Alternative {
   double less_likely_by_nats = 0.0;
 };
 
+/// An effect, or chance, that may stand in a cause's place.
+struct Explanation {
+  std::string effect;  ///< kByChance: nothing is there
+  double probability = 0.0;
+};
+inline constexpr std::string_view kByChance = "chance";
+
+/// Probability from which on a name stands alone; below it the answer is "one of".
+inline constexpr double kStandsAlone = 0.8;
+
 struct Cause {
   std::string effect;      ///< as in the catalogue, e.g. "rate_random_walk"
   double gain_nats = 0.0;  ///< log likelihood that is lost without it
@@ -46,7 +57,15 @@ struct Cause {
   std::size_t axes = 1;    ///< that have it in common, and that the gain and p are of
   std::vector<Parameter> parameters;
   std::vector<Alternative> alternatives;  ///< within kAlternativeNats, best first
+  /// Probability that the effect is among the causes, if the catalogue holds them all.
+  double probability = 1.0;
+  /// Smallest set that holds the cause with 95 %, most probable first.
+  std::vector<Explanation> set95;
   std::string sentence;  ///< for a firmware engineer, e.g. "A random walk of ... explains it."
+  bool in_model = true;  ///< the extended model has it
+  std::string left_out_because;  ///< reason where it has not
+
+  [[nodiscard]] bool stands_alone() const { return probability >= kStandsAlone; }
 };
 
 inline constexpr double kAlternativeNats = 3.0;
@@ -90,6 +109,20 @@ struct Gain {
   [[nodiscard]] bool has_drives() const { return std::isfinite(heading_drift_ratio.value); }
 };
 
+/// Heading error over drives of one length: of the recording, over that of simulations of the
+/// extended hypothesis through the same node.
+struct HeadingExcess {
+  double drive_s = 0.0;
+  std::size_t drives = 0;  ///< in the recording
+  BootstrapFigure ratio;   ///< 1: what is left does not show in the heading
+};
+
+/// Whether what is left unexplained matters for the heading.
+struct Materiality {
+  bool is_material = false;
+  std::vector<HeadingExcess> by_drive;  ///< none where nothing is left, or no drive fits
+};
+
 /// One abscissa of a curve: measured, and the middle and the 95 % band of simulations.
 struct CurvePoint {
   double x = 0.0;  ///< tau in s, or frequency in Hz
@@ -125,20 +158,32 @@ struct Drawing {
 
 /// Everything that is said of one axis.
 struct Diagnosis {
+  /// True where what is left unexplained matters for the heading; nothing where that is not known.
+  [[nodiscard]] std::optional<bool> is_material() const {
+    if (verdict != Verdict::unexplained) return false;
+    if (!materiality) return std::nullopt;
+    return materiality->is_material;
+  }
+
   std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
   std::size_t samples = 0;
   double sample_period_s = 0.0;
   Verdict verdict = Verdict::consistent;
+  /// Set where something is left unexplained and some drives fit into the recording; nothing is
+  /// known of it where they do not.
+  std::optional<Materiality> materiality;
   bool is_base_given = false;  ///< the base model is not the best fit of white and 1/f noise
   /// Strongest first; noise that wanders after functions of time or temperature.
   std::vector<Cause> causes;
   std::vector<Misfit> misfit;
   Adequacy base_adequacy;
   Adequacy extended_adequacy;
-  Gain gain;
+  Gain gain;                  ///< over the base model
+  Gain gain_over_data_sheet;  ///< over white and 1/f noise, or the model that was given
+  /// White and flicker noise as `zerorate characterize` writes them, or the model that was given.
   model::SensorModel base_model;
-  /// The base model where there is no cause; where one was given that does not describe the
-  /// recording, the best fit of white and 1/f noise.
+  /// The base with the extensions that pay. Where a model was given that describes the recording,
+  /// that one.
   model::SensorModel extended_model;
   std::vector<Evidence> evidence;    ///< strongest first
   std::vector<CurvePoint> allan;     ///< rad/s

@@ -33,6 +33,24 @@ std::vector<std::size_t> by_rank(const std::vector<Choice>& choices, const Hypot
   return ranking;
 }
 
+/// The most probable explanations, until they hold 95 %.
+std::vector<Explanation> set95_of(const std::vector<Explanation>& explanations) {
+  std::vector<Explanation> set;
+  double sum = 0.0;
+  for (const Explanation& one : explanations) {
+    if (sum >= 0.95) break;
+    set.push_back(one);
+    sum += one.probability;
+  }
+  return set;
+}
+
+double probability_of(const Choice& choice) {
+  const auto own =
+      std::ranges::find(choice.explanations, choice.effect->name(), &Explanation::effect);
+  return own == choice.explanations.end() ? 1.0 : own->probability;
+}
+
 Cause cause_of(const Choice& choice, Description description) {
   return {.effect = std::string(choice.effect->name()),
           .gain_nats = choice.gain_nats,
@@ -40,7 +58,11 @@ Cause cause_of(const Choice& choice, Description description) {
           .axes = choice.axes,
           .parameters = std::move(description.parameters),
           .alternatives = choice.alternatives,
-          .sentence = std::move(description.sentence)};
+          .probability = probability_of(choice),
+          .set95 = set95_of(choice.explanations),
+          .sentence = std::move(description.sentence),
+          .in_model = choice.in_model,
+          .left_out_because = choice.left_out_because};
 }
 
 }  // namespace

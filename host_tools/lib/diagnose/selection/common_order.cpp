@@ -154,9 +154,9 @@ std::optional<CommonOrder> common_order_of(std::span<const SlowNoise> axes) {
   const double worth =
       common.by_order.at_base_order() - prices + common.surprisal_nats - kSelectionThreshold_nats;
   if (worth < std::max(own, walking)) return std::nullopt;
-  if (worth - walking < kAlternativeNats) {
-    common.alternatives.push_back({"rate_random_walk", worth - walking});
-  }
+  const Alternative walk{"rate_random_walk", worth - walking};
+  if (walk.less_likely_by_nats < kAlternativeNats) common.alternatives.push_back(walk);
+  common.explanations = weigh(kEffect, common.surprisal_nats, std::span(&walk, 1));
   return common;
 }
 
@@ -176,8 +176,8 @@ void replace_slow_noise(const CommonOrder& common, std::span<const std::unique_p
     choices.push_back(std::move(selection.choices[i]));
   }
   parts.push_back(part_of_order(common.peak));
-  choices.push_back(
-      {order->get(), common.gain_nats, common.surprisal_nats, common.alternatives, axes});
+  choices.push_back({order->get(), common.gain_nats, common.surprisal_nats, common.alternatives,
+                     common.explanations, axes});
   selection.parts = std::move(parts);
   selection.choices = std::move(choices);
   mark_selected(selection);

@@ -63,6 +63,7 @@ struct CommonOrder {
   double gain_nats = 0.0;  ///< over the order of the base
   double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
+  std::vector<Explanation> explanations;
 };
 
 /// An order in common, if it explains the axes together better than what was selected for each of

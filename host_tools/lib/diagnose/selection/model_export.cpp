@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -132,6 +133,25 @@ Hypothesis hypothesis_of(const FitData& data, const model::SensorModel& model) {
   Part learned = learned_part(data, model);
   if (!learned.columns.empty()) parts.push_back(std::move(learned));
   return {data, std::move(parts), density_of(data, model)};
+}
+
+Hypothesis base_beside_fast_effects(const Hypothesis& base, const Hypothesis& full) {
+  const auto is_fast = [](const Part& part) {
+    return part.columns.empty() && (part.terms.low_pass || part.terms.line);
+  };
+  std::vector<Part> fast;
+  std::ranges::copy_if(full.parts(), std::back_inserter(fast), is_fast);
+  if (fast.empty()) return base;
+  const FitData& data = base.data();
+  const NoiseSpectrum fitted = Hypothesis(data, std::move(fast), &full).noise().spectrum;
+  const NoiseSpectrum noise{.white_variance = fitted.white_variance + fitted.rounding_variance,
+                            .flicker_variance = fitted.flicker_variance,
+                            .flicker_order = fitted.flicker_order};
+  std::vector<double> density(data.size());
+  for (std::size_t k = 1; k < density.size(); ++k) {
+    density[k] = noise.density(data.sines()[k], k, density.size());
+  }
+  return {data, {}, std::move(density)};
 }
 
 bool is_enough(const Hypothesis& given, const model::SensorModel& model, const Hypothesis& fitted) {

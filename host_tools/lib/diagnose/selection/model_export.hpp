@@ -21,6 +21,12 @@ namespace zerorate::diagnose {
 /// and the share of the temperature (if the record has one), is fitted in size.
 [[nodiscard]] Hypothesis hypothesis_of(const FitData& data, const model::SensorModel& model);
 
+/// White and 1/f noise as fitted beside the sensor's low-pass, lines and disturbed samples, and
+/// then without them: where flicker noise lives nothing else has spoiled it.
+/// @param base  white and 1/f noise fitted alone; returned where there is no such effect
+/// @param full  hypothesis with all effects
+[[nodiscard]] Hypothesis base_beside_fast_effects(const Hypothesis& base, const Hypothesis& full);
+
 /// Whether effects that were fitted, beside white and flicker noise of any strength, gain no more
 /// than chance over the hypothesis of the model. False where one of them neither changes the
 /// spectrum nor the mean, and is no rounding that the model has.

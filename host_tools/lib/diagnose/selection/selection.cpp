@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -51,14 +52,20 @@ bool is_subtle(const Choice& choice) {
   return choice.surprisal_nats < kPlain;
 }
 
+/// The best proposal, beside the others. One that goes first although another is more surprising is
+/// not measured against that one.
 Choice choice_of(const std::vector<Proposal>& proposals) {
   const Proposal& best = proposals.front();
   Choice choice{best.effect, best.candidate.gain_nats, best.candidate.surprisal_nats, {}};
+  std::vector<Alternative> rivals;
   for (const Proposal& rival : std::span(proposals).subspan(1)) {
     const double behind = best.candidate.surprisal_nats - rival.candidate.surprisal_nats;
-    if (std::abs(behind) > kAlternativeNats) continue;
-    choice.alternatives.push_back({std::string(rival.effect->name()), behind});
+    if (std::abs(behind) <= kAlternativeNats) {
+      choice.alternatives.push_back({std::string(rival.effect->name()), behind});
+    }
+    if (behind >= 0.0) rivals.push_back({std::string(rival.effect->name()), behind});
   }
+  choice.explanations = weigh(best.effect->name(), choice.surprisal_nats, rivals);
   return choice;
 }
 
@@ -189,6 +196,8 @@ class Selector {
     }
     known.push_back({std::string(effect.name()), behind});
     std::ranges::stable_sort(known, {}, &Alternative::less_likely_by_nats);
+    Choice& latest = choices_.back();
+    latest.explanations = weigh(latest.effect->name(), latest.surprisal_nats, known);
   }
 
   static std::vector<Evidence> evidence_of(const std::vector<Proposal>& proposals) {
@@ -220,6 +229,22 @@ class Selector {
 };
 
 }  // namespace
+
+std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
+                               std::span<const Alternative> rivals) {
+  std::vector<Explanation> all{{std::string(best), 1.0}};
+  for (const Alternative& rival : rivals) {
+    all.push_back({rival.effect, std::exp(-rival.less_likely_by_nats)});
+  }
+  constexpr double kPlaces = 8.0;
+  const double surprisal = std::max(1.0, surprisal_nats);
+  all.push_back({std::string(kByChance), kPlaces * surprisal * std::exp(1.0 - surprisal)});
+  double sum = 0.0;
+  for (const Explanation& one : all) sum += one.probability;
+  for (Explanation& one : all) one.probability /= sum;
+  std::ranges::stable_sort(all, std::greater{}, &Explanation::probability);
+  return all;
+}
 
 bool is_beyond_doubt(const Effect& effect, double surprisal_nats) {
   constexpr double kBeyondDoubt = 50.0;  // nats

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/lib/diagnose/effects/effect.hpp"
@@ -24,13 +25,24 @@ struct Choice {
   double gain_nats = 0.0;
   double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
-  std::size_t axes = 1;  ///< that gain and surprise are of
+  std::vector<Explanation> explanations = {};  ///< that were fitted, weighed; see weigh()
+  std::size_t axes = 1;                        ///< that gain and surprise are of
+  bool in_model = true;                        ///< it is an extension of the model that is written
+  std::string left_out_because;                ///< reason where it is not
 
   /// Price: the gain had to exceed it.
   [[nodiscard]] double price_nats() const {
     return kSelectionThreshold_nats + gain_nats - surprisal_nats;
   }
 };
+
+/// Weighs explanations of the same: e^(-nats behind) each, and chance by the bound on its Bayes
+/// factor, -e p log p (Sellke, Bayarri and Berger 2001), of which every record has as many places
+/// as a catalogue has effects.
+/// @param rivals  of the best one, whose surprisal is given; most probable first
+/// @return shares that sum to 1, most probable first
+[[nodiscard]] std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
+                                             std::span<const Alternative> rivals);
 
 /// Effects that a record needs. It outlives the data, and the parts bring the starts from which an
 /// hypothesis of them is found at once.

@@ -1,6 +1,8 @@
 #include "host_tools/lib/experiments/drives/drive_models.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,19 +13,36 @@
 namespace zerorate::experiments {
 namespace {
 
-Fits diagnosed(const identify::RestSamples& samples, const std::string& recording) {
+std::vector<model::SensorModel> characterized(const identify::RestSamples& samples,
+                                              const std::string& recording,
+                                              std::optional<double> order) {
+  identify::CharacterizeOptions options{.recording = recording, .order = order};
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) options.axes.push_back(axis);
+  std::vector<model::SensorModel> models;
+  for (auto& axis : identify::characterize(samples, options).axes) {
+    models.push_back(std::move(axis.model));
+  }
+  return models;
+}
+
+std::vector<model::SensorModel> diagnosed(const identify::RestSamples& samples,
+                                          const std::string& recording) {
   std::vector<diagnose::Record> axes;
   axes.reserve(samples.axis_count);
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
     axes.push_back(diagnose::record_of(samples, axis));
   }
-  Fits fits;
-  for (auto& diagnosis :
-       diagnose::diagnose(std::move(axes), {.recording = recording, .holdout = 0.0})) {
-    fits.push_back({recording, fits.size(), std::move(diagnosis.extended_model),
-                    std::move(diagnosis.base_model)});
+  std::vector<model::SensorModel> models;
+  for (auto& diagnosis : diagnose::diagnose(std::move(axes), {.recording = recording})) {
+    models.push_back(std::move(diagnosis.extended_model));
   }
-  return fits;
+  return models;
+}
+
+/// White and flicker noise and nothing else.
+bool is_plain(const model::SensorModel& model) {
+  return model ==
+         model::SensorModel{.name = model.name, .white = model.white, .flicker = model.flicker};
 }
 
 }  // namespace
@@ -31,16 +50,14 @@ Fits diagnosed(const identify::RestSamples& samples, const std::string& recordin
 Fits fit_recording(const std::filesystem::path& path, FitBy fit_by) {
   recording::Reader reader{path};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
-  if (fit_by == FitBy::diagnosis) return diagnosed(samples, path.filename().string());
-  identify::CharacterizeOptions options{.recording = path.filename().string()};
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) options.axes.push_back(axis);
-  const auto free_order = identify::characterize(samples, options);
-  options.order = 0.5;
-  const auto half_order = identify::characterize(samples, options);
+  const std::string recording = path.filename().string();
+  const auto extended = fit_by == FitBy::diagnosis
+                            ? diagnosed(samples, recording)
+                            : characterized(samples, recording, std::nullopt);
+  const auto base = characterized(samples, recording, 0.5);
   Fits fits;
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    fits.push_back(
-        {options.recording, axis, free_order.axes[axis].model, half_order.axes[axis].model});
+    fits.push_back({recording, axis, extended[axis], base[axis]});
   }
   return fits;
 }
@@ -59,6 +76,11 @@ std::vector<model::SensorModel> lent_models(const std::vector<Fits>& fits, FitOn
     if (lends_to(fits, fit_on, i, recording, axis)) lent.push_back(fits[i][axis].*which);
   }
   return lent;
+}
+
+std::vector<model::SensorModel> shared_models(std::vector<model::SensorModel> lent) {
+  if (!std::ranges::all_of(lent, is_plain)) return lent;
+  return {mean_model(lent)};
 }
 
 model::SensorModel mean_model(const std::vector<model::SensorModel>& models) {

@@ -24,6 +24,10 @@ using Fits = std::vector<DriveContest::AxisModels>;
     const std::vector<Fits>& fits, FitOn fit_on, std::size_t recording, std::size_t axis,
     model::SensorModel DriveContest::AxisModels::*which);
 
+/// Models that a recording runs: the mean of the lent ones where all are white and flicker noise
+/// and nothing else, otherwise each in its turn, since models of several kinds have no mean.
+[[nodiscard]] std::vector<model::SensorModel> shared_models(std::vector<model::SensorModel> lent);
+
 /// Mean of models: of log N, log B and d, which is the mean of the log spectra at every frequency.
 /// Recordings that showed no flicker noise have no say in it.
 /// @param models  at least one

@@ -92,8 +92,7 @@ class Contest {
           "parameters from other recordings need at least two recordings with the same axes; "
           "--fit-on itself takes those of hindsight");
     }
-    if (options_.fit_by == FitBy::characterization) return {mean_model(lent)};
-    return lent;
+    return shared_models(std::move(lent));
   }
 
   void replay_all(const parallel::Progress& progress) {
@@ -266,7 +265,7 @@ std::string_view name(Contestant contestant, FitBy fit_by) {
     case Contestant::kalman_extended:
       return is_diagnosed ? "extended by the diagnosis" : "decade Kalman, order fitted";
     case Contestant::kalman_base:
-      return is_diagnosed ? "base of the diagnosis" : "decade Kalman, d = 1/2";
+      return "decade Kalman, d = 1/2";
     case Contestant::random_walk_filter:
       return "random-walk Kalman, tuned";
     case Contestant::exponential_mean:

@@ -22,7 +22,7 @@ namespace zerorate::experiments {
 /// filter is the node's with another model; the exponential mean is what trackers commonly do.
 enum class Contestant : std::uint8_t {
   kalman_extended,     ///< decade filter, d fitted; or the model that the diagnosis extended
-  kalman_base,         ///< decade filter, d = 1/2; or the base of the diagnosis, which is that too
+  kalman_base,         ///< decade filter, d = 1/2
   random_walk_filter,  ///< white noise and a random walk, its memory tuned
   exponential_mean,    ///< of all samples at rest so far, its memory tuned
   moving_average,
@@ -33,7 +33,7 @@ inline constexpr std::size_t kContestants = 6;
 /// Method that makes models of recordings.
 enum class FitBy : std::uint8_t {
   characterization,  ///< white and 1/f noise by likelihood, its order free and 1/2
-  diagnosis,         ///< what `zerorate diagnose` finds, and its base
+  diagnosis,         ///< what `zerorate diagnose` writes, and 1/f noise
 };
 
 /// @param fit_by  says what the first two are
@@ -41,8 +41,8 @@ enum class FitBy : std::uint8_t {
 
 /// Where the parameters of a recording's contestants come from.
 enum class FitOn : std::uint8_t {
-  /// All the other recordings, the same axis: logarithmic means of the fitted noise; of models of
-  /// the diagnosis, which have no mean, each in its turn.
+  /// All the other recordings, the same axis: logarithmic means of the fitted noise; of extended
+  /// models, which have no mean, each in its turn.
   other,
   itself,  ///< hindsight: a ceiling, not a result
 };

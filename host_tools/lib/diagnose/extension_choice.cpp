@@ -1,0 +1,113 @@
+#include "host_tools/lib/diagnose/extension_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
+#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/selection/node_models.hpp"
+#include "host_tools/lib/statistics/tails.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+/// The part of a choice beside other parts, fitted anew.
+std::optional<Part> part_of(const Choice& choice, const std::optional<OrderProfile>& others,
+                            const Hypothesis& without) {
+  if (choice.axes > 1) {
+    OrderProfile all(without);
+    return part_of_order((all += *others).peak());
+  }
+  std::optional<Candidate> candidate = choice.effect->examine(without);
+  if (!candidate) return std::nullopt;
+  return std::move(candidate->part);
+}
+
+/// Effects of the whole record in its first part.
+struct Refitted {
+  Hypothesis full;
+  std::vector<Choice> choices;      ///< that were found again, one for each part
+  std::vector<std::size_t> places;  ///< of these among all
+};
+
+Refitted refit(const FitData& data, const std::vector<Choice>& wanted,
+               const std::optional<OrderProfile>& others) {
+  Refitted refitted{.full = Hypothesis(data, {})};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    std::optional<Part> part = part_of(wanted[i], others, refitted.full);
+    if (!part) continue;
+    std::vector<Part> parts = refitted.full.parts();
+    parts.push_back(std::move(*part));
+    refitted.full = Hypothesis(data, std::move(parts), &refitted.full);
+    refitted.choices.push_back(wanted[i]);
+    refitted.places.push_back(i);
+  }
+  return refitted;
+}
+
+/// Empty where an extension pays: the samples are predicted better by more than one standard error,
+/// and the heading drifts no further.
+std::string reason_against(const Gain& gain) {
+  constexpr double kMostDrift = 1.005;
+  const BootstrapFigure& score = gain.log_score_gain_nats_per_sample;
+  const double drift = gain.heading_drift_ratio.value;
+  if (std::isfinite(drift) && drift > kMostDrift) {
+    return fmt::format("on the data held out the heading drift is {:.3f} times that without it",
+                       drift);
+  }
+  const double error = 0.5 * (score.hi - score.lo) / statistics::kHalfWidth95;
+  if (score.value > error) return {};
+  return fmt::format(
+      "on the data held out it predicts no better: {:.2g} nats a sample "
+      "[{:.2g}, {:.2g}]",
+      score.value, score.lo, score.hi);
+}
+
+}  // namespace
+
+ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice>& wanted,
+                                  const std::optional<OrderProfile>& others,
+                                  const HoldOut& hold_out) {
+  ExtensionChoice chosen{.is_in = std::vector<bool>(wanted.size(), true),
+                         .reasons = std::vector<std::string>(wanted.size())};
+  const Record first = beginning_of(
+      record,
+      static_cast<std::size_t>((1.0 - hold_out.share) * static_cast<double>(record.size())));
+  if (hold_out.share <= 0.0 || first.size() < kFewestSamples) return chosen;
+  const PreparedAxis axis(first, hold_out.seed);
+  const Refitted refitted = refit(axis.data(), wanted, others);
+  const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
+  const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
+
+  chosen.is_in.assign(wanted.size(), false);
+  chosen.reasons.assign(wanted.size(),
+                        "the part of the recording before the data held out does "
+                        "not show it");
+  std::vector<bool> is_in(refitted.choices.size());
+  model::SensorModel model = models.base();
+  for (std::size_t i = 0; i < refitted.choices.size(); ++i) {
+    std::string& reason = chosen.reasons[refitted.places[i]];
+    if (is_in_base(refitted.choices[i])) {
+      reason = "the base has it: its noise is that of tick means";
+      continue;
+    }
+    is_in[i] = true;
+    try {
+      model::SensorModel extended = models.with(is_in);
+      reason = reason_against(held_out.gain(model, extended));
+      if (reason.empty()) model = std::move(extended);
+    } catch (const ModelCannotRun& cannot) {
+      reason = std::string("the node cannot run it: ") + cannot.what();
+    }
+    is_in[i] = reason.empty();
+    chosen.is_in[refitted.places[i]] = is_in[i];
+  }
+  chosen.gain = held_out.gain(hold_out.base_model.value_or(models.base()), model);
+  chosen.gain_over_data_sheet =
+      held_out.gain(hold_out.base_model.value_or(models.data_sheet()), model);
+  return chosen;
+}
+
+}  // namespace zerorate::diagnose

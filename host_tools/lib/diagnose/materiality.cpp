@@ -1,0 +1,187 @@
+#include "host_tools/lib/diagnose/materiality.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
+#include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+constexpr std::array kDrives_s = {10.0, 60.0, 300.0};
+constexpr std::size_t kFewestDrives = 8;
+constexpr std::uint32_t kFewestTicks = 4;  // of a drive
+constexpr double kLearning = 0.1;          // of the record, before the first drive
+constexpr std::size_t kSimulations = 16;
+/// Two-sided 95 % for three lengths, of Student's distribution with 15 degrees of freedom.
+constexpr double kStudent = 2.69;
+
+core::Duration duration(double seconds) {
+  return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+}
+
+/// A tick of whole samples.
+class Ticks {
+ public:
+  explicit Ticks(const FitData& data) : period_s_(data.period_s()) {
+    const core::Duration tick =
+        identify::identification_tick(duration(data.span_s()), duration(period_s_));
+    samples_ = static_cast<std::size_t>(
+        std::max(1.0, std::round(static_cast<double>(tick.ns()) * 1e-9 / period_s_)));
+    size_ = data.size() / samples_;
+    temperature_ = temperatures_of(data);
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] double tick_s() const { return period_s_ * static_cast<double>(samples_); }
+
+  [[nodiscard]] std::vector<identify::TickMean> means_of(std::span<const double> values) const {
+    std::vector<identify::TickMean> means(size_);
+    for (std::size_t k = 0; k < size_; ++k) {
+      double sum = 0.0;
+      for (const double value : values.subspan(k * samples_, samples_)) sum += value;
+      means[k].tick = static_cast<std::uint32_t>(k);
+      means[k].samples = static_cast<std::uint32_t>(samples_);
+      means[k].rate_rad_s[0] = static_cast<float>(sum / static_cast<double>(samples_));
+    }
+    return means;
+  }
+
+  /// Stops and drives over ticks; a quarter of the time at rest.
+  [[nodiscard]] ScoredTicks cut(std::span<const identify::TickMean> means, double drive_s) const {
+    const auto drive = static_cast<std::uint32_t>(std::round(drive_s / tick_s()));
+    return {.ticks = means,
+            .temperature_degc = temperature_,
+            .sample_period = duration(period_s_),
+            .tick = duration(tick_s()),
+            .judged_from = static_cast<std::uint32_t>(kLearning * static_cast<double>(size_)),
+            .stop_ticks = std::max(1U, drive / 3),
+            .drive_ticks = drive};
+  }
+
+  /// Number of drives of a length that fit; none where one has too few ticks.
+  [[nodiscard]] std::size_t drives(double drive_s) const {
+    const auto drive = static_cast<std::size_t>(std::round(drive_s / tick_s()));
+    if (drive < kFewestTicks) return 0;
+    const auto rest = (1.0 - kLearning) * static_cast<double>(size_);
+    return static_cast<std::size_t>(
+        rest / static_cast<double>(drive + std::max<std::size_t>(1, drive / 3)));
+  }
+
+ private:
+  [[nodiscard]] std::vector<float> temperatures_of(const FitData& data) const {
+    const std::vector<double>& all = data.series().temperature_degc;
+    std::vector<float> means;
+    if (all.empty()) return means;
+    for (std::size_t k = 0; k < size_; ++k) {
+      double sum = 0.0;
+      for (std::size_t i = k * samples_; i < (k + 1) * samples_; ++i) sum += all[i];
+      means.push_back(static_cast<float>(sum / static_cast<double>(samples_)));
+    }
+    return means;
+  }
+
+  double period_s_;
+  std::size_t samples_ = 1;
+  std::size_t size_ = 0;
+  std::vector<float> temperature_;
+};
+
+/// Model without single disturbed samples, which neither the record nor the simulations hold.
+model::SensorModel of_ticks(model::SensorModel model) {
+  model.outliers.reset();
+  model.motion_contamination.reset();
+  model.variable_noise.reset();
+  model.saturation.reset();
+  return model;
+}
+
+double log_rms_heading(const model::SensorModel& model, const ScoredTicks& ticks) {
+  double squares = 0.0;
+  const std::vector<ScoredDrive> drives = score_drives(model, ticks);
+  for (const ScoredDrive& drive : drives) squares += drive.integrated_rad * drive.integrated_rad;
+  return 0.5 * std::log(squares / static_cast<double>(drives.size()));
+}
+
+/// Draws a record by the density of a hypothesis, its mean functions included.
+class Simulator {
+ public:
+  explicit Simulator(const Hypothesis& hypothesis)
+      : data_(&hypothesis.data()),
+        mean_(mean_coefficients(hypothesis)),
+        sigma_(hypothesis.density()),
+        stream_(random::RandomStream(data_->seed()).substream("materiality")) {
+    for (double& sigma : sigma_) sigma = std::sqrt(sigma);
+  }
+
+  [[nodiscard]] std::vector<double> record(std::size_t run) const {
+    std::vector<double> coefficients(mean_.size());
+    stream_.substream(run).fill_normal(0, coefficients);
+    coefficients[0] = 0.0;
+    for (std::size_t k = 1; k < coefficients.size(); ++k) {
+      coefficients[k] = mean_[k] + coefficients[k] * sigma_[k];
+    }
+    return data_->transform().inverse(coefficients);
+  }
+
+ private:
+  const FitData* data_;
+  std::vector<double> mean_;
+  std::vector<double> sigma_;
+  random::RandomStream stream_;
+};
+
+/// Ratio of a measured figure to simulated ones, all as logarithms.
+BootstrapFigure ratio_of(double measured, std::span<const double> simulated) {
+  const auto count = static_cast<double>(simulated.size());
+  double mean = 0.0;
+  for (const double one : simulated) mean += one / count;
+  double squares = 0.0;
+  for (const double one : simulated) squares += (one - mean) * (one - mean);
+  const double spread = std::sqrt(squares / (count - 1.0) * (1.0 + 1.0 / count));
+  const double off = measured - mean;
+  return {std::exp(off), std::exp(off - kStudent * spread), std::exp(off + kStudent * spread)};
+}
+
+}  // namespace
+
+std::optional<Materiality> weigh_remainder(const Hypothesis& hypothesis,
+                                           const model::SensorModel& given) try {
+  const Ticks ticks(hypothesis.data());
+  const model::SensorModel model = of_ticks(given);
+  const auto measured = ticks.means_of(hypothesis.repaired_values());
+  Materiality materiality;
+  std::vector<double> logs;
+  for (const double drive_s : kDrives_s) {
+    const std::size_t drives = ticks.drives(drive_s);
+    if (drives < kFewestDrives) continue;
+    logs.push_back(log_rms_heading(model, ticks.cut(measured, drive_s)));
+    materiality.by_drive.push_back({.drive_s = drive_s, .drives = drives});
+  }
+  if (logs.empty()) return std::nullopt;
+  const Simulator simulator(hypothesis);
+  std::vector<std::vector<double>> simulated(logs.size());
+  for (std::size_t run = 0; run < kSimulations; ++run) {
+    const auto means = ticks.means_of(simulator.record(run));
+    for (std::size_t i = 0; i < logs.size(); ++i) {
+      simulated[i].push_back(
+          log_rms_heading(model, ticks.cut(means, materiality.by_drive[i].drive_s)));
+    }
+  }
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    BootstrapFigure& ratio = materiality.by_drive[i].ratio;
+    ratio = ratio_of(logs[i], simulated[i]);
+    materiality.is_material |= ratio.lo > 1.0 && ratio.value > kLeastExcess;
+  }
+  return materiality;
+} catch (const ModelCannotRun&) {
+  return std::nullopt;
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,27 @@
+/// @file
+/// Weight of what is left unexplained, measured by the heading.
+#pragma once
+
+#include <optional>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
+
+namespace zerorate::diagnose {
+
+/// Lets the node, with the model that it gets, drive through the record and through simulations of
+/// the hypothesis (a parametric bootstrap): stops and drives alternate. What is left is material if
+/// for some length of drives the heading error of the record is larger than simulations explain, by
+/// the 95 % interval of all lengths together, and by more than kLeastExcess. Disturbed samples that
+/// the hypothesis has replaced are replaced in the record, and absent in simulations.
+/// @param hypothesis  fitted to the whole record
+/// @return nothing where fewer than eight drives of the shortest length fit, or the node cannot run
+///         the model
+[[nodiscard]] std::optional<Materiality> weigh_remainder(const Hypothesis& hypothesis,
+                                                         const model::SensorModel& model);
+
+/// Excess of the heading error that is no matter.
+inline constexpr double kLeastExcess = 1.05;
+
+}  // namespace zerorate::diagnose
