@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tests/support/scratch_folder.hpp"
+#include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/number.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
