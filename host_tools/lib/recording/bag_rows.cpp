@@ -121,6 +121,8 @@ bool is_database(const std::filesystem::path& file) {
   return std::string_view{magic.data(), magic.size()} == kSqliteMagic;
 }
 
+}  // namespace
+
 using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
 /// An SQLite database that is only read. Each function throws Error.
@@ -168,6 +170,8 @@ class Database {
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, decltype(&sqlite3_close)> handle_{nullptr, &sqlite3_close};
 };
+
+namespace {
 
 /// The topic that is meant: the one named, or the only one with such messages.
 std::string choose_topic(const std::filesystem::path& file, Needs needs, const std::string& named) {
