@@ -103,10 +103,6 @@ EvenRecord record_for_curves(const RestSamples& samples, const EvenRecord& even_
   return 2.0 * length >= length_of_ticks ? even : even_ticks;
 }
 
-std::string axis_name(const RestSamples& samples, std::size_t axis) {
-  return samples.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);
-}
-
 model::SensorModel named_model(const InnovationsFit& fit, double shortest_time_constant_s,
                                const std::string& recording, const std::string& axis) {
   model::SensorModel model = fit.model(shortest_time_constant_s);
@@ -164,7 +160,7 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
                                        const std::vector<TickMean>& ticks, core::Duration tick,
                                        std::size_t axis, const CharacterizeOptions& options) {
   const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
-  AxisCharacterization result{.axis = axis_name(samples, axis)};
+  AxisCharacterization result{.axis = samples.axis_name(axis)};
   result.fit = fit_noise({ticks, samples.mean_period, tick, axis}, options.order);
   result.model = named_model(result.fit, shortest_time_constant_s(samples.mean_period),
                              options.recording, result.axis);

@@ -18,10 +18,6 @@ namespace {
 using units::kDegPerRad;
 using units::kRadPerDeg;
 
-std::string axis_name(const RestSamples& samples, std::size_t axis) {
-  return samples.axis_count == 1 ? "rate" : std::string{"xyz"[axis]};
-}
-
 /// Standard deviation of a sample's white noise by the median change between neighbours, which a
 /// minority of moving samples leaves as it is.
 double white_sigma(const RestSamples& samples, std::size_t axis) {
@@ -89,7 +85,7 @@ std::optional<RestDoubt> doubt_of_motion(const RestSamples& samples) {
       fmt::format(
           "the sensor was turned: axis {} moved in {:.2g} % of the time, by up to {:.3g} deg/s. "
           "Say when it stood: a still, odometer_pulses or speed column, or --still-from gyro",
-          axis_name(samples, axis_of_most), 100.0 * most.share, most.furthest_rad_s * kDegPerRad),
+          samples.axis_name(axis_of_most), 100.0 * most.share, most.furthest_rad_s * kDegPerRad),
       most.share > kCertainShare};
 }
 
@@ -115,7 +111,7 @@ std::optional<RestDoubt> doubt_of_counts(const RestSamples& samples) {
           fmt::format("every rate of axis {} is a whole number of {}: raw counts of the chip? Give "
                       "their factor: "
                       "--columns gx=NAME,... --units rate=0.00875dps",
-                      axis_name(samples, axis), unit == 1.0 ? "rad/s" : "deg/s")};
+                      samples.axis_name(axis), unit == 1.0 ? "rad/s" : "deg/s")};
     }
   }
   return std::nullopt;
@@ -133,7 +129,7 @@ std::optional<RestDoubt> doubt_of_unit(const RestSamples& samples) {
           "the noise of axis {} is {:.3g} deg/s/sqrt(Hz), and no gyro at rest has more than {:g}: "
           "degrees named radians, raw counts, or a sensor in motion? --columns and --units name "
           "another unit",
-          axis_name(samples, axis), noise, kNoisiest)};
+          samples.axis_name(axis), noise, kNoisiest)};
     }
     if (noise > 0.0) quietest = std::min(quietest, noise);
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/time.hpp"
@@ -38,6 +39,10 @@ struct RestSamples {
   recording::Findings findings;
 
   [[nodiscard]] core::Duration span() const { return time.back() - time.front(); }
+  /// Name of an axis: "x", or "rate" where there is only one.
+  [[nodiscard]] std::string axis_name(std::size_t axis) const {
+    return axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);
+  }
 };
 
 struct RestOptions {
