@@ -42,7 +42,7 @@ Standstill longest_standstill(const identify::RestSamples& samples) {
 }  // namespace
 
 Record record_of(const identify::RestSamples& samples, std::size_t axis) {
-  Record record{.axis = samples.axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]),
+  Record record{.axis = samples.axis_name(axis),
                 .sample_period_s = static_cast<double>(samples.sample_period.ns()) * 1e-9,
                 .mean_period_s = static_cast<double>(samples.mean_period.ns()) * 1e-9,
                 .standstills = samples.after_drives.size() + 1};
