@@ -57,6 +57,9 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
           "pulses, still or speed at a rate of their own, by the clock of the recording");
   add("--odometer-columns", flags.odometer_columns, "its columns: t=NAME,speed=NAME")->needs(file);
   add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
+  add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag of ROS 2; default: the only one");
+  add("--odometry-topic", flags.odometry_topic,
+      "topic of nav_msgs/Odometry in a bag, whose speed tells rest; default: the only one, if any");
   return recording;
 }
 
