@@ -23,7 +23,7 @@ struct LiveOptions {
   std::string udp = "127.0.0.1:24680";
   std::string unix_path;
   std::string serial;
-  unsigned baud = 115'200;
+  unsigned baud = 230'400;
   std::string json;
 };
 

@@ -28,8 +28,8 @@ inline constexpr std::uint32_t kSpiHz = 8'000'000;
 /// at twice a sample.
 inline constexpr std::uint32_t kBeat_us = Chip::kHasDataReady ? 10'000 : 2'500;
 
-/// Speed of the serial line. A message takes 740 bits; at most half of the line shall be used.
+/// Speed of the serial line. A message takes 830 bits; at most half of the line shall be used.
 inline constexpr std::uint32_t kBaud =
-    exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 115'200;
+    exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 230'400;
 
 }  // namespace zerorate::pico
