@@ -214,6 +214,7 @@ std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path) 
   }
   std::ranges::sort(found);
   std::vector<std::filesystem::path> files;
+  files.reserve(found.size());
   for (auto& [time, file] : found) files.push_back(std::move(file));
   return files;
 }
