@@ -56,10 +56,8 @@ MatrixXd relative_spectra(const VectorXd& f, const VectorXd& tau_ticks, double o
   return spectra;
 }
 
-}  // namespace
-
-FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
-  validate(flicker);
+/// Fit for s_f = 1.
+FlickerFit fit_unit_flicker(const Flicker& flicker, double tick_s) {
   FlickerFit fit;
   for (int i = 0; i < flicker.decades; ++i) {
     fit.time_constants_s.push_back(flicker.shortest_time_constant_s * std::pow(10.0, i));
@@ -81,10 +79,36 @@ FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
   fit.least_ratio = ratio.minCoeff();
   fit.greatest_ratio = ratio.maxCoeff();
 
+  fit.variances_rad2_s2.assign(weights.begin(), weights.end() - 1);
+  fit.white_variance_rad2_s2 = weights(flicker.decades);
+  return fit;
+}
+
+/// The latest fit of this thread: a likelihood asks for one shape at many strengths.
+const FlickerFit& unit_flicker(const Flicker& flicker, double tick_s) {
+  struct Latest {
+    Flicker flicker;
+    double tick_s = 0.0;
+    FlickerFit fit;
+  };
+  thread_local Latest latest;
+  Flicker shape = flicker;
+  shape.bias_instability_rad_s = 1.0;
+  shape.source.clear();
+  if (latest.tick_s != tick_s || !(latest.flicker == shape)) {
+    latest = {shape, tick_s, fit_unit_flicker(shape, tick_s)};
+  }
+  return latest.fit;
+}
+
+}  // namespace
+
+FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
+  validate(flicker);
+  FlickerFit fit = unit_flicker(flicker, tick_s);
   const double s_f = flicker.bias_instability_rad_s * std::pow(tick_s, flicker.order - 0.5);
-  const VectorXd variances = weights * (s_f * s_f);
-  fit.variances_rad2_s2.assign(variances.begin(), variances.end() - 1);
-  fit.white_variance_rad2_s2 = variances(flicker.decades);
+  for (double& variance : fit.variances_rad2_s2) variance *= s_f * s_f;
+  fit.white_variance_rad2_s2 *= s_f * s_f;
   return fit;
 }
 

@@ -20,6 +20,7 @@
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
@@ -33,9 +34,14 @@ struct CharacterizeOptions {
   std::string axis = "all";
   std::string still_from = "odometer";
   std::string order = "free";
+  std::vector<std::string> others;
   OutputOptions outputs;
   std::string model_out;
 };
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
 
 std::optional<double> parse_order(const std::string& text) {
   if (text == "free") return std::nullopt;
@@ -45,6 +51,28 @@ std::optional<double> parse_order(const std::string& text) {
                                 text);
   }
   return order;
+}
+
+/// Further recordings, read as the first one was.
+/// @param doubts  set to what speaks against rest and is not certain
+std::vector<identify::RestSamples> read_others(const CharacterizeOptions& options,
+                                               std::vector<std::string>& doubts) {
+  std::vector<identify::RestSamples> others;
+  for (const std::string& name : options.others) {
+    InputFlags input = options.input;
+    input.recording = name;
+    recording::Reader reader{to_input(input)};
+    identify::RestSamples samples = identify::read_rest_samples(reader);
+    if (options.still_from == "gyro") {
+      identify::leave_out_motion(samples,
+                                 identify::find_motion(samples, core::StandstillSource::gyro));
+    }
+    for (std::string& doubt : identify::require_rest(samples)) {
+      doubts.push_back(name + ": " + std::move(doubt));
+    }
+    others.push_back(std::move(samples));
+  }
+  return others;
 }
 
 /// @param doubts  set to what speaks against rest and is not certain
@@ -65,11 +93,24 @@ identify::Characterization run_identification(const CharacterizeOptions& options
                                identify::find_motion(samples, core::StandstillSource::gyro));
   }
   doubts = identify::require_rest(samples);
-  return identify::characterize(
-      samples, {.recording = std::filesystem::path(options.input.recording).filename().string(),
-                .axes = axes,
-                .order = order,
-                .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }});
+  const identify::CharacterizeOptions settings{
+      .recording = file_name(options.input.recording),
+      .axes = axes,
+      .order = order,
+      .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }};
+  identify::Characterization result = identify::characterize(samples, settings);
+  if (options.others.empty()) return result;
+  const std::vector<identify::RestSamples> others = read_others(options, doubts);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (others[i].axis_count != samples.axis_count) {
+      throw recording::DataError(fmt::format("{}: {} axes, where {} has {}: not one sensor",
+                                             options.others[i], others[i].axis_count,
+                                             settings.recording, samples.axis_count));
+    }
+    result.further_recordings.push_back(file_name(options.others[i]));
+  }
+  identify::compare_recordings(samples, others, settings, result);
+  return result;
 }
 
 void print_line(std::string_view what, const std::string& figure, std::string_view remark) {
@@ -108,6 +149,23 @@ void print_axis(const identify::AxisCharacterization& axis) {
   for (const std::string& remark : axis.remarks) fmt::print("  note: {}\n", remark);
 }
 
+void print_sameness(const identify::Characterization& result, const identify::Sameness& axis) {
+  fmt::print("\naxis {}, {} recordings: {} (p = {:.2g})\n", axis.axis, axis.alone.size(),
+             axis.holds() ? "one parameter set serves all"
+                          : "the noise has changed, one parameter set does not serve",
+             axis.p_value);
+  const auto print = [](const std::string& name, const identify::InnovationsFit& fit) {
+    print_line(name, "N " + identify::text(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
+               fit.flicker ? "B " + identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS)
+                           : std::string("no flicker noise"));
+  };
+  print(result.recording, axis.alone.front());
+  for (std::size_t i = 1; i < axis.alone.size(); ++i) {
+    print(result.further_recordings[i - 1], axis.alone[i]);
+  }
+  print("together", axis.together);
+}
+
 void print_characterization(const identify::Characterization& result) {
   fmt::print("{}: {} samples every {:.6g} s, {:.0f} s at rest; filter ticks of {:.6g} s\n",
              result.recording, result.rows, static_cast<double>(result.sample_period.ns()) * 1e-9,
@@ -118,6 +176,7 @@ void print_characterization(const identify::Characterization& result) {
   }
   fmt::print("Figures in brackets are 95 % intervals.\n");
   for (const auto& axis : result.axes) print_axis(axis);
+  for (const auto& sameness : result.sameness) print_sameness(result, sameness);
 }
 
 /// A drift beyond any flicker noise is a finding: the model does not describe the sensor.
@@ -143,10 +202,13 @@ ExitCode run_characterize(const CharacterizeOptions& options) {
   }
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
-    write_text(options.model_out, model::format_model(axis.model));
+    const auto same = std::ranges::find(result.sameness, axis.axis, &identify::Sameness::axis);
+    const bool is_of_all = same != result.sameness.end() && same->holds();
+    write_text(options.model_out, model::format_model(is_of_all ? same->model : axis.model));
     if (options.outputs.prints_text()) {
-      fmt::print("\n{}: the model of axis {}{}\n", options.model_out, axis.axis,
-                 result.axes.size() > 1 ? ", the one with the median slow noise" : "");
+      fmt::print("\n{}: the model of axis {}{}{}\n", options.model_out, axis.axis,
+                 result.axes.size() > 1 ? ", the one with the median slow noise" : "",
+                 is_of_all ? ", fitted to all recordings" : "");
     }
   }
   return doubts.empty() ? judge(result) : finding;
@@ -168,6 +230,10 @@ Command add_characterize(CLI::App& app) {
                    "order d of the flicker noise: free (estimated where the recording is long "
                    "enough, else 1/2) or a number from 0.05 to 0.95")
       ->capture_default_str();
+  command->add_option("--with", options->others,
+                      "further recordings of the same sensor: tells whether one parameter set "
+                      "serves all (a test that errs for 1 % of unchanged sensors); if so "
+                      "--model-out is fitted to all");
   add_output_options(*command, options->outputs);
   command->add_option("--model-out", options->model_out,
                       "write the sensor model for 'zerorate replay --model'; with several axes, "
@@ -184,6 +250,7 @@ Command add_characterize(CLI::App& app) {
       "  zerorate characterize rest.csv.gz --report noise.html --model-out mine.toml\n"
       "  zerorate replay other.csv.gz --model mine.toml --schedule still=60,drive=300,seed=1\n"
       "  zerorate characterize rest.csv --axis z --order 0.5 --json -\n"
+      "  zerorate characterize monday.csv --with tuesday.csv friday.csv --model-out mine.toml\n"
       "The JSON is described in docs/reference/characterization-format.md.");
   return {command, [options] { return run_characterize(*options); }};
 }

@@ -55,7 +55,7 @@ void replay_and_report(const DemoOptions& options, const recording::Input& recor
 /// The drive once more, with the model that the diagnosis has extended.
 void replay_extended(const DemoOptions& options, evaluate::ReplayOptions replay_options,
                      const evaluate::SimulatedDrive& drive, const diagnose::Diagnosis& diagnosis) {
-  if (diagnosis.causes.empty() || !diagnosis.gain.has_measured_cause()) return;
+  if (diagnosis.causes.empty() || !diagnosis.gain.is_measured()) return;
   replay_options.model = diagnosis.extended_model;
   recording::Reader reader{std::filesystem::path(options.directory) / "drive.csv.gz"};
   const evaluate::ReplayResult result = replay_watched(

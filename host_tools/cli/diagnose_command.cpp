@@ -232,7 +232,7 @@ void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate)
 
 void print_gain(const Diagnosis& diagnosis) {
   const diagnose::Gain& gain = diagnosis.gain;
-  if (diagnosis.causes.empty() || !gain.has_measured_cause()) return;
+  if (diagnosis.causes.empty() || !gain.is_measured()) return;
   fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
   print_estimate("RSSE ratio", gain.rsse_ratio);
   print_estimate("integrated error ratio", gain.ie_ratio);

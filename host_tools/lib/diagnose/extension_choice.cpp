@@ -47,18 +47,23 @@ Refitted refit(const FitData& data, const std::vector<Choice>& wanted,
   return refitted;
 }
 
+double standard_error(const BootstrapFigure& figure) {
+  return 0.5 * (figure.hi - figure.lo) / statistics::kHalfWidth95;
+}
+
 /// Empty where an extension pays: the samples are predicted better by more than one standard error,
-/// and the heading drifts no further.
+/// and the heading does not drift further by more than one standard error. Chance alone decides
+/// below that.
 std::string reason_against(const Gain& gain) {
   constexpr double kMostDrift = 1.005;
   const BootstrapFigure& score = gain.log_score_gain_nats_per_sample;
-  const double drift = gain.heading_drift_ratio.value;
-  if (std::isfinite(drift) && drift > kMostDrift) {
-    return fmt::format("on the data held out the heading drift is {:.3f} times that without it",
-                       drift);
+  const BootstrapFigure& drift = gain.heading_drift_ratio;
+  if (drift.value - standard_error(drift) > kMostDrift) {
+    return fmt::format(
+        "on the data held out the heading drift is {:.3f} [{:.3f}, {:.3f}] times that without it",
+        drift.value, drift.lo, drift.hi);
   }
-  const double error = 0.5 * (score.hi - score.lo) / statistics::kHalfWidth95;
-  if (score.value > error) return {};
+  if (score.value > standard_error(score)) return {};
   return fmt::format(
       "on the data held out it predicts no better: {:.2g} nats a sample "
       "[{:.2g}, {:.2g}]",
@@ -79,7 +84,13 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
   const PreparedAxis axis(first, hold_out.seed);
   const Refitted refitted = refit(axis.data(), wanted, others);
   const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
-  const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
+  // Two parts, one to choose and one to measure: the best of several chances looks better than it
+  // is.
+  const double half = 0.5 * hold_out.share;
+  const Record until_second = beginning_of(
+      record, static_cast<std::size_t>((1.0 - half) * static_cast<double>(record.size())));
+  const HeldOutDrives chooser(until_second, half / (1.0 - half), hold_out.seed);
+  const HeldOutDrives judge(record, half, hold_out.seed);
 
   chosen.is_in.assign(wanted.size(), false);
   chosen.reasons.assign(wanted.size(),
@@ -96,7 +107,7 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
     is_in[i] = true;
     try {
       model::SensorModel extended = models.with(is_in);
-      reason = reason_against(held_out.gain(model, extended));
+      reason = reason_against(chooser.gain(model, extended));
       if (reason.empty()) model = std::move(extended);
     } catch (const ModelCannotRun& cannot) {
       reason = std::string("the node cannot run it: ") + cannot.what();
@@ -104,9 +115,9 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
     is_in[i] = reason.empty();
     chosen.is_in[refitted.places[i]] = is_in[i];
   }
-  chosen.gain = held_out.gain(hold_out.base_model.value_or(models.base()), model);
+  chosen.gain = judge.gain(hold_out.base_model.value_or(models.base()), model);
   chosen.gain_over_data_sheet =
-      held_out.gain(hold_out.base_model.value_or(models.data_sheet()), model);
+      judge.gain(hold_out.base_model.value_or(models.data_sheet()), model);
   return chosen;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -34,11 +36,12 @@ class Ticks {
         identify::identification_tick(duration(data.span_s()), duration(period_s_));
     samples_ = static_cast<std::size_t>(
         std::max(1.0, std::round(static_cast<double>(tick.ns()) * 1e-9 / period_s_)));
-    size_ = data.size() / samples_;
+    size_ = spectrum::fast_length_below(data.size() / samples_);
     temperature_ = temperatures_of(data);
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t samples() const { return samples_; }
   [[nodiscard]] double tick_s() const { return period_s_ * static_cast<double>(samples_); }
 
   [[nodiscard]] std::vector<identify::TickMean> means_of(std::span<const double> values) const {
@@ -109,31 +112,47 @@ double log_rms_heading(const model::SensorModel& model, const ScoredTicks& ticks
   return 0.5 * std::log(squares / static_cast<double>(drives.size()));
 }
 
-/// Draws a record by the density of a hypothesis, its mean functions included.
+/// Draws tick means by the density of a hypothesis, its mean functions included. The mean of m
+/// samples keeps the share D = sin(m w/2) / (m sin(w/2)) of a coefficient at the frequency w. In
+/// the DCT of N ticks it is coefficient k, 2 N - k, 2 N + k, ... that fall together.
 class Simulator {
  public:
-  explicit Simulator(const Hypothesis& hypothesis)
-      : data_(&hypothesis.data()),
-        mean_(mean_coefficients(hypothesis)),
-        sigma_(hypothesis.density()),
-        stream_(random::RandomStream(data_->seed()).substream("materiality")) {
+  Simulator(const Hypothesis& hypothesis, const Ticks& ticks)
+      : transform_(ticks.size()),
+        means_(
+            ticks.means_of(hypothesis.data().transform().inverse(mean_coefficients(hypothesis)))),
+        sigma_(ticks.size()),
+        stream_(random::RandomStream(hypothesis.data().seed()).substream("materiality")) {
+    const std::vector<double>& density = hypothesis.density();
+    const std::size_t turn = 2 * ticks.size();
+    const auto samples = static_cast<double>(ticks.samples());
+    for (std::size_t k = 1; k < density.size(); ++k) {
+      const std::size_t folded = std::min(k % turn, turn - k % turn);
+      if (folded == 0 || folded == ticks.size()) continue;
+      const double half =
+          0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(density.size());
+      const double kept = std::sin(samples * half) / (samples * std::sin(half));
+      sigma_[folded] += kept * kept * density[k] / samples;
+    }
     for (double& sigma : sigma_) sigma = std::sqrt(sigma);
   }
 
-  [[nodiscard]] std::vector<double> record(std::size_t run) const {
-    std::vector<double> coefficients(mean_.size());
+  [[nodiscard]] std::vector<identify::TickMean> ticks(std::size_t run) const {
+    std::vector<double> coefficients(sigma_.size());
     stream_.substream(run).fill_normal(0, coefficients);
-    coefficients[0] = 0.0;
-    for (std::size_t k = 1; k < coefficients.size(); ++k) {
-      coefficients[k] = mean_[k] + coefficients[k] * sigma_[k];
+    for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] *= sigma_[k];
+    const std::vector<double> noise = transform_.inverse(coefficients);
+    std::vector<identify::TickMean> ticks = means_;
+    for (std::size_t k = 0; k < ticks.size(); ++k) {
+      ticks[k].rate_rad_s[0] += static_cast<float>(noise[k]);
     }
-    return data_->transform().inverse(coefficients);
+    return ticks;
   }
 
  private:
-  const FitData* data_;
-  std::vector<double> mean_;
-  std::vector<double> sigma_;
+  spectrum::CosineTransform transform_;
+  std::vector<identify::TickMean> means_;  ///< of the mean functions
+  std::vector<double> sigma_;              ///< of the coefficients of the tick means
   random::RandomStream stream_;
 };
 
@@ -165,19 +184,17 @@ std::optional<Materiality> weigh_remainder(const Hypothesis& hypothesis,
     materiality.by_drive.push_back({.drive_s = drive_s, .drives = drives});
   }
   if (logs.empty()) return std::nullopt;
-  const Simulator simulator(hypothesis);
+  const Simulator simulator(hypothesis, ticks);
   std::vector<std::vector<double>> simulated(logs.size());
   for (std::size_t run = 0; run < kSimulations; ++run) {
-    const auto means = ticks.means_of(simulator.record(run));
+    const auto means = simulator.ticks(run);
     for (std::size_t i = 0; i < logs.size(); ++i) {
       simulated[i].push_back(
           log_rms_heading(model, ticks.cut(means, materiality.by_drive[i].drive_s)));
     }
   }
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    BootstrapFigure& ratio = materiality.by_drive[i].ratio;
-    ratio = ratio_of(logs[i], simulated[i]);
-    materiality.is_material |= ratio.lo > 1.0 && ratio.value > kLeastExcess;
+    materiality.by_drive[i].ratio = ratio_of(logs[i], simulated[i]);
   }
   return materiality;
 } catch (const ModelCannotRun&) {

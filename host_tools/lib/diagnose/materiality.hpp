@@ -11,17 +11,14 @@
 namespace zerorate::diagnose {
 
 /// Lets the node, with the model that it gets, drive through the record and through simulations of
-/// the hypothesis (a parametric bootstrap): stops and drives alternate. What is left is material if
-/// for some length of drives the heading error of the record is larger than simulations explain, by
-/// the 95 % interval of all lengths together, and by more than kLeastExcess. Disturbed samples that
-/// the hypothesis has replaced are replaced in the record, and absent in simulations.
+/// the hypothesis (a parametric bootstrap): stops and drives alternate. The ratio of the heading
+/// errors of record and simulations has an interval for each length of drives; all of them together
+/// hold with 95 %. Disturbed samples that the hypothesis has replaced are replaced in the record,
+/// and absent in simulations.
 /// @param hypothesis  fitted to the whole record
 /// @return nothing where fewer than eight drives of the shortest length fit, or the node cannot run
 ///         the model
 [[nodiscard]] std::optional<Materiality> weigh_remainder(const Hypothesis& hypothesis,
                                                          const model::SensorModel& model);
-
-/// Excess of the heading error that is no matter.
-inline constexpr double kLeastExcess = 1.05;
 
 }  // namespace zerorate::diagnose

@@ -115,6 +115,30 @@ report::Table summary_table(const Characterization& result) {
   return table;
 }
 
+report::Table sameness_table(const Characterization& result) {
+  report::Table table{
+      .caption = fmt::format("Does one parameter set serve all recordings? A likelihood ratio test "
+                             "that errs in {:.0f} "
+                             "% of the sensors that have not changed, all axes together.",
+                             100.0 * Sameness::kSize),
+      .columns = {{"Axis"}, {"Recording"}, {"N", "deg/s/sqrt(Hz)"}, {"B", "deg/h"}, {"p"}}};
+  for (const Sameness& axis : result.sameness) {
+    const auto row = [&](const std::string& name, const InnovationsFit& fit,
+                         const std::string& verdict) {
+      table.rows.push_back(
+          {axis.axis, name, text(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
+           fit.flicker ? text(fit.flicker->bias_instability_rad_s, kDphPerRadS) : "none", verdict});
+    };
+    row(result.recording, axis.alone.front(), "");
+    for (std::size_t i = 1; i < axis.alone.size(); ++i) {
+      row(result.further_recordings.at(i - 1), axis.alone[i], "");
+    }
+    row("all together", axis.together,
+        fmt::format("{:.2g}: {}", axis.p_value, axis.holds() ? "one set serves" : "changed"));
+  }
+  return table;
+}
+
 std::string lead(const Characterization& result) {
   return fmt::format(
       "{:.0f} s at rest, a sample every {:.4g} s. White and flicker noise of each axis at their "
@@ -148,6 +172,7 @@ std::string_view explain(OrderSource source) {
 report::Report make_report(const Characterization& result, const std::string& provenance) {
   report::Report report{"Noise of " + result.recording, lead(result)};
   report.section("Summary").table(summary_table(result));
+  if (!result.sameness.empty()) report.section("Over all recordings").table(sameness_table(result));
   for (const AxisCharacterization& axis : result.axes) {
     auto& section = report.section("Axis " + axis.axis);
     section.key_figures(key_figures(axis));
@@ -202,6 +227,32 @@ Json density_json(const std::vector<DensityBin>& bins) {
     json.push_back({{"frequency_hz", bin.frequency_hz},
                     {"density_dps2_per_hz", number(bin.density * kDegPerRad * kDegPerRad)},
                     {"points", bin.points}});
+  }
+  return json;
+}
+
+Json strengths_json(const InnovationsFit& fit) {
+  return {{"angle_random_walk_dps_per_sqrt_hz",
+           interval(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad)},
+          {"flicker", fit.flicker ? flicker_json(*fit.flicker) : Json(nullptr)}};
+}
+
+Json sameness_json(const Characterization& result) {
+  Json json{{"recordings", {result.recording}},
+            {"size", Sameness::kSize},
+            {"serves", true},
+            {"axes", Json::object()}};
+  for (const std::string& more : result.further_recordings) json["recordings"].push_back(more);
+  for (const Sameness& axis : result.sameness) {
+    if (!axis.holds()) json["serves"] = false;
+    Json alone = Json::array();
+    for (const InnovationsFit& fit : axis.alone) alone.push_back(strengths_json(fit));
+    json["axes"][axis.axis] = {{"serves", axis.holds()},
+                               {"p_value", number(axis.p_value)},
+                               {"likelihood_ratio", number(axis.likelihood_ratio)},
+                               {"degrees_of_freedom", axis.degrees_of_freedom},
+                               {"together", strengths_json(axis.together)},
+                               {"alone", std::move(alone)}};
   }
   return json;
 }
@@ -262,6 +313,7 @@ std::string to_json(const Characterization& result) {
             {"middle_axis", middle_axis(result).axis},
             {"axes", Json::object()}};
   for (const AxisCharacterization& axis : result.axes) json["axes"][axis.axis] = axis_json(axis);
+  if (!result.sameness.empty()) json["one_parameter_set"] = sameness_json(result);
   return json.dump(2) + "\n";
 }
 

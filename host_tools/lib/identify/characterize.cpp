@@ -191,14 +191,20 @@ const AllanPoint& AxisCharacterization::allan_floor() const {
   return *std::ranges::min_element(allan, {}, &AllanPoint::adev);
 }
 
-InnovationsFit fit_noise(const AxisTicks& ticks, std::optional<double> order) {
+PreparedFit prepare_fit(const AxisTicks& ticks, std::optional<double> order) {
   const EvenRecord even = longest_even_ticks(ticks.means, ticks.tick, ticks.axis);
-  const InnovationsLikelihood likelihood{ticks.means, ticks.axis, ticks.sample_period, ticks.tick};
+  InnovationsLikelihood likelihood{ticks.means, ticks.axis, ticks.sample_period, ticks.tick};
   const double shortest_s = shortest_time_constant_s(ticks.sample_period);
-  return fit_by_innovations(likelihood, {.starts = start_values(likelihood, ticks.means, even,
-                                                                ticks.axis, order, shortest_s),
-                                         .order = order,
-                                         .shortest_time_constant_s = shortest_s});
+  InnovationsFitOptions options{
+      .starts = start_values(likelihood, ticks.means, even, ticks.axis, order, shortest_s),
+      .order = order,
+      .shortest_time_constant_s = shortest_s};
+  return {std::move(likelihood), std::move(options)};
+}
+
+InnovationsFit fit_noise(const AxisTicks& ticks, std::optional<double> order) {
+  const PreparedFit prepared = prepare_fit(ticks, order);
+  return fit_by_innovations(prepared.likelihood, prepared.options);
 }
 
 model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,

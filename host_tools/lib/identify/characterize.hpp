@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,22 @@ struct AxisCharacterization {
   [[nodiscard]] const AllanPoint& allan_floor() const;
 };
 
+/// Test of one parameter set for several recordings of one axis, see test_sameness().
+struct Sameness {
+  static constexpr double kSize = 0.01;  ///< share of sensors without change that fail, all axes
+
+  std::string axis;
+  InnovationsFit together;            ///< fitted to all recordings at once
+  std::vector<InnovationsFit> alone;  ///< of each recording, at the order of `together`
+  double likelihood_ratio = 0.0;
+  std::size_t degrees_of_freedom = 0;
+  double p_value = 1.0;      ///< of a ratio this large where nothing has changed
+  double threshold = 1.0;    ///< for p: kSize over the number of axes
+  model::SensorModel model;  ///< of `together`
+
+  [[nodiscard]] bool holds() const { return p_value >= threshold; }
+};
+
 struct Characterization {
   std::string recording;
   std::uint64_t rows = 0;
@@ -44,6 +61,8 @@ struct Characterization {
   std::size_t ticks = 0;  ///< with samples at rest
   double rest_s = 0.0;    ///< what the ticks sum up to
   std::vector<AxisCharacterization> axes;
+  std::vector<std::string> further_recordings;  ///< that the axes were compared with
+  std::vector<Sameness> sameness;               ///< of each axis; none without further recordings
 };
 
 struct CharacterizeOptions {
@@ -68,10 +87,33 @@ struct AxisTicks {
   std::size_t axis = 0;
 };
 
+/// Likelihood of one axis, and the starts of a fit.
+struct PreparedFit {
+  InnovationsLikelihood likelihood;
+  InnovationsFitOptions options;
+};
+
+[[nodiscard]] PreparedFit prepare_fit(const AxisTicks& ticks, std::optional<double> order);
+
 /// White and flicker noise of one axis: the base that characterize() and the diagnosis share.
 /// It is fitted to tick means, which the sensor's low-pass, fast lines and rounding leave alone.
 /// @param order  d where it is known
 [[nodiscard]] InnovationsFit fit_noise(const AxisTicks& ticks, std::optional<double> order = {});
+
+/// Tests whether the noise of an axis has the same strengths in several recordings, by the ratio of
+/// the likelihoods of one parameter set for each and of one for all. The order of the flicker noise
+/// is that of the fit to all, so that white and flicker noise are compared: 2 (recordings - 1)
+/// degrees of freedom. Where flicker noise is too weak to be seen the ratio is smaller than chi
+/// squared, and the test errs towards "the same".
+/// @param recordings  of one axis, at least two
+[[nodiscard]] Sameness test_sameness(std::span<const AxisTicks> recordings,
+                                     std::optional<double> order = {});
+
+/// Compares a characterized recording with further recordings of the same sensor, and sets the
+/// results for each of its axes.
+/// @param samples  of the recording that was characterized
+void compare_recordings(const RestSamples& samples, std::span<const RestSamples> further,
+                        const CharacterizeOptions& options, Characterization& result);
 
 /// Model of a fit, with its sources.
 [[nodiscard]] model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,

@@ -101,15 +101,15 @@ struct Maximum {
 /// Fits of one record; counts the passes of the filter.
 class Fitter {
  public:
-  Fitter(const InnovationsLikelihood& likelihood, const InnovationsFitOptions& options)
-      : likelihood_(likelihood), options_(options) {}
+  Fitter(std::span<const InnovationsLikelihood> likelihoods, const InnovationsFitOptions& options)
+      : likelihoods_(likelihoods), options_(options) {}
 
   /// White noise alone: its strength scales every variance, so one pass gives the maximum.
   InnovationsFit white_alone() {
     model::SensorModel model{.name = "white"};
     model.white.angle_random_walk_rad_per_sqrt_s =
         options_.starts.front().angle_random_walk_rad_per_sqrt_s;
-    const Likelihood at_start = likelihood_(model);
+    const Likelihood at_start = likelihood(model);
     ++evaluations_;
     const auto count = static_cast<double>(at_start.innovations);
     const double excess = at_start.squared_innovations / count;
@@ -143,7 +143,7 @@ class Fitter {
   Maximum maximum(const StartValues& start, double order, bool order_is_free) {
     const double white = start.angle_random_walk_rad_per_sqrt_s;
     const double slowest =
-        2.0 * std::numbers::pi / (tick_s() * static_cast<double>(likelihood_.ticks()));
+        2.0 * std::numbers::pi / (tick_s() * static_cast<double>(longest().ticks()));
     // N^2 = B^2 omega^(-2d).
     const double corner = std::pow(start.bias_instability_rad_s / white, 1.0 / start.order);
     const Parameters parameters{
@@ -159,18 +159,30 @@ class Fitter {
     const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
     const Objective objective = [&](const Eigen::VectorXd& x) {
       ++evaluations_;
-      return likelihood_(parameters.model(x)).minus_two_log();
+      return likelihood(parameters.model(x)).minus_two_log();
     };
     const Eigen::VectorXd room = kRoom.head(theta.size());
     const Minimum minimum = minimise(objective, theta, step, room);
     return {parameters, minimum.at, covariance(objective, minimum, step), minimum.value};
   }
 
-  [[nodiscard]] double tick_s() const {
-    return static_cast<double>(likelihood_.tick().ns()) * 1e-9;
+  [[nodiscard]] double tick_s() const { return static_cast<double>(longest().tick().ns()) * 1e-9; }
+  [[nodiscard]] const InnovationsLikelihood& longest() const {
+    return *std::ranges::max_element(likelihoods_, {}, &InnovationsLikelihood::ticks);
+  }
+  /// Likelihood of all records.
+  [[nodiscard]] Likelihood likelihood(const model::SensorModel& model) const {
+    Likelihood sum;
+    for (const InnovationsLikelihood& one : likelihoods_) {
+      const Likelihood more = one(model);
+      sum.log_variances += more.log_variances;
+      sum.squared_innovations += more.squared_innovations;
+      sum.innovations += more.innovations;
+    }
+    return sum;
   }
 
-  const InnovationsLikelihood& likelihood_;
+  std::span<const InnovationsLikelihood> likelihoods_;
   const InnovationsFitOptions& options_;
   std::size_t evaluations_ = 0;
 };
@@ -182,8 +194,11 @@ double p_value_of(double likelihood_ratio) {
   return 0.5 * boost::math::cdf(boost::math::complement(distribution, likelihood_ratio));
 }
 
-void require_usable(const InnovationsLikelihood& likelihood, const InnovationsFitOptions& options) {
-  if (likelihood.ticks() < kFewestTicks) {
+void require_usable(std::span<const InnovationsLikelihood> likelihoods,
+                    const InnovationsFitOptions& options) {
+  if (likelihoods.empty() || std::ranges::any_of(likelihoods, [](const auto& likelihood) {
+        return likelihood.ticks() < kFewestTicks;
+      })) {
     throw recording::DataError("too short to identify noise: fewer than 64 filter ticks at rest");
   }
   if (options.order && !(*options.order >= kLowestOrder && *options.order <= kHighestOrder)) {
@@ -237,8 +252,13 @@ model::SensorModel InnovationsFit::model(double shortest_time_constant_s) const 
 
 InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
                                   const InnovationsFitOptions& options) {
-  require_usable(likelihood, options);
-  Fitter fitter{likelihood, options};
+  return fit_by_innovations(std::span(&likelihood, 1), options);
+}
+
+InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelihoods,
+                                  const InnovationsFitOptions& options) {
+  require_usable(likelihoods, options);
+  Fitter fitter{likelihoods, options};
   InnovationsFit fit = fitter.white_alone();
   Maximum best = fitter.maximum(options.order.value_or(kPriorOrder));
   fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - best.minus_two_log);

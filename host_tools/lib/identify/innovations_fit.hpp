@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
@@ -84,6 +85,11 @@ struct InnovationsFitOptions {
 /// constant record, std::invalid_argument for an order outside [0.05, 0.95] and start values that
 /// are missing or out of range.
 [[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
+                                                const InnovationsFitOptions& options);
+
+/// One parameter set for several recordings of a sensor: their likelihoods multiply.
+/// @param likelihoods  at least one
+[[nodiscard]] InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelihoods,
                                                 const InnovationsFitOptions& options);
 
 /// Width of the 95 % interval of d up to which an estimate is used: sensors differ in d by about

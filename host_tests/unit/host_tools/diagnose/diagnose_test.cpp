@@ -10,6 +10,9 @@
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/materiality.hpp"
+#include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -225,6 +228,70 @@ TEST(DiagnosisWithoutATemperature, SaysThatItsDriftWasNotExamined) {
   ASSERT_NE(drift, diagnosis.evidence.end());
   EXPECT_EQ(drift->not_examined, "no temperature");
   EXPECT_FALSE(drift->selected);
+}
+
+/// Remainder beside the true model.
+Materiality remainder_of(const Record& record) {
+  const PreparedAxis axis(record, 1);
+  const auto materiality = weigh_remainder(hypothesis_of(axis.data(), true_model()), true_model());
+  EXPECT_TRUE(materiality);
+  return materiality.value_or(Materiality{});
+}
+
+TEST(RemainderOfNothing, IsNotMaterial) {
+  const Materiality nothing = remainder_of(simulated({}, 11));
+  ASSERT_FALSE(nothing.by_drive.empty());
+  EXPECT_NE(nothing.is_material(), true);
+  for (const HeadingExcess& excess : nothing.by_drive) {
+    EXPECT_LE(excess.ratio.lo, 1.0);
+    EXPECT_GE(excess.ratio.hi, 1.0);
+  }
+}
+
+TEST(RemainderThatSwingsFromStopToDrive, IsMaterial) {
+  // Over 60 s 3 deg, where the white noise sums up to 0.3 deg.
+  Record record = simulated({}, 11);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.rate_rad_s[k] += k % 1300 < 650 ? 0.05 * kRadPerDeg : 0.0;
+  }
+  const Materiality swings = remainder_of(record);
+  EXPECT_EQ(swings.is_material(), true);
+  const auto longest = std::ranges::max_element(swings.by_drive, {}, &HeadingExcess::drive_s);
+  EXPECT_GT(longest->ratio.value, 1.5);
+}
+
+/// Five samples at once every half second: the median interval is far shorter than the mean one.
+Record in_bursts(Record record) {
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.time_s[k] = 0.5 * static_cast<double>(k / 5) + 1e-3 * static_cast<double>(k % 5);
+  }
+  record.sample_period_s = 1e-3;
+  record.mean_period_s = kPeriod;
+  return record;
+}
+
+TEST(BaseOfARecordInBursts, HasTheNoiseOfTheMeanInterval) {
+  const Record record = in_bursts(simulated({}, 1));
+  const identify::Characterization characterized =
+      identify::characterize(samples_of(record), {.axes = {0}, .order = 0.5});
+
+  // N^2 = r T: with the median interval it would be a tenth. One tick holds five samples.
+  EXPECT_NEAR(characterized.axes.front().model.white.angle_random_walk_rad_per_sqrt_s / kRadPerDeg,
+              0.04, 0.04 * 5.0 / std::sqrt(2.0 * kTicks));
+  EXPECT_GE(characterized.tick.ns(), 100'000'000);
+}
+
+TEST(GainOnARecordInBursts, IsOfIntervalsThatCover) {
+  model::SensorModel white = true_model();
+  white.flicker.reset();
+  simulate::Signal signal(kSamples, kPeriod);
+  const std::vector<simulate::Effect> effects{simulate::WhiteNoise{0.04 * kRadPerDeg}};
+  signal = simulate::simulate(std::move(signal), effects, random::RandomStream(7, 12));
+  const Record record = in_bursts(record_of(zerorate::testing::rest_samples_of(signal), 0));
+  const Gain gain = measure_gain(record, white, white, 0.5, 1);
+
+  // 24 drives: a node that takes ticks for a tenth as noisy covers less than half of them.
+  EXPECT_GE(gain.coverage95_base.value, 0.8);
 }
 
 TEST(GainOfAModelThatTheNodeCannotRun, IsRefusedByAnErrorOfItsOwn) {

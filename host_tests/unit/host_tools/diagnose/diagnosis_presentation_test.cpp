@@ -115,17 +115,32 @@ TEST(DiagnosisInWords, SaysWhatTheModelLeavesOutAndWhy) {
 TEST(DiagnosisInWords, SaysFirstWhetherTheRemainderMatters) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.verdict = Verdict::unexplained;
-  EXPECT_EQ(verdict_in_words(diagnosis), "unexplained");
+  EXPECT_EQ(verdict_in_words(diagnosis),
+            "unexplained, and the recording does not tell whether it matters");
   EXPECT_FALSE(diagnosis.is_material().has_value());
   diagnosis.materiality = Materiality{
       .by_drive = {
           {.drive_s = 60.0, .drives = 30, .ratio = {.value = 1.02, .lo = 0.9, .hi = 1.15}}}};
   EXPECT_EQ(verdict_in_words(diagnosis), "unexplained, but it does not matter for the heading");
   EXPECT_TRUE(in_words(diagnosis).starts_with(
-      "The heading error is 1.02 [0.90, 1.15] times over 60 s that of simulations"));
-  diagnosis.materiality->is_material = true;
-  const std::array axes{diagnosis};
-  EXPECT_EQ(nlohmann::json::parse(to_json(axes)).at("material"), true);
+      "The heading error is 1.02 [0.90, 1.15] times over 60 s (no matter) that of simulations"));
+}
+
+TEST(MaterialityOfARemainder, IsUndecidedWhereAnIntervalIsTooWide) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.verdict = Verdict::unexplained;
+  const HeadingExcess none{.drive_s = 10.0, .ratio = {.value = 1.01, .lo = 0.95, .hi = 1.08}};
+  const HeadingExcess wide{.drive_s = 300.0, .ratio = {.value = 1.1, .lo = 0.8, .hi = 1.5}};
+  const HeadingExcess small{.drive_s = 60.0, .ratio = {.value = 1.03, .lo = 1.01, .hi = 1.05}};
+  const HeadingExcess large{.drive_s = 60.0, .ratio = {.value = 1.3, .lo = 1.1, .hi = 1.6}};
+  const auto material = [&](std::vector<HeadingExcess> by_drive) {
+    diagnosis.materiality = Materiality{std::move(by_drive)};
+    const std::array axes{diagnosis};
+    return nlohmann::json::parse(to_json(axes)).at("material");
+  };
+  EXPECT_EQ(material({none, small}), false);
+  EXPECT_TRUE(material({none, wide}).is_null());
+  EXPECT_EQ(material({none, wide, large}), true);
 }
 
 TEST(DiagnosisInWords, NamesNoCauseAsProvenWhenSomethingIsLeft) {

@@ -57,36 +57,49 @@ double markov_ratio(double record_in_time_constants, std::size_t index) {
 }
 
 /// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
-/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form.
+/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form. The
+/// integral of the kernel is 2 atan(coth(k/2) tan(x/2)); the difference at the ends of a band
+/// below a whole turn is one angle.
 class LineSide {
  public:
   /// @param coth of k / 2
   LineSide(double coth, double distance, double width)
-      : coth_(coth), lo_(distance - 0.5 * width), hi_(distance + 0.5 * width), width_(width) {}
+      : coth_(coth),
+        lo_(0.5 * distance - 0.25 * width),
+        hi_(0.5 * distance + 0.25 * width),
+        width_(width) {}
 
-  [[nodiscard]] double mean() const { return (integral(hi_) - integral(lo_)) / width_; }
+  [[nodiscard]] double mean() const {
+    const double across = lo_.sine * hi_.sine;
+    const double along = lo_.cosine * hi_.cosine;
+    return 2.0 * std::atan2(coth_ * std::sin(0.5 * width_), along + coth_ * coth_ * across) /
+           width_;
+  }
   [[nodiscard]] double slope_of_distance(double sinh, double cosh) const {
-    return (sinh / (cosh - std::cos(hi_)) - sinh / (cosh - std::cos(lo_))) / width_;
+    return (sinh / (cosh - hi_.cosine_of_whole()) - sinh / (cosh - lo_.cosine_of_whole())) / width_;
   }
   [[nodiscard]] double slope_of_log_coherence(double decay) const {
     return decay * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) / width_;
   }
 
  private:
-  [[nodiscard]] double integral(double x) const {
-    const double turns = std::floor(0.5 * x / std::numbers::pi + 0.5);
-    return 2.0 * (std::atan(coth_ * std::tan(0.5 * x)) + turns * std::numbers::pi);
-  }
+  /// Half of a distance.
+  struct End {
+    explicit End(double half) : sine(std::sin(half)), cosine(std::cos(half)) {}
+    [[nodiscard]] double cosine_of_whole() const { return 1.0 - 2.0 * sine * sine; }
+    double sine;
+    double cosine;
+  };
+
   /// d integral / d coth.
-  [[nodiscard]] double slope_of_coth(double x) const {
-    const double sine = std::sin(0.5 * x);
-    const double cosine = std::cos(0.5 * x);
-    return 2.0 * sine * cosine / (cosine * cosine + coth_ * coth_ * sine * sine);
+  [[nodiscard]] double slope_of_coth(const End& end) const {
+    return 2.0 * end.sine * end.cosine /
+           (end.cosine * end.cosine + coth_ * coth_ * end.sine * end.sine);
   }
 
   double coth_;
-  double lo_;
-  double hi_;
+  End lo_;
+  End hi_;
   double width_;
 };
 

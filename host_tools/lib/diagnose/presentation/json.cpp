@@ -79,12 +79,17 @@ Json gain_json(const Gain& gain) {
   return json;
 }
 
+Json or_null(std::optional<bool> value) {
+  return value ? Json(*value) : Json();
+}
+
 Json remainder_json(const Diagnosis& axis) {
   Json json = Json::array();
   if (!axis.materiality) return json;
   for (const HeadingExcess& excess : axis.materiality->by_drive) {
     json.push_back({{"drive_s", number(excess.drive_s)}, {"drives", excess.drives}});
     add(json.back(), "heading_error_ratio", excess.ratio);
+    json.back()["material"] = or_null(excess.is_material());
   }
   return json;
 }
@@ -93,7 +98,7 @@ Json axis_json(const Diagnosis& axis) {
   Json json{{"schema", kSchema},
             {"axis", axis.axis},
             {"verdict", name(axis.verdict)},
-            {"material", axis.is_material() ? Json(*axis.is_material()) : Json()},
+            {"material", or_null(axis.is_material())},
             {"remainder", remainder_json(axis)},
             {"causes", Json::array()},
             {"further_causes", Json::array()},

@@ -202,7 +202,7 @@ void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportTe
     report.section("Evidence").chart(evidence_chart(diagnosis)).table(evidence_table(diagnosis));
   }
   if (diagnosis.causes.empty()) return;
-  if (diagnosis.gain.has_measured_cause()) add_gain(report, diagnosis.gain);
+  if (diagnosis.gain.is_measured()) add_gain(report, diagnosis.gain);
   add_model(report, diagnosis, text.recording);
 }
 

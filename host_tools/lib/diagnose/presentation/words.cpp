@@ -117,7 +117,7 @@ std::string drift_sentence(const Gain& gain) {
 }
 
 std::string gain_sentence(const Gain& gain) {
-  if (!gain.has_measured_cause()) return "";
+  if (!gain.is_measured()) return "";
   if (gain.has_drives()) {
     return drift_sentence(gain) +
            fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",
@@ -174,7 +174,7 @@ std::string verdict_in_words(const Diagnosis& diagnosis) {
   std::string text(name(diagnosis.verdict));
   if (diagnosis.verdict != Verdict::unexplained) return text;
   const std::optional<bool> is_material = diagnosis.is_material();
-  if (!is_material) return text;
+  if (!is_material) return text + ", and the recording does not tell whether it matters";
   return text + (*is_material ? ", and it matters for the heading"
                               : ", but it does not matter for the heading");
 }
@@ -183,8 +183,13 @@ std::string remainder_in_words(const Diagnosis& diagnosis) {
   if (!diagnosis.materiality) return {};
   std::vector<std::string> drives;
   for (const HeadingExcess& excess : diagnosis.materiality->by_drive) {
-    drives.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] times over {:.0f} s", excess.ratio.value,
-                                 excess.ratio.lo, excess.ratio.hi, excess.drive_s));
+    const std::optional<bool> is_material = excess.is_material();
+    drives.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] times over {:.0f} s ({})",
+                                 excess.ratio.value, excess.ratio.lo, excess.ratio.hi,
+                                 excess.drive_s,
+                                 !is_material   ? "not decided"
+                                 : *is_material ? "it matters"
+                                                : "no matter"));
   }
   return fmt::format("The heading error is {} that of simulations with the causes below. ",
                      fmt::join(drives, ", "));

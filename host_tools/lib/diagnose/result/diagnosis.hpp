@@ -105,7 +105,7 @@ struct Gain {
   BootstrapFigure coverage95_extended;
   BootstrapFigure log_score_gain_nats_per_sample;
 
-  [[nodiscard]] bool has_measured_cause() const { return holdout_samples > 0; }
+  [[nodiscard]] bool is_measured() const { return holdout_samples > 0; }
   [[nodiscard]] bool has_drives() const { return std::isfinite(heading_drift_ratio.value); }
 };
 
@@ -115,12 +115,34 @@ struct HeadingExcess {
   double drive_s = 0.0;
   std::size_t drives = 0;  ///< in the recording
   BootstrapFigure ratio;   ///< 1: what is left does not show in the heading
+
+  /// True where the interval lies above 1 and the ratio is more than kLeastExcess, false where the
+  /// interval lies below kMostExcess; nothing where it is too wide for either.
+  [[nodiscard]] std::optional<bool> is_material() const {
+    if (ratio.lo > 1.0 && ratio.value > kLeastExcess) return true;
+    if (ratio.hi < kMostExcess) return false;
+    return std::nullopt;
+  }
+
+  static constexpr double kLeastExcess = 1.05;  ///< of the heading error that may matter
+  static constexpr double kMostExcess = 1.25;   ///< that does not matter
 };
 
 /// Whether what is left unexplained matters for the heading.
 struct Materiality {
-  bool is_material = false;
-  std::vector<HeadingExcess> by_drive;  ///< none where nothing is left, or no drive fits
+  std::vector<HeadingExcess> by_drive;  ///< at least one
+
+  /// True where it matters over drives of some length, false where it matters over none; nothing
+  /// where the recording does not decide.
+  [[nodiscard]] std::optional<bool> is_material() const {
+    bool is_known = true;
+    for (const HeadingExcess& excess : by_drive) {
+      const std::optional<bool> one = excess.is_material();
+      if (one && *one) return true;
+      is_known = is_known && one;
+    }
+    return is_known ? std::optional{false} : std::nullopt;
+  }
 };
 
 /// One abscissa of a curve: measured, and the middle and the 95 % band of simulations.
@@ -162,7 +184,7 @@ struct Diagnosis {
   [[nodiscard]] std::optional<bool> is_material() const {
     if (verdict != Verdict::unexplained) return false;
     if (!materiality) return std::nullopt;
-    return materiality->is_material;
+    return materiality->is_material();
   }
 
   std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
