@@ -84,13 +84,7 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
   const PreparedAxis axis(first, hold_out.seed);
   const Refitted refitted = refit(axis.data(), wanted, others);
   const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
-  // Two parts, one to choose and one to measure: the best of several chances looks better than it
-  // is.
-  const double half = 0.5 * hold_out.share;
-  const Record until_second = beginning_of(
-      record, static_cast<std::size_t>((1.0 - half) * static_cast<double>(record.size())));
-  const HeldOutDrives chooser(until_second, half / (1.0 - half), hold_out.seed);
-  const HeldOutDrives judge(record, half, hold_out.seed);
+  const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
 
   chosen.is_in.assign(wanted.size(), false);
   chosen.reasons.assign(wanted.size(),
@@ -107,7 +101,7 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
     is_in[i] = true;
     try {
       model::SensorModel extended = models.with(is_in);
-      reason = reason_against(chooser.gain(model, extended));
+      reason = reason_against(held_out.gain(model, extended, HeldOutPart::to_choose));
       if (reason.empty()) model = std::move(extended);
     } catch (const ModelCannotRun& cannot) {
       reason = std::string("the node cannot run it: ") + cannot.what();
@@ -115,9 +109,10 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
     is_in[i] = reason.empty();
     chosen.is_in[refitted.places[i]] = is_in[i];
   }
-  chosen.gain = judge.gain(hold_out.base_model.value_or(models.base()), model);
-  chosen.gain_over_data_sheet =
-      judge.gain(hold_out.base_model.value_or(models.data_sheet()), model);
+  chosen.gain =
+      held_out.gain(hold_out.base_model.value_or(models.base()), model, HeldOutPart::to_measure);
+  chosen.gain_over_data_sheet = held_out.gain(hold_out.base_model.value_or(models.data_sheet()),
+                                              model, HeldOutPart::to_measure);
   return chosen;
 }
 

@@ -32,8 +32,8 @@ struct ExtensionChoice {
 };
 
 /// Fits the effects that the whole record needed to its first part, adds one extension after the
-/// other to the base, and keeps those that predict the first half of the rest better. The second
-/// half measures the gain of the model that was chosen. Keeps all, and measures nothing, where the
+/// other to the base, and keeps those that predict every second drive of the rest better. The other
+/// drives measure the gain of the model that was chosen. Keeps all, and measures nothing, where the
 /// first part has too few samples.
 /// @param wanted  choices of the whole record
 /// @param others  profile of the other axes where an order is in common

@@ -86,6 +86,17 @@ double coverage95(const std::vector<ScoredDrive>& drives, const std::vector<std:
   return covered / static_cast<double>(indices.size());
 }
 
+/// Every second one, unless all are asked for.
+template <class One>
+std::vector<One> part_of(const std::vector<One>& all, HeldOutPart part) {
+  if (part == HeldOutPart::all) return all;
+  std::vector<One> chosen;
+  for (std::size_t i = part == HeldOutPart::to_choose ? 0 : 1; i < all.size(); i += 2) {
+    chosen.push_back(all[i]);
+  }
+  return chosen;
+}
+
 void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<ScoredDrive>& extended,
                     std::uint64_t seed, Gain& gain) {
   using Score = double (*)(const std::vector<ScoredDrive>&, const std::vector<std::size_t>&);
@@ -109,7 +120,7 @@ void compare_drives(const std::vector<ScoredDrive>& base, const std::vector<Scor
 
 /// Mean gain of a sample, the ticks gathered in blocks that are nearly independent.
 BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extended,
-                               double samples_per_tick, std::uint64_t seed) {
+                               double samples_per_tick, HeldOutPart part, std::uint64_t seed) {
   constexpr std::size_t kBlocks = 30;
   std::vector<double> gains;
   gains.reserve(base.log_scores.size());
@@ -124,6 +135,7 @@ BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extende
     blocks.push_back(std::accumulate(block.begin(), block.end(), 0.0) /
                      static_cast<double>(length));
   }
+  blocks = part_of(blocks, part);
   return with_interval(
       blocks.size(),
       [&](const auto& indices) {
@@ -163,7 +175,8 @@ ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
           .drive_ticks = cycle - std::max(1U, cycle / 4)};
 }
 
-Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorModel& extended) const {
+Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorModel& extended,
+                         HeldOutPart part) const {
   const ScoredTicks scored = cut(extended.quantization ? extended.quantization->step_rad_s : 0.0);
   const ScoreOf what = level_of(extended);
   const NodeScores with_base = score(base, scored, what);
@@ -175,12 +188,13 @@ Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorMode
   for (const identify::TickMean& mean : means_) {
     if (mean.tick >= judged_from_) judged_samples += static_cast<double>(mean.samples);
   }
-  gain.holdout_samples = static_cast<std::size_t>(judged_samples);
-  compare_drives(with_base.drives, with_extended.drives, seed_, gain);
+  gain.holdout_samples =
+      static_cast<std::size_t>(part == HeldOutPart::all ? judged_samples : 0.5 * judged_samples);
+  compare_drives(part_of(with_base.drives, part), part_of(with_extended.drives, part), seed_, gain);
   const double samples_per_tick =
       judged_samples / static_cast<double>(std::max<std::size_t>(1, with_base.log_scores.size()));
   gain.log_score_gain_nats_per_sample =
-      log_score_gain(with_base, with_extended, samples_per_tick, seed_);
+      log_score_gain(with_base, with_extended, samples_per_tick, part, seed_);
   return gain;
 }
 

@@ -12,6 +12,11 @@
 
 namespace zerorate::diagnose {
 
+/// Drives and stretches of samples that a gain is of. Two parts in turn, since the best of several
+/// chances looks better than it is; each of them sees all that the last part of a record meets,
+/// such as a temperature that turns.
+enum class HeldOutPart { all, to_choose, to_measure };
+
 /// The last part of a record, in which stops and drives alternate.
 class HeldOutDrives {
  public:
@@ -24,7 +29,8 @@ class HeldOutDrives {
   /// measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs.
   /// Throws ModelCannotRun.
   /// @param base, extended  fitted to the first part
-  [[nodiscard]] Gain gain(const model::SensorModel& base, const model::SensorModel& extended) const;
+  [[nodiscard]] Gain gain(const model::SensorModel& base, const model::SensorModel& extended,
+                          HeldOutPart part = HeldOutPart::all) const;
 
  private:
   [[nodiscard]] ScoredTicks cut(double level_step_rad_s) const;
