@@ -25,11 +25,12 @@ namespace zerorate::core {
 ///
 /// A window lasts half a second, and until half of its nominal samples have come: where samples are
 /// lost, or the sensor is slower than its nominal rate, it is judged by those that came. That of a
-/// loud sensor goes on, up to two seconds, until the least turn exceeds six standard deviations, or
-/// until it shows a change that exceeds six of its own.
+/// loud sensor goes on, up to two seconds, until the least turn exceeds six standard deviations of
+/// its difference from the level, or until it shows a change that does. The level is the mean of
+/// the windows since it changed, which forgets with a time constant of 15 s.
 ///
 /// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
-/// some thirty floating-point operations each, and a division a window.
+/// some thirty floating-point operations each, and three divisions a window.
 class OdometerCheck {
  public:
   static constexpr std::size_t kAxes = 3;
@@ -37,8 +38,8 @@ class OdometerCheck {
 
   struct Params {
     /// A change by more is a turn. Larger values tolerate rougher engines and noisier gyros;
-    /// smaller values detect slower turns. Never below six standard deviations of a window. Default
-    /// 0.25 deg/s; infinite: no turn is ever noticed.
+    /// smaller values detect slower turns. Never below six standard deviations of the difference of
+    /// a window from the level. Default 0.25 deg/s; infinite: no turn is ever noticed.
     float turn_rad_s = 0.25F * kRadPerDeg;
     /// A rate that has stayed changed for so long, or for four times as long as the one before it,
     /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
@@ -82,12 +83,10 @@ class OdometerCheck {
         bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
         window_(ticks_clamped_to_u8(kWindow, tick)),
         longest_window_(ticks_clamped_to_u8(kLongestWindow, tick)),
+        longest_memory_(ticks_in(kMemory, tick)),
         fewest_samples_(static_cast<std::uint32_t>(tick * window_ / (sample_period * 2))),
-        least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s),
-        turn_rad2_s2_(least_turn_rad2_s2_) {
+        least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s) {
     set_white_noise(white_variance_rad2_s2);
-    const float window_s = tick.in_seconds() * static_cast<float>(window_);
-    follow_ = window_s / (window_s + kFollow_s);
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -153,10 +152,10 @@ class OdometerCheck {
   static constexpr Duration kLongestWindow = Duration::seconds(2);  ///< of a loud sensor
   static constexpr Duration kBackFor = Duration::seconds(1);        ///< then it is over
   static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
-  static constexpr float kFollow_s = 15.0F;  ///< time constant at which the level follows a bias
+  static constexpr Duration kMemory = Duration::seconds(15);        ///< of the level: a bias drifts
   static constexpr std::uint16_t kNever = 0xFFFF;
   // Six standard deviations of a difference are no noise, four may be, once in a while.
-  static constexpr float kSixSigmaOfDifference2 = 2.0F * 6.0F * 6.0F;
+  static constexpr float kSixSigma2 = 6.0F * 6.0F;
   static constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
 
   /// No time, or more ticks than can be counted: never. Less than a tick: one.
@@ -178,6 +177,7 @@ class OdometerCheck {
     return ticks < least ? least : static_cast<std::uint16_t>(ticks);
   }
 
+  static constexpr float larger(float a, float b) { return a > b ? a : b; }
   static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       const float change = a[i] - b[i];
@@ -190,58 +190,71 @@ class OdometerCheck {
     state_.trusted_rad_s = level;
     state_.has_trusted = true;
   }
-  [[nodiscard]] constexpr bool is_near_trusted(const Rates& rate) const {
-    return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, turn_rad2_s2_);
+  [[nodiscard]] constexpr bool is_near_trusted(const Rates& rate, float limit_rad2_s2) const {
+    return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, limit_rad2_s2);
   }
 
-  /// Square of six standard deviations of the difference of two such windows.
-  [[nodiscard]] constexpr float noise_of_window() const {
-    return kSixSigmaOfDifference2 * white_rad2_s2_ / static_cast<float>(state_.window_samples);
-  }
+  /// Mean rate of a window, and what may be told by it.
+  struct Window {
+    Rates mean_rad_s{};
+    float ticks = 0.0F;
+    float white_of_tick = 0.0F;  ///< variance of the mean of a tick [rad2/s2]
 
-  [[nodiscard]] constexpr Rates mean_of_window() const {
+    /// Square of six standard deviations of the difference from a level of so many ticks.
+    [[nodiscard]] constexpr float noise_against(float level_ticks) const {
+      return kSixSigma2 * white_of_tick * (1.0F / ticks + 1.0F / level_ticks);
+    }
+  };
+  [[nodiscard]] constexpr Window window() const {
     const float share = 1.0F / static_cast<float>(state_.window_samples);
-    Rates mean{};
-    for (std::size_t i = 0; i < kAxes; ++i) mean[i] = state_.sum_rad_s[i] * share;
-    return mean;
+    Window window{.ticks = static_cast<float>(state_.window_ticks)};
+    window.white_of_tick = white_rad2_s2_ * window.ticks * share;
+    for (std::size_t i = 0; i < kAxes; ++i) window.mean_rad_s[i] = state_.sum_rad_s[i] * share;
+    return window;
+  }
+  /// Ticks that the level is the mean of; where a stop begins, those of a window.
+  [[nodiscard]] constexpr float level_ticks() const {
+    const std::uint32_t ticks = (state_.stands ? state_.steady_ticks : 0U) + window_;
+    return static_cast<float>(ticks < longest_memory_ ? ticks : longest_memory_);
   }
   /// Whether the window is too loud to tell the least turn, and shows no larger one.
   [[nodiscard]] constexpr bool goes_on() const {
-    const float noise = noise_of_window();
-    return state_.stands && state_.window_ticks < longest_window_ && noise > least_turn_rad2_s2_ &&
-           is_near(mean_of_window(), state_.level_rad_s, noise);
+    if (!state_.stands || state_.window_ticks >= longest_window_) return false;
+    const Window so_far = window();
+    const float noise = so_far.noise_against(level_ticks());
+    return noise > least_turn_rad2_s2_ && is_near(so_far.mean_rad_s, state_.level_rad_s, noise);
   }
 
   constexpr void close_window(const Rates* predicted) {
-    const Rates mean = mean_of_window();
-    const float noise = noise_of_window();
-    turn_rad2_s2_ = least_turn_rad2_s2_ > noise ? least_turn_rad2_s2_ : noise;
-    const std::uint8_t ticks = state_.window_ticks;
+    const Window closed = window();
+    const float limit = larger(least_turn_rad2_s2_, closed.noise_against(level_ticks()));
     clear_window();
-    compare_window(mean, ticks, predicted);
-  }
-  constexpr void compare_window(const Rates& mean, std::uint8_t ticks, const Rates* predicted) {
     if (!state_.stands) {
-      restart_level(mean);
-      state_.stands = true;
-      if (predicted != nullptr) trust(*predicted);
-      state_.turns = !is_near_trusted(mean);
-      state_.needed_ticks = longest_bend_;
-      return;
-    }
-    if (is_near(mean, state_.level_rad_s, turn_rad2_s2_)) {
-      track_level(mean, ticks);
+      begin_stop(closed.mean_rad_s, limit, predicted);
+    } else if (is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
+      track_level(closed);
     } else {
-      start_change(mean);
+      start_change(closed.mean_rad_s);
     }
+  }
+  constexpr void begin_stop(const Rates& mean, float limit, const Rates* predicted) {
+    restart_level(mean);
+    state_.stands = true;
+    if (predicted != nullptr) trust(*predicted);
+    state_.turns = !is_near_trusted(mean, limit);
+    state_.needed_ticks = longest_bend_;
   }
 
-  constexpr void track_level(const Rates& mean, std::uint8_t ticks) {
+  constexpr void track_level(const Window& closed) {
+    const float share = closed.ticks / (level_ticks() + closed.ticks);
     for (std::size_t i = 0; i < kAxes; ++i) {
-      state_.level_rad_s[i] += follow_ * (mean[i] - state_.level_rad_s[i]);
+      state_.level_rad_s[i] += share * (closed.mean_rad_s[i] - state_.level_rad_s[i]);
     }
-    age_level(ticks);
-    const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s);
+    age_level(static_cast<std::uint16_t>(closed.ticks));
+    // A turn that just exceeds the limit must not end by chance: the way back is half as far.
+    const float limit =
+        larger(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
+    const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s, limit);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }
 
@@ -281,12 +294,11 @@ class OdometerCheck {
   std::uint8_t bounced_;
   std::uint8_t window_;
   std::uint8_t longest_window_;
+  std::uint16_t longest_memory_;
   std::uint32_t fewest_samples_;  ///< samples that make a window worth judging
   float least_turn_rad2_s2_;      ///< that is told from noise as little as it may be
-  float turn_rad2_s2_;            ///< of the newest window
   float white_rad2_s2_ = 0.0F;    ///< variance of a sample
   float noise_rad2_s2_ = 0.0F;
-  float follow_ = 0.0F;
   State state_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace zerorate::core {
 namespace {
@@ -197,7 +198,7 @@ TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
 }
 
 // The white noise of a window decides, whatever the ticks are: 0.35 deg/s of a sample at 100 Hz
-// allow 0.42 deg/s after half a second, and 0.25 deg/s after 1.5 s.
+// allow 0.30 deg/s after half a second, and 0.25 deg/s after 0.75 s, against a level of 15 s.
 TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
   constexpr float kLoud = 0.35F * kRadPerDeg;
   for (const int tick_ms : {10, 20, 100, 500}) {
@@ -216,7 +217,7 @@ TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
     EXPECT_TRUE(check.turns()) << tick_ms;
     run(0.0F, 20'000);
     EXPECT_FALSE(check.turns()) << tick_ms;
-    run(1.5F, 500);
+    run(1.5F, 1'000);
     EXPECT_TRUE(check.turns()) << tick_ms;
   }
 }
@@ -235,9 +236,9 @@ TEST(OdometerCheckWhoseTickIsLongerThanABend, BelievesTheRateOfTwoTicks) {
 }
 
 TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
-  // Noise of a sample: 6 sigma of a difference are 0.6 deg/s after half a second and 0.3 deg/s
-  // after two.
-  constexpr float kLoud = 0.5F * kRadPerDeg;
+  // Noise of a sample: against a level of 10 s, 6 sigma are 0.58 deg/s after half a second and 0.31
+  // deg/s after two.
+  constexpr float kLoud = 0.67F * kRadPerDeg;
   OdometerCheck check{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(check, kBias, 20);
   EXPECT_EQ(ticks_until(check, turning(0.28F), true), 1000);
@@ -245,6 +246,28 @@ TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
   OdometerCheck other{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(other, kBias, 20);
   EXPECT_EQ(ticks_until(other, turning(1.5F), true), 1);
+}
+
+// The level of a stop that has just begun rests on half a second, and is as noisy as that: a sensor
+// at rest must not turn against it. Stops of 20 s of an ADIS16405 at 10 Hz; at six standard
+// deviations one window in 10^8 does.
+TEST(OdometerCheckOfALoudSensor, IsSilentInStopsAtRest) {
+  constexpr float kLoud = 0.129F * kRadPerDeg;
+  constexpr std::uint32_t kOfTick = 5;
+  OdometerCheck check{{}, kTick, Duration::milliseconds(100), kLoud * kLoud};
+  std::mt19937_64 engine{5};
+  std::normal_distribution<float> of_sample{0.0F, kLoud};
+  std::normal_distribution<float> of_tick{0.0F, kLoud / std::sqrt(static_cast<float>(kOfTick))};
+  const auto measured = [&](auto& noise) {
+    return Rates{kBias[0] + noise(engine), kBias[1] + noise(engine), kBias[2] + noise(engine)};
+  };
+  for (int stop = 0; stop < 10'000; ++stop) {
+    for (int tick = 0; tick < 20; ++tick) check.on_driving_tick(measured(of_sample));
+    for (int tick = 0; tick < 40; ++tick) {
+      check.on_standing_tick(measured(of_tick), kOfTick, &kBias);
+      ASSERT_FALSE(check.turns()) << "stop " << stop << ", tick " << tick;
+    }
+  }
 }
 
 TEST(OdometerCheckWithAnInfiniteTurn, NoticesNone) {
