@@ -12,12 +12,7 @@
 #include <vector>
 
 #include "core/base/numeric.hpp"
-#include "core/noise/flicker.hpp"
-#include "core/noise/gauss_markov.hpp"
-#include "core/noise/harmonic.hpp"
-#include "core/noise/random_walk.hpp"
-#include "core/noise/rate_ramp.hpp"
-#include "core/noise/warm_up.hpp"
+#include "core/noise/terms.hpp"
 #include "firmware/model/flicker_fit.hpp"
 #include "firmware/model/sensor_model.hpp"
 

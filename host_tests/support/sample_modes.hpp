@@ -6,10 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/noise/flicker.hpp"
-#include "core/noise/gauss_markov.hpp"
-#include "core/noise/harmonic.hpp"
-#include "core/noise/random_walk.hpp"
+#include "core/noise/terms.hpp"
 
 namespace zerorate::testing {
 

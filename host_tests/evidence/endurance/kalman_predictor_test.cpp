@@ -12,7 +12,7 @@
 #include <random>
 
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/noise/flicker.hpp"
+#include "core/noise/terms.hpp"
 #include "firmware/model/flicker_fit.hpp"
 
 namespace zerorate::testing {

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/noise/flicker.hpp"
-#include "core/noise/warm_up.hpp"
+#include "core/noise/terms.hpp"
 #include "host_tests/system/scenario/slow_node.hpp"
 
 namespace zerorate::scenario {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/noise/harmonic.hpp"
+#include "core/noise/terms.hpp"
 #include "host_tests/support/sample_modes.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 

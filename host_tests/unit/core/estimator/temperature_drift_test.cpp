@@ -8,8 +8,8 @@
 #include <random>
 
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/noise/flicker.hpp"
 #include "core/noise/temperature_drift.hpp"
+#include "core/noise/terms.hpp"
 
 namespace zerorate::core {
 namespace {

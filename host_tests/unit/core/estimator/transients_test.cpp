@@ -9,9 +9,7 @@
 
 #include "core/estimator/calibration_mean.hpp"
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/noise/flicker.hpp"
-#include "core/noise/rate_ramp.hpp"
-#include "core/noise/warm_up.hpp"
+#include "core/noise/terms.hpp"
 
 namespace zerorate::core {
 namespace {

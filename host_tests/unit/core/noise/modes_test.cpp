@@ -7,10 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/noise/flicker.hpp"
-#include "core/noise/gauss_markov.hpp"
-#include "core/noise/harmonic.hpp"
-#include "core/noise/random_walk.hpp"
+#include "core/noise/terms.hpp"
 
 namespace zerorate::core {
 namespace {

@@ -10,8 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "core/noise/flicker.hpp"
-#include "core/noise/warm_up.hpp"
+#include "core/noise/terms.hpp"
 #include "host_tests/support/checksum.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 

@@ -13,7 +13,7 @@
 #include "core/estimator/calibration_mean.hpp"
 #include "core/estimator/kalman_predictor.hpp"
 #include "core/estimator/moving_average.hpp"
-#include "core/noise/flicker.hpp"
+#include "core/noise/terms.hpp"
 #include "firmware/model/flicker_fit.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
