@@ -12,12 +12,12 @@ constexpr double kPivot_rad_s = 1.0 / 30.0;
 /// Distances from the middle of the prior, in standard deviations.
 constexpr std::array kOrders{-1.0, 0.0, 1.0};
 constexpr std::array kMiddleOrder{0.0};
-constexpr std::array kAmplitudes{-1.75, -0.75, 0.25, 1.25};
+constexpr std::array kAmplitudes{-1.6, -0.7, 0.2, 1.1};
 /// Shift of the amplitudes of a neighbouring order, so that the grid has no wide meshes.
-constexpr double kStagger = 1.0 / 3.0;
+constexpr double kStagger = 0.3;
 /// Gain of the logarithm of the prior by an amplitude one standard deviation larger: an interval
 /// that is too narrow does more harm than one that is too wide.
-constexpr double kCaution = 0.4;
+constexpr double kCaution = 0.35;
 
 }  // namespace
 
