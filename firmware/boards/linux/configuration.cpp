@@ -187,6 +187,13 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
   with_table(root, "model", Presence::optional, errors, [&](StrictTable& table) {
     sensor = read_sensor_model(table, chip, configuration.model_name);
   });
+  if (chip.empty() && !sensor && errors.is_empty()) {
+    errors.attempt([&] {
+      root.fail_at("model",
+                   "missing: the device's name tells no chip of the catalogue; \"name\" or "
+                   "\"file\" of [model], or \"chip\" of [gyro]");
+    });
+  }
   FilterSettings filter;
   with_table(root, "filter", Presence::optional, errors,
              [&](StrictTable& table) { read_filter(table, filter, errors); });

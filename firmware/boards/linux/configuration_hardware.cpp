@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/boards/linux/chips/iio_gyro.hpp"
 #include "firmware/boards/linux/configuration_tables.hpp"
 #include "firmware/toml/error.hpp"
 #include "hal/linux/named_socket.hpp"
@@ -89,14 +90,21 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
   }
 }
 
+constexpr std::array<std::string_view, 3> kBuses{"spi", "i2c", "iio"};
+
+/// False where the table says none that there is.
+bool read_bus(StrictTable& table, GyroSettings& gyro, ErrorList& errors, Presence presence) {
+  return errors.attempt(
+      [&] { gyro.bus = static_cast<BusKind>(table.choice("bus", kBuses, presence).value_or(0)); });
+}
+
 void read_wiring(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro,
-                 ErrorList& errors) {
-  static constexpr std::array<std::string_view, 2> kBuses{"spi", "i2c"};
+                 ErrorList& errors, bool has_bus) {
   static constexpr std::array<std::string_view, 2> kKeys{"speed_hz", "address"};
-  const bool has_bus = errors.attempt(
-      [&] { gyro.bus = static_cast<BusKind>(*table.choice("bus", kBuses, Presence::required)); });
+  const bool is_told =
+      has_bus && errors.attempt([&] { (void)table.choice("bus", kBuses, Presence::required); });
   errors.attempt([&] { gyro.device = *name_at(table, "device", Presence::required); });
-  if (!has_bus) return pass_over(table, kKeys);
+  if (!is_told) return pass_over(table, kKeys);
   errors.attempt([&] {
     gyro.bus == BusKind::spi ? read_spi(table, chip, gyro) : read_i2c(table, chip, gyro);
   });
@@ -109,14 +117,35 @@ void read_simulation(StrictTable& table, GyroSettings& gyro, ErrorList& errors) 
   errors.attempt([&] { gyro.drives = table.boolean("drives", Presence::optional).value_or(true); });
 }
 
+/// A gyro of the kernel's: its chip may be one that we have no driver for.
+void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
+  constexpr double kUsualRange_dps = 250.0;
+  errors.attempt([&] { gyro.device = *name_at(table, "device", Presence::required); });
+  errors.attempt([&] {
+    gyro.chip = chip_of_iio(gyro.device);
+    if (table.find("chip", "", Presence::optional) == nullptr) return;
+    read_chip(table, gyro);
+    if (gyro.is_simulated()) table.fail_at("chip", "\"simulated\" is on no bus");
+  });
+  errors.attempt([&] { gyro.rate_hz = *table.number("rate_hz", kPositive, Presence::required); });
+  errors.attempt([&] {
+    const ChipDescription* const chip = find_chip(gyro.chip);
+    const bool has_one_range = chip != nullptr && chip->full_scales_dps.size() == 1;
+    gyro.full_scale_dps = table.number("full_scale_dps", kPositive, Presence::optional)
+                              .value_or(has_one_range ? chip->full_scales_dps[0] : kUsualRange_dps);
+  });
+}
+
 void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   static constexpr std::array<std::string_view, 9> kKeys{"bus",     "device",      "speed_hz",
                                                          "address", "rate_hz",     "full_scale_dps",
                                                          "fifo",    "time_factor", "drives"};
+  const bool has_bus = read_bus(table, gyro, errors, Presence::optional);
+  if (gyro.bus == BusKind::iio) return read_iio(table, gyro, errors);
   if (!errors.attempt([&] { read_chip(table, gyro); })) return pass_over(table, kKeys);
   const bool is_simulated = gyro.is_simulated();
   const ChipDescription& chip = *find_chip(gyro.model_chip());
-  if (!is_simulated) read_wiring(table, chip, gyro, errors);
+  if (!is_simulated) read_wiring(table, chip, gyro, errors, has_bus);
   const auto simulated = [&](double value) {
     return is_simulated ? std::optional{value} : std::nullopt;
   };
@@ -124,7 +153,14 @@ void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   errors.attempt([&] {
     gyro.full_scale_dps = one_of(table, "full_scale_dps", chip.full_scales_dps, simulated(250.0));
   });
-  if (is_simulated) return read_simulation(table, gyro, errors);
+  if (is_simulated) {
+    errors.attempt([&] {
+      if (table.find("bus", "", Presence::optional) != nullptr) {
+        table.fail_at("bus", "not beside chip = \"simulated\"");
+      }
+    });
+    return read_simulation(table, gyro, errors);
+  }
   errors.attempt([&] {
     gyro.fifo = table.boolean("fifo", Presence::optional).value_or(false);
     if (gyro.fifo && !chip.has_fifo) table.fail_at("fifo", "the chip has none");
@@ -240,6 +276,9 @@ void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& e
     configuration.data_ready = read_line(table, errors);
     if (configuration.gyro.is_simulated()) {
       root.fail_at("data_ready", "not beside chip = \"simulated\", which brings its own");
+    }
+    if (configuration.gyro.bus == BusKind::iio) {
+      root.fail_at("data_ready", "not beside bus = \"iio\": the kernel's driver has the line");
     }
   });
   with_table(root, "odometer", Presence::optional, errors,

@@ -18,7 +18,11 @@ drivers::Repetition repetition_of(const Configuration& configuration) {
   const GyroSettings& gyro = configuration.gyro;
   const float variance = configuration.node.white_variance_rad2_s2;
   const core::AngularRate sigma = core::rad_per_s(std::sqrt(variance));
-  const double lsb_dps = gyro.full_scale_dps / find_chip(gyro.chip)->counts;
+  const ChipDescription* const chip = find_chip(gyro.chip);
+  // Counts at full scale of a chip that is not known: the fewest of those with 16 bits, because a
+  // coarser LSB repeats itself longer.
+  constexpr double kFewestCounts = 250.0 / 0.00875;
+  const double lsb_dps = gyro.full_scale_dps / (chip != nullptr ? chip->counts : kFewestCounts);
   return drivers::Repetition{
       longest_repetition(static_cast<double>(sigma.in(core::deg_per_s)), lsb_dps, gyro.rate_hz)};
 }
@@ -26,7 +30,7 @@ drivers::Repetition repetition_of(const Configuration& configuration) {
 }  // namespace
 
 LinuxHardware::LinuxHardware(const Configuration& configuration)
-    : LinuxHardware(configuration, find_chip(configuration.gyro.chip)->make(configuration.gyro)) {}
+    : LinuxHardware(configuration, make_gyro(configuration.gyro)) {}
 
 LinuxHardware::LinuxHardware(const Configuration& configuration, std::unique_ptr<DeviceGyro> device)
     : device_(*device), gyro_(std::move(device), repetition_of(configuration)) {
@@ -76,11 +80,12 @@ void LinuxHardware::wait() {
   const std::timespec limit{.tv_sec = static_cast<std::time_t>(at_most.ns() / 1'000'000'000),
                             .tv_nsec = static_cast<long>(at_most.ns() % 1'000'000'000)};
   // A negative descriptor, of a line that is not open, is passed over by the kernel.
-  std::array<pollfd, 4> sources{{
+  std::array<pollfd, 5> sources{{
       {.fd = wake_.descriptor(), .events = POLLIN, .revents = 0},
       {.fd = odometer_ ? odometer_->descriptor() : -1, .events = POLLIN, .revents = 0},
       {.fd = speed_ ? speed_->descriptor() : -1, .events = POLLIN, .revents = 0},
       {.fd = data_ready_ ? data_ready_->line.descriptor() : -1, .events = POLLIN, .revents = 0},
+      {.fd = device_.descriptor(), .events = POLLIN, .revents = 0},
   }};
   (void)ppoll(sources.data(), sources.size(), &limit, nullptr);
   wake_.clear();

@@ -13,7 +13,7 @@
 
 namespace zerorate::linux_node {
 
-/// A gyro on spidev or i2c-dev, and lines of GPIO chips.
+/// A gyro on spidev, i2c-dev or IIO, and lines of GPIO chips.
 class LinuxHardware final : public Hardware {
  public:
   explicit LinuxHardware(const Configuration& configuration);

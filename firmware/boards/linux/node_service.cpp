@@ -136,6 +136,10 @@ std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& 
                           const GyroReason& reason, LogBuffer& buffer) {
   using Code = drivers::DriverErrorCode;
   Line line(buffer);
+  if (!reason.told.empty()) {
+    line.add("{}", reason.told);
+    return line.text();
+  }
   line.add("{}", gyro.device);
   const bool is_bus = error.code == Code::bus_failed;
   if (is_bus && error.bus == hal::BusError::not_present && reason.error_number != 0) {
@@ -173,7 +177,7 @@ std::string name_of_odometer(const Configuration& configuration) {
 
 std::string describe(const Configuration& configuration) {
   const GyroSettings& gyro = configuration.gyro;
-  std::string text = gyro.chip;
+  std::string text = gyro.chip.empty() ? std::string{"gyro"} : gyro.chip;
   if (!gyro.is_simulated()) text += " on " + gyro.device;
   if (gyro.bus == BusKind::i2c) text += fmt::format(" at {:#04x}", gyro.address);
   text += fmt::format(", {} Hz, {} deg/s, model {}, ", gyro.rate_hz, gyro.full_scale_dps,
@@ -299,7 +303,8 @@ void NodeService::report_gyro(const ServiceStatus& now) {
                           now.counters.configurations_lost != before.configurations_lost;
   // A failure that repeats at every attempt is logged once.
   const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running ||
-                       last_status_.reasons.gyro.error_number != now.reasons.gyro.error_number;
+                       last_status_.reasons.gyro.error_number != now.reasons.gyro.error_number ||
+                       last_status_.reasons.gyro.told != now.reasons.gyro.told;
   if (has_failed && is_news) {
     LogBuffer words{};
     log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, now.reasons.gyro, words),

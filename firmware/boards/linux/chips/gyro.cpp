@@ -9,8 +9,10 @@
 #include "drivers/common/any_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
+#include "firmware/boards/linux/chips/iio_gyro.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
+#include "hal/linux/sysfs.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -153,6 +155,19 @@ std::span<const ChipDescription> chips() {
 const ChipDescription* find_chip(std::string_view name) {
   const auto found = std::ranges::find(chips(), name, &ChipDescription::name);
   return found == chips().end() ? nullptr : &*found;
+}
+
+std::unique_ptr<DeviceGyro> make_gyro(const GyroSettings& settings, const std::string& sysfs) {
+  using namespace hal::linux_os;
+  if (settings.bus == BusKind::iio) return std::make_unique<IioGyro>(settings);
+  const std::string driver = settings.bus == BusKind::i2c
+                                 ? driver_of_i2c(sysfs, settings.device, settings.address)
+                                 : driver_of_spi(sysfs, settings.device);
+  if (!driver.empty()) {
+    throw KernelFileError(settings.device, "the kernel's driver " + driver + " holds the chip",
+                          "read it with bus = \"iio\", see zerorate probe; or unbind the driver");
+  }
+  return find_chip(settings.chip)->make(settings);
 }
 
 }  // namespace zerorate::linux_node

@@ -14,16 +14,16 @@
 
 namespace zerorate::linux_node {
 
-enum class BusKind : std::uint8_t { spi, i2c };
+enum class BusKind : std::uint8_t { spi, i2c, iio };
 
 /// Name of the gyro that needs no hardware: an LSM6DSO at the level of its registers.
 inline constexpr std::string_view kSimulatedChip = "simulated";
 
 /// How one gyro is wired and set.
 struct GyroSettings {
-  std::string chip;                    ///< a ChipDescription's name, or kSimulatedChip
+  std::string chip;  ///< a ChipDescription's name, or kSimulatedChip; on IIO also empty: unknown
   BusKind bus = BusKind::spi;          ///< which must be among the chip's
-  std::string device;                  ///< "/dev/spidev0.0" or "/dev/i2c-1"
+  std::string device;                  ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_gyro
   std::uint8_t address = 0;            ///< on I2C
   std::uint32_t speed_hz = 1'000'000;  ///< on SPI
   double rate_hz = 0.0;                ///< one of the chip's
@@ -43,6 +43,7 @@ struct GyroSettings {
 struct GyroReason {
   int error_number = 0;                   ///< as the kernel gave it; 0: none
   std::optional<std::uint32_t> identity;  ///< answer of a chip that is not the expected one
+  std::string told;                       ///< place, reason and cure in words; empty: not known
 };
 
 /// A gyro behind a node of /dev.
@@ -50,6 +51,8 @@ class DeviceGyro : public drivers::AnyGyro {
  public:
   /// Reason of the newest error. Where that is a wrong identity, the chip is asked once more.
   [[nodiscard]] virtual GyroReason reason(drivers::DriverErrorCode code) = 0;
+  /// For poll(): readable when samples wait. -1: nothing tells.
+  [[nodiscard]] virtual int descriptor() const { return -1; }
 };
 
 /// Values that a configuration may choose for a chip, and the function that makes the chip's gyro.
@@ -70,5 +73,11 @@ struct ChipDescription {
 [[nodiscard]] std::span<const ChipDescription> chips();
 /// nullptr where there is none of that name.
 [[nodiscard]] const ChipDescription* find_chip(std::string_view name);
+
+/// The gyro that the settings name, which must be possible. Throws std::runtime_error where a
+/// driver of the kernel holds the chip: two programs cannot share it.
+/// @param sysfs  where the kernel shows its devices
+[[nodiscard]] std::unique_ptr<DeviceGyro> make_gyro(const GyroSettings& settings,
+                                                    const std::string& sysfs = "/sys");
 
 }  // namespace zerorate::linux_node

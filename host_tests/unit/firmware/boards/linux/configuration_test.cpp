@@ -151,7 +151,7 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
        "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated, adxrs453, bmi088, "
        "icm42688, lsm6dso); did you mean \"lsm6dso\"?"},
       {with("bus = \"i2c\"", "bus = \"simulated\""),
-       "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\" or \"i2c\""},
+       "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\", \"i2c\" or \"iio\""},
       {with("device = \"/dev/i2c-1\"\n", ""),
        "z.toml:3:1: missing \"device\" in [gyro]; expected text in quotes"},
       {with("0x6B", "0x11"), "z.toml:7:11: \"address\" in [gyro]: the chip answers at 0x6a, 0x6b"},

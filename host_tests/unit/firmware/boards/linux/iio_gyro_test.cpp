@@ -1,0 +1,378 @@
+#include "firmware/boards/linux/chips/iio_gyro.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hal/linux/sysfs.hpp"
+#include "host_tests/support/folders.hpp"
+#include "host_tests/unit/firmware/boards/linux/made_iio.hpp"
+
+namespace zerorate::linux_node {
+namespace {
+
+using drivers::DriverErrorCode;
+using drivers::GyroSample;
+using hal::linux_os::find_iio_gyro;
+using hal::linux_os::IioElement;
+using hal::linux_os::KernelFileError;
+using hal::linux_os::parse_iio_type;
+
+constexpr core::Instant kStart = core::Instant{} + core::Duration::seconds(100);
+constexpr core::Duration kPeriod = core::Duration::nanoseconds(9'615'385);
+constexpr double kScale = 0.000152716;  // rad/s: 8.75 mdps
+
+GyroSettings settings(const std::string& device, double rate_hz = 104.0) {
+  return {.chip = "lsm6dso",
+          .bus = BusKind::iio,
+          .device = device,
+          .rate_hz = rate_hz,
+          .full_scale_dps = 250.0};
+}
+
+/// A device and its gyro, one second after its start: what the chip sends first is past.
+struct Rig {
+  explicit Rig(const Attributes& attributes = buffered(), double rate_hz = 104.0) {
+    made.add("iio:device0", attributes);
+    gyro.emplace(settings("iio:device0", rate_hz), made.places());
+  }
+  std::string start_message() {
+    const auto started = gyro->start(kStart);
+    return started ? "" : gyro->reason(started.error().code).told;
+  }
+  core::Result<std::size_t, drivers::DriverError> read() { return gyro->read(now, samples); }
+
+  MadeIio made;
+  std::optional<IioGyro> gyro;
+  core::Instant now = kStart + core::Duration::seconds(1);
+  std::array<GyroSample, 8> samples{};
+};
+
+bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+template <class Act>
+std::string message_of(Act act) {
+  try {
+    (void)act();
+  } catch (const KernelFileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(IioElement, DecodesOrderSignWidthAndShift) {
+  const std::array<std::uint8_t, 8> bytes{0xFF, 0x81, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD};
+  const auto value = [&](const char* type, std::size_t offset) {
+    IioElement element = parse_iio_type(type, "path");
+    element.offset = offset;
+    return element.decode(bytes);
+  };
+  EXPECT_EQ(value("le:s16/16>>0", 0), static_cast<std::int16_t>(0x81FF));
+  EXPECT_EQ(value("be:s16/16>>0", 0), -127);
+  EXPECT_EQ(value("be:u16/16>>0", 0), 0xFF81);
+  EXPECT_EQ(value("be:u12/16>>4", 2), 0x234);
+  EXPECT_EQ(value("be:s12/16>>4", 0), -8);
+  EXPECT_EQ(value("le:s24/32>>8", 4), static_cast<std::int32_t>(0xCDAB8900) >> 8);
+  EXPECT_EQ(value("be:s64/64>>0", 0), static_cast<std::int64_t>(0xFF8123456789ABCD));
+  EXPECT_EQ(value("le:s16/16", 0), static_cast<std::int16_t>(0x81FF));
+}
+
+TEST(IioElement, RefusesALayoutThatIsNotOne) {
+  for (const char* const type : {"", "le:s16", "xe:s16/16>>0", "le:s16/24>>0", "le:s16/16>>1",
+                                 "le:s0/16>>0", "le:s16/16X2>>0", "le:f32/32>>0"}) {
+    EXPECT_TRUE(contains(message_of([&] { return parse_iio_type(type, "/p"); }), "/p: ")) << type;
+  }
+}
+
+TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
+  MadeIio made;
+  made.add("iio:device0", buffered());
+  Attributes second = buffered();
+  second["label"] = "roof";
+  made.add("iio:device12", second);
+  made.add("iio:device3", {{"name", "lsm6dso_accel"}, {"in_accel_x_raw", "0"}});
+  const auto node = [&](const char* wanted) { return find_iio_gyro(made.places(), wanted).node; };
+  EXPECT_EQ(node("0"), "iio:device0");
+  EXPECT_EQ(node("iio:device12"), "iio:device12");
+  EXPECT_EQ(node("/dev/iio:device12"), "iio:device12");
+  EXPECT_EQ(node("roof"), "iio:device12");
+  const std::string sys = made.places().sysfs;
+  const std::string list =
+      "iio:device0 \"lsm6dso_gyro\", iio:device12 \"lsm6dso_gyro\" labelled \"roof\")";
+  EXPECT_EQ(message_of([&] { return node("lsm6dso_gyro"); }),
+            sys + ": several gyros are called \"lsm6dso_gyro\" (tell its number or label: " + list);
+  EXPECT_EQ(message_of([&] { return node("3"); }),
+            sys + ": no gyro is called \"3\" (there are " + list);
+  EXPECT_TRUE(contains(message_of([] {
+                         return find_iio_gyro({"/nowhere", "/nowhere"}, "x").node;
+                       }),
+                       "is the driver's module loaded and bound?"));
+}
+
+TEST(IioGyro, SetsRangeRateClockScanAndBuffer) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  EXPECT_NEAR(std::stod(rig.made.get("in_anglvel_scale")), kScale, 1e-12);
+  EXPECT_EQ(rig.made.get("sampling_frequency"), "104.000");
+  EXPECT_EQ(rig.made.get("current_timestamp_clock"), "monotonic");
+  for (const char* const channel : {"anglvel_x", "anglvel_y", "anglvel_z", "timestamp"}) {
+    EXPECT_EQ(rig.made.get(std::string{"scan_elements/in_"} + channel + "_en"), "1") << channel;
+  }
+  EXPECT_EQ(rig.made.get("buffer/length"), "208");
+  EXPECT_EQ(rig.made.get("buffer/watermark"), "2");
+  EXPECT_EQ(rig.made.get("buffer/enable"), "1");
+  EXPECT_EQ(rig.gyro->sample_period(), kPeriod);
+  EXPECT_TRUE(rig.gyro->is_batched());
+  EXPECT_GE(rig.gyro->descriptor(), 0);
+}
+
+TEST(IioGyro, ReadsScansWithTheirStamps) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  EXPECT_EQ(*rig.read(), 0U);
+  rig.made.send(rig.now, {114, -229, 3429});
+  rig.made.send(rig.now + kPeriod, {0, 32767, -28580});
+  ASSERT_EQ(*rig.read(), 2U);
+  EXPECT_EQ(rig.samples[0].time, rig.now);
+  EXPECT_EQ(rig.samples[1].time, rig.now + kPeriod);
+  const std::array<double, 3> dps{1.0, -2.0, 30.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(rig.samples[0].rate.at(i).in(core::deg_per_s), dps.at(i), 0.00875);
+  }
+  EXPECT_EQ(rig.samples[0].saturated_axes, 0);
+  EXPECT_EQ(rig.samples[1].rate[0].in(core::rad_per_s), 0.0F);
+  EXPECT_EQ(rig.samples[1].saturated_axes, 0b110);
+  EXPECT_FALSE(rig.samples[0].has_temperature);
+}
+
+TEST(IioGyro, LeavesOutWhatTheChipSendsWhileItSettles) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  for (int i = 1; i <= 12; ++i) rig.made.send(kStart + kPeriod * i, {1, 1, 1});
+  ASSERT_EQ(*rig.read(), 2U);  // the eleventh is the first after 100 ms
+  EXPECT_EQ(rig.samples[0].time, kStart + kPeriod * 11);
+}
+
+TEST(IioGyro, TakesAScanThatComesInTwoPieces) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  std::array<std::uint8_t, 16> scan{};
+  const std::int64_t stamp = (rig.now - core::Instant{}).ns();
+  std::memcpy(scan.data() + 8, &stamp, sizeof stamp);
+  rig.made.send(std::span{scan}.first(9));
+  EXPECT_EQ(*rig.read(), 0U);
+  rig.made.send(std::span{scan}.subspan(9));
+  ASSERT_EQ(*rig.read(), 1U);
+  EXPECT_EQ(rig.samples[0].time, rig.now);
+}
+
+TEST(IioGyro, TellsAGapOnceAndGoesOnBehindIt) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  rig.made.send(rig.now, {1, 1, 1});
+  rig.made.send(rig.now + kPeriod * 4, {2, 2, 2});
+  rig.made.send(rig.now + kPeriod * 5, {3, 3, 3});
+  EXPECT_EQ(*rig.read(), 1U);
+  const auto gap = rig.read();
+  ASSERT_FALSE(gap);
+  EXPECT_EQ(gap.error().code, DriverErrorCode::fifo_overrun);
+  ASSERT_EQ(*rig.read(), 2U);
+  EXPECT_EQ(rig.samples[0].time, rig.now + kPeriod * 4);
+}
+
+TEST(IioGyro, RefusesStampsThatRunBackwardsAndTellsSilence) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  rig.made.send(rig.now, {1, 1, 1});
+  rig.made.send(rig.now - kPeriod, {1, 1, 1});
+  const auto backwards = rig.read();
+  ASSERT_FALSE(backwards);
+  EXPECT_TRUE(contains(rig.gyro->reason(backwards.error().code).told, "run backwards"));
+
+  ASSERT_EQ(rig.start_message(), "");
+  rig.now = kStart + core::Duration::milliseconds(1001);
+  const auto silent = rig.read();
+  ASSERT_FALSE(silent);
+  EXPECT_EQ(silent.error().bus, hal::BusError::timeout);
+  EXPECT_TRUE(contains(rig.gyro->reason(silent.error().code).told, "iio:device0: no sample"));
+}
+
+TEST(IioGyro, TurnsTheAxesByTheMountMatrix) {
+  Attributes turned = buffered();
+  turned["in_mount_matrix"] = "0, 1, 0; -1, 0, 0; 0, 0, 1";
+  Rig rig{turned};
+  ASSERT_EQ(rig.start_message(), "");
+  rig.made.send(rig.now, {100, 32767, 7});
+  ASSERT_EQ(*rig.read(), 1U);
+  EXPECT_FLOAT_EQ(rig.samples[0].rate[0].in(core::rad_per_s), static_cast<float>(32767 * kScale));
+  EXPECT_FLOAT_EQ(rig.samples[0].rate[1].in(core::rad_per_s), static_cast<float>(-100 * kScale));
+  EXPECT_EQ(rig.samples[0].saturated_axes, 0b001);
+}
+
+TEST(IioGyro, TakesTemperatureFromTheScanWhereItIsOne) {
+  Attributes warm = buffered();
+  warm["in_temp_raw"] = "0";
+  warm["in_temp_scale"] = "7.548309";  // inv_icm42600: 132.48 counts a kelvin, 25 degC at 0
+  warm["in_temp_offset"] = "3312";
+  warm["scan_elements/in_temp_en"] = "0";
+  warm["scan_elements/in_temp_index"] = "4";
+  warm["scan_elements/in_temp_type"] = "be:s16/16>>0";
+  warm["scan_elements/in_timestamp_index"] = "5";
+  Rig rig{warm};
+  ASSERT_EQ(rig.start_message(), "");
+  std::array<std::uint8_t, 16> scan{0, 0, 0, 0, 0, 0, 0x05, 0x2D};  // 1325: 10 K
+  const std::int64_t stamp = (rig.now - core::Instant{}).ns();
+  std::memcpy(scan.data() + 8, &stamp, sizeof stamp);
+  rig.made.send(scan);
+  ASSERT_EQ(*rig.read(), 1U);
+  ASSERT_TRUE(rig.samples[0].has_temperature);
+  EXPECT_NEAR((rig.samples[0].temperature - core::Temperature::from_degc(35.0F)).in(core::kelvin),
+              0.0F, 0.01F);
+}
+
+TEST(IioGyro, TakesTheTriggerOfItsDevice) {
+  Attributes triggered = buffered();
+  triggered["trigger/current_trigger"] = "";
+  {
+    Rig rig{triggered};
+    EXPECT_TRUE(contains(rig.start_message(), "none is called \"lsm6dso_gyro-dev0\""));
+  }
+  Rig rig{triggered};
+  std::filesystem::create_directories(rig.made.path() / "sys/trigger0");
+  rig.made.set("trigger0", "name", "lsm6dso_gyro-dev0\n");
+  ASSERT_EQ(rig.start_message(), "");
+  EXPECT_EQ(rig.made.get("trigger/current_trigger"), "lsm6dso_gyro-dev0");
+}
+
+TEST(IioGyro, NoticesWhenAnotherProgramChangesTheDevice) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  const auto verify_for_a_minute = [&] {
+    for (int i = 0; i < 104 * 60; ++i) {
+      if (const auto verified = rig.gyro->verify_next(); !verified) return verified.error().code;
+    }
+    return DriverErrorCode::not_ready;
+  };
+  EXPECT_EQ(verify_for_a_minute(), DriverErrorCode::not_ready);
+  rig.made.set("iio:device0", "sampling_frequency", "208.000");
+  EXPECT_EQ(verify_for_a_minute(), DriverErrorCode::configuration_lost);
+  EXPECT_TRUE(contains(rig.gyro->reason(DriverErrorCode::configuration_lost).told, "changed"));
+  EXPECT_EQ(rig.start_message(), "");
+  EXPECT_EQ(verify_for_a_minute(), DriverErrorCode::not_ready);
+}
+
+TEST(IioGyro, FindsADeviceAgainThatWasUnplugged) {
+  Rig rig;
+  ASSERT_EQ(rig.start_message(), "");
+  const auto sys = rig.made.path() / "sys/iio:device0";
+  std::filesystem::rename(sys, rig.made.path() / "gone");
+  EXPECT_TRUE(contains(rig.start_message(), "no gyro is called \"iio:device0\""));
+  EXPECT_EQ(rig.gyro->descriptor(), -1);
+  EXPECT_FALSE(rig.read());
+  std::filesystem::rename(rig.made.path() / "gone", sys);
+  EXPECT_EQ(rig.start_message(), "");
+}
+
+TEST(IioGyro, TellsPathReasonAndCureOfWhatItCannotUse) {
+  struct Case {
+    std::string attribute;
+    std::string value;
+    std::string words;
+  };
+  const std::vector<Case> cases{
+      {"sampling_frequency_available", "12.500 26.000",
+       "sampling_frequency: the driver has no rate of rate_hz (it offers 12.500 26.000)"},
+      {"in_anglvel_scale_available", "0.0000001", "no range is so large as full_scale_dps"},
+      {"in_anglvel_scale_available", "a lot", "in_anglvel_scale_available: \"a\" is no number"},
+      {"scan_elements/in_anglvel_y_type", "le:s16/17>>0", "in_anglvel_y_type: \"le:s16/17>>0\""},
+      {"mount_matrix", "1, 0; 0, 1", "mount_matrix: not nine numbers"},
+  };
+  for (const Case& wrong : cases) {
+    Attributes attributes = buffered();
+    attributes[wrong.attribute] = wrong.value;
+    Rig rig{attributes};
+    const std::string message = rig.start_message();
+    EXPECT_TRUE(contains(message, wrong.words)) << message;
+    EXPECT_TRUE(contains(message, rig.made.places().sysfs)) << message;
+  }
+  Rig rig;
+  std::filesystem::remove(rig.made.path() / "dev/iio:device0");
+  EXPECT_EQ(
+      rig.start_message(),
+      rig.made.places().nodes + "/iio:device0: No such file or directory (is the driver bound?)");
+}
+
+TEST(IioGyroWithoutABuffer, IsReadOnceAPeriodThroughItsAttributes) {
+  Rig rig{polled(), 50.0};
+  ASSERT_EQ(rig.start_message(), "");
+  EXPECT_FALSE(rig.gyro->is_batched());
+  EXPECT_EQ(rig.gyro->descriptor(), -1);
+  ASSERT_EQ(*rig.read(), 1U);
+  EXPECT_EQ(rig.samples[0].time, rig.now);
+  for (const auto& rate : rig.samples[0].rate) EXPECT_NEAR(rate.in(core::deg_per_s), 2.0, 1e-4);
+  EXPECT_NEAR((rig.samples[0].temperature - core::Temperature::from_degc(25.0F)).in(core::kelvin),
+              0.0F, 0.001F);
+  rig.now = rig.now + core::Duration::milliseconds(10);
+  EXPECT_EQ(*rig.read(), 0U);
+  rig.now = rig.now + core::Duration::milliseconds(10);
+  EXPECT_EQ(*rig.read(), 1U);
+  std::filesystem::remove(rig.made.path() / "sys/iio:device0/in_anglvel_z_raw");
+  rig.now = rig.now + core::Duration::milliseconds(20);
+  const auto unplugged = rig.read();
+  ASSERT_FALSE(unplugged);
+  EXPECT_EQ(unplugged.error().bus, hal::BusError::not_present);
+  EXPECT_TRUE(contains(rig.gyro->reason(unplugged.error().code).told,
+                       "in_anglvel_z_raw: No such file or directory (was the device unplugged"));
+}
+
+TEST(IioGyroWithoutABuffer, IsRefusedAtARateThatAttributesCannotFollow) {
+  Rig rig{polled(), 200.0};
+  EXPECT_TRUE(
+      contains(rig.start_message(), "at most 100 times a second (wire the chip's interrupt"));
+  Attributes small = polled();
+  small["in_anglvel_z_scale"] = "0.0001";
+  Rig narrow{small, 50.0};
+  EXPECT_TRUE(contains(narrow.start_message(), "the range is smaller than full_scale_dps"));
+}
+
+TEST(ChipOfIio, IsTheOneWhoseNameTheDeviceBears) {
+  EXPECT_EQ(chip_of_iio("lsm6dso_gyro"), "lsm6dso");
+  EXPECT_EQ(chip_of_iio("bmi088_gyro"), "bmi088");
+  EXPECT_EQ(chip_of_iio("iio:device0"), "");
+}
+
+TEST(MakeGyro, RefusesAChipThatADriverOfTheKernelHolds) {
+  const testing::ScratchFolder sys;
+  const auto bind = [&](const std::string& device, const std::string& driver) {
+    std::filesystem::create_directories(sys.path() / "bus" / device);
+    std::filesystem::create_symlink("/drivers/" + driver, sys.path() / "bus" / device / "driver");
+  };
+  bind("i2c/devices/1-006a", "st_lsm6dsx_i2c");
+  bind("spi/devices/spi0.0", "spidev");
+  bind("spi/devices/spi0.1", "adxrs450");
+  GyroSettings wired{.chip = "lsm6dso",
+                     .bus = BusKind::i2c,
+                     .device = "/dev/i2c-1",
+                     .address = 0x6A,
+                     .rate_hz = 104,
+                     .full_scale_dps = 250};
+  EXPECT_EQ(message_of([&] { return make_gyro(wired, sys.path()); }),
+            "/dev/i2c-1: the kernel's driver st_lsm6dsx_i2c holds the chip (read it with bus = "
+            "\"iio\", see zerorate probe; or unbind the driver)");
+  wired.address = 0x6B;
+  EXPECT_NE(make_gyro(wired, sys.path()), nullptr);
+  wired.bus = BusKind::spi;
+  wired.device = "/dev/spidev0.0";
+  EXPECT_NE(make_gyro(wired, sys.path()), nullptr);
+  wired.device = "/dev/spidev0.1";
+  EXPECT_TRUE(contains(message_of([&] { return make_gyro(wired, sys.path()); }), "adxrs450 holds"));
+}
+
+}  // namespace
+}  // namespace zerorate::linux_node
