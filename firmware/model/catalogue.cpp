@@ -1,5 +1,6 @@
 #include "firmware/model/catalogue.hpp"
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,6 +20,11 @@ SensorModel find_model(std::string_view name) {
   }
   throw std::invalid_argument("no sensor model \"" + std::string(name) + "\" in the catalogue" +
                               toml_file::suggestion(name, names));
+}
+
+SensorModel load_model(const std::string& name) {
+  const bool is_file = std::filesystem::exists(name) || name.ends_with(".toml");
+  return is_file ? read_model(name) : find_model(name);
 }
 
 }  // namespace zerorate::model

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "firmware/model/sensor_model.hpp"
@@ -20,5 +21,9 @@ struct CatalogueEntry {
 /// The model called `name`. Throws std::invalid_argument, with the nearest name, where there is
 /// none.
 [[nodiscard]] SensorModel find_model(std::string_view name);
+
+/// A file if there is one of that name, else an entry of the catalogue. Throws
+/// model::ModelFileError, std::system_error, std::invalid_argument.
+[[nodiscard]] SensorModel load_model(const std::string& name);
 
 }  // namespace zerorate::model

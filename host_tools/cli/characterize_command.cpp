@@ -62,11 +62,7 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     InputFlags input = options.input;
     input.recording = name;
     recording::Reader reader{to_input(input)};
-    identify::RestSamples samples = identify::read_rest_samples(reader);
-    if (options.still_from == "gyro") {
-      identify::leave_out_motion(samples,
-                                 identify::find_motion(samples, core::StandstillSource::gyro));
-    }
+    identify::RestSamples samples = identify::read_rest(reader, rest_source(options.still_from));
     for (std::string& doubt : identify::require_rest(samples)) {
       doubts.push_back(name + ": " + std::move(doubt));
     }
@@ -87,11 +83,8 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
   };
-  identify::RestSamples samples = identify::read_rest_samples(reader, rest);
-  if (options.still_from == "gyro") {
-    identify::leave_out_motion(samples,
-                               identify::find_motion(samples, core::StandstillSource::gyro));
-  }
+  const identify::RestSamples samples =
+      identify::read_rest(reader, rest_source(options.still_from), rest);
   doubts = identify::require_rest(samples);
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/input_options.hpp"
@@ -163,7 +164,7 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
                                      std::optional<OdometerDiagnosis>& odometer) {
   diagnose::DiagnoseOptions diagnose_options{.recording = file_name(options.recording),
                                              .holdout = options.holdout};
-  if (!options.model.empty()) diagnose_options.base_model = load_model(options.model);
+  if (!options.model.empty()) diagnose_options.base_model = model::load_model(options.model);
   recording::Reader reader{options.recording};
   const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
   ProgressBar progress{"diagnosing"};
@@ -173,11 +174,9 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
-  identify::RestSamples samples = identify::read_rest_samples(reader, rest);
-  if (options.still_from == "gyro") {
-    identify::leave_out_motion(samples,
-                               identify::find_motion(samples, core::StandstillSource::gyro));
-  } else if (reader.columns().odometer) {
+  const core::StandstillSource source = rest_source(options.still_from);
+  identify::RestSamples samples = identify::read_rest(reader, source, rest);
+  if (source == core::StandstillSource::odometer && reader.columns().odometer) {
     keep_calm(samples, odometer);
   }
   for (const std::string& doubt : identify::require_rest(samples)) print_note(options, doubt);

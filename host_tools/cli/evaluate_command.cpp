@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/progress_bar.hpp"
@@ -78,13 +79,14 @@ ExitCode run_evaluate(EvaluateOptions options) {
   options.contest.fit_by = options.fit_by == "diagnosis" ? experiments::FitBy::diagnosis
                                                          : experiments::FitBy::characterization;
   const auto presentation =
-      options.learn.empty() ? experiments::present(run_watched(experiments::run_drive_contest,
-                                                               options, options.contest))
-                            : experiments::present(run_watched(
-                                  experiments::run_learning_contest, options,
-                                  experiments::LearningOptions{.model = load_model(options.learn),
-                                                               .cases = data_sheet_errors(options),
-                                                               .drives = options.contest}));
+      options.learn.empty()
+          ? experiments::present(
+                run_watched(experiments::run_drive_contest, options, options.contest))
+          : experiments::present(
+                run_watched(experiments::run_learning_contest, options,
+                            experiments::LearningOptions{.model = model::load_model(options.learn),
+                                                         .cases = data_sheet_errors(options),
+                                                         .drives = options.contest}));
   present(presentation, "zerorate " ZERORATE_VERSION ", zerorate evaluate drives", options.outputs);
   return success;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/time.hpp"
+#include "firmware/model/catalogue.hpp"
 #include "firmware/model/source_headers.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -35,7 +36,7 @@ core::Duration period_of(double rate_hz, const char* option) {
 
 ExitCode run_export(const ExportFlags& flags) {
   if (!flags.cpp && !flags.c) throw std::invalid_argument("expected --cpp or --c: the language");
-  model::SensorModel model = load_model(flags.model);
+  model::SensorModel model = model::load_model(flags.model);
   if (flags.hypotheses) {
     if (!model.learning) model.learning.emplace();
     model.learning->hypotheses = *flags.hypotheses;

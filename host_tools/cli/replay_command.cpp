@@ -15,7 +15,6 @@
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
-#include "host_tools/lib/identify/rest_check.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -28,26 +27,13 @@ struct ReplayCommandOptions {
   std::string out;
 };
 
-/// With a schedule the sensor was at rest all the time. Throws recording::DataError where it was
-/// not.
-void require_rest(const recording::Input& input) {
-  if (!std::filesystem::is_regular_file(input.path)) return;  // a pipe is read once only
-  recording::Reader reader{input};
-  for (const std::string& doubt : identify::require_rest(identify::read_rest_samples(reader))) {
-    fmt::print(stderr, "  note: {}\n", doubt);
-  }
-}
-
 ExitCode run_replay(const ReplayCommandOptions& options) {
-  const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  replay_options.checks_rest = true;
   const recording::Input input = to_input(options.input);
   // A schedule says that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
-  if (replay_options.schedule) {
-    require_rest(input);
-  } else {
-    truth = read_truth(input, options.truth);
-  }
+  if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};
   const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "firmware/model/catalogue.hpp"
-#include "firmware/model/model_file.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
@@ -38,7 +37,7 @@ model::SensorModel chosen_model(const ReplayFlags& flags) {
   if (flags.arw_dps_rt_hz.has_value() != flags.bias_instability_dph.has_value()) {
     throw std::invalid_argument("--arw and --bias-instability belong together: give both");
   }
-  if (!flags.arw_dps_rt_hz) return load_model(flags.model);
+  if (!flags.arw_dps_rt_hz) return model::load_model(flags.model);
   // IEEE Std 952: the floor of the Allan deviation is sqrt(2 ln 2 / pi) B.
   const double floor_per_b = std::sqrt(2.0 * std::numbers::ln2 / std::numbers::pi);
   model::SensorModel model;
@@ -159,12 +158,24 @@ void print_scores(const evaluate::ReplayResult& result, const std::vector<std::s
   }
 }
 
-}  // namespace
-
-model::SensorModel load_model(const std::string& name) {
-  const bool is_file = std::filesystem::exists(name) || name.ends_with(".toml");
-  return is_file ? model::read_model(name) : model::find_model(name);
+void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  if (result.stop_scores[axes.front()].front().stops() == 0) return;
+  fmt::print(
+      "\nBias predicted for each stop, less what the stop then measured (sigma: as predicted)\n"
+      "{:<5}{:<18}{:>7}{:>17}{:>14}{:>13}\n",
+      "axis", "predictor", "stops", "error deg/h rms", "error sigmas", "coverage 95");
+  for (const std::size_t axis : axes) {
+    for (const app::Predictor predictor : evaluate::kAllPredictors) {
+      const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];
+      fmt::print("{:<5}{:<18}{:>7}{:>17.2f}{:>14.2f}{:>13.3f}\n", evaluate::axis_name(result, axis),
+                 evaluate::name(predictor), scores.stops(),
+                 scores.error_rms_rad_s() * units::kDphPerRadS, scores.error_rms_sigmas(),
+                 scores.coverage95());
+    }
+  }
 }
+
+}  // namespace
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_option("--axis", flags.axis, "x, y, z or all")
@@ -173,6 +184,7 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   auto* model = app.add_option("--model", flags.model,
                                "sensor model: a TOML file or a name from 'zerorate model list'");
   model->capture_default_str();
+  flags.model_option = model;
   app.add_option(
          "--arw", flags.arw_dps_rt_hz,
          "angle random walk [deg/s/sqrt(Hz)], two-sided as in IEEE Std 952, instead of --model")
@@ -223,6 +235,8 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
 evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   evaluate::ReplayOptions options;
   options.model = chosen_model(flags);
+  options.is_model_chosen =
+      flags.arw_dps_rt_hz || (flags.model_option != nullptr && flags.model_option->count() > 0);
   options.filter_rate_hz = flags.filter_rate_hz;
   if (!flags.schedule.empty()) options.schedule = evaluate::parse_schedule(flags.schedule);
   options.through = flags.through == "chip" ? evaluate::Through::chip : evaluate::Through::source;
@@ -295,6 +309,13 @@ void print_findings(const recording::Findings& findings) {
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  fmt::print("model: {}\n", result.model);
+  if (!result.is_model_chosen) {
+    fmt::print(
+        "  note: no --model was given, so this is the default; of another sensor 'zerorate "
+        "characterize' makes its model, and 'zerorate model list' names those of data sheets\n");
+  }
+  for (const std::string& doubt : result.rest_doubts) fmt::print("  note: {}\n", doubt);
   fmt::print("{} samples every {:.6g} s, filter ticks of {:.6g} s\n", result.rows,
              static_cast<double>(result.sample_period.ns()) * 1e-9,
              static_cast<double>(result.filter_tick.ns()) * 1e-9);
@@ -304,9 +325,10 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
     print_scores(result, axes);
   } else if (!result.true_drives) {
     fmt::print(
-        "  note: the true rate is not known, so nothing is scored; --schedule says that the "
+        "  note: the true rate is not known, so headings are not scored; --schedule says that the "
         "sensor was at rest\n");
   }
+  print_stop_scores(result, axes);
   print_learnt(result, axes);
 }
 

@@ -11,7 +11,8 @@
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace zerorate::cli {
 
@@ -19,6 +20,7 @@ namespace zerorate::cli {
 struct ReplayFlags {
   std::string axis = "all";
   std::string model = "adis16405";
+  const CLI::Option* model_option = nullptr;  ///< whether it was given
   std::optional<double> arw_dps_rt_hz;
   std::optional<double> bias_instability_dph;
   std::string schedule;
@@ -47,10 +49,6 @@ void add_truth_flags(CLI::App& app, TruthFlags& flags);
 /// twice. Throws std::invalid_argument, recording::Error, recording::DataError.
 [[nodiscard]] std::optional<truth::Truth> read_truth(const recording::Input& input,
                                                      const TruthFlags& flags);
-
-/// A sensor model: a file if there is one of that name, else an entry of the catalogue. Throws
-/// model::ModelFileError, std::system_error, std::invalid_argument.
-[[nodiscard]] model::SensorModel load_model(const std::string& name);
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 

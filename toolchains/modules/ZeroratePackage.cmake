@@ -42,7 +42,7 @@ file(WRITE "${PROJECT_BINARY_DIR}/changelog" "zerorate (${PROJECT_VERSION}) book
  -- zerorate maintainers <maintainers@zerorate.invalid>  Mon, 23 Nov 2026 12:00:00 +0000
 ")
 file(WRITE "${PROJECT_BINARY_DIR}/conffiles" "/etc/zerorate/zerorated.toml\n")
-foreach(package_and_component zerorate:node libzerorate-dev:library)
+foreach(package_and_component zerorate:node libzerorate-dev:library python3-zerorate:python)
   string(REPLACE ":" ";" package_and_component "${package_and_component}")
   list(GET package_and_component 0 package)
   list(GET package_and_component 1 component)
@@ -76,6 +76,15 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
 "The bias predictor of zerorate for programs and firmware of their own:
 headers in C++, the predictor compiled with an interface in C, and drivers
 of gyroscopes.")
+# In a build with ZERORATE_PYTHON alone: cpack -D CPACK_COMPONENTS_ALL=python.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-zerorate)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+"The tools of zerorate for NumPy arrays: recordings, Allan deviation,
+noise of a gyroscope, diagnosis, and the node of the firmware.")
 if(ZERORATE_DEBIAN_ARCH)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${ZERORATE_DEBIAN_ARCH})
 endif()

@@ -122,11 +122,64 @@ TEST(ScoresOfDrives, AreTheMeansOfTheirOutcomes) {
   EXPECT_DOUBLE_EQ(scores.sigma_over_rms(), 2.0 / std::sqrt(12.5));
 }
 
+TEST(ScoresOfStops, AreTheMeansOfTheirErrors) {
+  StopScores scores;
+  EXPECT_TRUE(std::isnan(scores.error_rms_rad_s()));
+  EXPECT_TRUE(std::isnan(scores.coverage95()));
+  scores.add(3.0, 1.0);
+  scores.add(-4.0, 4.0);
+  EXPECT_EQ(scores.stops(), 2U);
+  EXPECT_DOUBLE_EQ(scores.error_rms_rad_s(), std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(scores.error_rms_sigmas(), std::sqrt(5.0));
+  EXPECT_DOUBLE_EQ(scores.coverage95(), 0.5);
+}
+
+/// Root mean square, over the stops after the first, of a stop's mean less that of the stop before:
+/// what the calibration mean gets wrong. Rows count as in score_by_hand().
+double change_between_stops(const std::vector<recording::Row>& rows,
+                            const std::vector<bool>& moving, std::size_t axis) {
+  std::vector<double> means;
+  for (std::size_t begin = 0; begin < rows.size();) {
+    std::size_t end = begin;
+    while (end < rows.size() && moving[end] == moving[begin]) ++end;
+    const std::size_t from = begin == 0 ? 1 : begin;
+    if (!moving[begin] && from + 1 < end && end < rows.size()) {
+      double sum = 0.0;
+      for (std::size_t k = from; k + 1 < end; ++k) sum += double{rows[k].rate_rad_s[axis]};
+      means.push_back(sum / static_cast<double>(end - 1 - from));
+    }
+    begin = end;
+  }
+  double squares = 0.0;
+  for (std::size_t i = 1; i < means.size(); ++i) {
+    squares += (means[i] - means[i - 1]) * (means[i] - means[i - 1]);
+  }
+  return std::sqrt(squares / static_cast<double>(means.size() - 1));
+}
+
+TEST(StopScoresOfTheCalibrationMean, EqualThoseByHand) {
+  const ScratchFolder folder;
+  auto rows = rows_at_rest(4000, 1.0, 12);
+  const ScheduleParams schedule{.still_s = 15.0, .drive_s = 60.0, .seed = 2};
+  // The recording ends in a drive, so that every stop is whole.
+  std::vector<bool> moving = moving_by_hand(schedule, rows.size(), 1.0);
+  while (!moving.back()) moving.pop_back();
+  rows.resize(moving.size());
+  const auto path = write_rows(folder.path() / "rest.csv", kRates, rows);
+  const Replayed replayed = replay_file(path, {.model = sensor_model(), .schedule = schedule});
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const StopScores& scores = replayed.result.stop_scores[axis][2];
+    EXPECT_GT(scores.stops(), 30U);
+    EXPECT_NEAR(scores.error_rms_rad_s() / change_between_stops(rows, moving, axis), 1.0, 1e-3);
+  }
+}
+
 // Simulated with the model that the node is given. Of n drives a share c is covered with a standard
 // deviation of sqrt(c (1 - c) / n); the drives of one axis share a bias error, so that n counts for
 // half. The lags follow the 1/f spectrum within 0.94 to 1.06, sigma within 3 %, coverage within
 // 2 phi(1.96) 1.96 0.03 = 0.007.
-TEST(HeadingIntervalsUnderTheTrueModel, CoverNineteenOfTwentyDrives) {
+// The stops are measured by the same filter, so that the same tolerance holds for them.
+TEST(IntervalsUnderTheTrueModel, CoverNineteenOfTwentyDrivesAndStops) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(60'000, 1.0, 21));
   const Replayed replayed =
@@ -143,6 +196,15 @@ TEST(HeadingIntervalsUnderTheTrueModel, CoverNineteenOfTwentyDrives) {
     EXPECT_GT(drives, 1000.0);
     const double tolerance = 4.0 * std::sqrt(0.95 * 0.05 / (0.5 * drives)) + 0.007;
     EXPECT_NEAR(covered / drives, 0.95, tolerance) << name(kAllPredictors[p]);
+    double stops = 0.0;
+    double stops_covered = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const StopScores& scores = replayed.result.stop_scores[axis][p];
+      stops += static_cast<double>(scores.stops());
+      stops_covered += scores.coverage95() * static_cast<double>(scores.stops());
+    }
+    EXPECT_GT(stops, 1000.0);
+    EXPECT_NEAR(stops_covered / stops, 0.95, tolerance) << name(kAllPredictors[p]);
     RecordProperty(std::string("coverage_").append(name(kAllPredictors[p])),
                    std::to_string(covered / drives));
   }

@@ -3,6 +3,11 @@
 #include <cmath>
 
 namespace zerorate::evaluate {
+namespace {
+
+constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
+
+}  // namespace
 
 DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicted,
                      double white_variance_rad2_s2) {
@@ -15,7 +20,6 @@ DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicte
 }
 
 void DriveScores::add(const DriveOutcome& outcome) {
-  constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
   ++drives_;
   if (std::abs(outcome.drift_rad) <= k95Percent * outcome.sigma_rad) ++covered_;
   squares_rad2_ += outcome.drift_rad * outcome.drift_rad;
@@ -38,6 +42,23 @@ double DriveScores::coverage95() const {
 }
 double DriveScores::sigma_over_rms() const {
   return mean(sigma_rad_) / heading_drift_rms_rad();
+}
+
+void StopScores::add(double error_rad_s, double sigma_rad_s) {
+  ++stops_;
+  if (std::abs(error_rad_s) <= k95Percent * sigma_rad_s) ++covered_;
+  squares_rad2_s2_ += error_rad_s * error_rad_s;
+  normalised_squares_ += error_rad_s * error_rad_s / (sigma_rad_s * sigma_rad_s);
+}
+
+double StopScores::error_rms_rad_s() const {
+  return std::sqrt(squares_rad2_s2_ / static_cast<double>(stops_));
+}
+double StopScores::error_rms_sigmas() const {
+  return std::sqrt(normalised_squares_ / static_cast<double>(stops_));
+}
+double StopScores::coverage95() const {
+  return static_cast<double>(covered_) / static_cast<double>(stops_);
 }
 
 }  // namespace zerorate::evaluate

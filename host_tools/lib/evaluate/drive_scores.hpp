@@ -71,4 +71,27 @@ class DriveScores {
   double sigma_rad_ = 0.0;
 };
 
+/// Predicted biases against what the stops then measured: scores that need no truth. Without stops
+/// every figure is NaN.
+class StopScores {
+ public:
+  /// @param error_rad_s  mean that a stop measured less the predicted one
+  /// @param sigma_rad_s  standard deviation of the error as predicted, white noise included
+  void add(double error_rad_s, double sigma_rad_s);
+
+  [[nodiscard]] std::size_t stops() const { return stops_; }
+  [[nodiscard]] double error_rms_rad_s() const;
+  /// Root mean square of the errors in units of their predicted sigma: 1 where the interval is
+  /// honest.
+  [[nodiscard]] double error_rms_sigmas() const;
+  /// Share of the stops whose error lies within 1.96 predicted sigmas.
+  [[nodiscard]] double coverage95() const;
+
+ private:
+  std::size_t stops_ = 0;
+  std::size_t covered_ = 0;
+  double squares_rad2_s2_ = 0.0;
+  double normalised_squares_ = 0.0;
+};
+
 }  // namespace zerorate::evaluate

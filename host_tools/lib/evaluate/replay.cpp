@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "firmware/model/node_model.hpp"
 #include "host_tools/lib/evaluate/feed.hpp"
-#include "host_tools/lib/evaluate/odometer.hpp"
+#include "host_tools/lib/evaluate/replay_node.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::evaluate {
@@ -20,7 +20,7 @@ class BufferedRows {
  public:
   explicit BufferedRows(recording::Reader& reader) : reader_(reader) {
     recording::Row row;
-    while (ahead_.size() < kAhead && reader_.next(row)) ahead_.push_back(row);
+    while (ahead_.size() < kRowsAhead && reader_.next(row)) ahead_.push_back(row);
     period_ns_ = reader_.findings().mean_interval_ns();
   }
 
@@ -43,12 +43,248 @@ class BufferedRows {
   }
 
  private:
-  static constexpr std::size_t kAhead = 2000;
-
   recording::Reader& reader_;
   std::deque<recording::Row> ahead_;
   std::int64_t period_ns_ = 0;
 };
+
+/// Compares what a node predicts for a stop with what the stop then measures.
+template <class Node>
+class StopJudge {
+ public:
+  /// Before the node sees a sample of the stop.
+  void begin_stop(const Node& node) {
+    before_.emplace(node.params());
+    before_->restore(node.state());
+    first_tick_.reset();
+  }
+  /// After each sample.
+  void take(const Node& node) {
+    if (!before_ || first_tick_ || node.measured_ticks() == before_->measured_ticks()) return;
+    first_tick_ = node.measured_ticks() - 1;
+  }
+  /// After the drive that follows the stop, or at the end: what the stop measured is the
+  /// calibration mean.
+  void end_stop(const Node& node, core::Instant start, ReplayResult& result) const {
+    if (!before_ || !first_tick_) return;
+    const core::Duration tick = node.params().modes.tick;
+    const core::Instant from = start + tick * std::int64_t{*first_tick_};
+    const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
+    const double length_s = (to - from).in_seconds();
+    for (std::size_t i = 0; i < result.axis_count; ++i) {
+      const double measured =
+          double{node.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s)};
+      const double white = double{node.white_variance_rad2_s2(i)} *
+                           double{node.params().sample_period.in_seconds()} / length_s;
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        const auto predicted = before_->predict_heading(kAllPredictors[p], i, from, to);
+        if (!predicted.is_available()) continue;
+        const double variance = double{predicted.variance_rad2} / (length_s * length_s) + white;
+        result.stop_scores[i][p].add(measured - double{predicted.angle_rad} / length_s,
+                                     std::sqrt(variance));
+      }
+    }
+  }
+
+ private:
+  std::optional<Node> before_;               ///< as it was before the stop
+  std::optional<std::uint32_t> first_tick_;  ///< of the stop that was learnt from
+};
+
+/// The replay of one recording through one node type.
+template <core::ModelShape Shape>
+class Run {
+ public:
+  using Node = typename ReplayNode<Shape>::Node;
+
+  Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
+      const ReplayObserver& observer, ReplayResult& result)
+      : rows_(rows),
+        reader_(reader),
+        observer_(observer),
+        result_(result),
+        replayed_(options, reader.columns(), {result.sample_period, result.filter_tick},
+                  rows.first_time_ns()) {
+    if (options.schedule && options.checks_rest) {
+      rest_.emplace(result.axis_count, result.sample_period, result.sample_period);
+    }
+    if (!observer.truth) return;
+    true_drives_.emplace(*observer.truth, replayed_.shift(), longest_interval(result.sample_period),
+                         options.published);
+  }
+
+  template <class Feed>
+  void to_the_end(Feed feed) {
+    recording::Row row;
+    while (rows_.next(row)) {
+      const auto arrival = replayed_.arrive(row);
+      if (drive_open_ && !arrival.moving) close_drive(replayed_.latest());
+      const app::RateMessage message = feed.feed(arrival.sample, arrival.pulses);
+      take(row, arrival.moving, message);
+      ++result_.rows;
+      if (observer_.on_progress && result_.rows % kProgressRows == 0) {
+        observer_.on_progress(reader_.fraction_read());
+      }
+    }
+    if (drive_open_) {
+      close_drive(newest_);
+    } else {
+      stops_.end_stop(node_, kStart, result_);
+    }
+    if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts());
+    if (has_news()) tell_learnt(row.time_ns);
+    result_.loop = feed.counters();
+    result_.findings = reader_.findings();
+    if (true_drives_) result_.true_drives = true_drives_->finish();
+  }
+
+  Node& node() { return replayed_.node(); }
+  static constexpr core::Instant start() { return kStart; }
+
+ private:
+  static constexpr core::Instant kStart = ReplayNode<Shape>::kStart;
+  static constexpr std::uint64_t kProgressRows = 4096;
+  static constexpr std::size_t kAxes = Node::kAxes;
+
+  /// Longest gap over which a rate is integrated for the heading of a true drive.
+  static core::Duration longest_interval(core::Duration sample_period) {
+    return std::max(core::Duration::nanoseconds(recording::kShortestHole), sample_period * 2);
+  }
+
+  void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
+    const std::array<float, 3> truth =
+        observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
+    if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
+    stops_.take(node_);
+    if (message.health.saturated) ++result_.samples_saturated;
+    if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
+      result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
+    }
+    if (message.health.measurement_rejected) ++result_.samples_doubted;
+    if (message.health.temperature_missing) ++result_.samples_without_temperature;
+    if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
+    if (!message.has_rate()) {
+      ++result_.samples_refused;
+    } else {
+      // From the first measurement on, whether or not others have borne it out yet.
+      const bool has_bias = core::is_finite(message.axes[0].sigma.in(core::rad_per_s));
+      if (moving && has_bias) add_to_drive(message, truth);
+      newest_ = message.time;
+      if (rest_) rest_->add(message.time, row.rate_rad_s);
+      if (true_drives_) {
+        const std::size_t vertical = observer_.truth->vertical.axis;
+        const double rate = measured_rad_s(message, vertical);
+        true_drives_->take(row.time_ns, rate, has_bias, node_);
+      }
+    }
+    if (observer_.on_sample) {
+      observer_.on_sample(
+          {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
+    }
+  }
+
+  /// Whether the node has learnt something that was not told yet.
+  [[nodiscard]] bool has_news() const {
+    return replayed_.params().hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
+  }
+
+  void tell_learnt(std::int64_t time_ns) {
+    told_ticks_ = node_.measured_ticks();
+    LearntNoises& learnt = result_.learnt.emplace();
+    for (std::size_t i = 0; i < result_.axis_count; ++i)
+      learnt[i] = node_.predictors().learnt_noise(i);
+    if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt});
+  }
+
+  void add_to_drive(const app::RateMessage& message, const std::array<float, 3>& truth) {
+    if (!drive_open_) {
+      drive_open_ = true;
+      drive_start_ = message.time;
+      drives_ = {};
+    }
+    if (const std::uint32_t tick = node_.tick(); tick != biases_tick_ || biases_stale_) {
+      predict_biases();
+      biases_tick_ = tick;
+      biases_stale_ = false;
+    }
+    const double elapsed_s = static_cast<double>((message.time - newest_).ns()) * 1e-9;
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      const double rate = measured_rad_s(message, i) - double{truth[i]};
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        drives_[i][p].add(rate - biases_[i][p], elapsed_s);
+      }
+    }
+  }
+
+  /// Rate over the Earth, with the bias still in it.
+  [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
+    return double{message.axes[axis].measured.in(core::rad_per_s)} -
+           double{replayed_.params().earth.vertical_rad_s[axis]};
+  }
+
+  void predict_biases() {
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        biases_[i][p] = double{node_.bias(kAllPredictors[p], i).in(core::rad_per_s)};
+      }
+    }
+  }
+
+  /// Before the node sees the first sample of the stop: its newest measurement is still the one
+  /// before the drive.
+  void close_drive(core::Instant end) {
+    stops_.end_stop(node_, kStart, result_);
+    stops_.begin_stop(node_);
+    drive_open_ = false;
+    biases_stale_ = true;
+    for (std::size_t i = 0; i < result_.axis_count; ++i) {
+      for (std::size_t p = 0; p < app::kPredictors; ++p) {
+        const app::Predictor predictor = kAllPredictors[p];
+        const DriveOutcome drive =
+            outcome(drives_[i][p], node_.predict_heading(predictor, i, drive_start_, end),
+                    double{node_.white_variance_rad2_s2(i)});
+        result_.scores[i][p].add(drive);
+        if (observer_.on_drive) {
+          observer_.on_drive({i, predictor, (drive_start_ - replayed_.shift()).ns(), drive});
+        }
+      }
+    }
+  }
+
+  BufferedRows& rows_;
+  const recording::Reader& reader_;
+  const ReplayObserver& observer_;
+  ReplayResult& result_;
+  ReplayNode<Shape> replayed_;
+  Node& node_ = replayed_.node();
+  core::Instant newest_ = kStart;  ///< sample with a rate
+  bool drive_open_ = false;
+  core::Instant drive_start_;
+  std::array<std::array<Drive, app::kPredictors>, kAxes> drives_;
+  std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
+  std::uint32_t biases_tick_ = 0;
+  bool biases_stale_ = true;
+  std::uint32_t told_ticks_ = 0;  ///< measured when it was last told what was learnt
+  StopJudge<Node> stops_;
+  std::optional<identify::RestCheck> rest_;
+  std::optional<TrueDriveScorer> true_drives_;
+};
+
+template <core::ModelShape Shape>
+void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
+         const ReplayObserver& observer, ReplayResult& result) {
+  // The node is some kilobytes: kept off the stack, as firmware keeps it static.
+  const auto run = std::make_unique<Run<Shape>>(rows, reader, options, observer, result);
+  using Node = typename Run<Shape>::Node;
+  if (options.through == Through::chip) {
+    run->to_the_end(ChipFeed<Node>{run->node(), find_simulated_chip(options.chip), run->start(),
+                                   options.has_data_ready});
+  } else {
+    run->to_the_end(DirectFeed<Node>{run->node()});
+  }
+}
+
+}  // namespace
 
 core::Duration filter_tick(const ReplayOptions& options, core::Duration sample_period) {
   constexpr double kDefaultHz = 2.0;
@@ -85,239 +321,6 @@ std::string_view explain(app::ParamsError error) {
   return "unknown";
 }
 
-/// The replay of one recording through one node type.
-template <core::ModelShape Shape>
-class Run {
- public:
-  using Node = app::GyroNode<Shape, app::NodeCapacity{.screens_samples = true}>;
-
-  Run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
-      const ReplayObserver& observer, ReplayResult& result)
-      : rows_(rows),
-        reader_(reader),
-        observer_(observer),
-        result_(result),
-        shift_(kStart - core::Instant::from_ns(rows.first_time_ns())),
-        params_(make_params(options, result)),
-        odometer_(make_odometer(reader.columns(), options.schedule, kStart, result.sample_period,
-                                options.standstill.source != core::StandstillSource::gyro)),
-        node_(params_) {
-    if (!observer.truth) return;
-    true_drives_.emplace(*observer.truth, shift_, longest_interval(result.sample_period),
-                         options.published);
-  }
-
-  template <class Feed>
-  void to_the_end(Feed feed) {
-    recording::Row row;
-    while (rows_.next(row)) {
-      const core::Instant at = core::Instant::from_ns(row.time_ns) + shift_;
-      // A row whose time runs backwards is refused by the node, but what it counted was real: the
-      // odometer's time stands still until the recording has caught up.
-      latest_ = std::max(latest_, at);
-      pulses_.clear();
-      const bool moving = odometer_->pulses_until(latest_, row, pulses_);
-      if (drive_open_ && !moving) close_drive(latest_);
-      const app::RateMessage message = feed.feed(sample_of(row, at), pulses_);
-      take(row, moving, message);
-      ++result_.rows;
-      if (observer_.on_progress && result_.rows % kProgressRows == 0) {
-        observer_.on_progress(reader_.fraction_read());
-      }
-    }
-    if (drive_open_) close_drive(newest_);
-    if (has_news()) tell_learnt(row.time_ns);
-    result_.loop = feed.counters();
-    result_.findings = reader_.findings();
-    if (true_drives_) result_.true_drives = true_drives_->finish();
-  }
-
-  Node& node() { return node_; }
-  static constexpr core::Instant start() { return kStart; }
-
- private:
-  /// Every replay begins at this time of the node's clock, whatever the recording's.
-  static constexpr core::Instant kStart = core::Instant::from_ns(1'000'000'000);
-  static constexpr std::uint64_t kProgressRows = 4096;
-  static constexpr std::size_t kAxes = Node::kAxes;
-
-  /// Longest gap over which a rate is integrated for the heading of a true drive.
-  static core::Duration longest_interval(core::Duration sample_period) {
-    return std::max(core::Duration::nanoseconds(recording::kShortestHole), sample_period * 2);
-  }
-
-  static typename Node::Params make_params(const ReplayOptions& options,
-                                           const ReplayResult& result) {
-    const auto model =
-        model::make_node_model<Shape>(options.model, result.sample_period, result.filter_tick);
-    typename Node::Params params{
-        .modes = model.modes,
-        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-        .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
-        .largest_bias_rad_s = model.largest_bias_rad_s,
-        .gate = model.gate,
-        .samples = model.samples,
-        .sample_period = result.sample_period,
-        .standstill = options.standstill,
-        .odometer = options.odometer,
-        .earth = options.earth,
-        .published = options.published,
-        .learns_white_noise = options.learns_noise};
-    if (options.learns_noise) params.hypotheses = model.hypotheses;
-    if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
-    if (options.schedule) params.odometer.longest_straight = {};
-    if (const auto checked = Node::check(params); !checked) {
-      throw std::invalid_argument(std::string(explain(checked.error())));
-    }
-    return params;
-  }
-
-  /// A recording of one axis drives all three, so that no axis reads an impossible silence.
-  drivers::GyroSample sample_of(const recording::Row& row, core::Instant at) const {
-    drivers::GyroSample sample{.time = at};
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      sample.rate[i] = core::rad_per_s(row.rate_rad_s[i < result_.axis_count ? i : 0]);
-    }
-    sample.has_temperature = std::isfinite(row.temperature_degc);
-    if (sample.has_temperature) {
-      sample.temperature = core::Temperature::from_degc(row.temperature_degc);
-    }
-    return sample;
-  }
-
-  void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
-    const std::array<float, 3> truth =
-        observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
-    if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
-    if (message.health.saturated) ++result_.samples_saturated;
-    if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
-      result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
-    }
-    if (message.health.measurement_rejected) ++result_.samples_doubted;
-    if (message.health.temperature_missing) ++result_.samples_without_temperature;
-    if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
-    if (!message.has_rate()) {
-      ++result_.samples_refused;
-    } else {
-      // From the first measurement on, whether or not others have borne it out yet.
-      const bool has_bias = core::is_finite(message.axes[0].sigma.in(core::rad_per_s));
-      if (moving && has_bias) add_to_drive(message, truth);
-      newest_ = message.time;
-      if (true_drives_) {
-        const std::size_t vertical = observer_.truth->vertical.axis;
-        const double rate = measured_rad_s(message, vertical);
-        true_drives_->take(row.time_ns, rate, has_bias, node_);
-      }
-    }
-    if (observer_.on_sample) {
-      observer_.on_sample(
-          {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
-    }
-  }
-
-  /// Whether the node has learnt something that was not told yet.
-  [[nodiscard]] bool has_news() const {
-    return params_.hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
-  }
-
-  void tell_learnt(std::int64_t time_ns) {
-    told_ticks_ = node_.measured_ticks();
-    LearntNoises& learnt = result_.learnt.emplace();
-    for (std::size_t i = 0; i < result_.axis_count; ++i)
-      learnt[i] = node_.predictors().learnt_noise(i);
-    if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt});
-  }
-
-  void add_to_drive(const app::RateMessage& message, const std::array<float, 3>& truth) {
-    if (!drive_open_) {
-      drive_open_ = true;
-      drive_start_ = message.time;
-      drives_ = {};
-    }
-    if (const std::uint32_t tick = node_.tick(); tick != biases_tick_ || biases_stale_) {
-      predict_biases();
-      biases_tick_ = tick;
-      biases_stale_ = false;
-    }
-    const double elapsed_s = static_cast<double>((message.time - newest_).ns()) * 1e-9;
-    for (std::size_t i = 0; i < result_.axis_count; ++i) {
-      const double rate = measured_rad_s(message, i) - double{truth[i]};
-      for (std::size_t p = 0; p < app::kPredictors; ++p) {
-        drives_[i][p].add(rate - biases_[i][p], elapsed_s);
-      }
-    }
-  }
-
-  /// Rate over the Earth, with the bias still in it.
-  [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
-    return double{message.axes[axis].measured.in(core::rad_per_s)} -
-           double{params_.earth.vertical_rad_s[axis]};
-  }
-
-  void predict_biases() {
-    for (std::size_t i = 0; i < result_.axis_count; ++i) {
-      for (std::size_t p = 0; p < app::kPredictors; ++p) {
-        biases_[i][p] = double{node_.bias(kAllPredictors[p], i).in(core::rad_per_s)};
-      }
-    }
-  }
-
-  /// Before the node sees the first sample of the stop: its newest measurement is still the one
-  /// before the drive.
-  void close_drive(core::Instant end) {
-    drive_open_ = false;
-    biases_stale_ = true;
-    for (std::size_t i = 0; i < result_.axis_count; ++i) {
-      for (std::size_t p = 0; p < app::kPredictors; ++p) {
-        const app::Predictor predictor = kAllPredictors[p];
-        const DriveOutcome drive =
-            outcome(drives_[i][p], node_.predict_heading(predictor, i, drive_start_, end),
-                    double{node_.white_variance_rad2_s2(i)});
-        result_.scores[i][p].add(drive);
-        if (observer_.on_drive) {
-          observer_.on_drive({i, predictor, (drive_start_ - shift_).ns(), drive});
-        }
-      }
-    }
-  }
-
-  BufferedRows& rows_;
-  const recording::Reader& reader_;
-  const ReplayObserver& observer_;
-  ReplayResult& result_;
-  core::Duration shift_;
-  typename Node::Params params_;
-  std::unique_ptr<Odometer> odometer_;
-  Node node_;
-  std::vector<core::Instant> pulses_;
-  core::Instant latest_ = kStart;  ///< time of the recording so far
-  core::Instant newest_ = kStart;  ///< sample with a rate
-  bool drive_open_ = false;
-  core::Instant drive_start_;
-  std::array<std::array<Drive, app::kPredictors>, kAxes> drives_;
-  std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
-  std::uint32_t biases_tick_ = 0;
-  bool biases_stale_ = true;
-  std::uint32_t told_ticks_ = 0;  ///< measured when it was last told what was learnt
-  std::optional<TrueDriveScorer> true_drives_;
-};
-
-template <core::ModelShape Shape>
-void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOptions& options,
-         const ReplayObserver& observer, ReplayResult& result) {
-  // The node is some kilobytes: kept off the stack, as firmware keeps it static.
-  const auto run = std::make_unique<Run<Shape>>(rows, reader, options, observer, result);
-  using Node = typename Run<Shape>::Node;
-  if (options.through == Through::chip) {
-    run->to_the_end(ChipFeed<Node>{run->node(), find_simulated_chip(options.chip), run->start(),
-                                   options.has_data_ready});
-  } else {
-    run->to_the_end(DirectFeed<Node>{run->node()});
-  }
-}
-
-}  // namespace
-
 std::string_view name(app::Predictor predictor) {
   switch (predictor) {
     case app::Predictor::kalman:
@@ -335,6 +338,8 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   BufferedRows rows{reader};
   ReplayResult result;
   result.axis_count = reader.columns().axis_count;
+  result.model = options.model.name;
+  result.is_model_chosen = options.is_model_chosen;
   if (options.through == Through::chip &&
       result.axis_count > find_simulated_chip(options.chip).axis_count) {
     throw std::invalid_argument(options.chip + " has one axis, the recording has " +
@@ -343,13 +348,9 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
   result.sample_period = rows.sample_period();
   result.filter_tick = filter_tick(options, result.sample_period);
-  // Most models are six flicker decades; the larger node takes every other one.
-  if (model::fits_six_decades(options.model)) {
-    run<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>(
-        rows, reader, options, observer, result);
-  } else {
-    run<model::kLargestLearningShape>(rows, reader, options, observer, result);
-  }
+  with_shape_of(options.model, [&]<core::ModelShape Shape>() {
+    run<Shape>(rows, reader, options, observer, result);
+  });
   return result;
 }
 

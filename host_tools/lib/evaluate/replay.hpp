@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
@@ -39,10 +40,14 @@ enum class Through : std::uint8_t {
 
 struct ReplayOptions {
   model::SensorModel model;
+  bool is_model_chosen = true;  ///< false: nobody named one, the model is a default
   /// Filter ticks per second; nullopt: 2, or the sensor's rate if that is lower.
   /// Shorter ticks than the model's shortest flicker decade only cost time.
   std::optional<double> filter_rate_hz;
   std::optional<ScheduleParams> schedule;
+  /// With a schedule: whether the rates are to be looked at, which those of a sensor at rest must
+  /// be.
+  bool checks_rest = false;
   Through through = Through::source;
   /// If through chip: a SimulatedChip's name, with as many axes as the recording.
   std::string chip = "lsm6dso";
@@ -99,6 +104,8 @@ struct ReplayObserver {
 };
 
 struct ReplayResult {
+  std::string model;  ///< its name
+  bool is_model_chosen = true;
   std::size_t axis_count = 3;
   core::Duration sample_period;  ///< mean interval of the first rows, holes left out
   core::Duration filter_tick;
@@ -116,15 +123,20 @@ struct ReplayResult {
   /// Whether the true rate was known, so that the scores mean something.
   bool truth_known = false;
   std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< by axis and predictor
+  /// Predictions against the next stop, by axis and predictor; they need no truth.
+  std::array<std::array<StopScores, app::kPredictors>, 3> stop_scores;
+  /// Doubts about rest that are not certain, if the options ask for them.
+  std::vector<std::string> rest_doubts;
   std::optional<TrueDrives> true_drives;  ///< if the observer gave the truth
   /// Noise as learnt by the end; nullopt where the model was taken at its word, or nothing
   /// measured.
   std::optional<LearntNoises> learnt;
 };
 
-/// Replays to the end of the recording in constant memory. Throws recording::Error and
-/// std::invalid_argument. Truth is known if the observer gives it or the options have a schedule,
-/// which says that the sensor was at rest.
+/// Replays to the end of the recording in constant memory. Throws recording::Error,
+/// recording::DataError for rates that are certainly not of rest where the options ask for that,
+/// and std::invalid_argument. Truth is known if the observer gives it or the options have a
+/// schedule, which says that the sensor was at rest.
 [[nodiscard]] ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
                                   const ReplayObserver& observer = {});
 

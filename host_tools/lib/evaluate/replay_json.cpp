@@ -15,8 +15,12 @@ using recording::number;
 
 using units::kDegPerRad;
 
-Json scores_json(const DriveScores& scores, const DriveScores& baseline) {
-  return {{"drives", scores.drives()},
+Json scores_json(const DriveScores& scores, const DriveScores& baseline, const StopScores& stops) {
+  return {{"stops", stops.stops()},
+          {"stop_error_rms_dph", number(stops.error_rms_rad_s() * units::kDphPerRadS)},
+          {"stop_error_rms_sigmas", number(stops.error_rms_sigmas())},
+          {"stop_coverage95", number(stops.coverage95())},
+          {"drives", scores.drives()},
           {"heading_drift_rms_deg", number(scores.heading_drift_rms_rad() * kDegPerRad)},
           {"ratio_to_calibration_mean",
            number(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
@@ -34,6 +38,8 @@ std::string axis_name(const ReplayResult& result, std::size_t axis) {
 
 std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& axes) {
   Json json{{"schema", "zerorate.replay/1"},
+            {"model", result.model},
+            {"model_chosen", result.is_model_chosen},
             {"rows", result.rows},
             {"samples_refused", result.samples_refused},
             {"samples_saturated", result.samples_saturated},
@@ -46,13 +52,15 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
             {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
             {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
             {"truth_known", result.truth_known},
+            {"doubts", result.rest_doubts},
             {"findings", recording::to_json(result.findings)},
             {"axes", Json::object()}};
   for (const std::size_t axis : axes) {
     Json predictors = Json::object();
     const auto& scores = result.scores[axis];
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
-      predictors[std::string(name(kAllPredictors[p]))] = scores_json(scores[p], scores.back());
+      predictors[std::string(name(kAllPredictors[p]))] =
+          scores_json(scores[p], scores.back(), result.stop_scores[axis][p]);
     }
     Json& of_axis = json["axes"][axis_name(result, axis)];
     of_axis["predictors"] = std::move(predictors);

@@ -160,4 +160,13 @@ void leave_out_motion(RestSamples& samples, const MotionAtRest& motion) {
   samples = std::move(calm);
 }
 
+RestSamples read_rest(recording::Reader& reader, core::StandstillSource source,
+                      const RestOptions& options) {
+  RestSamples samples = read_rest_samples(reader, options);
+  if (source == core::StandstillSource::gyro) {
+    leave_out_motion(samples, find_motion(samples, source));
+  }
+  return samples;
+}
+
 }  // namespace zerorate::identify

@@ -31,6 +31,11 @@ struct MotionAtRest {
 [[nodiscard]] MotionAtRest find_motion(
     const RestSamples& samples, core::StandstillSource source = core::StandstillSource::odometer);
 
+/// Reads a recording to its end as read_rest_samples().
+/// @param source  gyro: leaves out the motion that the gyro shows
+[[nodiscard]] RestSamples read_rest(recording::Reader& reader, core::StandstillSource source,
+                                    const RestOptions& options = {});
+
 /// Keeps the calm. Where a sample is left out, the vehicle moved (RestSamples::after_drives).
 void leave_out_motion(RestSamples& samples, const MotionAtRest& motion);
 

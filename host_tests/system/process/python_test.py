@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""The Python package: the same figures as the command line, the node's bits, arrays in and out, wheel and notebook.
+
+usage: python_test.py ZERORATE FOLDER_OF_THE_PACKAGE NOTEBOOK [unittest arguments]
+"""
+
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ZERORATE = sys.argv.pop(1)
+FOLDER = pathlib.Path(sys.argv.pop(1))
+NOTEBOOK = pathlib.Path(sys.argv.pop(1))
+sys.path.insert(0, str(FOLDER))
+sys.dont_write_bytecode = True
+
+import numpy as np  # noqa: E402
+
+import zerorate  # noqa: E402
+
+LIMIT_S = 300.0
+SCHEDULE = "still=20,drive=60,seed=1"
+
+
+def rest(path, rows=6000):
+    """White noise and a random walk, 10 samples a second; and every tenth second in motion, by the still column."""
+    random = np.random.default_rng(4)
+    rates = random.normal(0.0, 0.05, (rows, 3)) + np.cumsum(random.normal(0.0, 0.0005, (rows, 3)), axis=0)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("t_s,gx_dps,gy_dps,gz_dps,still\n")
+        for i, (x, y, z) in enumerate(rates):
+            file.write(f"{0.1 * i:.1f},{x:.6f},{y:.6f},{z:.6f},{int(i % 900 < 600)}\n")
+    return path
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls._folder = tempfile.TemporaryDirectory(prefix="zerorate-")
+        cls.addClassCleanup(cls._folder.cleanup)
+        cls.folder = pathlib.Path(cls._folder.name)
+        cls.path = rest(cls.folder / "rest.csv")
+        cls.recording = zerorate.read(cls.path)
+
+    def answer(self, *arguments):
+        run = subprocess.run([ZERORATE, *map(str, arguments), "--json", "-"], capture_output=True, text=True, timeout=LIMIT_S,
+                             check=False)
+        self.assertIn(run.returncode, (0, 1), run.stderr)
+        return json.loads(run.stdout)
+
+    def test_characterizes_as_the_command_line(self):
+        model = self.folder / "mine.toml"
+        expected = self.answer("characterize", self.path, "--model-out", model)
+        for recording in (self.path, self.recording):
+            noise = zerorate.characterize(recording)
+            self.assertEqual(noise.json, expected)
+            self.assertEqual(noise.middle.toml, model.read_text(encoding="utf-8"))
+        self.assertEqual(noise.axes["x"].angle_random_walk_dps_per_sqrt_hz.lo95,
+                         expected["axes"]["x"]["angle_random_walk_dps_per_sqrt_hz"]["lo95"])
+
+    def test_diagnoses_as_the_command_line(self):
+        expected = self.answer("diagnose", self.path, "--axis", "z")
+        diagnosis = zerorate.diagnose(self.recording, axis="z")
+        self.assertEqual({key: diagnosis.json.get(key) for key in expected}, expected)
+        self.assertEqual(diagnosis.axes["z"].verdict, expected["verdict"])
+        self.assertIn("schema", diagnosis.axes["z"].model.toml)
+
+    def test_evaluates_as_the_command_line(self):
+        for schedule in (None, SCHEDULE):
+            arguments = ["--schedule", schedule] if schedule else []
+            expected = self.answer("replay", self.path, "--model", "lsm6dso", *arguments)
+            scores = zerorate.evaluate(self.recording, model="lsm6dso", schedule=schedule)
+            self.assertEqual(scores.json, expected)
+            self.assertEqual(scores.scores["y"]["kalman"].drives, expected["axes"]["y"]["predictors"]["kalman"]["drives"])
+
+    def test_a_node_publishes_what_a_replay_writes(self):
+        out = self.folder / "corrected.csv"
+        self.answer("replay", self.path, "--model", "lsm6dso", "--out", out)
+        whole = zerorate.Node("lsm6dso").replay_recording(self.recording)
+        with open(out, encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(whole.time_ns))
+        factor = np.float32(180.0 / np.pi)
+        for i in range(0, len(rows), 7):
+            self.assertEqual(rows[i]["motion"] == "still", whole.still[i])
+            self.assertEqual(rows[i]["gx_sigma_dps"] != "", whole.calibrated[i])
+            for name, values in (("gx_bias_dps", whole.bias_rad_s), ("gx_sigma_dps", whole.sigma_rad_s)):
+                if rows[i][name]:
+                    self.assertAlmostEqual(float(rows[i][name]), float(values[i, 0] * factor), delta=2e-7)
+
+    def test_a_node_goes_on_where_it_stopped(self):
+        arrays = self.recording.arrays()
+        whole = zerorate.Node("lsm6dso").replay(**arrays)
+        node = zerorate.Node("lsm6dso", sample_period_s=0.1)
+        halves = [node.replay(**{name: value if value is None else value[part] for name, value in arrays.items()})
+                  for part in (slice(0, 2500), slice(2500, None))]
+        for name in ("bias_rad_s", "sigma_rad_s", "corrected_rad_s", "calibrated"):
+            joined = np.concatenate([getattr(half, name) for half in halves])
+            np.testing.assert_array_equal(joined, getattr(whole, name))
+        self.assertTrue(whole.calibrated.any())
+
+    def test_a_node_takes_single_samples(self):
+        node = zerorate.Node("lsm6dso", sample_period_s=0.1)
+        steps = [node.step(i * 100_000_000, tuple(self.recording.rate_rad_s[i]), still=True) for i in range(200)]
+        self.assertTrue(steps[-1].calibrated[0])
+
+    def test_gives_arrays_of_the_recording(self):
+        self.assertEqual(self.recording.time_ns.dtype, np.int64)
+        self.assertEqual(self.recording.rate_rad_s.shape, (6000, 3))
+        self.assertEqual(self.recording.rate_rad_s.dtype, np.float32)
+        self.assertEqual(self.recording.still.dtype, np.bool_)
+        self.assertEqual(self.recording.time_ns[3], 300_000_000)
+        self.assertIsNone(self.recording.temperature_degc)
+
+    def test_allan_deviation_is_that_of_its_definition(self):
+        rate = np.random.default_rng(1).normal(size=4000)
+        curve = zerorate.allan_deviation(rate, 0.5)
+        for tau_s, adev in zip(curve.tau_s, curve.adev):
+            m = round(tau_s / 0.5)
+            means = np.convolve(rate, np.ones(m) / m, "valid")
+            self.assertAlmostEqual(adev, np.sqrt(0.5 * np.mean((means[m:] - means[:-m])**2)), delta=1e-9 * adev)
+
+    def test_shows_and_draws_its_results(self):
+        import matplotlib
+        matplotlib.use("Agg")
+        results = [self.recording, zerorate.characterize(self.recording), zerorate.diagnose(self.recording, axis="x"),
+                   zerorate.evaluate(self.recording, model="lsm6dso", schedule=SCHEDULE),
+                   zerorate.Node("lsm6dso").replay_recording(self.recording),
+                   zerorate.allan_deviation(self.recording.rate_rad_s[:, 0], 0.1)]
+        for result in results:
+            self.assertIn("<table>", result._repr_html_())
+            self.assertTrue(result.plot().has_data())
+
+    def test_errors_are_exceptions_with_the_sentence_of_the_command_line(self):
+        with self.assertRaisesRegex(zerorate.RecordingError, "expected"):
+            bad = self.folder / "bad.csv"
+            bad.write_text("t_s,gx_dps,gy_dps,gz_dps\n0,a,0,0\n")
+            zerorate.read(bad)
+        with self.assertRaisesRegex(ValueError, "did you mean"):
+            zerorate.model("lsm6ds0")
+        with self.assertRaisesRegex(ValueError, "n by 3"):
+            zerorate.Node("lsm6dso").replay(np.arange(3), np.zeros((3, 2), np.float32))
+        with self.assertRaisesRegex(zerorate.RecordingError, "turned"):
+            turned = np.zeros((6000, 3), np.float32) + np.sin(np.arange(6000) / 10.0)[:, None].astype(np.float32)
+            zerorate.characterize(zerorate.Recording(self.recording.time_ns, turned))
+
+
+class Wheel(unittest.TestCase):
+    def test_installs_without_an_index_and_runs_the_notebook(self):
+        wheels = list(FOLDER.glob("zerorate-*.whl"))
+        self.assertEqual(len(wheels), 1)
+        with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
+            def run(*command):
+                done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=LIMIT_S, cwd=folder,
+                                      check=False)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                return done.stdout
+
+            run(sys.executable, "-m", "venv", "--system-site-packages", "venv")
+            python = pathlib.Path(folder) / "venv/bin/python"
+            run(python, "-m", "pip", "install", "--no-index", "--quiet", wheels[0])
+            where = run(python, "-c", "import zerorate; print(zerorate.__file__, zerorate.catalogue())")
+            self.assertTrue(where.startswith(folder), where)
+            run(python, "-m", "nbconvert", "--to", "notebook", "--execute", "--output-dir", folder, NOTEBOOK)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,145 @@
+/// @file
+/// The node that a recording runs through, with its parameters, its clock and its odometer.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/model/node_model.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
+#include "host_tools/lib/evaluate/replay.hpp"
+
+namespace zerorate::evaluate {
+
+/// Rows from whose intervals a replay takes the sample period.
+inline constexpr std::size_t kRowsAhead = 2000;
+
+/// Filter tick of a replay: that of the options, or half a second, or the sample period where that
+/// is longer. Throws std::invalid_argument for a filter rate above the sample rate.
+[[nodiscard]] core::Duration filter_tick(const ReplayOptions& options,
+                                         core::Duration sample_period);
+
+/// Reason why a node refuses its parameters, for the user.
+[[nodiscard]] std::string_view explain(app::ParamsError error);
+
+/// Mean interval and filter tick of the samples that a node gets.
+struct SampleTiming {
+  core::Duration sample_period;
+  core::Duration filter_tick;
+};
+
+/// A node as the firmware has it, fed with rows of a recording.
+template <core::ModelShape Shape>
+class ReplayNode {
+ public:
+  using Node = app::GyroNode<Shape, app::NodeCapacity{.screens_samples = true}>;
+  /// Every replay begins at this time of the node's clock, whatever the recording's.
+  static constexpr core::Instant kStart = core::Instant::from_ns(1'000'000'000);
+
+  /// Sample and pulses of a row.
+  struct Arrival {
+    drivers::GyroSample sample;
+    std::span<const core::Instant> pulses;  ///< valid until the next row
+    bool moving;                            ///< as the recording or the schedule has it
+  };
+
+  /// @param first_time_ns  of the recording: becomes kStart
+  /// Throws std::invalid_argument for options that no node can run with.
+  ReplayNode(const ReplayOptions& options, const recording::Columns& columns,
+             const SampleTiming& timing, std::int64_t first_time_ns)
+      : axis_count_(columns.axis_count),
+        shift_(kStart - core::Instant::from_ns(first_time_ns)),
+        params_(make_params(options, timing)),
+        odometer_(make_odometer(columns, options.schedule, kStart, timing.sample_period,
+                                options.standstill.source != core::StandstillSource::gyro)),
+        node_(params_) {}
+
+  /// Takes the next row up to the node, which does not see it yet.
+  Arrival arrive(const recording::Row& row) {
+    const core::Instant at = core::Instant::from_ns(row.time_ns) + shift_;
+    // A row whose time runs backwards is refused by the node, but what it counted was real: the
+    // odometer's time stands still until the recording has caught up.
+    latest_ = std::max(latest_, at);
+    pulses_.clear();
+    const bool moving = odometer_->pulses_until(latest_, row, pulses_);
+    return {sample_of(row, at), pulses_, moving};
+  }
+
+  [[nodiscard]] Node& node() { return node_; }
+  [[nodiscard]] const Node& node() const { return node_; }
+  [[nodiscard]] const typename Node::Params& params() const { return params_; }
+  [[nodiscard]] core::Instant latest() const { return latest_; }
+  /// From the clock of the recording to that of the node.
+  [[nodiscard]] core::Duration shift() const { return shift_; }
+
+ private:
+  static typename Node::Params make_params(const ReplayOptions& options,
+                                           const SampleTiming& timing) {
+    const auto model =
+        model::make_node_model<Shape>(options.model, timing.sample_period, timing.filter_tick);
+    typename Node::Params params{
+        .modes = model.modes,
+        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+        .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
+        .largest_bias_rad_s = model.largest_bias_rad_s,
+        .gate = model.gate,
+        .samples = model.samples,
+        .sample_period = timing.sample_period,
+        .standstill = options.standstill,
+        .odometer = options.odometer,
+        .earth = options.earth,
+        .published = options.published,
+        .learns_white_noise = options.learns_noise};
+    if (options.learns_noise) params.hypotheses = model.hypotheses;
+    if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
+    if (options.schedule) params.odometer.longest_straight = {};
+    if (const auto checked = Node::check(params); !checked) {
+      throw std::invalid_argument(std::string(explain(checked.error())));
+    }
+    return params;
+  }
+
+  /// A recording of one axis drives all three, so that no axis reads an impossible silence.
+  [[nodiscard]] drivers::GyroSample sample_of(const recording::Row& row, core::Instant at) const {
+    drivers::GyroSample sample{.time = at};
+    for (std::size_t i = 0; i < Node::kAxes; ++i) {
+      sample.rate[i] = core::rad_per_s(row.rate_rad_s[i < axis_count_ ? i : 0]);
+    }
+    sample.has_temperature = std::isfinite(row.temperature_degc);
+    if (sample.has_temperature) {
+      sample.temperature = core::Temperature::from_degc(row.temperature_degc);
+    }
+    return sample;
+  }
+
+  std::size_t axis_count_;
+  core::Duration shift_;
+  typename Node::Params params_;
+  std::unique_ptr<Odometer> odometer_;
+  Node node_;
+  std::vector<core::Instant> pulses_;
+  core::Instant latest_ = kStart;  ///< time of the recording so far
+};
+
+/// Calls `run` with the shape of the node that a model takes, as a template argument. Most models
+/// are six flicker decades; the larger node takes every other one.
+template <class Run>
+auto with_shape_of(const model::SensorModel& model, Run run) {
+  if (model::fits_six_decades(model)) {
+    return run.template
+    operator()<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>();
+  }
+  return run.template operator()<model::kLargestLearningShape>();
+}
+
+}  // namespace zerorate::evaluate

@@ -1,0 +1,143 @@
+"""Bias prediction for MEMS gyroscopes: the tools of the command line `zerorate`, for NumPy arrays.
+
+    >>> import zerorate
+    >>> rest = zerorate.read("rest.csv.gz")
+    >>> noise = zerorate.characterize(rest)
+    >>> noise.axes["x"].angle_random_walk_dps_per_sqrt_hz
+    >>> noise.plot()
+    >>> noise.middle.save("mine.toml")
+
+Rates are in rad/s and times in whole nanoseconds unless a name says otherwise. Every figure is the one that the command
+line prints: both call the same libraries.
+"""
+
+import json
+import os
+import pathlib
+from typing import Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._native import ModelError, RecordingError
+from .results import (AllanDeviation, AxisDiagnosis, AxisNoise, Cause, Characterization, Corrected, Diagnosis, Evaluation,
+                      Figure, Model, PredictorScore, Recording)
+
+__all__ = [
+    "AllanDeviation", "AxisDiagnosis", "AxisNoise", "Cause", "Characterization", "Corrected", "Diagnosis", "Evaluation", "Figure",
+    "Model", "ModelError", "Node", "PredictorScore", "Recording", "RecordingError", "allan_deviation", "catalogue",
+    "characterize", "diagnose", "evaluate", "model", "read"
+]
+__version__: str = _native.__version__
+
+PathOrRecording = Union[str, "os.PathLike[str]", Recording]
+ModelOrName = Union[str, "os.PathLike[str]", Model]
+
+
+def read(path: Union[str, "os.PathLike[str]"], *, columns: str = "", units: str = "", delimiter: str = "") -> Recording:
+    """Reads a recording: CSV or CSV.gz, a folder of EuRoC, a bag of ROS 2.
+
+    `columns`, `units` and `delimiter` are those of the command line, for files of other formats:
+    `columns="t=stamp,gx=wx,gy=wy,gz=wz", units="time=ns,rate=radps"`. Raises RecordingError.
+    """
+    arrays = _native.Source(os.fspath(path), columns, units, delimiter).read()
+    return Recording(name=pathlib.Path(path).name, **arrays)
+
+
+def catalogue() -> list[str]:
+    """Names of the sensor models that come with zerorate."""
+    return _native.model_names()
+
+
+def model(name: ModelOrName) -> Model:
+    """A model of the catalogue or of a file. Raises ModelError, ValueError, OSError."""
+    return Model(os.fspath(name), _native.model_text(_text_of(name)))
+
+
+def allan_deviation(rate: np.ndarray, sample_period_s: float, *, points_per_decade: float = 16.0) -> AllanDeviation:
+    """Overlapping Allan deviation of the evenly spaced rates of one axis, with 95 % intervals, in the unit of the rate."""
+    return AllanDeviation(*_native.allan_deviation(np.asarray(rate, np.float64), sample_period_s, points_per_decade))
+
+
+def characterize(recording: PathOrRecording, *, axis: str = "all", order: Optional[float] = None,
+                 still_from: str = "odometer") -> Characterization:
+    """White and flicker noise of a sensor at rest, as `zerorate characterize`.
+
+    `order` is d where it is known, else it is estimated. Raises RecordingError for a sensor that was not at rest.
+    """
+    source, name = _source_of(recording)
+    text, models, doubts = _native.characterize(source, name, axis, order, still_from)
+    return Characterization.of_json(json.loads(text), models, doubts)
+
+
+def diagnose(recording: PathOrRecording, *, axis: str = "all", model: Optional[ModelOrName] = None, holdout: float = 0.3,
+             still_from: str = "odometer") -> Diagnosis:
+    """What white and flicker noise do not explain, and why, as `zerorate diagnose`.
+
+    An odometer is not examined against a reference speed; the command line does that.
+    """
+    source, name = _source_of(recording)
+    text = None if model is None else _text_of(model)
+    (text, models, doubts), curves = _native.diagnose(source, name, axis, text, holdout, still_from)
+    return Diagnosis.of_json(json.loads(text), models, doubts, curves)
+
+
+def evaluate(recording: PathOrRecording, *, model: ModelOrName, schedule: Optional[str] = None, axis: str = "all",
+             learns_noise: bool = True, still_from: str = "odometer", filter_rate_hz: Optional[float] = None) -> Evaluation:
+    """Heading drifts and coverage of a recording through the node, as `zerorate replay`.
+
+    `schedule="still=60,drive=300,seed=1"` makes up stops and drives for a recording at rest.
+    """
+    source, _ = _source_of(recording)
+    options = _options(model, learns_noise, still_from, filter_rate_hz)
+    return Evaluation.of_json(json.loads(_native.evaluate(source, axis, schedule, options)))
+
+
+class Node:
+    """The node of the firmware: samples in, corrected rate with its interval out, bit for bit as on the target.
+
+    A node learns from its stops (`learns_noise`). It keeps its state from one call to the next.
+    """
+
+    def __init__(self, model: ModelOrName, *, sample_period_s: Optional[float] = None, learns_noise: bool = True,
+                 still_from: str = "odometer", filter_rate_hz: Optional[float] = None, settle_s: float = 1.0,
+                 hold_back_s: float = 0.5) -> None:
+        options = _options(model, learns_noise, still_from, filter_rate_hz)
+        options.settle_s = settle_s
+        options.hold_back_s = hold_back_s
+        self._node = _native.Node(options, sample_period_s)
+
+    def replay(self, time_ns: np.ndarray, rate_rad_s: np.ndarray, *, temperature_degc: Optional[np.ndarray] = None,
+               still: Optional[np.ndarray] = None, odometer_pulses: Optional[np.ndarray] = None) -> Corrected:
+        """Takes n samples: times, n by 3 rates (n by 1 of a single axis) and what tells rest, one element a sample."""
+        arrays = self._node.replay(time_ns, rate_rad_s, temperature_degc, still, odometer_pulses)
+        return Corrected(time_ns=np.asarray(time_ns), **arrays)
+
+    def replay_recording(self, recording: Recording) -> Corrected:
+        """Takes the samples of a recording."""
+        return self.replay(**recording.arrays())
+
+    def step(self, time_ns: int, rate_rad_s: "tuple[float, float, float]", *, still: bool) -> Corrected:
+        """Takes one sample; the result has one row. Node(sample_period_s=...) has to be given."""
+        return self.replay(np.array([time_ns]), np.array([rate_rad_s], np.float32), still=np.array([still]))
+
+
+def _options(model_or_name: ModelOrName, learns_noise: bool, still_from: str,
+             filter_rate_hz: Optional[float]) -> _native.NodeOptions:
+    options = _native.NodeOptions()
+    options.model = _text_of(model_or_name)
+    options.learns_noise = learns_noise
+    options.still_from = still_from
+    options.filter_rate_hz = filter_rate_hz
+    return options
+
+
+def _text_of(model_or_name: ModelOrName) -> str:
+    return model_or_name.toml if isinstance(model_or_name, Model) else os.fspath(model_or_name)
+
+
+def _source_of(recording: PathOrRecording) -> "tuple[_native.Source, str]":
+    if isinstance(recording, Recording):
+        return _native.Source.of_arrays(**recording.arrays()), recording.name
+    path = os.fspath(recording)
+    return _native.Source(path), pathlib.Path(path).name
