@@ -18,14 +18,12 @@
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/presentation/json.hpp"
-#include "host_tools/lib/diagnose/presentation/report.hpp"
-#include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 #include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {

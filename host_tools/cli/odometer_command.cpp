@@ -6,7 +6,7 @@
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/odometry/odometer_figures.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {

@@ -21,7 +21,7 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/presentation/json.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"

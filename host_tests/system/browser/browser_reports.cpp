@@ -14,7 +14,7 @@
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/diagnose/presentation/report.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 #include "host_tools/lib/report/report.hpp"
 
 namespace zerorate::report {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host_tools/lib/campaign/sized_effect.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::campaign {
 namespace {

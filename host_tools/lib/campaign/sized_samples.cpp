@@ -6,7 +6,7 @@
 
 #include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::campaign {
 namespace {

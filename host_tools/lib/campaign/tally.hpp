@@ -11,7 +11,7 @@
 
 #include "host_tools/lib/campaign/answer.hpp"
 #include "host_tools/lib/campaign/scenario.hpp"
-#include "host_tools/lib/statistics/bootstrap.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::campaign {
 

@@ -22,7 +22,7 @@
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -8,7 +8,7 @@
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
 #include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -12,7 +12,7 @@
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {

@@ -12,7 +12,7 @@
 
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/recording/json.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::evaluate {

@@ -5,7 +5,7 @@
 
 #include "core/monitor/odometer_check.hpp"
 #include "core/standstill/calm_judge.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {

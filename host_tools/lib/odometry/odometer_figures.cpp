@@ -9,7 +9,7 @@
 
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/json.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::odometry {

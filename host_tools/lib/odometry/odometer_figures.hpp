@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host_tools/lib/odometry/speed_record.hpp"
-#include "host_tools/lib/statistics/bootstrap.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::odometry {
 

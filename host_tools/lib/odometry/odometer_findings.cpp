@@ -12,7 +12,7 @@
 
 #include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::odometry {

@@ -11,7 +11,7 @@
 #include "host_tools/lib/recording/fields.hpp"
 #include "host_tools/lib/recording/line_reader.hpp"
 #include "host_tools/lib/recording/number.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::odometry {

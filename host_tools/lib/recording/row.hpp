@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "host_tools/lib/recording/findings.hpp"
 
@@ -17,7 +18,9 @@ inline constexpr std::size_t kMaxAxes = 3;
 enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
 
 /// Factor from a unit of the file to rad/s.
-[[nodiscard]] double rad_per_s_in(RateUnit unit);
+[[nodiscard]] constexpr double rad_per_s_in(RateUnit unit) {
+  return unit == RateUnit::deg_per_s ? std::numbers::pi / 180.0 : 1.0;
+}
 
 /// A number of the file in SI units: converted in double precision and rounded once.
 [[nodiscard]] inline float to_si(double number, double si_per_unit) {

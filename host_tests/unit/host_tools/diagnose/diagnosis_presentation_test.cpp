@@ -8,9 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host_tools/lib/diagnose/presentation/json.hpp"
-#include "host_tools/lib/diagnose/presentation/report.hpp"
-#include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 
 namespace zerorate::diagnose {
 namespace {

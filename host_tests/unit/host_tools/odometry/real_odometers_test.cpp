@@ -4,7 +4,7 @@
 
 #include "host_tests/support/folders.hpp"
 #include "host_tools/lib/odometry/odometer_figures.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::odometry {

@@ -10,7 +10,7 @@
 
 #include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/simulate/scenario.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::simulate {

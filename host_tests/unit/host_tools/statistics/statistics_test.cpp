@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "host_tools/lib/statistics/bootstrap.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::statistics {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

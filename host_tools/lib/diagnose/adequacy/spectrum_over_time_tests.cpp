@@ -11,7 +11,7 @@
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -9,7 +9,7 @@
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

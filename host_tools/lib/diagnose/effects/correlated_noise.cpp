@@ -2,10 +2,9 @@
 
 #include <cmath>
 
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
-#include "host_tools/lib/diagnose/effects/noise_effect.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 
 namespace zerorate::diagnose {
 namespace {

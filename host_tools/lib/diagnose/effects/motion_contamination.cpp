@@ -6,11 +6,11 @@
 #include <numbers>
 #include <span>
 
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

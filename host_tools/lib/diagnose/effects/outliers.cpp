@@ -7,7 +7,7 @@
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

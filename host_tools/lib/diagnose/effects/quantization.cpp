@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
-#include "host_tools/lib/statistics/rounding.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -6,12 +6,11 @@
 #include <cstdint>
 #include <utility>
 
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
-#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -8,10 +8,10 @@
 #include <span>
 
 #include "core/samples/noise_level_track.hpp"
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/diagnose/effects/effect_figures.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host_tools/lib/statistics/rounding.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

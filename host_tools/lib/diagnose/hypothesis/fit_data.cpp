@@ -6,7 +6,7 @@
 
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/diagnose/hypothesis/noise_density.hpp"
-#include "host_tools/lib/statistics/logit.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

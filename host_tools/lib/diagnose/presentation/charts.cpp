@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/presentation/charts.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "host_tools/lib/diagnose/presentation/words.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/presentation/json.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/presentation/report.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "firmware/model/model_file.hpp"
-#include "host_tools/lib/diagnose/presentation/charts.hpp"
-#include "host_tools/lib/diagnose/presentation/words.hpp"
 
 namespace zerorate::diagnose {
 namespace {

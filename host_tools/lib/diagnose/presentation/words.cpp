@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/presentation/words.hpp"
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/arrivals.hpp"
-#include "host_tools/lib/statistics/order_statistics.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/statistics/bootstrap.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 

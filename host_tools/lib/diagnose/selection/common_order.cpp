@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

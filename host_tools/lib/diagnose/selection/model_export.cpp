@@ -11,7 +11,7 @@
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {

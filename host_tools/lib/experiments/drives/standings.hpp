@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tools/lib/evaluate/drive_scores.hpp"
-#include "host_tools/lib/statistics/bootstrap.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::experiments {
 

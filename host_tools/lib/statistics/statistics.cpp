@@ -1,11 +1,14 @@
-#include "host_tools/lib/statistics/tails.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <numeric>
 
 namespace zerorate::statistics {
+
 namespace {
 
 constexpr double kUnderflow = 1e-290;
@@ -84,6 +87,54 @@ double surprisal_of_search(double gain_nats, double parameters, double crossings
   const double larger = std::max(single, search);
   const double log_sum = larger + std::log(std::exp(single - larger) + std::exp(search - larger));
   return std::max(0.0, -log_sum);
+}
+
+double mean_before_rounding(double mean, double sigma) {
+  using std::numbers::pi;
+  constexpr double kSmooth = 0.6;  // rounding moves means by less than 3e-4 steps
+  if (sigma > kSmooth) return mean;
+  const auto after = [sigma](double x) {
+    double sum = x;
+    double sign = -1.0;
+    for (int k = 1; k <= 12; ++k) {
+      const double ratio = pi * k * sigma;
+      sum += sign / (pi * k) * std::exp(-2.0 * ratio * ratio) * std::sin(2.0 * pi * k * x);
+      sign = -sign;
+    }
+    return sum;
+  };
+  double lo = mean - 0.5;
+  double hi = mean + 0.5;
+  constexpr int kBits = 12;
+  for (int i = 0; i < kBits; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    (after(middle) < mean ? lo : hi) = middle;
+  }
+  return 0.5 * (lo + hi);
+}
+
+BootstrapFigure bootstrap(std::size_t size, const Statistic& statistic,
+                          const random::RandomStream& stream, const BootstrapParams& params) {
+  std::vector<std::size_t> drawn(size);
+  std::iota(drawn.begin(), drawn.end(), std::size_t{0});
+  BootstrapFigure figure{.value = statistic(drawn)};
+  if (std::isnan(figure.value)) return {};
+  std::vector<double> values(params.draws);
+  std::int64_t number = 0;
+  for (double& value : values) {
+    for (std::size_t i = 0; i < size; i += params.block) {
+      const double place = stream.uniform(number++) * static_cast<double>(size);
+      const auto first = static_cast<std::size_t>(place);
+      for (std::size_t j = 0; j < params.block && i + j < size; ++j) {
+        drawn[i + j] = (first + j) % size;
+      }
+    }
+    value = statistic(drawn);
+  }
+  std::ranges::sort(values);
+  figure.lo = values[params.draws / 40];
+  figure.hi = values[params.draws - 1 - params.draws / 40];
+  return figure;
 }
 
 }  // namespace zerorate::statistics

@@ -1,11 +1,37 @@
-#include "host_tools/lib/diagnose/effects/mean_effect.hpp"
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
+#include <vector>
+
+#include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
+
+namespace {
+
+Hypothesis joined(const Hypothesis& without, const Part& part) {
+  std::vector<Part> parts = without.parts();
+  parts.push_back(part);
+  return {without.data(), std::move(parts), &without};
+}
+
+}  // namespace
+
+Candidate candidate_with(const Hypothesis& without, Part part) {
+  const Hypothesis with = joined(without, part);
+  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+}
+
+Candidate placed_candidate(const Hypothesis& without, Part part) {
+  const Hypothesis with = joined(without, part);
+  part.starts = {with.noise().spectrum};
+  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+}
+
 namespace {
 
 constexpr std::size_t kDrawnPoints = 1500;
@@ -42,6 +68,27 @@ Drawing drawing_of(const FittedPart& fitted) {
     drawing.curve.push_back({data.series().time_s(k), level + mean[k]});
   }
   return drawing;
+}
+
+using statistics::kHalfWidth95;
+
+Parameter positive_parameter(std::string name, double value, double log_error) {
+  const double factor = std::exp(kHalfWidth95 * log_error);
+  return {std::move(name), value, value / factor, value * factor};
+}
+
+Parameter parameter(std::string name, double value, double standard_error) {
+  const double reach = kHalfWidth95 * standard_error;
+  return {std::move(name), value, value - reach, value + reach};
+}
+
+double node_tick_s(const FitData& data) {
+  const auto nanoseconds = [](double seconds) {
+    return core::Duration::nanoseconds(std::llround(seconds * 1e9));
+  };
+  const core::Duration tick =
+      identify::identification_tick(nanoseconds(data.span_s()), nanoseconds(data.period_s()));
+  return static_cast<double>(tick.ns()) * 1e-9;
 }
 
 }  // namespace zerorate::diagnose

@@ -1,0 +1,62 @@
+/// @file
+/// A diagnosis in words, as charts, as JSON and as a report.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/lib/diagnose/result/diagnosis.hpp"
+#include "host_tools/lib/odometry/odometer_findings.hpp"
+#include "host_tools/lib/report/chart.hpp"
+#include "host_tools/lib/report/report.hpp"
+
+namespace zerorate::diagnose {
+
+/// Verdict, and whether what is left matters for the heading: "unexplained, but it does not matter
+/// for the heading".
+[[nodiscard]] std::string verdict_in_words(const Diagnosis& diagnosis);
+
+/// One paragraph: what the simulation gets wrong, what explains it and what does not, what the
+/// extended model buys; or that nothing is wrong; or what is left and that no cause is proven.
+[[nodiscard]] std::string in_words(const Diagnosis& diagnosis);
+
+/// Gain in heading of learning from the calm alone.
+[[nodiscard]] std::string in_words(const odometry::HeadingGain& gain);
+
+/// An effect as people read it: "rate random walk".
+[[nodiscard]] std::string plain_name(std::string_view effect);
+
+/// A statistic as people read it: "Allan deviation".
+[[nodiscard]] std::string plain_statistic(std::string_view statistic);
+
+[[nodiscard]] report::Chart allan_chart(const Diagnosis& diagnosis);
+[[nodiscard]] report::Chart density_chart(const Diagnosis& diagnosis);
+/// The recording with an effect drawn over it.
+[[nodiscard]] report::Chart effect_chart(const Diagnosis& diagnosis, const Drawing& drawing);
+[[nodiscard]] report::BarChart evidence_chart(const Diagnosis& diagnosis);
+/// Errors of prediction, extended over base.
+[[nodiscard]] report::BarChart error_chart(const Gain& gain);
+[[nodiscard]] report::BarChart coverage_chart(const Gain& gain);
+
+/// One axis: the object itself; several: a list of such objects under "axes".
+/// @param odometer  what is wrong with the odometer, under "odometer"; nullptr: not examined
+[[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
+                                  const odometry::OdometerDiagnosis* odometer = nullptr);
+
+struct ReportText {
+  std::string title;
+  std::string recording;   ///< as a user would name it in a command
+  std::string provenance;  ///< what makes the report once more
+};
+
+/// Report of each axis: the verdict in words, the causes and their parameters, Allan deviation and
+/// density over what the models simulate, the effect over the data, the evidence, what the
+/// extension buys, and the extended model with the commands that run it.
+[[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
+
+/// Adds a section with what is wrong with the odometer.
+void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,116 @@
+/// @file
+/// Tail probabilities, order statistics, the bootstrap, and the mean of rounded values.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/random/random_stream.hpp"
+
+namespace zerorate::statistics {
+
+/// Half the width of the customary 95 % interval, in standard deviations.
+inline constexpr double kHalfWidth95 = 1.96;
+/// Half the 95 % quantile of chi squared with one degree of freedom: how far the profile likelihood
+/// falls to the ends of a 95 % interval [nats].
+inline constexpr double kHalfChiSquared95 = 1.92;
+
+/// log P of a standard normal beyond |z|, both sides.
+[[nodiscard]] double log_normal_tails(double z);
+/// log P of chi squared above x.
+[[nodiscard]] double log_chi_squared_tail(double x, double freedom);
+/// log P of chi squared below x.
+[[nodiscard]] double log_chi_squared_lower_tail(double x, double freedom);
+/// log P of chi squared as far from its middle as x, both sides.
+[[nodiscard]] double log_chi_squared_tails(double x, double freedom);
+/// log P of a Poisson number of at least `count`.
+[[nodiscard]] double log_poisson_tail(double count, double mean);
+/// The smallest of `places` such probabilities, at least.
+[[nodiscard]] double log_of_smallest(double log_p, double places);
+/// Chi squared made standard normal (Wilson and Hilferty 1931).
+[[nodiscard]] double normal_of_chi_squared(double x, double freedom);
+
+/// A gain by `parameters` free amplitudes, 2 G ~ chi squared (Wilks).
+[[nodiscard]] double surprisal_of_free(double gain_nats, double parameters);
+
+/// A gain by one strength that cannot be negative: half of the time 0 (Self and Liang 1987).
+[[nodiscard]] double surprisal_of_strength(double gain_nats);
+
+/// The greatest gain over a searched parameter, which crosses a level upwards `crossings` e^(-G)
+/// times on average (Davies 1987), beside the probability at a single place.
+/// @param parameters of the amplitudes, 1 or 2
+[[nodiscard]] double surprisal_of_search(double gain_nats, double parameters, double crossings);
+
+/// Probability of a standard normal above z.
+[[nodiscard]] inline double normal_tail(double z) {
+  return 0.5 * std::erfc(z / std::numbers::sqrt2);
+}
+
+/// Density of a standard normal at z.
+[[nodiscard]] inline double normal_density(double z) {
+  return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+}
+
+/// Median; of an even number of values the upper one of the middle two. Linear in their number.
+/// @param values  at least one
+[[nodiscard]] inline double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Quantile p of values in increasing order, interpolated between neighbours (position p (n - 1)).
+/// @param sorted  at least one
+/// @param p  from 0 to 1
+[[nodiscard]] inline double quantile_of_sorted(std::span<const double> sorted, double p) {
+  const double place = p * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return std::lerp(sorted[below], sorted[above], place - static_cast<double>(below));
+}
+
+/// log(p / (1 - p)), p in (0, 1).
+[[nodiscard]] inline double logit(double share) {
+  return std::log(share / (1.0 - share));
+}
+
+/// Share whose logit is given.
+[[nodiscard]] inline double share_of_logit(double logit) {
+  return 1.0 / (1.0 + std::exp(-logit));
+}
+
+/// The mean before rounding to whole numbers, of a standard deviation of `sigma` steps, that makes
+/// `mean` the mean after it: rounding adds sum over k of (-1)^k / (pi k) exp(-2 (pi k sigma)^2)
+/// sin(2 pi k x) to a mean x (Widrow and Kollar 2008).
+[[nodiscard]] double mean_before_rounding(double mean, double sigma);
+
+/// A figure and its 95 % interval by the bootstrap; NaN where there was nothing to measure.
+struct BootstrapFigure {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double lo = std::numeric_limits<double>::quiet_NaN();
+  double hi = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Computed from the data with these indices, which may repeat.
+using Statistic = std::function<double(const std::vector<std::size_t>& indices)>;
+
+struct BootstrapParams {
+  std::size_t draws = 2000;
+  /// Neighbours that depend on each other are drawn together, so many at a time, around the end
+  /// (Politis and Romano 1992); 1: all are independent.
+  std::size_t block = 1;
+};
+
+/// The statistic of all indices below `size`, and its interval over draws with replacement: between
+/// the order statistics that leave 2.5 % at either end. No figure (NaN) where the statistic is NaN.
+[[nodiscard]] BootstrapFigure bootstrap(std::size_t size, const Statistic& statistic,
+                                        const random::RandomStream& stream,
+                                        const BootstrapParams& params = {});
+
+}  // namespace zerorate::statistics
