@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/lib/probe/probe.hpp"
@@ -18,19 +19,24 @@ struct ProbeFlags {
 ExitCode run_probe(const ProbeFlags& flags) {
   const bool is_told = !flags.devices.spi.empty() || !flags.devices.i2c.empty();
   const auto buses = probe::probe_buses(is_told ? flags.devices : probe::find_devices("/dev"));
-  fmt::print("{}", flags.json ? probe::to_json(buses) : probe::to_text(buses));
-  if (buses.empty()) fmt::print(stderr, "zerorate: no /dev/spidev* and no /dev/i2c-*\n");
+  const auto kernel = is_told ? std::vector<probe::KernelGyro>{} : probe::find_kernel_gyros({});
+  fmt::print("{}", flags.json ? probe::to_json(buses, kernel) : probe::to_text(buses, kernel));
+  if (buses.empty() && kernel.empty()) {
+    fmt::print(stderr, "zerorate: no /dev/spidev*, no /dev/i2c-*, and no gyro of the kernel\n");
+  }
   const bool is_found = std::ranges::any_of(buses, [](const probe::Bus& bus) {
     return std::ranges::any_of(bus.attempts, &probe::Attempt::is_found);
   });
-  return is_found ? success : finding;
+  return is_found || !kernel.empty() ? success : finding;
 }
 
 }  // namespace
 
 Command add_probe(CLI::App& app) {
   const auto flags = std::make_shared<ProbeFlags>();
-  auto* command = app.add_subcommand("probe", "Find the gyros on this board's SPI and I2C buses");
+  auto* command = app.add_subcommand(
+      "probe",
+      "Find the gyros on this board's SPI and I2C buses, and those that the kernel reads (IIO)");
   command->add_option("--spi", flags->devices.spi, "a spidev device; default all of /dev");
   command->add_option("--i2c", flags->devices.i2c, "an i2c-dev device; default all of /dev");
   command->add_flag("--json", flags->json, "print JSON");

@@ -49,7 +49,23 @@ int Bus::error_number() const {
   return attempts.empty() || !is_unusable ? 0 : attempts.front().error_number;
 }
 
-std::string to_text(const std::vector<Bus>& buses) {
+std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places) {
+  std::vector<KernelGyro> gyros;
+  const auto identities = hal::linux_os::find_iio_gyros(places);
+  for (const auto& identity : identities) {
+    const auto namesakes =
+        std::ranges::count(identities, identity.name, &hal::linux_os::IioIdentity::name);
+    const bool is_clear = namesakes == 1 && !identity.name.empty();
+    const hal::linux_os::SysfsFolder folder{places.sysfs + "/" + identity.node};
+    const auto rate = folder.first_of({"in_anglvel_sampling_frequency", "sampling_frequency"});
+    gyros.push_back({.identity = identity,
+                     .device = is_clear ? identity.name : identity.node,
+                     .rate_hz = rate ? folder.number(*rate) : 0.0});
+  }
+  return gyros;
+}
+
+std::string to_text(const std::vector<Bus>& buses, const std::vector<KernelGyro>& kernel) {
   std::string text;
   for (const Bus& bus : buses) {
     if (const int error = bus.error_number(); error != 0) {
@@ -65,12 +81,26 @@ std::string to_text(const std::vector<Bus>& buses) {
                           attempt.is_found ? "found" : "no", attempt.answer);
     }
   }
+  for (const KernelGyro& gyro : kernel) {
+    text += fmt::format(
+        "{:<20} {} found, by a driver of the kernel. In zerorated.toml:\n"
+        "    [gyro]\n    bus = \"iio\"\n    device = \"{}\"\n    rate_hz = {:g}\n",
+        gyro.identity.node, gyro.identity.name, gyro.device, gyro.rate_hz);
+  }
   return text;
 }
 
-std::string to_json(const std::vector<Bus>& buses) {
+std::string to_json(const std::vector<Bus>& buses, const std::vector<KernelGyro>& kernel) {
   nlohmann::ordered_json document{{"schema", "zerorate.probe/1"},
-                                  {"buses", nlohmann::ordered_json::array()}};
+                                  {"buses", nlohmann::ordered_json::array()},
+                                  {"kernel", nlohmann::ordered_json::array()}};
+  for (const KernelGyro& gyro : kernel) {
+    document["kernel"].push_back({{"node", gyro.identity.node},
+                                  {"name", gyro.identity.name},
+                                  {"label", gyro.identity.label},
+                                  {"device", gyro.device},
+                                  {"rate_hz", gyro.rate_hz}});
+  }
   for (const Bus& bus : buses) {
     nlohmann::ordered_json attempts = nlohmann::ordered_json::array();
     for (const Attempt& attempt : bus.attempts) {

@@ -1,5 +1,5 @@
 /// @file
-/// Which gyro answers on a bus.
+/// Which gyro answers on a bus, and which one a driver of the kernel shows.
 ///
 /// Only identity registers are read, and nothing is written but the address of the register that is
 /// asked for: whatever else listens keeps its settings.
@@ -15,6 +15,7 @@
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "hal/linux/i2c_dev.hpp"
+#include "hal/linux/iio_device.hpp"
 #include "hal/linux/spidev.hpp"
 
 namespace zerorate::probe {
@@ -128,9 +129,22 @@ struct Devices {
 /// Asks all of them through the kernel. A device that cannot be opened answers "not present".
 [[nodiscard]] std::vector<Bus> probe_buses(const Devices& devices);
 
-/// One line an attempt; one for a device that could not be used, with the kernel's reason.
-[[nodiscard]] std::string to_text(const std::vector<Bus>& buses);
+/// A gyro behind a driver of the kernel (IIO), as `zerorated.toml` names it.
+struct KernelGyro {
+  hal::linux_os::IioIdentity identity;
+  std::string device;    ///< its name, or "iio:device1" where several have that name
+  double rate_hz = 0.0;  ///< that the driver samples at now; 0: it does not say
+};
+
+/// Those of the kernel. Reads attributes and writes none.
+[[nodiscard]] std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places);
+
+/// One line an attempt; one for a device that could not be used, with the kernel's reason. Of a
+/// gyro of the kernel the lines that `zerorated.toml` needs.
+[[nodiscard]] std::string to_text(const std::vector<Bus>& buses,
+                                  const std::vector<KernelGyro>& kernel = {});
 /// Schema zerorate.probe/1; see docs/reference/probe-json.md.
-[[nodiscard]] std::string to_json(const std::vector<Bus>& buses);
+[[nodiscard]] std::string to_json(const std::vector<Bus>& buses,
+                                  const std::vector<KernelGyro>& kernel = {});
 
 }  // namespace zerorate::probe

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -158,6 +159,30 @@ TEST(ResultOfAProbe, IsTheSameAsTextAndAsJson) {
   EXPECT_EQ(json["buses"][0]["attempts"][1]["address"], 0x6A);
   EXPECT_EQ(json["buses"][0]["attempts"][1]["found"], true);
   EXPECT_EQ(json["buses"][0]["attempts"][0]["answer"], "not acknowledged");
+}
+
+TEST(GyrosOfTheKernel, AreToldWithTheLinesThatZerorateNeeds) {
+  const testing::ScratchFolder folder;
+  const auto device = [&](const std::string& node, const std::string& name, bool is_gyro) {
+    std::filesystem::create_directories(folder.path() / node);
+    (void)folder.write(node + "/name", name + "\n");
+    if (is_gyro) (void)folder.write(node + "/in_anglvel_x_raw", "1\n");
+  };
+  device("iio:device0", "lsm6dso_accel", false);
+  device("iio:device1", "lsm6dso_gyro", true);
+  (void)folder.write("iio:device1/sampling_frequency", "104.000\n");
+  device("iio:device2", "mpu6050", true);
+  device("iio:device10", "mpu6050", true);
+  const auto gyros = find_kernel_gyros({.sysfs = folder.path().string()});
+  ASSERT_EQ(gyros.size(), 3U);
+  EXPECT_EQ(
+      to_text({}, {gyros[0]}),
+      "iio:device1          lsm6dso_gyro found, by a driver of the kernel. In zerorated.toml:\n"
+      "    [gyro]\n    bus = \"iio\"\n    device = \"lsm6dso_gyro\"\n    rate_hz = 104\n");
+  EXPECT_EQ(gyros[1].device, "iio:device2");
+  EXPECT_EQ(gyros[2].device, "iio:device10");
+  const auto json = nlohmann::json::parse(to_json({}, gyros));
+  EXPECT_EQ(json["kernel"][0]["rate_hz"], 104.0);
 }
 
 }  // namespace
