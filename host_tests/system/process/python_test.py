@@ -165,6 +165,8 @@ class Wheel(unittest.TestCase):
             run(python, "-m", "pip", "install", "--no-index", "--quiet", wheels[0])
             where = run(python, "-c", "import zerorate; print(zerorate.__file__, zerorate.catalogue())")
             self.assertTrue(where.startswith(folder), where)
+            # The kernel named python3 is otherwise that of Debian, which does not see the environment.
+            run(python, "-m", "ipykernel", "install", "--sys-prefix")
             run(python, "-m", "nbconvert", "--to", "notebook", "--execute", "--output-dir", folder, NOTEBOOK)
 
 
