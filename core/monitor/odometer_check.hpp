@@ -143,8 +143,7 @@ class OdometerCheck {
     state_.window_samples += samples;
     if (state_.window_ticks < 0xFF) ++state_.window_ticks;
     if (state_.window_ticks < window_ || state_.window_samples < fewest_samples_) return;
-    if (goes_on()) return;
-    close_window(predicted_rad_s);
+    judge(window(), predicted_rad_s);
   }
 
  private:
@@ -217,24 +216,17 @@ class OdometerCheck {
     const std::uint32_t ticks = (state_.stands ? state_.steady_ticks : 0U) + window_;
     return static_cast<float>(ticks < longest_memory_ ? ticks : longest_memory_);
   }
-  /// Whether the window is too loud to tell the least turn, and shows no larger one.
-  [[nodiscard]] constexpr bool goes_on() const {
-    if (!state_.stands || state_.window_ticks >= longest_window_) return false;
-    const Window so_far = window();
-    const float noise = so_far.noise_against(level_ticks());
-    return noise > least_turn_rad2_s2_ && is_near(so_far.mean_rad_s, state_.level_rad_s, noise);
-  }
-
-  constexpr void close_window(const Rates* predicted) {
-    const Window closed = window();
-    const float limit = larger(least_turn_rad2_s2_, closed.noise_against(level_ticks()));
-    clear_window();
-    if (!state_.stands) {
-      begin_stop(closed.mean_rad_s, limit, predicted);
-    } else if (is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
-      track_level(closed);
-    } else {
+  /// Compares a window with the level, unless it is too loud to tell the least turn, shows no
+  /// larger one, and may go on.
+  [[gnu::noinline]] constexpr void judge(const Window& closed, const Rates* predicted) {
+    const float noise = closed.noise_against(level_ticks());
+    const float limit = larger(least_turn_rad2_s2_, noise);
+    if (!state_.stands) return begin_stop(closed.mean_rad_s, limit, predicted);
+    if (!is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
       start_change(closed.mean_rad_s);
+    } else if (noise <= least_turn_rad2_s2_ || state_.window_ticks >= longest_window_) {
+      clear_window();
+      track_level(closed);
     }
   }
   constexpr void begin_stop(const Rates& mean, float limit, const Rates* predicted) {

@@ -159,14 +159,11 @@ class CalmJudge {
   /// Whether the mean is of as many spreads as it ever is.
   [[nodiscard]] constexpr bool knows_white_noise() const { return state_.spreads == kSpreads; }
   /// Variance of a sample that neither a swaying vehicle nor its engine explains: the lesser of
-  /// what windows and what neighbouring samples show, and never less than by the model. Few windows
-  /// may be quiet by chance, so that they count as louder than they are.
+  /// what windows and what neighbouring samples show, and never less than by the model.
   [[nodiscard]] constexpr float sure_white_variance_rad2_s2() const {
-    constexpr float kDoubt = 4.0F;
-    const float by_windows =
-        state_.white_rad2_s2 * (1.0F + kDoubt / (static_cast<float>(state_.spreads) + 1.0F));
-    const float shown = state_.spreads > 0 ? std::min(by_windows, state_.local_white_rad2_s2)
-                                           : state_.local_white_rad2_s2;
+    const float shown = state_.spreads > 0
+                            ? std::min(state_.white_rad2_s2, state_.local_white_rad2_s2)
+                            : state_.local_white_rad2_s2;
     return std::max(shown, model_white_rad2_s2_);
   }
   /// Whether the newest window is calm; true before there are three.
