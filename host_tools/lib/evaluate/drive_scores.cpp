@@ -3,11 +3,6 @@
 #include <cmath>
 
 namespace zerorate::evaluate {
-namespace {
-
-constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
-
-}  // namespace
 
 DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicted,
                      double white_variance_rad2_s2) {

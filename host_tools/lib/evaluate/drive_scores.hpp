@@ -8,6 +8,9 @@
 
 namespace zerorate::evaluate {
 
+/// Standard deviations of a normal distribution that hold 95 %, two-sided.
+inline constexpr double k95Percent = 1.959964;
+
 /// Sums over one drive of one axis and predictor.
 class Drive {
  public:

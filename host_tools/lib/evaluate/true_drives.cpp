@@ -15,7 +15,6 @@ std::size_t TrueDrives::scored() const {
 }
 
 TrueScore TrueDrives::score(app::Predictor predictor) const {
-  constexpr double k95Percent = 1.959964;  // of a normal distribution, two-sided
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> sizes;
   double squares = 0.0;

@@ -54,10 +54,10 @@ void RestCheck::add(core::Instant at, const std::array<float, recording::kMaxAxe
 }
 
 void RestCheck::end_block() {
-  constexpr std::size_t kFewestTicks = 20;
+  constexpr std::size_t kFewestOfBlock = 20;
   const core::Duration tick = std::max(core::Duration::milliseconds(500), block_.sample_period);
   const std::vector<TickMean> ticks = average_ticks(block_, tick);
-  const bool is_long_enough = ticks.size() >= kFewestTicks;
+  const bool is_long_enough = ticks.size() >= kFewestOfBlock;
   if (is_long_enough) ticks_ += ticks.size();
   for (std::size_t axis = 0; axis < block_.axis_count; ++axis) {
     look_at_samples(axis);
