@@ -11,7 +11,6 @@ namespace zerorate::linux_node {
 namespace {
 
 using drivers::DriverErrorCode;
-using hal::linux_os::IioDevice;
 using hal::linux_os::IioScan;
 using hal::linux_os::KernelFileError;
 

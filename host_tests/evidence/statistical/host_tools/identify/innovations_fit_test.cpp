@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
+#include <vector>
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
@@ -122,6 +124,48 @@ TEST(InnovationsFit, CallsWhiteNoiseFlickerAsRarelyAsItSays) {
   // 1 % and three standard deviations of a count: 19 of 1000.
   const double expected = 0.01 * kRuns;
   EXPECT_LE(static_cast<double>(alarms), expected + 3.0 * std::sqrt(expected));
+}
+
+/// Tick means of a simulated recording, which outlive AxisTicks.
+struct SimulatedTicks {
+  explicit SimulatedTicks(const RestNoise& noise, std::uint64_t run)
+      : means(average_ticks(rest_samples_of(simulate_rest(noise, 300, 0.5, run)), kTick)) {}
+  [[nodiscard]] AxisTicks axis() const { return {means, kTick, kTick, 0}; }
+
+  static constexpr core::Duration kTick = core::Duration::milliseconds(500);
+  std::vector<TickMean> means;
+};
+
+double p_value_of_three(const RestNoise& other, std::uint64_t run) {
+  const SimulatedTicks first({}, 1000 + 3 * run);
+  const SimulatedTicks second({}, 1001 + 3 * run);
+  const SimulatedTicks third(other, 1002 + 3 * run);
+  const std::vector<AxisTicks> all{first.axis(), second.axis(), third.axis()};
+  const Sameness sameness = test_sameness(all, 0.5);
+  EXPECT_EQ(sameness.degrees_of_freedom, 4U);
+  EXPECT_EQ(sameness.alone.size(), 3U);
+  return sameness.p_value;
+}
+
+TEST(SamenessOfAnUnchangedSensor, IsRejectedAsOftenAsItsSizeSays) {
+  constexpr int kTriples = 30;
+  int below_tenth = 0;
+  int below_half = 0;
+  for (int run = 0; run < kTriples; ++run) {
+    const double p = p_value_of_three({}, static_cast<std::uint64_t>(run));
+    if (p < 0.1) ++below_tenth;
+    if (p < 0.5) ++below_half;
+  }
+  // Binomial, four standard deviations: 3 +- 4 * 1.64 and 15 +- 4 * 2.74.
+  EXPECT_LE(below_tenth, 9);
+  EXPECT_GE(below_half, 4);
+  EXPECT_LE(below_half, 26);
+}
+
+TEST(SamenessOfASensorThatChanged, IsRejected) {
+  // White noise is known to 1 / sqrt(2 n) = 4.1 % of 300 ticks: a half more is twelve of that.
+  EXPECT_LT(p_value_of_three({.angle_random_walk_dps_per_sqrt_hz = 0.06}, 0), 1e-6);
+  EXPECT_LT(p_value_of_three({.bias_instability_dph = 250.0}, 1), 1e-6);
 }
 
 }  // namespace
