@@ -125,6 +125,10 @@ IioIdentity find_iio_gyro(const IioPlaces& places, std::string_view wanted) {
                                     : "there are " + listed(all));
 }
 
+std::optional<std::string> rate_attribute(const SysfsFolder& device) {
+  return device.first_of({"sampling_frequency", "in_anglvel_sampling_frequency"});
+}
+
 IioDevice::IioDevice(const IioPlaces& places, std::string_view wanted, const IioWishes& wishes)
     : identity_(find_iio_gyro(places, wanted)),
       nodes_(places.nodes),
@@ -196,7 +200,7 @@ void IioDevice::set_scale(double full_scale_rad_s) {
 
 void IioDevice::set_rate(double rate_hz) {
   rate_hz_ = rate_hz;
-  const auto attribute = folder_.first_of({"sampling_frequency", "in_anglvel_sampling_frequency"});
+  const auto attribute = rate_attribute(folder_);
   if (!attribute) return;  // the driver has none; the rate is that of the polling
   const std::string available = folder_.text_or(*attribute + "_available", "");
   std::string written;

@@ -61,6 +61,9 @@ struct IioIdentity {
 /// there.
 [[nodiscard]] IioIdentity find_iio_gyro(const IioPlaces& places, std::string_view wanted);
 
+/// Attribute of a gyro's sample rate; none: the driver has no rate, it is read when it is asked.
+[[nodiscard]] std::optional<std::string> rate_attribute(const SysfsFolder& device);
+
 /// Values wanted of a device.
 struct IioWishes {
   double rate_hz = 0.0;

@@ -221,16 +221,18 @@ core::Duration identification_tick(core::Duration span, core::Duration sample_pe
   return tick;
 }
 
+core::Duration identification_tick(const RestSamples& samples) {
+  return identification_tick(samples.span(), std::max(samples.sample_period, samples.mean_period));
+}
+
 Characterization characterize(const RestSamples& samples, const CharacterizeOptions& options) {
-  Characterization result{
-      .recording = options.recording,
-      .rows = samples.rows,
-      .rows_moving = samples.moving,
-      .rows_lost = samples.lost,
-      .findings = samples.findings,
-      .sample_period = samples.mean_period,
-      .tick = identification_tick(samples.span(),
-                                  std::max(samples.sample_period, samples.mean_period))};
+  Characterization result{.recording = options.recording,
+                          .rows = samples.rows,
+                          .rows_moving = samples.moving,
+                          .rows_lost = samples.lost,
+                          .findings = samples.findings,
+                          .sample_period = samples.mean_period,
+                          .tick = identification_tick(samples)};
   const std::vector<TickMean> ticks = average_ticks(samples, result.tick);
   result.ticks = ticks.size();
   result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);

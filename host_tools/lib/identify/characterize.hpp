@@ -78,6 +78,8 @@ struct CharacterizeOptions {
 /// sample period; a longer one beyond 65,536 ticks (9 h), doubled until they are fewer: bounded
 /// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
 [[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
+/// That of samples, which may come in bursts: never shorter than their mean interval.
+[[nodiscard]] core::Duration identification_tick(const RestSamples& samples);
 
 /// Tick means of one axis of a recording.
 struct AxisTicks {

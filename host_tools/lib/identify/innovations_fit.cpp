@@ -2,13 +2,13 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -190,8 +190,7 @@ class Fitter {
 /// Half of chi squared with one degree of freedom.
 double p_value_of(double likelihood_ratio) {
   if (!(likelihood_ratio > 0.0)) return 1.0;
-  const boost::math::chi_squared distribution(1.0);
-  return 0.5 * boost::math::cdf(boost::math::complement(distribution, likelihood_ratio));
+  return 0.5 * statistics::chi_squared_tail(likelihood_ratio, 1.0);
 }
 
 void require_usable(std::span<const InnovationsLikelihood> likelihoods,

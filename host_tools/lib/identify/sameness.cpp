@@ -1,21 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <utility>
 
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {
 
 constexpr double kOrderWithoutFlicker = 0.5;
-
-double chi_squared_tail(double value, double degrees_of_freedom) {
-  if (!(value > 0.0)) return 1.0;
-  const boost::math::chi_squared distribution(degrees_of_freedom);
-  return boost::math::cdf(boost::math::complement(distribution, value));
-}
 
 /// Fit of flicker noise whether it is significant or not: the test compares nested models.
 InnovationsFitOptions at_order(InnovationsFitOptions options, double order) {
@@ -50,8 +44,8 @@ Sameness test_sameness(std::span<const AxisTicks> recordings, std::optional<doub
     result.alone.push_back(fit_by_innovations(likelihoods[i], at_order(options[i], common)));
     result.likelihood_ratio -= result.alone.back().minus_two_log_likelihood;
   }
-  result.p_value =
-      chi_squared_tail(result.likelihood_ratio, static_cast<double>(result.degrees_of_freedom));
+  result.p_value = statistics::chi_squared_tail(std::max(0.0, result.likelihood_ratio),
+                                                static_cast<double>(result.degrees_of_freedom));
   result.threshold = Sameness::kSize;
   return result;
 }
@@ -63,8 +57,7 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
   std::vector<std::vector<TickMean>> means;
   std::vector<core::Duration> ticks;
   for (const RestSamples* one : all) {
-    ticks.push_back(
-        identification_tick(one->span(), std::max(one->sample_period, one->mean_period)));
+    ticks.push_back(identification_tick(*one));
     means.push_back(average_ticks(*one, ticks.back()));
   }
   for (const std::size_t axis : options.axes) {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <cmath>
 #include <functional>
@@ -13,6 +12,7 @@
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -120,8 +120,7 @@ Eigen::Matrix3d covariance(std::span<const Bin> bins, std::span<const double> sh
 
 double p_value_of(double likelihood_ratio, bool order_is_free) {
   if (likelihood_ratio <= 0.0) return 1.0;
-  const boost::math::chi_squared distribution(order_is_free ? 2.0 : 1.0);
-  const double tail = boost::math::cdf(boost::math::complement(distribution, likelihood_ratio));
+  const double tail = statistics::chi_squared_tail(likelihood_ratio, order_is_free ? 2.0 : 1.0);
   return order_is_free ? tail : 0.5 * tail;
 }
 

@@ -57,7 +57,7 @@ std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places
         std::ranges::count(identities, identity.name, &hal::linux_os::IioIdentity::name);
     const bool is_clear = namesakes == 1 && !identity.name.empty();
     const hal::linux_os::SysfsFolder folder{places.sysfs + "/" + identity.node};
-    const auto rate = folder.first_of({"in_anglvel_sampling_frequency", "sampling_frequency"});
+    const auto rate = hal::linux_os::rate_attribute(folder);
     gyros.push_back({.identity = identity,
                      .device = is_clear ? identity.name : identity.node,
                      .rate_hz = rate ? folder.number(*rate) : 0.0});

@@ -29,6 +29,10 @@ double log_normal_tails(double z) {
   return -0.5 * z * z - std::log(std::abs(z)) - 0.5 * std::log(std::numbers::pi / 2.0);
 }
 
+double chi_squared_tail(double x, double freedom) {
+  return boost::math::gamma_q(0.5 * freedom, 0.5 * x);
+}
+
 double log_chi_squared_tail(double x, double freedom) {
   return log_gamma_tail(0.5 * freedom, 0.5 * x);
 }

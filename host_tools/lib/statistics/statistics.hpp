@@ -23,6 +23,8 @@ inline constexpr double kHalfChiSquared95 = 1.92;
 
 /// log P of a standard normal beyond |z|, both sides.
 [[nodiscard]] double log_normal_tails(double z);
+/// P of chi squared above x, which must not be negative.
+[[nodiscard]] double chi_squared_tail(double x, double freedom);
 /// log P of chi squared above x.
 [[nodiscard]] double log_chi_squared_tail(double x, double freedom);
 /// log P of chi squared below x.

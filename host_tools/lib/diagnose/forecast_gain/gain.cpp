@@ -151,8 +151,7 @@ BootstrapFigure log_score_gain(const NodeScores& base, const NodeScores& extende
 HeldOutDrives::HeldOutDrives(const Record& record, double holdout, std::uint64_t seed)
     : record_(&record), seed_(seed) {
   const identify::RestSamples samples = samples_of(record);
-  tick_ = identify::identification_tick(samples.span(),
-                                        std::max(samples.sample_period, samples.mean_period));
+  tick_ = identify::identification_tick(samples);
   means_ = identify::average_ticks(samples, tick_);
   const std::uint32_t all = means_.back().tick + 1;
   judged_from_ = static_cast<std::uint32_t>((1.0 - holdout) * static_cast<double>(all));

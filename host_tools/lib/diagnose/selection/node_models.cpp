@@ -1,6 +1,5 @@
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -34,8 +33,7 @@ NodeModels::NodeModels(const Record& record, const Hypothesis& full,
                        std::span<const Choice> choices, std::string source)
     : record_(&record), full_(&full), choices_(choices), source_(std::move(source)) {
   const identify::RestSamples samples = samples_of(record);
-  tick_ = identify::identification_tick(samples.span(),
-                                        std::max(samples.sample_period, samples.mean_period));
+  tick_ = identify::identification_tick(samples);
   ticks_ = identify::average_ticks(samples, tick_);
   base_ = characterized(std::nullopt);
 }
