@@ -81,6 +81,7 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
   }
   std::vector<std::string> doubts = identify::require_rest(samples);
   std::vector<diagnose::Record> records;
+  records.reserve(axes.size());
   for (const std::size_t one : axes) records.push_back(diagnose::record_of(samples, one));
   diagnose::DiagnoseOptions options{.recording = name, .holdout = holdout};
   if (model) options.base_model = model_of(*model);
