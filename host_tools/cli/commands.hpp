@@ -17,7 +17,7 @@ class App;
 namespace zerorate::cli {
 
 /// Exit codes, which tell a shell how a command ended.
-enum ExitCode : int { success = 0, finding = 1, usage = 2, bad_data = 3 };
+enum ExitCode : int { success = 0, finding = 1, usage = 2, bad_data = 3, too_short = 4 };
 
 /// A sub-command and what runs it once the command line is parsed.
 struct Command {
@@ -45,6 +45,8 @@ using OpenPage = std::function<ShowTally(const std::string& address, std::uint16
 [[nodiscard]] Command add_record(CLI::App& app);
 [[nodiscard]] Command add_odometer(CLI::App& app);
 [[nodiscard]] Command add_convert(CLI::App& app);
+[[nodiscard]] Command add_fleet(CLI::App& app);
+[[nodiscard]] Command add_accept(CLI::App& app);
 
 /// All that this build has: board_commands.cpp or desktop_commands.cpp.
 [[nodiscard]] std::vector<Command> add_commands(CLI::App& app);

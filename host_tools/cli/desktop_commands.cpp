@@ -20,10 +20,10 @@ ShowTally open_page(const std::string& address, std::uint16_t port) {
 }  // namespace
 
 std::vector<Command> add_commands(CLI::App& app) {
-  return {add_replay(app), add_demo(app),     add_characterize(app), add_model(app),
-          add_export(app), add_evaluate(app), add_diagnose(app),     add_monitor(app, open_page),
-          add_probe(app),  add_record(app),   add_simulate(app),     add_odometer(app),
-          add_convert(app)};
+  return {add_replay(app),  add_demo(app),     add_characterize(app), add_model(app),
+          add_export(app),  add_evaluate(app), add_diagnose(app),     add_monitor(app, open_page),
+          add_probe(app),   add_record(app),   add_simulate(app),     add_odometer(app),
+          add_convert(app), add_fleet(app),    add_accept(app)};
 }
 
 }  // namespace zerorate::cli

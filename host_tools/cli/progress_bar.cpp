@@ -15,7 +15,7 @@ ProgressBar::~ProgressBar() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
 }
 
-void ProgressBar::update(std::optional<double> share) {
+void ProgressBar::update(std::optional<double> share, const std::string& remark) {
   const auto now = Clock::now();
   if (!visible_ || now - drawn_at_ < std::chrono::milliseconds(100)) return;
   drawn_at_ = now;
@@ -30,6 +30,7 @@ void ProgressBar::update(std::optional<double> share) {
                kWidth - filled, *share * 100.0);
     if (*share > 0.02) fmt::print(stderr, ", {:.0f} s left", elapsed_s * (1.0 / *share - 1.0));
   }
+  if (!remark.empty()) fmt::print(stderr, ", {}", remark);
   std::fflush(stderr);
 }
 

@@ -18,7 +18,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// @param share of the work that is done, 0 to 1; nullopt where the whole is not known
-  void update(std::optional<double> share);
+  /// @param remark such as a rate, drawn after the share
+  void update(std::optional<double> share, const std::string& remark = {});
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -3,10 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"
+#include "host_tools/lib/fleet/simulated_fleet.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 #include "host_tools/lib/simulate/scenario.hpp"
 
@@ -18,6 +21,8 @@ struct SimulateOptions {
   std::string output;
   std::uint64_t seed = 1;
   ReplayFlags flags;
+  bool is_fleet = false;
+  fleet::SimulatedFleetOptions fleet;
 };
 
 ExitCode list_scenarios() {
@@ -33,7 +38,23 @@ void write(const simulate::ScenarioDrive& drive, const std::filesystem::path& pa
   writer.finish();
 }
 
+ExitCode run_simulate_fleet(const SimulateOptions& options) {
+  fleet::SimulatedFleetOptions fleet = options.fleet;
+  fleet.seed = options.seed;
+  const std::string folder = options.output.empty() ? "fleet" : options.output;
+  ProgressBar progress{"simulating"};
+  fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
+  fmt::print(
+      "{}: {} recordings of {} sensors; fleet.csv lists them, truth.csv tells what is in them\n",
+      folder, fleet.sensors * fleet.recordings, fleet.sensors);
+  return success;
+}
+
 ExitCode run_simulate(const SimulateOptions& options) {
+  if (options.is_fleet) return run_simulate_fleet(options);
+  if (options.scenario.empty()) {
+    throw std::invalid_argument("expected --scenario NAME, --scenario list or --fleet");
+  }
   if (options.scenario == "list") return list_scenarios();
   const simulate::Scenario& scenario = simulate::find_scenario(options.scenario);
   const std::string path =
@@ -51,15 +72,39 @@ ExitCode run_simulate(const SimulateOptions& options) {
   return success;
 }
 
+void add_fleet_options(CLI::App& command, SimulateOptions& options) {
+  fleet::SimulatedFleetOptions& fleet = options.fleet;
+  auto* is_fleet = command.add_flag("--fleet", options.is_fleet,
+                                    "a population of sensors at rest instead of a drive");
+  const auto add = [&](const char* name, auto& value, const char* text, const auto& check) {
+    command.add_option(name, value, text)->needs(is_fleet)->check(check)->capture_default_str();
+  };
+  add("--sensors", fleet.sensors, "of the fleet", CLI::PositiveNumber);
+  add("--recordings", fleet.recordings, "of each sensor", CLI::PositiveNumber);
+  add("--samples", fleet.samples, "of each recording", CLI::Range(1000, 10'000'000));
+  add("--rate-hz", fleet.rate_hz, "of the samples", CLI::PositiveNumber);
+  add("--lots", fleet.lots, "of the sensors, of which one is bad", CLI::PositiveNumber);
+  add("--bad-lot-factor", fleet.bad_lot_factor, "on N and B of its sensors", CLI::PositiveNumber);
+  add("--hidden-share", fleet.hidden_share, "of the sensors, with a hidden effect on one axis",
+      CLI::Range(0.0, 1.0));
+  add("--nats", fleet.nats, "of likelihood that the effect costs a model without it",
+      CLI::PositiveNumber);
+  add("--jobs", fleet.jobs, "threads; 0: as many as the machine has", CLI::Range(0, 256));
+}
+
 }  // namespace
 
 Command add_simulate(CLI::App& app) {
-  auto* command = app.add_subcommand("simulate", "Simulate a drive that goes wrong and replay it");
+  auto* command =
+      app.add_subcommand("simulate", "Simulate a drive that goes wrong and replay it, or a fleet");
   const auto options = std::make_shared<SimulateOptions>();
-  command->add_option("--scenario", options->scenario, "its name; list: all names")->required();
+  command->add_option("--scenario", options->scenario, "its name; list: all names");
   command->add_option("--seed", options->seed, "another seed, other noise")->capture_default_str();
-  command->add_option("-o,--output", options->output,
-                      "CSV or CSV.gz file to write; default NAME.csv.gz");
+  command->add_option(
+      "-o,--output", options->output,
+      "CSV or CSV.gz file to write, default NAME.csv.gz; folder of a fleet, default "
+      "fleet");
+  add_fleet_options(*command, *options);
   options->flags.model = "lsm6dso";
   options->flags.through = "chip";
   add_replay_flags(*command, options->flags);
@@ -67,7 +112,8 @@ Command add_simulate(CLI::App& app) {
       "Examples:\n"
       "  zerorate simulate --scenario list\n"
       "  zerorate simulate --scenario dead-encoder\n"
-      "  zerorate simulate --scenario cold-start --model mine.toml -o cold.csv");
+      "  zerorate simulate --scenario cold-start --model mine.toml -o cold.csv\n"
+      "  zerorate simulate --fleet --sensors 100 --seed 7 -o fleet");
   return {command, [options] { return run_simulate(*options); }};
 }
 

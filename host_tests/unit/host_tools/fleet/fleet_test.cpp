@@ -1,0 +1,379 @@
+// Population, outliers, lots, prior and limits of fleets whose likelihoods are made by hand; lists,
+// databases and their merging; one recording from end to end.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "firmware/model/hypotheses.hpp"
+#include "firmware/toml/error.hpp"
+#include "host_tests/support/folders.hpp"
+#include "host_tools/lib/fleet/database.hpp"
+#include "host_tools/lib/fleet/population.hpp"
+#include "host_tools/lib/fleet/simulated_fleet.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::fleet {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream{path} << text;
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file{path, std::ios::binary};
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Population that the made fleets are drawn from: ln N, ln of the amplitude at the pivot, d.
+constexpr double kLogWhite = -9.0;
+constexpr double kLogWhiteSpread = 0.15;
+constexpr double kLogAmplitude = 0.4;
+constexpr double kLogAmplitudeSpread = 0.3;
+constexpr double kOrder = 0.55;
+constexpr double kOrderSpread = 0.06;
+
+/// Errors of the measured ln amplitude and d.
+constexpr double kAmplitudeError = 0.3;
+constexpr double kOrderError = 0.08;
+
+/// Coordinates of an axis: ln N, ln of the amplitude at the pivot, d.
+using Coordinates = std::array<double, 3>;
+
+/// Axis whose likelihood is normal about the measured coordinates.
+AxisResult made_axis(const std::string& name, const Coordinates& measured,
+                     std::size_t innovations) {
+  const auto& [white, amplitude, order] = measured;
+  AxisResult axis{
+      .axis = name,
+      .angle_random_walk_rad_per_sqrt_s = std::exp(white),
+      .bias_instability_rad_s = std::exp(white + amplitude + order * std::log(Grid::kPivot_rad_s)),
+      .verdict = "consistent",
+      .innovations = innovations};
+  for (std::size_t i = 0; i < Grid::kOrders; ++i) {
+    for (std::size_t j = 0; j < Grid::kAmplitudes; ++j) {
+      const double of_amplitude = (Grid::log_amplitude(j) - amplitude) / kAmplitudeError;
+      const double of_order = (Grid::order(i) - order) / kOrderError;
+      axis.log_likelihood.push_back(
+          static_cast<float>(-0.5 * (of_amplitude * of_amplitude + of_order * of_order)));
+      axis.white.push_back(static_cast<float>(std::exp(white)));
+    }
+  }
+  return axis;
+}
+
+struct MadeFleet {
+  std::size_t sensors = 400;
+  std::size_t recordings = 1;
+  std::size_t lots = 10;
+  double bad_lot_shift = 0.0;  ///< of ln N in lot 4
+  bool one_changes = false;    ///< the second recording of sensor 7
+  std::size_t innovations = 2000;
+};
+
+/// Measured coordinates of an axis of a recording.
+Coordinates measured_axis(const MadeFleet& fleet, std::size_t sensor, std::size_t recording,
+                          std::int64_t axis) {
+  const random::RandomStream stream{2026};
+  const random::RandomStream truth = stream.substream(sensor);
+  const random::RandomStream error = stream.substream(1'000'000 + 10 * sensor + recording);
+  const double shift = sensor * fleet.lots / fleet.sensors == 4 ? fleet.bad_lot_shift : 0.0;
+  const double change = fleet.one_changes && sensor == 7 && recording == 1 ? 1.5 : 0.0;
+  const double white_error = std::sqrt(0.5 / static_cast<double>(fleet.innovations));
+  const std::int64_t k = 3 * axis;
+  return {kLogWhite + shift + kLogWhiteSpread * truth.normal(k) + white_error * error.normal(k),
+          kLogAmplitude + change + kLogAmplitudeSpread * truth.normal(k + 1) +
+              kAmplitudeError * error.normal(k + 1),
+          kOrder + kOrderSpread * truth.normal(k + 2) + kOrderError * error.normal(k + 2)};
+}
+
+/// @return a database of the fleet, in which sensor 3 has a bias jump
+Database made_fleet(const fs::path& path, const MadeFleet& fleet) {
+  Database database{path, Database::Access::write};
+  for (std::size_t s = 0; s < fleet.sensors; ++s) {
+    const std::size_t lot = s * fleet.lots / fleet.sensors;
+    for (std::size_t r = 0; r < fleet.recordings; ++r) {
+      StoredRecording one{.hash = "h" + std::to_string(1000 * s + r)};
+      one.entry = {.name = std::to_string(s) + "-" + std::to_string(r),
+                   .sensor = std::to_string(s),
+                   .lot = "L" + std::to_string(lot)};
+      one.result.rest_s = 1000.0;
+      for (std::int64_t a = 0; a < 3; ++a) {
+        one.result.axes.push_back(
+            made_axis(std::string(1, "xyz"[a]), measured_axis(fleet, s, r, a), fleet.innovations));
+      }
+      if (s == 3) {
+        one.result.axes[1].verdict = "explained";
+        one.result.axes[1].causes.push_back(
+            {.effect = "bias_jump", .gain_nats = 40.0, .p_value = 1e-12});
+      }
+      database.store(one);
+    }
+  }
+  return database;
+}
+
+class Fleet : public ::testing::Test {
+ protected:
+  testing::ScratchFolder folder_;
+  [[nodiscard]] fs::path path(const std::string& name) const { return folder_.path() / name; }
+};
+
+/// Population of the fleet by its defaults, fitted once.
+const Population& usual_population() {
+  static const Population population = [] {
+    const testing::ScratchFolder folder;
+    return fit_population(made_fleet(folder.path() / "a.sqlite", {}), {});
+  }();
+  return population;
+}
+
+TEST(QValues, AreThoseOfBenjaminiAndHochberg) {
+  const std::vector<double> q =
+      q_values({std::log(0.01), std::log(0.04), std::log(0.02), std::log(0.9)});
+  EXPECT_NEAR(q[0], 0.04, 1e-12);
+  EXPECT_NEAR(q[2], 0.04, 1e-12);  // 0.02 * 4 / 2
+  EXPECT_NEAR(q[1], 0.04 * 4.0 / 3.0, 1e-12);
+  EXPECT_NEAR(q[3], 0.9, 1e-12);
+  EXPECT_TRUE(q_values({}).empty());
+}
+
+TEST_F(Fleet, PopulationIsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
+  const Population& population = usual_population();
+  const double pivot = std::log(Grid::kPivot_rad_s);
+  const double log_flicker = kLogWhite + kLogAmplitude + kOrder * pivot;
+  const double log_flicker_spread =
+      std::hypot(kLogWhiteSpread, kLogAmplitudeSpread, kOrderSpread * pivot);
+  // Three standard errors: one seeded draw in 370 would miss each of them.
+  EXPECT_NEAR(population.distribution.mean[0], kLogWhite, 3.0 * population.mean_error[0]);
+  EXPECT_NEAR(population.distribution.mean[1], log_flicker, 3.0 * population.mean_error[1]);
+  EXPECT_NEAR(population.distribution.mean[2], kOrder, 3.0 * population.mean_error[2]);
+  // Recordings tell N within a tenth of its spread: its error is the spread / sqrt(1,200 axes).
+  EXPECT_NEAR(population.mean_error[0], kLogWhiteSpread / std::sqrt(1200.0), 0.0006);
+  // With n axes a spread is known to (1 + (error/spread)^2) / sqrt(2 n): 2 % for N, 4 % for d.
+  EXPECT_NEAR(population.spread(0), kLogWhiteSpread, 0.1 * kLogWhiteSpread);
+  EXPECT_NEAR(population.spread(1), log_flicker_spread, 0.1 * log_flicker_spread);
+  EXPECT_NEAR(population.spread(2), kOrderSpread, 0.2 * kOrderSpread);
+}
+
+TEST_F(Fleet, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
+  // 50 innovations tell ln N within 0.1: the estimates spread by hypot(0.15, 0.1) = 0.18.
+  const Population population =
+      fit_population(made_fleet(path("a.sqlite"), {.innovations = 50}), {});
+  // Three standard errors: 3 (1 + (0.1 / 0.15)^2) / sqrt(2 * 1,200).
+  EXPECT_NEAR(population.spread(0), kLogWhiteSpread, 0.09 * kLogWhiteSpread);
+}
+
+TEST_F(Fleet, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
+  const Population& population = usual_population();
+  const auto found = std::ranges::find(population.sensors, "3", &Sensor::name);
+  ASSERT_NE(found, population.sensors.end());
+  EXPECT_TRUE(found->is_outlier);
+  EXPECT_EQ(found->reasons.front().name, "bias_jump");
+  EXPECT_EQ(found->reasons.front().axis, "y");
+  // Among 399 others a false discovery rate of 5 % leaves hardly one.
+  EXPECT_LE(std::ranges::count(population.sensors, true, &Sensor::is_outlier), 3);
+  EXPECT_TRUE(std::ranges::none_of(population.lots, &Lot::differs));
+  EXPECT_THAT(to_csv(population), HasSubstr("bias_jump"));
+  EXPECT_THAT(to_json(population), HasSubstr("\"sensor\": \"3\""));
+  EXPECT_THAT(make_report(population, "test").html(), HasSubstr("bias_jump"));
+}
+
+TEST_F(Fleet, LotThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
+  const Population population =
+      fit_population(made_fleet(path("a.sqlite"), {.bad_lot_shift = 0.4}),
+                     {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
+  for (const Lot& lot : population.lots) EXPECT_EQ(lot.differs, lot.name == "L4") << lot.name;
+  EXPECT_EQ(population.lot_figures.front().what, "angle_random_walk");
+  EXPECT_NEAR(population.lot_figures.front().lot_value, std::exp(kLogWhite + 0.4),
+              0.1 * std::exp(kLogWhite + 0.4));
+  EXPECT_NEAR(population.distribution.mean[0], kLogWhite, 3.0 * population.mean_error[0]);
+}
+
+TEST_F(Fleet, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
+  const Population population =
+      fit_population(made_fleet(path("a.sqlite"),
+                                {.sensors = 60, .recordings = 2, .lots = 1, .one_changes = true}),
+                     {});
+  for (const Sensor& sensor : population.sensors) {
+    EXPECT_EQ(sensor.has_changed, sensor.name == "7") << sensor.name;
+  }
+}
+
+TEST_F(Fleet, PriorIsAsWideAsThePopulationAndTheNodeReadsIt) {
+  const Population& population = usual_population();
+  const model::SensorModel model = type_model(population, "type");
+  EXPECT_NEAR(model.prior->order, kOrder, 0.02);
+  EXPECT_NEAR(model.prior->order_sigma, kOrderSpread, 0.3 * kOrderSpread);
+  EXPECT_NEAR(std::log(model.prior->amplitude_factor), kLogAmplitudeSpread,
+              0.2 * kLogAmplitudeSpread);
+  const auto hypotheses = model::hypotheses_of(model);
+  ASSERT_EQ(hypotheses.size(), 12U);
+  EXPECT_DOUBLE_EQ(hypotheses.front().flicker.order, model.prior->order - model.prior->order_sigma);
+}
+
+TEST_F(Fleet, FewSensorsLeaveThePriorWide) {
+  const Population population =
+      fit_population(made_fleet(path("a.sqlite"), {.sensors = 5, .lots = 1}), {});
+  EXPECT_GT(type_model(population, "type").prior->amplitude_factor, 3.0);
+}
+
+TEST_F(Fleet, LimitsOfAShortTestLeaveOutWhatItCannotTell) {
+  const Population& population = usual_population();
+  const Limits all = limits_of(population, 0.0);
+  EXPECT_TRUE(all.bias_instability_rad_s);
+  const Limits of_minute = limits_of(population, 60.0);
+  EXPECT_TRUE(of_minute.angle_random_walk_rad_per_sqrt_s);
+  EXPECT_FALSE(of_minute.bias_instability_rad_s);
+  EXPECT_FALSE(of_minute.order);
+  const Limits read = parse_limits(format_limits(all), "limits.toml");
+  EXPECT_NEAR(read.bias_instability_rad_s->hi / all.bias_instability_rad_s->hi, 1.0, 1e-5);
+  EXPECT_NEAR(read.order->lo, all.order->lo, 1e-5);
+}
+
+TEST(Limits, MistakesAreNamedWithTheirLine) {
+  const auto message = [](const char* text) -> std::string {
+    try {
+      static_cast<void>(parse_limits(text, "limits.toml"));
+    } catch (const toml_file::Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("schema = \"zerorate.limits/1\"\n[order]\nlo = 0.6\nhi = 0.4\n"),
+              HasSubstr("limits.toml:4"));
+  EXPECT_THAT(message("schema = \"zerorate.limits/1\"\n[ordr]\nlo = 0.4\nhi = 0.6\n"),
+              HasSubstr("ordr"));
+  EXPECT_THAT(message("schema = \"zerorate.model/1\"\n"), HasSubstr("zerorate.limits/1"));
+}
+
+TEST_F(Fleet, ListNamesRecordingsSensorsAndLots) {
+  write(path("list.csv"), "# made by hand\nlot,recording,sensor\nA,b.csv,S2\nB,a.csv.gz,\n");
+  const std::vector<Entry> entries = list_recordings(path("list.csv"));
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].name, "a.csv.gz");
+  EXPECT_EQ(entries[0].sensor, "a");
+  EXPECT_EQ(entries[1].sensor, "S2");
+  EXPECT_EQ(entries[1].lot, "A");
+  EXPECT_EQ(entries[1].path, path("b.csv"));
+  write(path("twice.txt"), "a.csv\na.csv\n");
+  EXPECT_THAT([&] { (void)list_recordings(path("twice.txt")); },
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("twice.txt:2")));
+  EXPECT_THROW((void)list_recordings(folder_.path() / "nothing"), std::exception);
+}
+
+TEST_F(Fleet, MergedShardsHaveTheBytesOfOneProcessInAnyOrderAndTwice) {
+  simulate_fleet({.sensors = 3, .samples = 1500, .lots = 1}, path("fleet"), {});
+  const std::vector<Entry> recordings = list_recordings(path("fleet"));
+  write(path("fleet/bad.csv"), "t_s,gx_dps\nnonsense\n");
+  std::vector<Entry> all = recordings;
+  all.push_back({.path = path("fleet/bad.csv"), .name = "bad.csv", .sensor = "bad"});
+  all.push_back({.path = path("fleet/absent.csv"), .name = "absent.csv", .sensor = "absent"});
+  {
+    Database one{path("one.sqlite"), Database::Access::write};
+    const RunSummary summary = run(all, one, {});
+    EXPECT_EQ(summary.analysed, 5U);
+    EXPECT_EQ(summary.bad.size(), 2U);
+    const RunSummary again = run(all, one, {.jobs = 2});
+    EXPECT_EQ(again.found_done, 4U);
+    EXPECT_EQ(again.analysed, 1U);  // what could not be read is tried again
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    Database shard{path("s" + std::to_string(i)), Database::Access::write};
+    (void)run(all, shard, {.shard = {i, 2}});
+  }
+  merge({path("one.sqlite")}, path("a"));
+  merge({path("s1"), path("s0")}, path("b"));
+  merge({path("s0")}, path("c"));
+  merge({path("s1"), path("s0"), path("a")}, path("c"));
+  EXPECT_EQ(bytes_of(path("a")), bytes_of(path("b")));
+  EXPECT_EQ(bytes_of(path("a")), bytes_of(path("c")));
+  EXPECT_EQ((Database{path("a"), Database::Access::read}.dump()),
+            (Database{path("one.sqlite"), Database::Access::read}.dump()));
+}
+
+TEST_F(Fleet, MergedNamesDoNotDependOnTheOrder) {
+  const auto shard = [&](const std::string& file, const std::string& lot) {
+    Database database{path(file), Database::Access::write};
+    database.store({.hash = "h", .entry = {.name = "a.csv", .sensor = "S, 1", .lot = lot}});
+  };
+  shard("s0", "L1");
+  shard("s1", "L2");
+  merge({path("s0"), path("s1")}, path("a"));
+  merge({path("s1"), path("s0")}, path("b"));
+  EXPECT_EQ(bytes_of(path("a")), bytes_of(path("b")));
+}
+
+TEST_F(Fleet, TableQuotesNamesWithCommas) {
+  Database database = made_fleet(path("a.sqlite"), {.sensors = 5, .lots = 1});
+  database.rename("h0", {.name = "a,b.csv", .sensor = "said \"S\"", .lot = "L0"});
+  EXPECT_THAT(to_csv(fit_population(database, {})),
+              HasSubstr("\n\"a,b.csv\",\"said \"\"S\"\"\",L0,x,"));
+}
+
+TEST_F(Fleet, WhiteNoiseIsThatOfTheSamplesWhereFlickerNoiseIsStrong) {
+  constexpr double kWhite_dps = 0.005;
+  simulate_fleet({.sensors = 8,
+                  .lots = 1,
+                  .white_dps_per_sqrt_hz = {kWhite_dps, 0.0},
+                  .flicker_dph = {18.0, 0.0},
+                  .order = {0.55, 0.0},
+                  .hidden_share = 0.0,
+                  .bad_lot_factor = 1.0},
+                 path("fleet"), {});
+  double sum = 0.0;
+  for (const Entry& entry : list_recordings(path("fleet"))) {
+    recording::Reader reader{recording::Input{entry.path}};
+    for (const AxisResult& axis : noise_of(identify::read_rest_samples(reader))) {
+      const AxisLikelihood likelihood = likelihood_of(axis);
+      const auto best = std::ranges::max_element(likelihood.points, {}, &GridPoint::log_likelihood);
+      sum += double{best->position[0]} - std::log(kWhite_dps * units::kRadPerDeg);
+    }
+  }
+  // 2,000 ticks tell ln N within 0.016 where nothing else is to be found, and here within 0.03.
+  // That of tick means is too low by 0.04.
+  EXPECT_NEAR(sum / 24.0, 0.0, 3.0 * 0.03 / std::sqrt(24.0));
+}
+
+TEST_F(Fleet, WhatIsNoDatabaseIsRefusedAndStaysAsItIs) {
+  write(path("notes.sqlite"), "not a database");
+  EXPECT_THROW((Database{path("notes.sqlite"), Database::Access::write}), std::runtime_error);
+  EXPECT_EQ(bytes_of(path("notes.sqlite")), "not a database");
+}
+
+TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
+  simulate_fleet({.sensors = 1,
+                  .samples = 6000,
+                  .rate_hz = 100.0,
+                  .lots = 1,
+                  .hidden_share = 0.0,
+                  .bad_lot_factor = 1.0},
+                 path("fleet"), {});
+  const fs::path recording = path("fleet/S00001-1.csv.gz");
+  constexpr double kWhite = 0.005 / 57.29577951308232;  // the median of the fleet
+  const auto judgement = [&](double lo, double hi) {
+    return accept(recording, {.angle_random_walk_rad_per_sqrt_s = Range{lo * kWhite, hi * kWhite}})
+        .judgement;
+  };
+  EXPECT_EQ(judgement(0.4, 2.5), Judgement::pass);
+  EXPECT_EQ(judgement(3.0, 5.0), Judgement::fail);
+  EXPECT_EQ(accept(recording, {.shortest_s = 100.0}).judgement, Judgement::too_short);
+  // A minute does not tell the order within a tenth.
+  EXPECT_EQ(accept(recording, {.order = Range{0.5, 0.6}}).judgement, Judgement::too_short);
+}
+
+}  // namespace
+}  // namespace zerorate::fleet

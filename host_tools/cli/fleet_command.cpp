@@ -1,0 +1,316 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/model/model_file.hpp"
+#include "hal/linux/standard_output.hpp"
+#include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/output_options.hpp"
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/text_output.hpp"
+#include "host_tools/lib/fleet/database.hpp"
+#include "host_tools/lib/fleet/population.hpp"
+
+namespace zerorate::cli {
+namespace {
+
+using fleet::Database;
+
+struct RunOptions {
+  std::string recordings;
+  std::string database = "fleet.sqlite";
+  std::string shard = "1/1";
+  unsigned jobs = 1;
+  std::string json;
+};
+
+struct MergeOptions {
+  std::vector<std::string> shards;
+  std::string database;
+};
+
+struct ReportOptions {
+  std::string database = "fleet.sqlite";
+  fleet::PopulationOptions population;
+  OutputOptions outputs;
+  std::string csv;
+  std::string limits_out;
+  double test_s = 0.0;
+};
+
+struct PriorOptions {
+  std::string database = "fleet.sqlite";
+  std::string model_out;
+  std::string name = "fleet";
+};
+
+struct AcceptOptions {
+  std::string recording;
+  std::string limits;
+  std::string json;
+};
+
+fleet::Shard parse_shard(const std::string& text) {
+  std::size_t index = 0;
+  std::size_t count = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%zu/%zu%c", &index, &count, &rest) != 2 || index < 1 ||
+      index > count) {
+    throw std::invalid_argument("--shard: expected I/N with I from 1 to N, such as 3/8, found " +
+                                text);
+  }
+  return {index - 1, count};
+}
+
+std::string to_json(const fleet::RunSummary& summary) {
+  nlohmann::ordered_json bad = nlohmann::ordered_json::array();
+  for (const auto& one : summary.bad) {
+    bad.push_back({{"recording", one.name}, {"problem", one.problem}});
+  }
+  const nlohmann::ordered_json json = {
+      {"schema", "zerorate.fleet-run/1"},  {"engine", Database::engine()},
+      {"recordings", summary.total},       {"analysed", summary.analysed},
+      {"done_before", summary.found_done}, {"repeated", summary.repeated},
+      {"seconds", summary.seconds},        {"bad", bad}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void print_summary(const RunOptions& options, const fleet::RunSummary& summary) {
+  fmt::print("{}: {} recordings, {} analysed in {:.1f} s, {} done before, {} repeated, {} bad\n",
+             options.database, summary.total, summary.analysed, summary.seconds, summary.found_done,
+             summary.repeated, summary.bad.size());
+  for (const auto& one : summary.bad) {
+    fmt::print("  {}: {}\n", hal::linux_os::printable(one.name.c_str()),
+               hal::linux_os::printable(one.problem.c_str()));
+  }
+}
+
+ExitCode run_run(const RunOptions& options) {
+  fleet::RunOptions run{.shard = parse_shard(options.shard), .jobs = options.jobs};
+  const auto recordings = fleet::list_recordings(options.recordings);
+  Database database{options.database, Database::Access::write};
+  ProgressBar progress{"fleet"};
+  run.on_progress = [&](const fleet::Progress& now) {
+    progress.update(static_cast<double>(now.analysed) / static_cast<double>(now.to_analyse),
+                    fmt::format("{} of {}, {:.2f} a second", now.found_done + now.analysed,
+                                now.found_done + now.to_analyse, now.per_second));
+  };
+  const fleet::RunSummary summary = fleet::run(recordings, database, run);
+  if (!options.json.empty()) write_text(options.json, to_json(summary));
+  if (options.json != "-") print_summary(options, summary);
+  return summary.total > 0 && summary.bad.size() == summary.total ? bad_data : success;
+}
+
+ExitCode run_merge(const MergeOptions& options) {
+  fleet::merge({options.shards.begin(), options.shards.end()}, options.database);
+  fmt::print("{}: {} recordings\n", options.database,
+             Database{options.database, Database::Access::read}.size());
+  return success;
+}
+
+ExitCode run_report(const ReportOptions& options) {
+  const auto population =
+      fleet::fit_population(Database{options.database, Database::Access::read}, options.population);
+  if (!options.outputs.json.empty()) write_text(options.outputs.json, fleet::to_json(population));
+  if (!options.outputs.report.empty()) {
+    fleet::make_report(
+        population, "zerorate " ZERORATE_VERSION ", zerorate fleet report --db " + options.database)
+        .write(options.outputs.report);
+  }
+  if (!options.csv.empty()) write_text(options.csv, fleet::to_csv(population));
+  if (!options.limits_out.empty()) {
+    write_text(options.limits_out,
+               fleet::format_limits(fleet::limits_of(population, options.test_s)));
+  }
+  if (options.outputs.prints_text()) fmt::print("{}", fleet::to_text(population));
+  return success;
+}
+
+ExitCode run_prior(const PriorOptions& options) {
+  const auto population =
+      fleet::fit_population(Database{options.database, Database::Access::read}, {});
+  const model::SensorModel model = fleet::type_model(population, options.name);
+  write_text(options.model_out, model::format_model(model));
+  if (options.model_out != "-") {
+    fmt::print("{}: order {:.3f} +- {:.3f}, B / N within a factor of {:.2f}\n", options.model_out,
+               model.prior->order, model.prior->order_sigma, model.prior->amplitude_factor);
+  }
+  return success;
+}
+
+ExitCode run_accept(const AcceptOptions& options) {
+  const fleet::Acceptance acceptance =
+      fleet::accept(options.recording, fleet::read_limits(options.limits));
+  if (!options.json.empty()) {
+    write_text(
+        options.json,
+        fleet::to_json(acceptance, std::filesystem::path(options.recording).filename().string()));
+  }
+  if (options.json != "-") {
+    fmt::print("{}: {}\n", options.recording,
+               acceptance.judgement == fleet::Judgement::too_short ? "too short to tell"
+                                                                   : name(acceptance.judgement));
+    for (const std::string& reason : acceptance.reasons) fmt::print("  {}\n", reason);
+  }
+  switch (acceptance.judgement) {
+    case fleet::Judgement::pass:
+      return success;
+    case fleet::Judgement::fail:
+      return finding;
+    case fleet::Judgement::too_short:
+      break;
+  }
+  return too_short;
+}
+
+CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
+  auto* command = fleet.add_subcommand("run", "Analyse every recording into a database");
+  command
+      ->add_option("recordings", options.recordings,
+                   "folder of recordings, or list: one path a line, or CSV with the columns "
+                   "recording, sensor and lot")
+      ->type_name("DIR|LIST")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--db", options.database, "database to write")->capture_default_str();
+  command->add_option("--shard", options.shard, "I/N: the Ith of N parts of the work")
+      ->capture_default_str();
+  command->add_option("--jobs", options.jobs, "threads; 0: as many as the machine has")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command->add_option("--json", options.json, "write the summary as JSON; - is standard output");
+  command->footer(
+      "Recordings that the database holds already are not analysed again, so that a run that was\n"
+      "killed goes on where it was. Recordings that cannot be used are listed with the reason.\n"
+      "Exit codes: 0 done, 2 wrong usage, 3 no recording could be used, or another engine wrote\n"
+      "the database.\n"
+      "Examples:\n"
+      "  zerorate fleet run recordings/ --db fleet.sqlite --jobs 0\n"
+      "  zerorate fleet run fleet.csv --db part3.sqlite --shard 3/8\n"
+      "  zerorate fleet merge part*.sqlite --db fleet.sqlite");
+  return command;
+}
+
+CLI::App* add_merge(CLI::App& fleet, MergeOptions& options) {
+  auto* command = fleet.add_subcommand("merge", "Join the databases of shards");
+  command->add_option("shards", options.shards, "databases")
+      ->type_name("SHARD")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--db", options.database, "database to write; one that exists is added to")
+      ->required();
+  command->footer(
+      "In any order, as often as you like: the bytes of the result depend on the contents only.\n"
+      "Exit codes: 0 done, 2 wrong usage, 3 a database cannot be read, or two engines are mixed.\n"
+      "Example:\n"
+      "  zerorate fleet merge part1.sqlite part2.sqlite --db fleet.sqlite");
+  return command;
+}
+
+CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
+  auto* command = fleet.add_subcommand(
+      "report", "Distributions, causes, sensors that leave the population, lots, changes");
+  command->add_option("--db", options.database, "database")
+      ->check(CLI::ExistingFile)
+      ->capture_default_str();
+  add_output_options(*command, options.outputs);
+  command->add_option("--csv", options.csv, "write one line an axis; - is standard output");
+  command->add_option("--limits-out", options.limits_out,
+                      "write the limits for 'zerorate accept'; - is standard output");
+  command
+      ->add_option("--test-s", options.test_s,
+                   "with --limits-out: length of the test [s]; figures that it cannot tell have "
+                   "no limits")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--fdr", options.population.false_discovery_rate,
+                   "false discovery rate of sensors, lots and changes")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str();
+  command
+      ->add_option("--common", options.population.common_share,
+                   "an effect that a larger share of the sensors has belongs to the type")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->footer(
+      "Exit codes: 0 done, 2 wrong usage, 3 too few recordings, or another engine wrote them.\n"
+      "Examples:\n"
+      "  zerorate fleet report --db fleet.sqlite --report fleet.html\n"
+      "  zerorate fleet report --db fleet.sqlite --json - --csv axes.csv\n"
+      "  zerorate fleet report --db fleet.sqlite --limits-out limits.toml --test-s 60\n"
+      "JSON, CSV and limits are described in docs/reference/fleets.md.");
+  return command;
+}
+
+CLI::App* add_prior(CLI::App& fleet, PriorOptions& options) {
+  auto* command = fleet.add_subcommand(
+      "prior", "Write the model from which the next sensor of the type learns");
+  command->add_option("--db", options.database, "database")
+      ->check(CLI::ExistingFile)
+      ->capture_default_str();
+  command->add_option("--model-out", options.model_out, "model file; - is standard output")
+      ->required();
+  command->add_option("--name", options.name, "name of the model")->capture_default_str();
+  command->footer(
+      "Exit codes: 0 done, 2 wrong usage, 3 too few recordings, or another engine wrote them.\n"
+      "Examples:\n"
+      "  zerorate fleet prior --db fleet.sqlite --model-out type.toml\n"
+      "  zerorate replay drive.csv.gz --model type.toml");
+  return command;
+}
+
+}  // namespace
+
+Command add_fleet(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("fleet", "Thousands of recordings: population, outliers, lots, prior");
+  command->require_subcommand(1);
+  const auto run = std::make_shared<RunOptions>();
+  const auto merge = std::make_shared<MergeOptions>();
+  const auto report = std::make_shared<ReportOptions>();
+  const auto prior = std::make_shared<PriorOptions>();
+  const CLI::App* const run_app = add_run(*command, *run);
+  const CLI::App* const merge_app = add_merge(*command, *merge);
+  const CLI::App* const report_app = add_report(*command, *report);
+  add_prior(*command, *prior);
+  return {command, [=] {
+            if (run_app->parsed()) return run_run(*run);
+            if (merge_app->parsed()) return run_merge(*merge);
+            if (report_app->parsed()) return run_report(*report);
+            return run_prior(*prior);
+          }};
+}
+
+Command add_accept(CLI::App& app) {
+  auto* command = app.add_subcommand("accept", "End-of-line test: one recording against limits");
+  const auto options = std::make_shared<AcceptOptions>();
+  command->add_option("recording", options->recording, "recording at rest")
+      ->type_name("RECORDING")
+      ->required();
+  command
+      ->add_option("--limits", options->limits,
+                   "limits, as 'zerorate fleet report --limits-out' writes them")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--json", options->json, "write the result as JSON; - is standard output");
+  command->footer(
+      "A figure passes where its 95 % interval lies inside the limits, fails where it lies\n"
+      "outside, and is too short to tell where a limit lies in between.\n"
+      "Exit codes: 0 pass, 1 fail, 2 wrong usage, 3 data or limits that cannot be used, 4 too\n"
+      "short to tell.\n"
+      "Examples:\n"
+      "  zerorate accept S0001.csv.gz --limits limits.toml\n"
+      "  zerorate accept S0001.csv.gz --limits limits.toml --json -\n"
+      "JSON and limits are described in docs/reference/fleets.md.");
+  return {command, [options] { return run_accept(*options); }};
+}
+
+}  // namespace zerorate::cli
