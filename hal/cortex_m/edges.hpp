@@ -7,7 +7,6 @@
 
 #include <array>
 #include <atomic>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,21 +15,14 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "hal/contract/data_ready.hpp"
-#include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
 #include "hal/cortex_m/interrupts.hpp"
+#include "hal/cortex_m/timer.hpp"
 
 namespace zerorate::hal::cortex_m {
 
-/// A MonotonicClock that counts microseconds, also for interrupt handlers.
-template <class Clock>
-concept MicrosecondClock = MonotonicClock<Clock> && requires(std::uint64_t microseconds) {
-  { Clock::microseconds() } -> std::same_as<std::uint64_t>;
-  { Clock::instant(microseconds) } -> std::same_as<core::Instant>;
-};
-
 /// A DataReady: the latest edge.
-template <MicrosecondClock Clock>
+template <MicrosecondCounter Counter>
 class LatestEdge {
  public:
   /// For the handler.
@@ -44,7 +36,7 @@ class LatestEdge {
     const InterruptLock lock;
     if (!has_edge()) return std::nullopt;
     is_new_.store(false, std::memory_order_relaxed);
-    return Clock::instant(microseconds_);
+    return CounterClock<Counter>::instant(microseconds_);
   }
 
  private:
@@ -54,7 +46,7 @@ class LatestEdge {
 
 /// A PulseInput: every edge, in a queue that is read at least once an hour.
 /// @tparam Capacity power of two; at 500 Hz 32 stamps last 64 ms
-template <MicrosecondClock Clock, std::size_t Capacity>
+template <MicrosecondCounter Counter, std::size_t Capacity>
 class EdgeQueue {
   static_assert((Capacity & (Capacity - 1)) == 0, "indices wrap at a power of two");
 
@@ -81,10 +73,10 @@ class EdgeQueue {
     std::uint32_t taken = taken_.load(std::memory_order_relaxed);
     const std::uint32_t written = written_.load(std::memory_order_acquire);
     // Half of a stamp is kept; the time since tells the other half.
-    const std::uint64_t now = Clock::microseconds();
+    const std::uint64_t now = Counter::microseconds();
     for (; taken != written && batch.count < stamps.size(); ++taken) {
       const auto age = static_cast<std::uint32_t>(now) - microseconds_[taken % Capacity];
-      stamps[batch.count++] = Clock::instant(now - age);
+      stamps[batch.count++] = CounterClock<Counter>::instant(now - age);
     }
     taken_.store(taken, std::memory_order_release);
     return batch;

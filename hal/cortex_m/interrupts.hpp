@@ -1,8 +1,25 @@
 /// @file
-/// Interrupts of every Cortex-M: short locks, and sleep that misses none.
+/// Interrupts of every Cortex-M: priorities, short locks, and sleep that misses none.
 #pragma once
 
+#include <cstdint>
+
+#include "hal/cortex_m/registers.hpp"
+
 namespace zerorate::hal::cortex_m {
+
+/// An interrupt preempts those of lower priority. These four exist on every Cortex-M; the M0+ has
+/// no more.
+enum class Priority : std::uint32_t { highest = 0x00, high = 0x40, low = 0x80, lowest = 0xC0 };
+
+/// @tparam Number of the interrupt, as the chip's manual counts them
+template <unsigned Number>
+void enable_interrupt(Priority priority) {
+  constexpr unsigned kShift = 8 * (Number % 4);
+  const std::uint32_t others = nvic::kPriority<Number>.read() & ~(0xFFU << kShift);
+  nvic::kPriority<Number>.write(others | (static_cast<std::uint32_t>(priority) << kShift));
+  nvic::kSetEnable<Number>.write(bit(Number % 32));
+}
 
 /// Keeps interrupts pending while it lives. Keep it short: an edge that comes meanwhile is stamped
 /// late. Nothing in an interrupt may use one.

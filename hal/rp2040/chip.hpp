@@ -1,6 +1,6 @@
 /// @file
-/// From the ring oscillator that the boot ROM leaves running to 125 MHz from the crystal, and the
-/// connection of each pin.
+/// From the ring oscillator that the boot ROM leaves running to 125 MHz from the crystal, the
+/// connection of each pin, and pins whose edges interrupt.
 #pragma once
 
 #include <cstdint>
@@ -67,5 +67,22 @@ void connect_output_high() {
   sio::kOutEnableSet.write(bit(Pin));
   connect<Pin>(io_bank0::sio);
 }
+
+/// A pin whose rising edges interrupt (io_bank0).
+template <unsigned Pin>
+class EdgePin {
+ public:
+  static void start(Pull pull) {
+    connect<Pin>(io_bank0::sio, pull);
+    io_bank0::kInterruptRaw<Pin>.write(io_bank0::kEdgeHigh<Pin>);  // what is old
+    io_bank0::kInterruptEnable<Pin>.set(io_bank0::kEdgeHigh<Pin>);
+  }
+  /// Whether this pin interrupted; forgets it. For the handler.
+  static bool take_interrupt() {
+    if ((io_bank0::kInterruptStatus<Pin>.read() & io_bank0::kEdgeHigh<Pin>) == 0) return false;
+    io_bank0::kInterruptRaw<Pin>.write(io_bank0::kEdgeHigh<Pin>);
+    return true;
+  }
+};
 
 }  // namespace zerorate::hal::rp2040

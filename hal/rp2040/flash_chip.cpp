@@ -1,5 +1,6 @@
 #include "hal/rp2040/flash_chip.hpp"
 
+#include "hal/cortex_m/registers.hpp"
 #include "hal/rp2040/registers.hpp"
 
 namespace zerorate::hal::rp2040 {
@@ -36,8 +37,9 @@ class Selected {
 
 [[gnu::section(".ram_code"), gnu::noinline]] void FlashChip::run(
     std::uint8_t command, std::uint32_t offset, std::span<const std::uint8_t> bytes) {
-  const std::uint32_t enabled = nvic::kSetEnable.read();
-  nvic::kClearEnable.write(~bit(nvic::io_bank0));
+  constexpr auto kEnabled = cortex_m::nvic::kSetEnable<nvic::io_bank0>;
+  const std::uint32_t enabled = kEnabled.read();
+  cortex_m::nvic::kClearEnable<nvic::io_bank0>.write(~bit(nvic::io_bank0));
   ssi::kSelect.write(1);
   set_up(ssi::kFrames8Bits);
   {
@@ -58,7 +60,7 @@ class Selected {
   }
   io_qspi::kChipSelect.write(io_qspi::kOverrideNone);
   set_up(ssi::kMapped);
-  nvic::kSetEnable.write(enabled);
+  kEnabled.write(enabled);
 }
 
 }  // namespace zerorate::hal::rp2040

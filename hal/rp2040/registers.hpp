@@ -1,55 +1,30 @@
 /// @file
-/// The registers and bits of the RP2040 that the project uses, each a type, so that a wrong access
-/// does not compile. Sections are those of the RP2040 datasheet (Raspberry Pi Ltd), where the names
-/// come from too.
+/// The registers and bits of the RP2040 that the project uses. Sections are those of the RP2040
+/// datasheet (Raspberry Pi Ltd), where the names come from too.
 #pragma once
 
 #include <cstdint>
 
+#include "hal/cortex_m/registers.hpp"
+
 namespace zerorate::hal::rp2040 {
 
-enum class Access : std::uint8_t { read_only, write_only, read_write };
+using cortex_m::Access;
+using cortex_m::bit;
 
-/// One 32-bit register of the RP2040. An empty type: an access is one load or store, and never a
-/// call, which code in RAM could not make while the flash is away.
-///
-/// The registers of the APB and AHB peripherals have atomic aliases that set or clear the bits
-/// written as ones and leave the others alone, which an interrupt cannot tear (RP2040 datasheet,
-/// section 2.1.2).
+/// One 32-bit register of the RP2040. The registers of the APB and AHB peripherals have atomic
+/// aliases that set or clear the bits written as ones and leave the others alone, which an
+/// interrupt cannot tear (RP2040 datasheet, section 2.1.2).
 template <std::uint32_t Address, Access Kind = Access::read_write>
-class Register {
+class Register : public cortex_m::Register<Address, Kind> {
  public:
   static constexpr bool kHasAliases = Address >= 0x4000'0000 && Address < 0x6000'0000;
 
-  [[gnu::always_inline]] [[nodiscard]] static std::uint32_t read() requires(Kind !=
-                                                                            Access::write_only) {
-    return at(Address);
-  }
-  [[gnu::always_inline]] static void write(std::uint32_t value) requires(Kind !=
-                                                                         Access::read_only) {
-    at(Address) = value;
-  }
   static void set(std::uint32_t bits) requires(Kind != Access::read_only && kHasAliases) {
-    at(Address + 0x2000) = bits;
+    cortex_m::WriteOnly<Address + 0x2000>::write(bits);
   }
   static void clear(std::uint32_t bits) requires(Kind != Access::read_only && kHasAliases) {
-    at(Address + 0x3000) = bits;
-  }
-  /// Some registers act when they are read, whatever the value.
-  static void touch() requires(Kind != Access::write_only) {
-    [[maybe_unused]] const std::uint32_t ignored = read();
-  }
-  /// Blocks until all of these bits are ones. Only for what the hardware always does.
-  static void await(std::uint32_t bits) requires(Kind != Access::write_only) {
-    while ((read() & bits) != bits) {
-    }
-  }
-
- private:
-  [[gnu::always_inline]] static volatile std::uint32_t& at(std::uint32_t address) {
-    // The address is the hardware's.
-    // NOLINTNEXTLINE(performance-no-int-to-ptr,cppcoreguidelines-pro-type-reinterpret-cast)
-    return *reinterpret_cast<volatile std::uint32_t*>(std::uintptr_t{address});
+    cortex_m::WriteOnly<Address + 0x3000>::write(bits);
   }
 };
 
@@ -57,10 +32,6 @@ template <std::uint32_t Address>
 using ReadOnly = Register<Address, Access::read_only>;
 template <std::uint32_t Address>
 using WriteOnly = Register<Address, Access::write_only>;
-
-[[nodiscard]] constexpr std::uint32_t bit(unsigned index) {
-  return std::uint32_t{1} << index;
-}
 
 /// 2.14.3: subsystem resets. A block in reset ignores its bus.
 namespace resets {
@@ -244,19 +215,9 @@ inline constexpr std::uint32_t kOverrideLow = 2U << 8U;
 inline constexpr std::uint32_t kOverrideHigh = 3U << 8U;
 }  // namespace io_qspi
 
-/// 2.4.8: the processor's interrupt controller (Arm Cortex-M0+, NVIC); numbers as in 2.3.2.
+/// 2.3.2: numbers of interrupts.
 namespace nvic {
-inline constexpr Register<0xE000'E100> kSetEnable;
-inline constexpr Register<0xE000'E180> kClearEnable;
-inline constexpr Register<0xE000'E200> kSetPending;
-template <unsigned Interrupt>
-inline constexpr Register<0xE000'E400 + 4 * (Interrupt / 4)> kPriority;
 enum Interrupt : unsigned { timer_0 = 0, io_bank0 = 13, uart0 = 20 };
 }  // namespace nvic
-
-/// 2.4.8: where the processor finds its vectors.
-namespace scb {
-inline constexpr Register<0xE000'ED08> kVectorTable;
-}  // namespace scb
 
 }  // namespace zerorate::hal::rp2040

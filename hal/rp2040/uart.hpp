@@ -2,15 +2,14 @@
 /// UART 0 (Arm PL011): a queue out, single characters in.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
+#include "hal/cortex_m/byte_queue.hpp"
+#include "hal/cortex_m/registers.hpp"
 #include "hal/rp2040/chip.hpp"
-#include "hal/rp2040/interrupts.hpp"
 #include "hal/rp2040/registers.hpp"
 
 namespace zerorate::hal::rp2040 {
@@ -19,8 +18,6 @@ namespace zerorate::hal::rp2040 {
 /// @tparam Capacity of the queue, power of two
 template <unsigned TransmitPin, unsigned ReceivePin, std::size_t Capacity>
 class Uart0 {
-  static_assert((Capacity & (Capacity - 1)) == 0, "indices wrap at a power of two");
-
  public:
   static void start(std::uint32_t baud) {
     release_from_reset(resets::kUart0);
@@ -36,12 +33,9 @@ class Uart0 {
 
   /// Queues all of the bytes or, if there is no room for all, none.
   bool send(std::span<const std::uint8_t> bytes) {
-    std::uint32_t written = written_.load(std::memory_order_relaxed);
-    if (bytes.size() > Capacity - (written - sent_.load(std::memory_order_acquire))) return false;
-    for (const std::uint8_t byte : bytes) queue_[written++ % Capacity] = byte;
-    written_.store(written, std::memory_order_release);
+    if (!queue_.push(bytes)) return false;
     // The handler is the only one who touches the FIFO, so it is called even for the first byte.
-    nvic::kSetPending.write(bit(nvic::uart0));
+    cortex_m::nvic::kSetPending<nvic::uart0>.write(bit(nvic::uart0));
     return true;
   }
 
@@ -49,12 +43,8 @@ class Uart0 {
   /// always calls again (PL011 manual, DDI 0183, section 2.8.2).
   void on_interrupt() {
     uart0::kInterruptClear.write(uart0::kTransmitInterrupt);
-    std::uint32_t sent = sent_.load(std::memory_order_relaxed);
-    const std::uint32_t written = written_.load(std::memory_order_acquire);
-    while (sent != written && (uart0::kFlags.read() & uart0::kTransmitFull) == 0) {
-      uart0::kData.write(queue_[sent++ % Capacity]);
-    }
-    sent_.store(sent, std::memory_order_release);
+    queue_.drain([] { return (uart0::kFlags.read() & uart0::kTransmitFull) == 0; },
+                 [](std::uint8_t byte) { uart0::kData.write(byte); });
   }
 
   /// A character that was received, if any.
@@ -64,9 +54,7 @@ class Uart0 {
   }
 
  private:
-  std::array<std::uint8_t, Capacity> queue_{};
-  std::atomic<std::uint32_t> written_{0};
-  std::atomic<std::uint32_t> sent_{0};
+  cortex_m::ByteQueue<Capacity> queue_;
 };
 
 }  // namespace zerorate::hal::rp2040

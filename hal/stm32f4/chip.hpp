@@ -1,5 +1,5 @@
 /// @file
-/// Clocks, pins, interrupts, watchdog and the battery's RAM of an STM32F405.
+/// Clocks, pins, watchdog and the battery's RAM of an STM32F405.
 #pragma once
 
 #include <algorithm>
@@ -56,13 +56,21 @@ void connect(PinMode mode, Pull pull, std::uint32_t function = 0) {
   gpio::kMode<Port>.replace(3U << (2 * Number), static_cast<std::uint32_t>(mode) << (2 * Number));
 }
 
-/// @param priority 0 to 15; a lower one preempts
-template <nvic::Interrupt Number>
-void enable_interrupt(std::uint32_t priority) {
-  constexpr unsigned kShift = 8 * (Number % 4);
-  nvic::kPriority<Number>.replace(0xFFU << kShift, (priority << 4U) << kShift);
-  nvic::kSetEnable<Number>.write(bit(Number % 32));
-}
+/// A pin whose rising edges interrupt by its EXTI line. No two ports can use one number.
+template <unsigned Port, unsigned Number>
+class EdgePin {
+ public:
+  static void start(Pull pull) {
+    connect<Port, Number>(PinMode::input, pull);
+    rcc::kApb2Enable.set(rcc::kSyscfg);
+    exti::kPort<Number>.replace(15U << (4 * (Number % 4)), Port << (4 * (Number % 4)));
+    exti::kRising.set(bit(Number));
+    exti::kPending.write(bit(Number));  // what is old
+    exti::kMask.set(bit(Number));
+  }
+  /// Forgets the edge that interrupted. For the handler.
+  static void take_interrupt() { exti::kPending.write(bit(Number)); }
+};
 
 /// Resets the chip where it is not fed for two seconds.
 struct Watchdog {

@@ -5,30 +5,22 @@
 
 #include <cstdint>
 
+#include "hal/cortex_m/registers.hpp"
+
 namespace zerorate::hal::stm32f4 {
 
-[[nodiscard]] constexpr std::uint32_t bit(unsigned index) {
-  return std::uint32_t{1} << index;
-}
+using cortex_m::bit;
 
-/// One 32-bit register. An empty type: an access is one load or store. set(), clear() and replace()
-/// read first: an interrupt that changes the same register between would be undone, so they are for
-/// the start.
+/// One 32-bit register. set(), clear() and replace() read first: an interrupt that changes the same
+/// register between would be undone, so they are for the start.
 template <std::uint32_t Address>
-struct Register {
-  [[nodiscard]] static std::uint32_t read() { return at(); }
-  static void write(std::uint32_t value) { at() = value; }
+struct Register : cortex_m::Register<Address> {
+  using cortex_m::Register<Address>::read;
+  using cortex_m::Register<Address>::write;
   static void set(std::uint32_t bits) { write(read() | bits); }
   static void clear(std::uint32_t bits) { write(read() & ~bits); }
   /// Writes a value into the bits of a mask.
   static void replace(std::uint32_t mask, std::uint32_t value) { write((read() & ~mask) | value); }
-
- private:
-  static volatile std::uint32_t& at() {
-    // The address is the hardware's.
-    // NOLINTNEXTLINE(performance-no-int-to-ptr,cppcoreguidelines-pro-type-reinterpret-cast)
-    return *reinterpret_cast<volatile std::uint32_t*>(std::uintptr_t{Address});
-  }
 };
 
 /// 7.3: clocks and which blocks have one.
@@ -151,15 +143,9 @@ inline constexpr std::uint32_t kStart = 0xCCCC;
 inline constexpr std::uint32_t kBy64 = 4;
 }  // namespace watchdog
 
-/// 12.1 (table 61): interrupt numbers; Armv7-M Architecture Reference Manual, B3.4: their
-/// controller.
+/// 12.1 (table 61): numbers of interrupts.
 namespace nvic {
 enum Interrupt : unsigned { exti0 = 6, exti1 = 7, timer_2 = 28, usart_2 = 38 };
-template <Interrupt Number>
-inline constexpr Register<0xE000'E100 + 4 * (Number / 32)> kSetEnable;
-template <Interrupt Number>
-inline constexpr Register<0xE000'E400 + 4 * (Number / 4)> kPriority;
-inline constexpr Register<0xE000'ED88> kCoprocessorAccess;
 }  // namespace nvic
 
 }  // namespace zerorate::hal::stm32f4

@@ -2,13 +2,12 @@
 /// USART 2 (PA2 out, PA3 in): a queue out, single characters in.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
+#include "hal/cortex_m/byte_queue.hpp"
 #include "hal/stm32f4/chip.hpp"
 
 namespace zerorate::hal::stm32f4 {
@@ -18,8 +17,6 @@ namespace zerorate::hal::stm32f4 {
 /// @tparam Capacity of the queue, power of two
 template <std::size_t Capacity>
 class Usart2 {
-  static_assert((Capacity & (Capacity - 1)) == 0, "indices wrap at a power of two");
-
  public:
   static void start(std::uint32_t apb1_hz, std::uint32_t baud) {
     rcc::kApb1Enable.set(rcc::kUsart2);
@@ -31,23 +28,16 @@ class Usart2 {
 
   /// Queues all of the bytes or, if there is no room for all, none.
   bool send(std::span<const std::uint8_t> bytes) {
-    std::uint32_t written = written_.load(std::memory_order_relaxed);
-    if (bytes.size() > Capacity - (written - sent_.load(std::memory_order_acquire))) return false;
-    for (const std::uint8_t byte : bytes) queue_[written++ % Capacity] = byte;
-    written_.store(written, std::memory_order_release);
+    if (!queue_.push(bytes)) return false;
     usart2::kControl.write(usart2::kEnableBothWays | usart2::kTransmitInterrupt);
     return true;
   }
 
-  /// The handler of usart_2: one byte; the interrupt is off once the queue is empty.
+  /// The handler of usart_2; the interrupt is off once the queue is empty.
   void on_interrupt() {
-    const std::uint32_t sent = sent_.load(std::memory_order_relaxed);
-    if (sent == written_.load(std::memory_order_acquire)) {
-      usart2::kControl.write(usart2::kEnableBothWays);
-    } else if ((usart2::kStatus.read() & usart2::kTransmitEmpty) != 0) {
-      usart2::kData.write(queue_[sent % Capacity]);
-      sent_.store(sent + 1, std::memory_order_release);
-    }
+    if (queue_.is_empty()) usart2::kControl.write(usart2::kEnableBothWays);
+    queue_.drain([] { return (usart2::kStatus.read() & usart2::kTransmitEmpty) != 0; },
+                 [](std::uint8_t byte) { usart2::kData.write(byte); });
   }
 
   /// A character that was received, if any.
@@ -59,9 +49,7 @@ class Usart2 {
  private:
   static constexpr std::uint32_t kFunction = 7;
 
-  std::array<std::uint8_t, Capacity> queue_{};
-  std::atomic<std::uint32_t> written_{0};
-  std::atomic<std::uint32_t> sent_{0};
+  cortex_m::ByteQueue<Capacity> queue_;
 };
 
 }  // namespace zerorate::hal::stm32f4

@@ -1,5 +1,5 @@
 /// @file
-/// The gyro of this image on its bus: SPI, or I2C.
+/// The pins of the Pico, and the gyro of this image on its bus: SPI, or I2C.
 #pragma once
 
 #include <type_traits>
@@ -7,13 +7,23 @@
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/snapshot.hpp"
-#include "firmware/boards/pico/chip.hpp"
 #include "firmware/boards/pico/node.hpp"
-#include "firmware/boards/pico/wiring.hpp"
 #include "hal/rp2040/i2c_bus.hpp"
 #include "hal/rp2040/spi_device.hpp"
 
 namespace zerorate::pico {
+
+// docs/how-to/use-a-pico.md draws them.
+inline constexpr unsigned kUartTransmit = 0;
+inline constexpr unsigned kUartReceive = 1;
+inline constexpr unsigned kI2cData = 4;
+inline constexpr unsigned kI2cClock = 5;
+inline constexpr unsigned kOdometer = 15;
+inline constexpr unsigned kSpiMiso = 16;
+inline constexpr unsigned kSpiChipSelect = 17;
+inline constexpr unsigned kSpiClock = 18;
+inline constexpr unsigned kSpiMosi = 19;
+inline constexpr unsigned kDataReady = 20;
 
 #ifdef ZERORATE_PICO_I2C
 using Bus = hal::rp2040::I2c0Bus<kI2cData, kI2cClock>;

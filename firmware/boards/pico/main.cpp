@@ -9,13 +9,10 @@
 #include "firmware/boards/common/state_keeper.hpp"
 #include "firmware/boards/pico/gyro.hpp"
 #include "firmware/boards/pico/node.hpp"
-#include "firmware/boards/pico/wiring.hpp"
 #include "hal/cortex_m/flash_storage.hpp"
 #include "hal/cortex_m/interrupts.hpp"
 #include "hal/rp2040/chip.hpp"
-#include "hal/rp2040/edges.hpp"
 #include "hal/rp2040/flash_chip.hpp"
-#include "hal/rp2040/interrupts.hpp"
 #include "hal/rp2040/timer.hpp"
 #include "hal/rp2040/uart.hpp"
 
@@ -25,7 +22,9 @@ namespace {
 using namespace hal::rp2040;
 using boards::Console;
 using boards::StateKeeper;
+using hal::cortex_m::enable_interrupt;
 using hal::cortex_m::FlashStorage;
+using hal::cortex_m::Priority;
 using hal::cortex_m::sleep_unless;
 
 constexpr core::Duration kReportEvery = core::Duration::seconds(1);

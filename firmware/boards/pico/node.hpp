@@ -1,11 +1,38 @@
 /// @file
-/// Types of this board's node, free of the board: a replay on a PC includes them too.
+/// The gyro that this image is built for, chosen by pico_image() in CMakeLists.txt: its driver,
+/// settings and model; and the node for it. Free of the board: a replay on a PC includes them too.
 #pragma once
 
+#include <cstdint>
+
+#include "drivers/chips/chips.hpp"
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/boards/pico/chip.hpp"
+
+#ifdef ZERORATE_PICO_MODEL
+#include ZERORATE_PICO_MODEL
+#else
+#include "firmware/boards/pico/model.hpp"
+#endif
 
 namespace zerorate::pico {
+
+#ifdef ZERORATE_PICO_CHIP
+using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
+#else
+using Chip = drivers::lsm6dso::Chip;
+#endif
+
+/// A sample raises data-ready and is read within its period: no FIFO is needed.
+inline constexpr Chip::Settings kGyroSettings{};
+inline constexpr std::uint32_t kSpiHz = 8'000'000;
+
+/// How often the main loop turns even if no edge comes. A chip without a data-ready line is looked
+/// at twice a sample.
+inline constexpr std::uint32_t kBeat_us = Chip::kHasDataReady ? 10'000 : 2'500;
+
+/// Speed of the serial line. A message takes 830 bits; at most half of the line shall be used.
+inline constexpr std::uint32_t kBaud =
+    exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 230'400;
 
 /// At ticks of 0.5 s the hold-back of 0.5 s needs 3 of 8 places, and a moving average would
 /// remember thirteen hours of one stop (core::SuffixSums). Only what is published runs beside the

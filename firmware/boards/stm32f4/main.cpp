@@ -1,5 +1,5 @@
-// The node on an STM32F405 with an LSM6DSO on SPI 1. Built and gated; never run, neither in QEMU
-// nor on silicon.
+// The node on an STM32F405 with an LSM6DSO on SPI 1. Built, gated, and booted in QEMU, which has no
+// such chip on its bus; never run on silicon.
 //
 // PA4-PA7 select, clock, in, out; PB0 data-ready, PB1 odometer, PA2 messages
 // (docs/how-to/port-to-a-board.md).
@@ -18,7 +18,6 @@
 #include "hal/cortex_m/flash_storage.hpp"
 #include "hal/cortex_m/interrupts.hpp"
 #include "hal/stm32f4/chip.hpp"
-#include "hal/stm32f4/edges.hpp"
 #include "hal/stm32f4/spi_device.hpp"
 #include "hal/stm32f4/timer.hpp"
 #include "hal/stm32f4/uart.hpp"
@@ -27,6 +26,8 @@ namespace zerorate::stm32f4 {
 namespace {
 
 using namespace hal::stm32f4;
+using hal::cortex_m::enable_interrupt;
+using hal::cortex_m::Priority;
 
 using Chip = drivers::lsm6dso::Chip;
 using Gyro = Chip::Driver<drivers::SpiRegisters<Spi1Device>>;
@@ -58,7 +59,7 @@ constinit Beat<10'000> beat;
 
 void start_hardware() {
   const Clocks clocks = start_clocks();
-  TimerClock::start(clocks.timer_hz);
+  Timer2::start(clocks.timer_hz);
   decltype(beat)::start();
   Spi1Device::start(clocks.apb2_hz, Chip::kHighestSpi_hz);
   Line::start(clocks.apb1_hz, kBaud);
@@ -66,10 +67,10 @@ void start_hardware() {
   DataReadyPin::start(Pull::down);
   OdometerPin::start(Pull::up);  // an open-drain sensor works too
   // One priority for the clock and the edges that it stamps: none preempts another.
-  enable_interrupt<nvic::timer_2>(1);
-  enable_interrupt<nvic::exti0>(1);
-  enable_interrupt<nvic::exti1>(1);
-  enable_interrupt<nvic::usart_2>(2);
+  enable_interrupt<nvic::timer_2>(Priority::high);
+  enable_interrupt<nvic::exti0>(Priority::high);
+  enable_interrupt<nvic::exti1>(Priority::high);
+  enable_interrupt<nvic::usart_2>(Priority::low);
   Watchdog::start();
 }
 
@@ -123,7 +124,7 @@ void handle_exti1() {
 }
 
 void handle_timer_2() {
-  zerorate::stm32f4::TimerClock::on_interrupt();
+  zerorate::stm32f4::Timer2::on_interrupt();
   zerorate::stm32f4::beat.on_interrupt();
 }
 

@@ -1,74 +1,38 @@
-// From the vector table to main(): RM0090, 12.1 (interrupt numbers); Armv7-M Architecture Reference
-// Manual, B1.5 (vector table, reset).
+// From the vector table to main(): RM0090, 12.1 (interrupt numbers).
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-
+#include "hal/cortex_m/startup.hpp"
+#include "hal/cortex_m/registers.hpp"
 #include "hal/stm32f4/registers.hpp"
 
-using namespace zerorate::hal::stm32f4;
+using namespace zerorate::hal;
+using namespace zerorate::hal::stm32f4::nvic;
 
-// Symbols of stm32f405.ld: their addresses are what counts.
-// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 extern "C" {
-extern std::uint32_t stack_top[];
-extern std::uint32_t data_start[];
-extern std::uint32_t data_end[];
-extern const std::uint32_t data_load[];
-extern std::uint32_t bss_start[];
-extern std::uint32_t bss_end[];
-
-int main();
 void handle_exti0();
 void handle_exti1();
 void handle_timer_2();
 void handle_usart_2();
 
-/// Whatever nobody expects, a failed assertion among it: the watchdog starts the node again.
-[[noreturn]] void fault() {
-  for (;;) {
-    asm volatile("" ::: "memory");
-  }
-}
-
 [[noreturn]] void start() {
-  constexpr std::uint32_t kFullAccess = 0xFU
-                                        << 20U;  // coprocessors 10 and 11: the floating-point unit
-  nvic::kCoprocessorAccess.write(kFullAccess);
+  cortex_m::scb::kCoprocessorAccess.write(cortex_m::scb::kFloatingPoint);
   asm volatile("dsb\n isb" ::: "memory");
-  std::copy_n(static_cast<const std::uint32_t*>(data_load), data_end - data_start,
-              static_cast<std::uint32_t*>(data_start));
-  std::fill(static_cast<std::uint32_t*>(bss_start), static_cast<std::uint32_t*>(bss_end), 0U);
+  cortex_m::prepare_memory();
   main();
   fault();
 }
 }
-// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 namespace {
 
-using Handler = void (*)();
-
-/// Vectors up to usart_2, the last interrupt that this board enables.
-struct Vectors {
-  const std::uint32_t* stack;
-  std::array<Handler, 15> exceptions;
-  std::array<Handler, nvic::usart_2 + 1> interrupts;
-};
-
-constexpr Vectors make_vectors() {
-  Vectors table{.stack = stack_top};
-  table.exceptions.fill(fault);
-  table.exceptions[0] = start;
-  table.interrupts.fill(fault);
-  table.interrupts[nvic::exti0] = handle_exti0;
-  table.interrupts[nvic::exti1] = handle_exti1;
-  table.interrupts[nvic::timer_2] = handle_timer_2;
-  table.interrupts[nvic::usart_2] = handle_usart_2;
+constexpr auto make_vectors() {
+  auto table = cortex_m::reset_vectors<usart_2 + 1>(start);
+  table.interrupts[exti0] = handle_exti0;
+  table.interrupts[exti1] = handle_exti1;
+  table.interrupts[timer_2] = handle_timer_2;
+  table.interrupts[usart_2] = handle_usart_2;
   return table;
 }
 
 }  // namespace
 
-extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit Vectors vectors = make_vectors();
+extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit auto vectors = make_vectors();

@@ -1,5 +1,5 @@
 /// @file
-/// Your board: six holes to fill in, each between FILL IN and FILLED IN.
+/// Your board: seven holes to fill in, each between FILL IN and FILLED IN.
 /// docs/how-to/port-to-a-board.md explains them, firmware/boards/stm32f4 is this file with
 /// everything filled in, main.cpp needs no change.
 #pragma once
@@ -10,15 +10,14 @@
 #include <span>
 
 #include "core/base/result.hpp"
-#include "core/base/time.hpp"
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/boards/pico/model.hpp"
-#include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/spi_device.hpp"
 #include "hal/contract/storage.hpp"
 #include "hal/cortex_m/edges.hpp"
+#include "hal/cortex_m/timer.hpp"
 
 namespace zerorate::board {
 
@@ -28,16 +27,12 @@ inline volatile std::uint32_t hardware;
 
 /// 1, the clock: microseconds since some moment. It never jumps, lasts as long as the product
 /// (widen a 32-bit counter, as hal/stm32f4/timer.hpp does), and may be read in interrupts.
-struct Clock {
+struct Counter {
   // FILL IN
   static std::uint64_t microseconds() { return hardware; }
   // FILLED IN
-  static core::Instant now() { return instant(microseconds()); }
-  static constexpr core::Instant instant(std::uint64_t microseconds) {
-    return core::Instant::from_ns(static_cast<std::int64_t>(microseconds * 1000));
-  }
 };
-static_assert(hal::cortex_m::MicrosecondClock<Clock>);
+using Clock = hal::cortex_m::CounterClock<Counter>;
 
 /// 2, the bus: SPI or I2C (hal/contract says which bytes go where). All operations under one chip
 /// select; release it on every path; a time limit instead of waiting for ever. For I2C:
@@ -102,8 +97,8 @@ struct Memory {
 };
 static_assert(hal::Storage<Memory>);
 
-/// Starts the board, once and before anything else: clocks, pins, the interrupts that call the two
-/// functions below.
+/// 7, the start of the board, once and before anything else: clocks, pins, the interrupts that
+/// stamp the edges below.
 inline void start() {
   // FILL IN
   hardware = 0;
@@ -119,8 +114,8 @@ inline void sleep() {
 /// data-ready pin and of the odometer's; give both one priority. Without a data-ready line leave it
 /// alone: the loop then looks by itself.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
-inline constinit hal::cortex_m::LatestEdge<Clock> data_ready;
-inline constinit hal::cortex_m::EdgeQueue<Clock, 32> pulses;
+inline constinit hal::cortex_m::LatestEdge<Counter> data_ready;
+inline constinit hal::cortex_m::EdgeQueue<Counter, 32> pulses;
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 }  // namespace zerorate::board

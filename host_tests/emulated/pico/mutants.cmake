@@ -35,13 +35,13 @@ pico_mutant(wrong-pin-mux hal/rp2040/spi_device.hpp
 pico_mutant(spi-not-enabled hal/rp2040/spi_device.hpp
   "spi0::kControl1.write(spi0::kEnable)" "spi0::kControl1.write(0)")
 pico_mutant(no-fifo-wait hal/rp2040/uart.hpp
-  " && (uart0::kFlags.read() & uart0::kTransmitFull) == 0" "")
+  "return (uart0::kFlags.read() & uart0::kTransmitFull) == 0;" "return true;")
 pico_mutant(lost-wake-up hal/cortex_m/interrupts.hpp
   "  const InterruptLock lock;\n  if (!has_work())" "  if (!has_work())")
 pico_mutant(flash-routine-in-flash hal/rp2040/flash_chip.cpp
   "[[gnu::section(\".ram_code\"), gnu::noinline]] std::uint8_t exchange" "[[gnu::noinline]] std::uint8_t exchange")
 pico_mutant(interrupts-from-flash hal/rp2040/flash_chip.cpp
-  "nvic::kClearEnable.write(~bit(nvic::io_bank0));" "")
+  "cortex_m::nvic::kClearEnable<nvic::io_bank0>.write(~bit(nvic::io_bank0));" "")
 pico_mutant(no-write-enable hal/rp2040/flash_chip.cpp "exchange(kWriteEnable)" "exchange(kReadStatus)")
 
 # No mistake: what the stack needs is proved for this image too, and reached by it (footprint.test.mjs).

@@ -14,14 +14,14 @@
 #include "core/samples/tick_average.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/gyro_node.hpp"
-#include "hal/mps2/systick.hpp"
+#include "hal/cortex_m/timer.hpp"
 #include "host_tests/emulated/mps2/print.hpp"
 
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): firmware's state is static
 namespace {
 
 using namespace zerorate;
-using hal::mps2::SysTick;
+using hal::cortex_m::SysTick;
 
 constexpr auto kTick = core::Duration::milliseconds(100);
 constexpr auto kSamplePeriod = core::Duration::nanoseconds(9'615'385);  // 104 Hz
