@@ -5,7 +5,8 @@ usage: documents.py [ROOT]
 
 A finding is: a relative link whose file or heading does not exist; a path in backticks that does not
 exist; a cited work without an entry in the bibliography, and an entry that nobody cites; a number
-without its leading zero; a comment that opens with a word which sends the reader back. Prints
+without its leading zero; a comment that opens with a word which sends the reader back; a hole of
+firmware/boards/template that nothing explains, or more lines to fill in than are promised. Prints
 `file:line: complaint` for each and exits with 1 where there is one.
 """
 
@@ -18,6 +19,8 @@ import subprocess
 import sys
 
 BIBLIOGRAPHY = "docs/reference/bibliography.md"
+BOARD, PORT = "firmware/boards/template/board.hpp", "docs/how-to/port-to-a-board.md"
+BOARD_LINES = 80  # to fill in for a board of one's own
 CODE = {".c", ".cpp", ".h", ".hpp"}
 EXEMPT = ("host_tests/guards/",)  # holds the planted offenders
 ROOMS = ("core", "docs", "drivers", "firmware", "hal", "host_tests", "host_tools", "toolchains")
@@ -176,7 +179,22 @@ def poor_openings(tree):
                 yield f"{name}:{number}: a comment starts with a noun or a verb: {words}"
 
 
-CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings)
+def board_holes(tree):
+    """Holes of the board's template without a numbered comment before and a row in the page; too many lines to fill in."""
+    if BOARD not in tree.places:
+        return
+    text = tree.text(BOARD)
+    marks = re.findall(r"^/// (\d), |^ *// (FILL IN|FILLED IN)$", text, re.MULTILINE)
+    found = "".join(number or {"FILL IN": "(", "FILLED IN": ")"}[mark] for number, mark in marks)
+    explained = "".join(f"{number}()" for number in re.findall(r"^\| (\d) ", tree.text(PORT), re.MULTILINE))
+    if found != explained:
+        yield f"{BOARD}:1: comments and holes are {found}; {PORT} explains {explained}"
+    lines = sum(hole.count("\n") for hole in re.findall(r"// FILL IN\n(.*?)// FILLED IN\n", text, re.DOTALL))
+    if lines > BOARD_LINES:
+        yield f"{BOARD}:1: {lines} lines to fill in, {BOARD_LINES} are promised"
+
+
+CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings, board_holes)
 
 
 def findings(tree):

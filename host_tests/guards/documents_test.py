@@ -94,5 +94,30 @@ class PoorOpening(unittest.TestCase):
         self.assertEqual(findings_in(files, documents.poor_openings), [])
 
 
+class HoleOfTheBoard(unittest.TestCase):
+    EXPLAINED = "/// 1, the clock.\n// FILL IN\nint a;\n// FILLED IN\n"
+
+    def found(self, board, port="| 1 clock |\n"):
+        return findings_in({documents.BOARD: board, documents.PORT: port}, documents.board_holes)
+
+    def test_with_its_comment_and_row_is_none(self):
+        self.assertEqual(self.found(self.EXPLAINED), [])
+
+    def test_without_a_comment_of_its_own_is_found(self):
+        for board in (self.EXPLAINED.partition("\n")[2], self.EXPLAINED + "// FILL IN\n// FILLED IN\n"):
+            self.assertIn("comments and holes are", self.found(board)[0])
+
+    def test_without_a_row_in_the_page_is_found(self):
+        self.assertEqual(self.found(self.EXPLAINED, port=""),
+                         [f"{documents.BOARD}:1: comments and holes are 1(); {documents.PORT} explains "])
+
+    def test_that_is_left_open_is_found(self):
+        self.assertEqual(len(self.found(self.EXPLAINED.replace("// FILLED IN\n", ""))), 1)
+
+    def test_of_too_many_lines_is_found(self):
+        self.assertEqual(self.found(self.EXPLAINED.replace("int a;\n", "int a;\n" * 81)),
+                         [f"{documents.BOARD}:1: 81 lines to fill in, 80 are promised"])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -6,13 +6,22 @@ usage: emulated_processor.py bits IMAGES PROGRAM...
            NAME is the first part of PROGRAM's name, up to the first dash
        emulated_processor.py counts IMAGES FILE [--write]
            FILE holds the table of instructions: writes it, or fails where one has grown by more than 3 %
+       emulated_processor.py board IMAGES EXAMPLES
+           the template of a board, its holes filled in (images/board.cpp), must publish what its chip plays; EXAMPLES is
+           the folder of receive_rate.py, which reads the messages. The port to the STM32F405 must say that its chip is missing
 """
 
 import argparse
+import math
 import pathlib
 import re
+import statistics
+import struct
 import subprocess
 import sys
+import tempfile
+import time
+import zlib
 
 FOLDER = "host_tests/emulated/mps2/images"
 GROWTH = 1.03
@@ -85,9 +94,9 @@ For contrast, a dense filter of six states (one fewer) takes 1969 + 413 on the M
 """
 
 
-def run(board, image, *options):
+def run(board, image, *options, serial="null"):
     """What an image prints. A program that does not end, or ends with an error, ends the test."""
-    command = ["qemu-system-arm", "-M", board, "-display", "none", "-monitor", "none", "-serial", "null",
+    command = ["qemu-system-arm", "-M", board, "-display", "none", "-monitor", "none", "-serial", serial,
                "-semihosting-config", "enable=on,target=native", *options, "-kernel", str(image)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
     text = done.stdout + done.stderr
@@ -170,6 +179,110 @@ def check_counts(counts, file):
         sys.exit("grown:\n" + "\n".join(complaints))
 
 
+def unstuff(piece):
+    """A frame from between two zeros of a serial line (COBS; docs/reference/rate-frame.md)."""
+    frame = b""
+    while piece:
+        length, block, piece = piece[0], piece[1:piece[0]], piece[piece[0]:]
+        frame += block + (b"\0" if length < 255 and piece else b"")
+    return frame
+
+
+# As images/board.cpp plays it: LSB and standard deviation of a sample, and what the axes show beside their noise.
+LSB_DPS, NOISE_DPS = 0.00875, 0.00875 * math.sqrt(10)
+BIAS_DPS, TURN_DPS = [100 * LSB_DPS, -40 * LSB_DPS, 20 * LSB_DPS], 1143 * LSB_DPS
+SAMPLE_S = 64 / 6667
+SAMPLES, DRIVE_S, END_S = 7292, (3125 * SAMPLE_S, 5208 * SAMPLE_S), 7292 * SAMPLE_S
+CALIBRATED = 0x001
+
+
+def check_board(images, examples):
+    sys.path.append(str(examples))
+    from receive_rate import decode
+    for processor in ("cortex-m4f", "cortex-m7"):
+        with tempfile.TemporaryDirectory() as folder:
+            line = pathlib.Path(folder) / "line"
+            said = run(PROCESSORS[processor][0], image(images, processor, "board"), "-icount", "shift=5,sleep=off",
+                       serial=f"file:{line}")
+            messages = [decode(unstuff(piece)) for piece in line.read_bytes().split(b"\0")[:-1]]
+        complaints = list(board_complaints(messages))
+        if numbers(said) != {"saves": 1}:
+            complaints.append(f"not saved at the end of the one stop: {said}")
+        if complaints:
+            sys.exit(f"{processor}: " + "\n".join(complaints[:20]))
+        print(f"{processor}: {len(messages)} messages of the template say what its chip plays")
+    check_port(images, decode)
+
+
+# NVIC_ISPR1 and the bit of USART 2, interrupt 38; SENSOR_FAULT of a message's health; WHO_AM_I of the LSM6DSO.
+SET_PENDING, USART_2, SENSOR_FAULT, WRONG_IDENTITY, WHO_AM_I = 0xE000E204, 1 << 6, 0x040, 1, 0x0F
+LINE_BYTES = 3000
+
+
+def check_port(images, decode):
+    """The port to the STM32F405 on netduinoplus2, which has its processor, timer 2 without compare, EXTI without pins, an
+    SPI without a chip and USART 2 without the interrupt that asks for the next byte: the test raises that one."""
+    with tempfile.TemporaryDirectory() as folder:
+        line = pathlib.Path(folder) / "line"
+        command = ["qemu-system-arm", "-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-serial",
+                   f"file:{line}", "-qtest", "stdio", "-qtest-log", "none", "-kernel", image(images, "cortex-m4f", "netduino")]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
+            deadline = time.monotonic() + 60
+            while time.monotonic() < deadline and (not line.exists() or line.stat().st_size < LINE_BYTES):
+                machine.stdin.write(f"writel {SET_PENDING:#x} {USART_2:#x}\n")
+                machine.stdin.flush()
+                machine.stdout.readline()
+            machine.kill()
+        frames = [unstuff(piece) for piece in line.read_bytes().split(b"\0")[:-1]]
+    if any(len(frame) < 8 or struct.unpack_from("<I", frame, len(frame) - 4)[0] != zlib.crc32(frame[:-4]) for frame in frames):
+        sys.exit("netduino: damaged frames")
+    messages = [decode(frame) for frame in frames if frame.startswith(b"ZR")]
+    counters = [struct.unpack_from("<11I3B", frame, 4) for frame in frames if frame.startswith(b"ZS")]
+    if len(messages) < 5 or len(counters) < 5:
+        sys.exit(f"netduino: {len(messages)} messages, {len(counters)} of the counters")
+    for before, message in zip([{"time_ns": 0}, *messages], messages):
+        if message["health"] != SENSOR_FAULT or message["motion"] != "moving" or message["time_ns"] <= before["time_ns"]:
+            sys.exit(f"netduino: a chip that is missing gives {message}")
+    tries = [start_errors for _, _, _, _, _, start_errors, *_ in counters]
+    found = {(samples, starts, code, register) for samples, _, _, _, starts, *_, code, _, register in counters}
+    if found != {(0, 0, WRONG_IDENTITY, WHO_AM_I)} or tries != sorted(tries) or tries[0] == tries[-1]:
+        sys.exit(f"netduino: counters {counters}")
+    print(f"netduino: boots, and says in {len(messages)} messages that there is no chip")
+
+
+def board_complaints(messages):
+    """What is wrong with the messages of a stop, a drive and a stop."""
+    if None in messages or [message["sequence"] for message in messages] != list(range(len(messages))):
+        yield "damaged or lost messages"
+        return
+    if not SAMPLES - 20 <= len(messages) <= SAMPLES:
+        yield f"{len(messages)} messages"
+    for before, message in zip(messages, messages[1:]):
+        if abs(message["time_s"] - before["time_s"] - SAMPLE_S) > 20e-6:
+            yield f"{before['time_s']} s: the next sample is stamped {message['time_s']} s"
+    # Nothing is known before the second second, and for some seconds after the last pulse nothing is believed.
+    spans = {"still": [(4.0, DRIVE_S[0]), (DRIVE_S[1] + 10.0, END_S)], "moving": [(DRIVE_S[0] + 0.2, DRIVE_S[1])]}
+    for motion, times in spans.items():
+        for begin, end in times:
+            part = [message for message in messages if begin < message["time_s"] < end]
+            wrong = [message for message in part if (message["motion"], message["health"]) != (motion, CALIBRATED)]
+            if wrong:
+                yield f"{wrong[0]['time_s']} s: {motion} expected: {wrong[0]}"
+            yield from rate_complaints(part, [0, 0, TURN_DPS if motion == "moving" else 0])
+
+
+def rate_complaints(part, turn_dps):
+    """Bias and mean rate within five standard deviations: that of the message, and that of a mean of white noise."""
+    last = part[-1]
+    for axis, bias_dps in enumerate(BIAS_DPS):
+        if abs(last["bias_dps"][axis] - bias_dps) > 5 * last["sigma_dps"][axis]:
+            yield f"{last['time_s']} s: bias {last['bias_dps'][axis]}, not {bias_dps} deg/s"
+        mean = statistics.fmean(message["rate_dps"][axis] for message in part)
+        largest_sigma = max(message["sigma_dps"][axis] for message in part)
+        if abs(mean - turn_dps[axis]) > 5 * (NOISE_DPS / math.sqrt(len(part)) + largest_sigma):
+            yield f"to {last['time_s']} s: mean rate {mean}, not {turn_dps[axis]} deg/s"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -180,9 +293,14 @@ def main():
     counts.add_argument("images", type=pathlib.Path)
     counts.add_argument("file", type=pathlib.Path)
     counts.add_argument("--write", action="store_true")
+    board = commands.add_parser("board")
+    board.add_argument("images", type=pathlib.Path)
+    board.add_argument("examples", type=pathlib.Path)
     arguments = parser.parse_args()
     if arguments.command == "bits":
         compare_bits(arguments.images, arguments.programs)
+    elif arguments.command == "board":
+        check_board(arguments.images, arguments.examples)
     elif arguments.write:
         arguments.file.write_text(page(measure(arguments.images)))
     else:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "hal/cortex_m/registers.hpp"
 #include "hal/mps2/semihosting.hpp"
 
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): a symbol of the linker script
@@ -17,12 +18,16 @@ int main();
   zerorate::hal::mps2::Semihosting::exit(99);
 }
 
+/// An image that uses SysTick has its own.
+[[gnu::weak]] void handle_systick() {
+  fault();
+}
+
 /// Not a place for floating point: its unit is off.
 [[noreturn]] void start() {
 #ifdef __ARM_FP
-  constexpr std::uintptr_t kCoprocessorAccess = 0xE000'ED88;  // CPACR: ARMv7-M, B3.2.20
-  // NOLINTNEXTLINE(performance-no-int-to-ptr,cppcoreguidelines-pro-type-reinterpret-cast)
-  *reinterpret_cast<volatile std::uint32_t*>(kCoprocessorAccess) = 0xFU << 20U;
+  using namespace zerorate::hal::cortex_m::scb;
+  kCoprocessorAccess.write(kFloatingPoint);
   asm volatile("dsb\n isb" ::: "memory");
 #endif
   zerorate::hal::mps2::Semihosting::exit(static_cast<std::uint32_t>(main()));
@@ -41,6 +46,7 @@ constexpr Vectors make_vectors() {
   Vectors table{.stack = stack_top};
   table.exceptions.fill(fault);
   table.exceptions[0] = start;
+  table.exceptions[14] = handle_systick;
   return table;
 }
 
