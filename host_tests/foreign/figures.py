@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""The figures of docs/reference/c-interface.md: instructions, stack and size of the C interface, memory, and compilers tried.
+
+usage: figures.py PAGE --repository FOLDER --build FOLDER --work FOLDER [--write]
+
+Measures them as figures.c does, on the recording and the projects of foreign_test.py, and compares them with PAGE: none may
+differ by more than 3 %. With --write the tables of PAGE are made anew. Without recordings the exit code is 77.
+"""
+
+import argparse
+import pathlib
+import re
+import shutil
+import sys
+
+import foreign_test
+from foreign_test import ARM_LINK, CORTEX, Failure, Workshop, require, run
+
+SLACK = 0.03
+# Heading of a column -> processor and optimisation.
+COLUMNS = {"M0+ -O2": ("m0plus", "-O2"), "M0+ -Os": ("m0plus", "-Os"), "M4F -O2": ("m4f", "-O2"), "M4F -Os": ("m4f", "-Os"),
+           "M4F -O2 -fpeel-loops": ("m4f", "-O2 -fpeel-loops"), "M7 -O2": ("m7", "-O2"), "M7 -Os": ("m7", "-Os")}
+# As figures.c tells them -> as the page names them.
+FUNCTIONS = {"zerorate_init": "`zerorate_init()`", "zerorate_pulse": "`zerorate_pulse()`",
+             "zerorate_sample, moving or settling": "`zerorate_sample()`, moving or settling",
+             "zerorate_sample, still": "`zerorate_sample()`, still",
+             "zerorate_predict_heading, 6000 samples": "`zerorate_predict_heading()`, 6000 samples",
+             "zerorate_save": "`zerorate_save()`"}
+WRAPPED = ("init", "pulse", "sample", "predict_heading", "save")
+FIGURE = re.compile(r"^(zerorate_.+?) ([0-9a-f]{8}) ([0-9a-f]{8}) ([0-9a-f]{8}) ([0-9a-f]{8}) \n", re.MULTILINE)
+# -icount shift=10, and SysTick on the 25 MHz of the mps2 boards.
+INSTRUCTIONS_OF_A_PERIOD = 40 / 1024
+
+
+def build(shop, processor, optimisation):
+    """The folder of an image that measures itself."""
+    wraps = " ".join(f"-Wl,--wrap=zerorate_{name}" for name in WRAPPED)
+    return shop.make(f"{processor}{optimisation.replace(' ', '')}", f"ZERORATE={shop.repository}", "CROSS=arm-none-eabi-",
+                     f"CPU={CORTEX[processor][0]} -DZERORATE_FIGURES", f"OPTIMISATION={optimisation}", f"LINK={ARM_LINK} {wraps}")
+
+
+def size_of(folder, processor):
+    """Bytes of all functions of zerorate.h and what they need, without memcpy and memset."""
+    wanted = run("arm-none-eabi-nm", "--defined-only", "--extern-only", folder / "zerorate.o")
+    functions = re.findall(r" T (zerorate_\w+)$", wanted, re.MULTILINE)
+    require(len(functions) == 10, f"functions of zerorate.h: {functions}")
+    roots = [f"-Wl,-u,{name}" for name in functions] + [f"-Wl,--defsym={name}=0" for name in ("memcpy", "memset", "memmove")]
+    run("arm-none-eabi-gcc", *CORTEX[processor][0].split(), folder / "zerorate.o", folder / "assert.o", "-nostdlib", *roots,
+        "-Wl,--gc-sections", "-Wl,-e,zerorate_init", "-lgcc", "-o", folder / "library.elf")
+    text, data = run("arm-none-eabi-size", folder / "library.elf").splitlines()[1].split()[:2]
+    return int(text) + int(data)
+
+
+def measure(shop, processor, optimisation):
+    """Row -> the figures of a column."""
+    folder = build(shop, processor, optimisation)
+    printed = run("qemu-system-arm", "-M", CORTEX[processor][1], "-display", "none", "-monitor", "none", "-serial", "null",
+                  "-semihosting-config", "enable=on,target=native", "-icount", "shift=10", "-kernel", folder / "firmware")
+    shop.compare(f"{processor} {optimisation}", FIGURE.sub("", printed))
+    column = {}
+    for name, *fields in FIGURE.findall(printed):
+        calls, mean, most, stack = (int(field, 16) for field in fields)
+        counts = [round(periods * INSTRUCTIONS_OF_A_PERIOD) for periods in ((mean, most) if calls > 1 else (mean,))]
+        column[FUNCTIONS[name]] = [*counts, stack]
+    require(column.keys() == set(FUNCTIONS.values()), f"figures of {list(column)}")
+    return column | {"program, all functions, bytes": [size_of(folder, processor)]}
+
+
+def memory(shop, hypotheses):
+    """Bytes of an instance and of a record."""
+    program = shop.work / "memory.c"
+    program.write_text('#include <stdio.h>\n#include <zerorate.h>\n'
+                       'int main(void) { return printf("%d %d", ZERORATE_INSTANCE_BYTES, ZERORATE_SNAPSHOT_BYTES) < 0; }\n')
+    run("gcc", f"-DZERORATE_HYPOTHESES={hypotheses}", f"-I{shop.repository}/firmware/c_api/include", program, "-o",
+        shop.work / "memory")
+    return [int(word) for word in run(shop.work / "memory").split()]
+
+
+def cell(figures):
+    *counts, last = (f"{figure:,}" for figure in figures)
+    return f"{' / '.join(counts)}; {last}" if counts else last
+
+
+def tables(shop):
+    """The tables of the page, each beginning with its heading."""
+    columns = {heading: measure(shop, *what) for heading, what in COLUMNS.items()}
+    rows = next(iter(columns.values()))
+    yield "".join([f"| function: instructions, mean / most; stack in bytes | {' | '.join(columns)} |\n",
+                   f"|---|{'---|' * len(columns)}\n",
+                   *(f"| {row} | {' | '.join(cell(column[row]) for column in columns.values())} |\n" for row in rows)])
+    sizes = {hypotheses: memory(shop, hypotheses) for hypotheses in (12, 4, 1)}
+    yield "".join(["| hypotheses | instance (`ZERORATE_INSTANCE_BYTES`) | record of `zerorate_save()` (`ZERORATE_SNAPSHOT_BYTES`) |\n",
+                   "|---|---|---|\n", *(f"| {count} | {instance:,} | {record:,} |\n" for count, (instance, record) in sizes.items())])
+    if not all(map(shutil.which, foreign_test.COMPILERS)):
+        return
+    yield "".join(["| compiler of a host | version |\n|---|---|\n",
+                   *(f"| `{name}` | {run(name, '-dumpfullversion', '-dumpversion').split()[0]} |\n"
+                     for name in foreign_test.COMPILERS)])
+
+
+def place_of(table, page):
+    """Where the page has the table of the same heading."""
+    found = re.search(re.escape(table.partition("\n")[0]) + r"\n(?:\|.*\n)+", page)
+    require(found, f"the page has no table {table.partition(chr(10))[0]}")
+    return found
+
+
+def disagreements(table, documented):
+    """Lines of a documented table whose words differ, or whose figures differ by more than SLACK."""
+    measured, told = table.splitlines(), documented.splitlines()
+    require(len(measured) == len(told), f"{len(told)} rows, measured {len(measured)}:\n{documented}")
+    number = re.compile(r"(?<![\w.])\d[\d,]*(?![\w.])")
+    for now, page in zip(measured, told):
+        pairs = [[int(word.replace(",", "")) for word in words] for words in zip(number.findall(now), number.findall(page))]
+        if number.sub("", now) != number.sub("", page) or any(abs(a - b) > SLACK * b for a, b in pairs):
+            yield f"page: {page}\nnow:  {now}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("page", type=pathlib.Path)
+    for name in ("repository", "build", "work"):
+        parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
+    parser.add_argument("--write", action="store_true")
+    arguments = parser.parse_args()
+    arguments.way = "figures"
+    try:
+        shop = Workshop(arguments)
+        if not shop.has_recordings:
+            print("skipped: no recordings")
+            sys.exit(77)
+        page = arguments.page.read_text()
+        complaints = []
+        for table in tables(shop):
+            place = place_of(table, page)
+            complaints += disagreements(table, place[0])
+            page = page.replace(place[0], table)
+    except Failure as failure:
+        sys.exit(f"figures: {failure}")
+    if arguments.write:
+        arguments.page.write_text(page)
+    elif complaints:
+        sys.exit("\n".join(complaints))
+
+
+if __name__ == "__main__":
+    main()
