@@ -8,5 +8,7 @@ source "$(dirname "$(readlink -f "$0")")/private-apt.sh"
 mkdir -p "$dir"
 dir=$(readlink -f "$dir")
 private_apt_root "$arch" "$dir.apt" "$suite"
+rm -rf "$dir.debs"  # of an earlier call: other packages, and other versions of these
 private_apt_download "$dir.apt" "$dir.debs" "$@"
 for deb in "$dir.debs"/*.deb; do dpkg-deb -x "$deb" "$dir"; done
+rm -rf "$dir.debs"

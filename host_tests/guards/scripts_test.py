@@ -3,6 +3,7 @@
 The text files of the fuzzers' corpora: every input comes back from them byte for byte.
 The number of cases that ./test gives: every case of a program counts, and none that did not pass is lost.
 The packages by purpose: whoever wants the demonstration installs no browser, cross compiler or emulator.
+The libraries of another architecture: of what was fetched, nothing but the packages that are named is unpacked.
 """
 
 import pathlib
@@ -152,6 +153,28 @@ class Demonstration(unittest.TestCase):
 class QuickTests(unittest.TestCase):
     def test_need_no_browser_emulator_or_second_compiler(self):
         self.assertEqual([name for name in packages("test") if re.search("chromium|qemu|clang$|clang-tidy", name)], [])
+
+
+class Sysroot(unittest.TestCase):
+    def test_holds_nothing_but_the_packages_that_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            stand_ins = {"apt-get": 'for name in "$@"; do case $name in lib*) touch "${name}_2_arm64.deb";; esac; done',
+                         "dpkg-deb": 'echo "${2##*/}" >>"$3/unpacked"'}
+            for name, text in stand_ins.items():
+                program = root / "bin" / name
+                program.parent.mkdir(exist_ok=True)
+                program.write_text(f"#!/bin/sh\n{text}\n")
+                program.chmod(0o755)
+            for made in ("sysroot.apt/ready", "sysroot.debs/libfirst_1_arm64.deb", "sysroot.debs/libstale_1_arm64.deb"):
+                (root / made).parent.mkdir(exist_ok=True)
+                (root / made).touch()
+            for names in (["libfirst", "libsecond"], ["libthird"]):
+                subprocess.run([REPOSITORY / "toolchains/fetch-sysroot.sh", "arm64", root / "sysroot", "", *names],
+                               check=True, env={"PATH": f"{root / 'bin'}:/usr/bin:/bin"})
+            self.assertEqual((root / "sysroot/unpacked").read_text().split(),
+                             ["libfirst_2_arm64.deb", "libsecond_2_arm64.deb", "libthird_2_arm64.deb"])
+            self.assertFalse((root / "sysroot.debs").exists())
 
 
 class Help(unittest.TestCase):
