@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,12 +18,15 @@
 namespace zerorate::cli {
 namespace {
 
+/// An LSM6DSO at nominally 104 Hz.
+constexpr double kUsualSampleRate_hz = 6667.0 / 64.0;
+
 struct ExportFlags {
   std::string model;
   bool cpp = false;
   bool c = false;
   std::string name = "sensor_model";
-  double sample_rate_hz = 6667.0 / 64.0;
+  std::optional<double> sample_rate_hz;
   double filter_rate_hz = 2.0;
   std::optional<int> hypotheses;
   std::string output = "-";
@@ -41,10 +47,17 @@ ExitCode run_export(const ExportFlags& flags) {
     if (!model.learning) model.learning.emplace();
     model.learning->hypotheses = *flags.hypotheses;
   }
-  const core::Duration sample = period_of(flags.sample_rate_hz, "--sample-rate");
+  const core::Duration sample =
+      period_of(flags.sample_rate_hz.value_or(kUsualSampleRate_hz), "--sample-rate");
   const core::Duration tick = period_of(flags.filter_rate_hz, "--filter-rate");
   write_text(flags.output, flags.c ? model::format_c_header(model, sample, tick, flags.name)
                                    : model::format_cpp_header(model, sample, tick));
+  if (!flags.sample_rate_hz) {
+    fmt::print(stderr,
+               "zerorate: no --sample-rate: the header is for {:.3f} Hz, an LSM6DSO at 104 Hz; at "
+               "another rate its white noise is wrong\n",
+               kUsualSampleRate_hz);
+  }
   return success;
 }
 
@@ -63,7 +76,7 @@ Command add_export(CLI::App& app) {
   command
       ->add_option("--sample-rate", flags->sample_rate_hz,
                    "samples of the sensor per second [Hz]; default that of an LSM6DSO at 104 Hz")
-      ->capture_default_str();
+      ->default_str(fmt::format("{:.3f}", kUsualSampleRate_hz));
   command
       ->add_option("--filter-rate", flags->filter_rate_hz,
                    "ticks of the predictors per second [Hz]")

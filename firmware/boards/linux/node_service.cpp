@@ -114,12 +114,12 @@ bool is_congestion(int error_number) {
 
 }  // namespace
 
-app::Session read_boot_id() {
-  constexpr const char* kFile = "/proc/sys/kernel/random/boot_id";
+app::Session read_boot_id(const char* file) {
   app::Session boot{};
-  std::ifstream file{kFile};
-  if (!file.read(boot.data(), boot.size())) {
-    throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), kFile);
+  errno = 0;  // a file that is too short sets none
+  std::ifstream stream{file};
+  if (!stream.read(boot.data(), boot.size())) {
+    throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), file);
   }
   return boot;
 }

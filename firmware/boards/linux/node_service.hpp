@@ -114,7 +114,7 @@ class NodeService {
 /// The kernel's boot id, as /proc/sys/kernel/random/boot_id gives it: within one boot the monotonic
 /// clock goes on, and so, as a rule, does the gyro's power. Throws std::system_error where the
 /// kernel does not tell.
-[[nodiscard]] app::Session read_boot_id();
+[[nodiscard]] app::Session read_boot_id(const char* file = "/proc/sys/kernel/random/boot_id");
 
 /// This session, now by the wall clock.
 [[nodiscard]] app::SnapshotTime time_in(const app::Session& session);

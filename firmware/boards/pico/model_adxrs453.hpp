@@ -29,6 +29,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{
     },
     .white_variance_rad2_s2 = 7.032888e-06F,
     .measurement_floor_variance_rad2_s2 = 0.0F,
+    .largest_bias_rad_s = 0.04363323F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .sample_period = core::Duration::nanoseconds(5000000),
 };

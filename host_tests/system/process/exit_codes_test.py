@@ -42,6 +42,13 @@ class ExitCode(unittest.TestCase):
         self.record(20, noisy)
         self.assert_ends(BAD_DATA, "characterize")
 
+    def test_of_a_recording_whose_stamps_tell_no_rate_is_bad_data(self):
+        for stamps in ([0.0], [0.0] * 20, [0.0, 1e9]):
+            lines = [f"{time:.1f},{noisy(0)}" for time in stamps]
+            self.recording.write_text("\n".join(["t_s,rate_dps", *lines]) + "\n", encoding="utf-8")
+            self.assert_ends(BAD_DATA, "replay", "--schedule", "still=5,drive=5,seed=1")
+        self.assert_ends(BAD_DATA, "replay", "--schedule", "still=5,drive=5,seed=1", "--filter-rate", "1")
+
     def test_of_a_constant_recording_is_bad_data(self):
         self.record(2000, lambda _: 0.25)
         self.assert_ends(BAD_DATA, "diagnose")

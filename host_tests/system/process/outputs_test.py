@@ -18,7 +18,7 @@ import unittest
 ZERORATE = sys.argv.pop(1)
 LIMIT_S = 60.0
 SCHEDULE = "still=5,drive=5,seed=1"
-NULL_DEVICE, FULL_DEVICE = os.makedev(1, 3), os.makedev(1, 7)
+NULL_DEVICE, ZERO_DEVICE, FULL_DEVICE = os.makedev(1, 3), os.makedev(1, 5), os.makedev(1, 7)
 
 
 def recording(path, rows):
@@ -55,7 +55,7 @@ class Outputs(unittest.TestCase):
                 ["replay", self.recording, *schedule, "--json", path],
                 ["characterize", self.recording, "--report", path],
                 ["characterize", self.recording, "--model-out", path],
-                ["export", "lsm6dso", "--c", "-o", path]]
+                ["export", "lsm6dso", "--c", "--sample-rate", "100", "-o", path]]
 
     def test_a_device_is_written_to_and_stays_a_device(self):
         null = self.node("null", NULL_DEVICE)
@@ -130,6 +130,26 @@ class Outputs(unittest.TestCase):
             self.assertEqual(run.returncode, code, run.stderr)
             self.assertIn("\\x1B", run.stdout + run.stderr)
             self.assertNotRegex(run.stdout + run.stderr, "[\x00-\x08\x0b-\x1f\x7f\x80-\x9f]")
+
+    def test_an_exported_header_for_a_rate_that_nobody_named_is_told(self):
+        for language in ("--c", "--cpp"):
+            run = self.run_zerorate("export", "lsm6dso", language)
+            self.assertEqual(run.returncode, 0)
+            self.assertIn("no --sample-rate: the header is for 104.172 Hz", run.stderr)
+            self.assertIn("For 104.172 Hz samples", run.stdout)
+            run = self.run_zerorate("export", "lsm6dso", language, "--sample-rate", "100")
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            self.assertIn("For 100.000 Hz samples", run.stdout)
+
+    def test_a_model_that_exhausts_stack_or_memory_is_refused(self):
+        deep = self.folder / "deep.toml"
+        deep.write_text(f"[a{'.a' * 200_000}]\n")
+        for model in (deep, self.node("zero", ZERO_DEVICE)):
+            for command in (["model", "check", model], ["export", model, "--c", "--sample-rate", "100"],
+                            ["replay", self.recording, "--schedule", SCHEDULE, "--model", model]):
+                run = self.run_zerorate(*command)
+                self.assertEqual(run.returncode, 3, command)
+                self.assertIn("more than 32768 bytes", run.stderr, command)
 
     def test_a_full_standard_output_is_told(self):
         full = self.node("full", FULL_DEVICE)

@@ -125,6 +125,18 @@ class WithoutHardware(Simulated):
                 self.assertAlmostEqual(float(rate), expected, delta=1e-6 * max(1.0, abs(expected)))
         self.assertGreater(sum(fields[3] != "none" for fields in received), 0.9 * count)
 
+    def test_refuses_a_configuration_or_model_that_exhausts_its_stack(self):
+        self.simulate()
+        configuration = self.file.read_text()
+        deep = self.folder / "deep.toml"
+        deep.write_text(f"[a{'.a' * 200_000}]\n")
+        for text in (deep.read_text(), configuration + f'[model]\nfile = "{deep}"\n'):
+            self.file.write_text(text)
+            run = subprocess.run([zerorated_test.ZERORATED, "--config", self.file, "--check-config"], capture_output=True,
+                                 text=True, timeout=LIMIT_S, check=False)
+            self.assertEqual(run.returncode, 3, run.stderr)
+            self.assertIn("more than 32768 bytes", run.stderr)
+
     def test_runs_without_hardware_on_the_simulated_chip(self):
         self.simulate()
         self.start()

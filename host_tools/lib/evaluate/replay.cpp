@@ -39,6 +39,12 @@ class BufferedRows {
       throw recording::DataError(
           "the recording has fewer than two rows in time order: its sample rate cannot be told");
     }
+    constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+    if (period_ns_ > kHour_ns) {
+      throw recording::DataError(
+          "the rows of the recording are more than an hour apart: are its stamps in the unit that "
+          "their column names?");
+    }
     return core::Duration::nanoseconds(period_ns_);
   }
 

@@ -120,6 +120,44 @@ TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
   EXPECT_GT(node.measured_ticks(), learnt + 180);
 }
 
+// Stamps that lie ahead are believed: what they cost is bounded by the stamp, and told.
+constexpr std::int64_t kAhead_ms = 600'000;
+
+TEST(GyroNodeWithAPulseStampedAhead, SaysSoAndLearnsAgainWhenItsTimeHasCome) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(20'000);
+  const std::uint32_t learnt = node.measured_ticks();
+  node.pulse(at_ms(20'000 + kAhead_ms));
+  EXPECT_FALSE(trip.stand(110'000).health.odometer_disagreement);
+  const RateMessage waiting = trip.stand(20'000);
+  EXPECT_TRUE(waiting.health.odometer_disagreement);
+  EXPECT_EQ(waiting.motion, core::Motion::moving);
+  trip.stand(kAhead_ms - 130'000);
+  EXPECT_LE(node.measured_ticks(), learnt + 20);  // what was held back when it came
+  const RateMessage after = trip.stand(30'000);
+  EXPECT_FALSE(after.health.odometer_disagreement);
+  EXPECT_EQ(after.motion, core::Motion::still);
+  EXPECT_GE(node.measured_ticks(), (20'000 + kAhead_ms + 25'000) / 100);
+}
+
+TEST(GyroNodeWithASampleStampedAhead, RefusesTheOthersUntilItsTimeHasCome) {
+  const auto params = node_params();
+  Node node{params};
+  Trip trip{node};
+  trip.stand(20'000);
+  EXPECT_FALSE(node.step(noisy_sample(at_ms(20'000 + kAhead_ms), kBias)).health.time_refused);
+  const std::uint32_t learnt = node.measured_ticks();
+  for (std::int64_t waited_ms = 0; waited_ms < kAhead_ms; waited_ms += 10'000) {
+    EXPECT_TRUE(trip.stand(10'000).health.time_refused) << waited_ms;
+  }
+  EXPECT_EQ(node.measured_ticks(), learnt);
+  trip.stand(10);  // its own time, once more
+  EXPECT_FALSE(trip.stand(30'000).health.time_refused);
+  EXPECT_GE(node.measured_ticks(), (20'000 + kAhead_ms + 25'000) / 100);
+}
+
 TEST(GyroNodeRestoredInATurnWithoutPulses, GoesOnAsTheOtherWould) {
   const auto params = node_params();
   Node node{params};

@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "firmware/boards/linux/metrics_text.hpp"
@@ -383,6 +384,16 @@ TEST(NodeServiceWithASinkInTrouble, TellsItOnceAndWhenItIsOver) {
     (void)receiver.take();
   }
   EXPECT_TRUE(was_logged("rate: takes messages again"));
+}
+
+TEST(BootIdOfAFileThatIsTooShort, IsRefusedWithAReason) {
+  const testing::ScratchFolder folder;
+  try {
+    (void)read_boot_id(folder.write("boot_id", "cut off").c_str());
+    FAIL();
+  } catch (const std::system_error& error) {
+    EXPECT_EQ(error.code().value(), EIO);
+  }
 }
 
 }  // namespace
