@@ -107,6 +107,7 @@ void name_lots(Population& population, const std::vector<std::size_t>& compared)
     of_lots[figure.lot] = std::min(of_lots[figure.lot], log_p_of(figure));
   }
   std::vector<double> log_p;
+  log_p.reserve(compared.size());
   for (const std::size_t lot : compared) log_p.push_back(of_lots[lot]);
   const std::vector<double> q = q_values(log_p);
   double largest_named = -std::numeric_limits<double>::infinity();

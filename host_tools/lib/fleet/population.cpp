@@ -238,6 +238,7 @@ class Fit {
       freedom += sums.rank - rank;
     }
     std::vector<double> log_p;
+    log_p.reserve(sensors.size());
     for (const auto& [sensor, change] : sensors) {
       log_p.push_back(
           change.second > 0 ? statistics::log_chi_squared_tail(change.first, change.second) : 0.0);
