@@ -149,6 +149,15 @@ template <class Scalar>
   return share;
 }
 
+/// Factor of a variance that was estimated with so many degrees of freedom, by which a difference
+/// exceeds sqrt(z2) of its standard deviations as rarely as if the variance were known: the square
+/// of Student's t, f (exp(z2 / f) - 1) (Wallace 1959), over that of the normal number.
+[[nodiscard]] constexpr float student_factor(float z2, float degrees_of_freedom) {
+  const float exponent = z2 / degrees_of_freedom;
+  const float share = one_minus_exp_neg(exponent);
+  return share / ((1.0F - share) * exponent);
+}
+
 /// Natural logarithm of a positive normal number, relative error below 3e-7 away from 1 and
 /// absolute error below 1e-7 near it: the exponent from the bits, the rest by the series of atanh.
 [[nodiscard]] constexpr float natural_log(float x) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
@@ -66,6 +67,7 @@ class CalmJudge {
     std::uint32_t next_tick = 0;           ///< that continues the window
     std::uint32_t samples = 0;             ///< in the window
     std::uint16_t differences = 0;         ///< in `squares`
+    std::uint16_t local_differences = 0;   ///< that `local_white_rad2_s2` is the mean of
     Share share;                           ///< of this stop, or the one before
     std::uint8_t window_ticks = 0;         ///< summed so far
     std::uint8_t known_windows = 0;        ///< in `windows_rad_s`
@@ -156,15 +158,18 @@ class CalmJudge {
   /// model, until three windows were calm.
   [[nodiscard]] constexpr float white_variance_rad2_s2() const { return state_.white_rad2_s2; }
   [[nodiscard]] constexpr bool has_seen_white_noise() const { return state_.spreads > 0; }
-  /// Whether the mean is of as many spreads as it ever is.
+  /// The mean is of as many spreads as it ever is.
   [[nodiscard]] constexpr bool knows_white_noise() const { return state_.spreads == kSpreads; }
   /// Variance of a sample that neither a swaying vehicle nor its engine explains: the lesser of
-  /// what windows and what neighbouring samples show, and never less than by the model.
+  /// what windows and what neighbouring samples show, never less than by the model. It is enlarged
+  /// so that six standard deviations are as rare as if it were known.
   [[nodiscard]] constexpr float sure_white_variance_rad2_s2() const {
-    const float shown = state_.spreads > 0
-                            ? std::min(state_.white_rad2_s2, state_.local_white_rad2_s2)
-                            : state_.local_white_rad2_s2;
-    return std::max(shown, model_white_rad2_s2_);
+    const float shown =
+        std::min(sure(state_.white_rad2_s2, kDegreesOfSpread * static_cast<float>(state_.spreads)),
+                 sure(state_.local_white_rad2_s2,
+                      kDegreesOfDifference * static_cast<float>(state_.local_differences)));
+    return shown < kUnknown ? std::max(shown, model_white_rad2_s2_)
+                            : sure(model_white_rad2_s2_, kFewestDegrees);
   }
   /// Whether the newest window is calm; true before there are three.
   [[nodiscard]] constexpr bool is_calm() const { return state_.is_calm; }
@@ -198,6 +203,12 @@ class CalmJudge {
   static constexpr float kLargestRise = 8.0F;   ///< of the white variance, by one spread
   static constexpr std::uint8_t kSpreads = 64;  ///< memory of the white variance, half a minute
   static constexpr float kFirstStep = 0.5F;     ///< of the levels; it shrinks by a tenth a window
+  static constexpr std::uint32_t kLocalWindows = 8;  ///< memory of the differences' variance
+  // Degrees of freedom, of three axes: 1 and 2/3 each, because neighbours share a window or sample.
+  static constexpr float kDegreesOfSpread = 3.0F;
+  static constexpr float kDegreesOfDifference = 2.0F;
+  static constexpr float kFewestDegrees = 6.0F;  ///< that say anything; those of a model
+  static constexpr float kUnknown = std::numeric_limits<float>::infinity();
   static constexpr std::uint16_t kShareWindows = 256;
   static constexpr std::uint8_t kStopsOfDeadBand = 3;
   static constexpr std::uint8_t kMostStops = 8;
@@ -251,12 +262,20 @@ class CalmJudge {
   }
 
   constexpr void learn_local_white() {
-    constexpr float kShareOfNewest = 0.125F;
+    const std::uint32_t newest = state_.differences;
+    const std::uint32_t all = std::min(
+        {state_.local_differences + newest, kLocalWindows * newest, std::uint32_t{0xFFFF}});
     const float sum = state_.squares[0] + state_.squares[1] + state_.squares[2];
-    const float newest = sum / (6.0F * static_cast<float>(state_.differences));
-    const bool is_first = state_.local_white_rad2_s2 == model_white_rad2_s2_;
+    const float shown = sum / (6.0F * static_cast<float>(newest));
     state_.local_white_rad2_s2 +=
-        (is_first ? 1.0F : kShareOfNewest) * (newest - state_.local_white_rad2_s2);
+        (shown - state_.local_white_rad2_s2) * static_cast<float>(newest) / static_cast<float>(all);
+    state_.local_differences = static_cast<std::uint16_t>(all);
+  }
+
+  static constexpr float sure(float variance, float degrees_of_freedom) {
+    constexpr float kSixSigma2 = 36.0F;
+    if (degrees_of_freedom < kFewestDegrees) return kUnknown;
+    return variance * student_factor(kSixSigma2, degrees_of_freedom);
   }
 
   [[nodiscard]] constexpr Rates spread_of(const Rates& mean) const {

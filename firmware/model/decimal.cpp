@@ -16,6 +16,8 @@ Quad si_per_unit(FileUnit unit) {
   switch (unit) {
     case FileUnit::degree:
       return degree;
+    case FileUnit::degree_per_hour:
+      return degree / 3600;
     case FileUnit::degree_per_hour_floor:
       return degree / 3600 / sqrt(2 * ln_two<Quad>() / pi<Quad>());
     case FileUnit::si:

@@ -15,6 +15,7 @@ namespace zerorate::model {
 enum class FileUnit {
   si,                     ///< 1
   degree,                 ///< pi / 180
+  degree_per_hour,        ///< pi / 180 / 3600
   degree_per_hour_floor,  ///< deg/h of Allan floor: pi / 180 / 3600 / sqrt(2 ln 2 / pi) of B
 };
 

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -27,29 +29,36 @@ VectorXd frequency_grid(double lowest, double highest) {
   return exponents.unaryExpr([](double e) { return std::pow(10.0, e); });
 }
 
-/// The spectrum per sample, at f, of a lag of unit stationary variance:
+/// The spectrum per sample of a lag of unit stationary variance:
 /// (1 - phi^2) / |1 - phi e^(-j 2 pi f)|^2 with phi = exp(-1/tau). The differences from one are
 /// computed as such, because phi of a slow lag is one to many digits.
-double lag_spectrum(double f, double tau_ticks) {
-  const double one_minus_phi = -std::expm1(-1.0 / tau_ticks);
-  const double one_minus_phi2 = -std::expm1(-2.0 / tau_ticks);
-  const double sine = std::sin(kPi * f);
-  return one_minus_phi2 /
-         (one_minus_phi * one_minus_phi + 4.0 * std::exp(-1.0 / tau_ticks) * sine * sine);
-}
+class LagSpectrum {
+ public:
+  explicit LagSpectrum(double tau_ticks)
+      : one_minus_phi_(-std::expm1(-1.0 / tau_ticks)),
+        one_minus_phi2_(-std::expm1(-2.0 / tau_ticks)),
+        phi_(std::exp(-1.0 / tau_ticks)) {}
 
-/// One over the spectrum of flicker with s_f = 1.
-double flicker_weight(double f, double order) {
-  return std::pow(2.0 * std::sin(kPi * f), 2.0 * order);
-}
+  /// @param sine  sin(pi f)
+  [[nodiscard]] double at(double sine) const {
+    return one_minus_phi2_ / (one_minus_phi_ * one_minus_phi_ + 4.0 * phi_ * sine * sine);
+  }
+
+ private:
+  double one_minus_phi_;
+  double one_minus_phi2_;
+  double phi_;
+};
 
 /// Column i: lag i over the wanted spectrum; last column: white noise over it.
 MatrixXd relative_spectra(const VectorXd& f, const VectorXd& tau_ticks, double order) {
   MatrixXd spectra(f.size(), tau_ticks.size() + 1);
+  const std::vector<LagSpectrum> lags(tau_ticks.begin(), tau_ticks.end());
   for (Index k = 0; k < f.size(); ++k) {
-    const double weight = flicker_weight(f(k), order);
+    const double sine = std::sin(kPi * f(k));
+    const double weight = std::pow(2.0 * sine, 2.0 * order);  // one over flicker with s_f = 1
     for (Index i = 0; i < tau_ticks.size(); ++i) {
-      spectra(k, i) = weight * lag_spectrum(f(k), tau_ticks(i));
+      spectra(k, i) = weight * lags[static_cast<std::size_t>(i)].at(sine);
     }
     spectra(k, tau_ticks.size()) = weight;
   }
@@ -84,21 +93,24 @@ FlickerFit fit_unit_flicker(const Flicker& flicker, double tick_s) {
   return fit;
 }
 
-/// The latest fit of this thread: a likelihood asks for one shape at many strengths.
+/// The latest fits of this thread: a likelihood asks for one shape at many strengths, a bank of
+/// hypotheses for few orders again and again.
 const FlickerFit& unit_flicker(const Flicker& flicker, double tick_s) {
-  struct Latest {
+  struct Known {
     Flicker flicker;
-    double tick_s = 0.0;
+    double tick_s;
     FlickerFit fit;
   };
-  thread_local Latest latest;
+  constexpr std::size_t kMost = 8;
+  thread_local std::deque<Known> latest;
   Flicker shape = flicker;
   shape.bias_instability_rad_s = 1.0;
   shape.source.clear();
-  if (latest.tick_s != tick_s || !(latest.flicker == shape)) {
-    latest = {shape, tick_s, fit_unit_flicker(shape, tick_s)};
-  }
-  return latest.fit;
+  const auto known = std::ranges::find_if(
+      latest, [&](const Known& one) { return one.tick_s == tick_s && one.flicker == shape; });
+  if (known != latest.end()) return known->fit;
+  if (latest.size() == kMost) latest.pop_back();
+  return latest.emplace_front(Known{shape, tick_s, fit_unit_flicker(shape, tick_s)}).fit;
 }
 
 }  // namespace
@@ -148,8 +160,13 @@ void step_to_boundary(VectorXd& x, const VectorXd& z, VectorXd& free) {
 
 }  // namespace
 
-VectorXd nonnegative_least_squares(const MatrixXd& A, const VectorXd& b) {
-  const double tolerance = 100.0 * kEpsilon * A.norm() * b.norm();
+VectorXd nonnegative_least_squares(const MatrixXd& rows, const VectorXd& wanted) {
+  const double tolerance = 100.0 * kEpsilon * rows.norm() * wanted.norm();
+  // |rows x - wanted| is that of the triangle, but for a constant: many rows are worked on once.
+  const Index height = std::min(rows.rows(), rows.cols());
+  const Eigen::HouseholderQR<MatrixXd> triangle(rows);
+  const MatrixXd A = triangle.matrixQR().topRows(height).triangularView<Eigen::Upper>();
+  const VectorXd b = (triangle.householderQ().transpose() * wanted).head(height);
   VectorXd x = VectorXd::Zero(A.cols());
   VectorXd free = VectorXd::Zero(A.cols());
   // Each round frees the variable that helps most. In exact arithmetic the sum of squares falls in

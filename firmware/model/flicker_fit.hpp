@@ -33,9 +33,9 @@ struct FlickerFit {
 /// `flicker` is valid (see validate()).
 [[nodiscard]] FlickerFit fit_flicker(const Flicker& flicker, double tick_s);
 
-/// The x >= 0 that minimises |A x - b|, with columns of A of comparable length.
+/// The x >= 0 that minimises |rows x - wanted|, with columns of comparable length.
 /// Active-set method (Lawson and Hanson 1974, chapter 23).
-[[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A,
-                                                        const Eigen::VectorXd& b);
+[[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& rows,
+                                                        const Eigen::VectorXd& wanted);
 
 }  // namespace zerorate::model

@@ -51,8 +51,7 @@ void visit_fields(auto& visitor, MaybeConst<WhiteNoise> auto& white) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<Flicker> auto& flicker) {
-  visitor.number("bias_instability_dph", flicker.bias_instability_rad_s,
-                 FileUnit::degree_per_hour_floor, kPositive, Presence::required);
+  visitor.bias_instability(flicker.bias_instability_rad_s, kPositive);
   visitor.number("order", flicker.order, FileUnit::si, kOrder, Presence::optional);
   visitor.number("decades", flicker.decades, FileUnit::si, kDecades, Presence::optional);
   visitor.number("shortest_time_constant_s", flicker.shortest_time_constant_s, FileUnit::si,

@@ -18,7 +18,8 @@ namespace {
 /// A visitor of model_fields.hpp that reads one table.
 class TableReader {
  public:
-  explicit TableReader(toml_file::StrictTable& table) : table_(table) {}
+  TableReader(toml_file::StrictTable& table, bool is_first_schema)
+      : table_(table), is_first_schema_(is_first_schema) {}
 
   void number(std::string_view key, double& si, FileUnit unit, const Rule& rule,
               Presence presence) {
@@ -30,6 +31,20 @@ class TableReader {
   void number(std::string_view key, int& value, FileUnit /*unit*/, const Rule& rule,
               Presence presence) {
     if (const auto read = table_.integer(key, rule, presence)) value = static_cast<int>(*read);
+  }
+  /// B itself, or the floor of the Allan deviation that data sheets state.
+  void bias_instability(double& si, const Rule& rule) {
+    constexpr std::string_view kItself = "bias_instability_dph";
+    constexpr std::string_view kFloor = "allan_floor_dph";
+    const FileUnit unit =
+        is_first_schema_ ? FileUnit::degree_per_hour_floor : FileUnit::degree_per_hour;
+    if (is_first_schema_ || table_.find(kFloor, rule.words, Presence::optional) == nullptr) {
+      return number(kItself, si, unit, rule, Presence::required);
+    }
+    if (table_.find(kItself, rule.words, Presence::optional) != nullptr) {
+      table_.fail_at(kFloor, "expected this or \"bias_instability_dph\", not both");
+    }
+    number(kFloor, si, FileUnit::degree_per_hour_floor, rule, Presence::required);
   }
   void text(std::string_view key, std::string& value, Presence presence) {
     if (const auto read = table_.text(key, presence)) value = *read;
@@ -58,13 +73,14 @@ class TableReader {
 
  private:
   template <class Part>
-  static void read(toml_file::StrictTable& table, Part& part) {
-    TableReader inside(table);
+  void read(toml_file::StrictTable& table, Part& part) {
+    TableReader inside(table, is_first_schema_);
     visit_fields(inside, part);
     table.reject_unknown();
   }
 
   toml_file::StrictTable& table_;
+  bool is_first_schema_;
 };
 
 }  // namespace
@@ -73,11 +89,13 @@ SensorModel parse_model(std::string_view toml, std::string_view origin) {
   const toml_file::Document document(toml, origin);
   const toml::table parsed = document.parse();
   toml_file::StrictTable table(document, parsed, "");
-  if (*table.text("schema", Presence::required) != kModelSchema) {
+  const std::string schema = *table.text("schema", Presence::required);
+  const bool is_first_schema = schema == kFirstModelSchema;
+  if (!is_first_schema && schema != kModelSchema) {
     table.fail_at("schema", "expected \"" + std::string(kModelSchema) + "\"");
   }
   SensorModel model;
-  TableReader reader(table);
+  TableReader reader(table, is_first_schema);
   visit_fields(reader, model);
   table.reject_unknown();
   return model;
@@ -103,6 +121,9 @@ class Writer {
   void number(std::string_view key, double si, FileUnit unit, const Rule& /*rule*/,
               Presence /*presence*/) {
     line(key, decimal_from_si(si, unit));
+  }
+  void bias_instability(double si, const Rule& rule) {
+    number("bias_instability_dph", si, FileUnit::degree_per_hour, rule, Presence::required);
   }
   void text(std::string_view key, const std::string& value, Presence presence) {
     if (presence == Presence::required || !value.empty()) {

@@ -1,5 +1,5 @@
 /// @file
-/// Sensor models as TOML files, schema `zerorate.model/1`; see docs/reference/model-format.md.
+/// Sensor models as TOML files, schema `zerorate.model/2`; see docs/reference/model-format.md.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,10 @@
 
 namespace zerorate::model {
 
-inline constexpr std::string_view kModelSchema = "zerorate.model/1";
+inline constexpr std::string_view kModelSchema = "zerorate.model/2";
+/// Schema before it, which is read too: its `bias_instability_dph` is the floor of the Allan
+/// deviation, 0.664 B.
+inline constexpr std::string_view kFirstModelSchema = "zerorate.model/1";
 
 /// A model file that cannot be read; what() is `file:line:column: what was expected`.
 using ModelFileError = toml_file::Error;

@@ -25,6 +25,9 @@ class Validator {
       throw std::invalid_argument(message.str());
     }
   }
+  void bias_instability(double si, const Rule& rule) {
+    number("bias_instability_dph", si, FileUnit::degree_per_hour, rule, Presence::required);
+  }
   void text(std::string_view /*key*/, const std::string& /*value*/, Presence /*presence*/) {}
   void start(std::string_view /*key*/, core::Start /*value*/) {}
 

@@ -30,6 +30,8 @@ enum Address : std::uint8_t {
 };
 
 constexpr core::Duration kResetTime = core::Duration::microseconds(50);
+constexpr core::Duration kBootTime = core::Duration::milliseconds(10);
+constexpr std::uint8_t kBoot = 0x80;  // of CTRL3_C
 constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(70);
 
 // The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
@@ -183,6 +185,8 @@ std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
     value = read_fifo_status2();
   } else if (address == ctrl3_c && is_resetting()) {
     value |= 0x01U;
+  } else if (address == ctrl3_c && clock_->now() < boot_until_) {
+    value |= kBoot;
   }
   drive_int1();
   return value;
@@ -199,6 +203,10 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
     reset_registers();
     reset_until_ = clock_->now() + kResetTime;
     return;
+  }
+  if (address == ctrl3_c && (value & kBoot) != 0) {  // the chip clears it
+    boot_until_ = clock_->now() + kBootTime;
+    value &= static_cast<std::uint8_t>(~kBoot);
   }
   if (address == ctrl2_g && !is_powered()) powered_at_ = clock_->now();
   registers_[address] = value;

@@ -82,6 +82,7 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
   std::uint8_t time_slot_ = 0;            // TAG_CNT
   core::Instant powered_at_;
+  core::Instant boot_until_;
 };
 static_assert(RegisterChip<SimulatedLsm6dso>);
 

@@ -14,11 +14,13 @@ namespace zerorate::testing {
 
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-/// White noise [deg/s/sqrt(Hz)] and flicker noise [deg/h at 1 rad/s] of a consumer gyro.
+/// White noise [deg/s/sqrt(Hz)] and flicker noise [deg/h at 1 rad/s] of a consumer gyro, and a
+/// random walk [deg/h/sqrt(h)].
 struct RestNoise {
   double angle_random_walk_dps_per_sqrt_hz = 0.04;
   double bias_instability_dph = 25.0;
   double order = 0.5;
+  double rate_random_walk_dph_per_sqrt_h = 0.0;
 };
 
 inline simulate::Signal simulate_rest(const RestNoise& noise, std::size_t samples, double period_s,
@@ -30,6 +32,10 @@ inline simulate::Signal simulate_rest(const RestNoise& noise, std::size_t sample
   if (noise.bias_instability_dph > 0.0) {
     effects.emplace_back(
         simulate::FlickerNoise{noise.bias_instability_dph / 3600.0 * kRadPerDeg, noise.order});
+  }
+  if (noise.rate_random_walk_dph_per_sqrt_h > 0.0) {
+    effects.emplace_back(simulate::RateRandomWalk{noise.rate_random_walk_dph_per_sqrt_h /
+                                                  (3600.0 * 60.0) * kRadPerDeg});
   }
   return simulate::simulate(simulate::Signal(samples, period_s), effects,
                             random::RandomStream(kSeed, run));

@@ -18,8 +18,8 @@
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
-#include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -37,6 +37,14 @@ struct CharacterizeOptions {
   std::vector<std::string> others;
   OutputOptions outputs;
   std::string model_out;
+  std::string kalibr;
+  std::string allan_csv;
+  bool is_verbose = false;
+
+  /// Whether the standard output is free for text.
+  [[nodiscard]] bool prints_text() const {
+    return outputs.prints_text() && kalibr != "-" && allan_csv != "-" && model_out != "-";
+  }
 };
 
 std::string file_name(const std::string& path) {
@@ -54,7 +62,7 @@ std::optional<double> parse_order(const std::string& text) {
 }
 
 /// Further recordings, read as the first one was.
-/// @param doubts  set to what speaks against rest and is not certain
+/// @param doubts  gets what speaks against rest and is not certain
 std::vector<identify::RestSamples> read_others(const CharacterizeOptions& options,
                                                std::vector<std::string>& doubts) {
   std::vector<identify::RestSamples> others;
@@ -62,7 +70,8 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     InputFlags input = options.input;
     input.recording = name;
     recording::Reader reader{to_input(input)};
-    identify::RestSamples samples = identify::read_rest(reader, rest_source(options.still_from));
+    identify::RestSamples samples =
+        identify::read_rest(reader, identify::rest_source(options.still_from));
     for (std::string& doubt : identify::require_rest(samples)) {
       doubts.push_back(name + ": " + std::move(doubt));
     }
@@ -71,12 +80,10 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
   return others;
 }
 
-/// @param doubts  set to what speaks against rest and is not certain
-identify::Characterization run_identification(const CharacterizeOptions& options,
-                                              std::vector<std::string>& doubts) {
+identify::Characterization run_identification(const CharacterizeOptions& options) {
   const std::optional<double> order = parse_order(options.order);
   recording::Reader reader{to_input(options.input)};
-  const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
   identify::RestOptions rest;
   ProgressBar progress{"characterizing"};
   // Reading takes about half the time.
@@ -84,16 +91,17 @@ identify::Characterization run_identification(const CharacterizeOptions& options
     progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
   };
   const identify::RestSamples samples =
-      identify::read_rest(reader, rest_source(options.still_from), rest);
-  doubts = identify::require_rest(samples);
+      identify::read_rest(reader, identify::rest_source(options.still_from), rest);
+  std::vector<std::string> doubts = identify::require_rest(samples);
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),
       .axes = axes,
       .order = order,
       .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }};
   identify::Characterization result = identify::characterize(samples, settings);
+  result.doubts = std::move(doubts);
   if (options.others.empty()) return result;
-  const std::vector<identify::RestSamples> others = read_others(options, doubts);
+  const std::vector<identify::RestSamples> others = read_others(options, result.doubts);
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (others[i].axis_count != samples.axis_count) {
       throw recording::DataError(fmt::format("{}: {} axes, where {} has {}: not one sensor",
@@ -121,25 +129,35 @@ void print_flicker(const identify::InnovationsFit& fit) {
              identify::explain(fit.flicker->order_source));
 }
 
-void print_axis(const identify::AxisCharacterization& axis) {
+void print_axis(const identify::AxisCharacterization& axis, bool is_verbose) {
   const auto& arw = axis.fit.angle_random_walk_rad_per_sqrt_s;
   fmt::print("\naxis {}\n", axis.axis);
   print_line("angle random walk N", identify::text(arw, kDegPerRad),
-             "deg/s/sqrt(Hz), two-sided: a data sheet's figure over sqrt(2)");
+             "deg/s/sqrt(Hz), the Allan deviation at 1 s; a rate noise density over sqrt(2)");
   print_line("", identify::text(arw, 60.0 * kDegPerRad), "deg/sqrt(h)");
   print_flicker(axis.fit);
-  if (axis.local_whittle_order) {
+  if (is_verbose && axis.local_whittle_order) {
     print_line("order by local Whittle",
                fmt::format("{:.2f} +- {:.2f}", axis.local_whittle_order->value,
                            axis.local_whittle_order->standard_error),
                "without a model; white noise biases it downwards");
   }
-  if (!axis.allan.empty()) {
-    const auto& floor = axis.allan_floor();
-    print_line("Allan deviation floor", fmt::format("{:.3g}", floor.adev * kDphPerRadS),
-               fmt::format("deg/h, at {:.3g} s", floor.tau_s));
-  }
+  if (!axis.allan.empty()) print_line("Allan deviation floor", identify::floor_text(axis), "deg/h");
   for (const std::string& remark : axis.remarks) fmt::print("  note: {}\n", remark);
+}
+
+/// The table that papers and other tools have: white noise, 1/f noise and a random walk.
+void print_coefficients(const identify::Characterization& result) {
+  fmt::print("\nN, B and K of IEEE Std 952 (white noise, 1/f noise and random walk together)\n");
+  fmt::print("  {:<6}{:<28}{:<28}{}\n", "axis", "N [deg/sqrt(h)]", "B [deg/h]",
+             "K [deg/h/sqrt(h)]");
+  for (const auto& axis : result.axes) {
+    const identify::NoiseCoefficients& one = axis.coefficients;
+    fmt::print("  {:<6}{:<28}{:<28}{}\n", axis.axis,
+               identify::text(one.angle_random_walk_rad_per_sqrt_s, units::kDegRtHPerRadRtS),
+               identify::text(one.bias_instability_rad_s, kDphPerRadS),
+               identify::text(one.rate_random_walk_rad_s_per_sqrt_s, units::kDphRtHPerRadSRtS));
+  }
 }
 
 void print_sameness(const identify::Characterization& result, const identify::Sameness& axis) {
@@ -159,7 +177,7 @@ void print_sameness(const identify::Characterization& result, const identify::Sa
   print("together", axis.together);
 }
 
-void print_characterization(const identify::Characterization& result) {
+void print_characterization(const identify::Characterization& result, bool is_verbose) {
   fmt::print("{}: {} samples every {:.6g} s, {:.0f} s at rest; filter ticks of {:.6g} s\n",
              result.recording, result.rows, static_cast<double>(result.sample_period.ns()) * 1e-9,
              result.rest_s, static_cast<double>(result.tick.ns()) * 1e-9);
@@ -168,7 +186,8 @@ void print_characterization(const identify::Characterization& result) {
     fmt::print("  note: {} rows left out because the vehicle moved\n", result.rows_moving);
   }
   fmt::print("Figures in brackets are 95 % intervals.\n");
-  for (const auto& axis : result.axes) print_axis(axis);
+  for (const auto& axis : result.axes) print_axis(axis, is_verbose);
+  print_coefficients(result);
   for (const auto& sameness : result.sameness) print_sameness(result, sameness);
 }
 
@@ -181,30 +200,31 @@ ExitCode judge(const identify::Characterization& result) {
 }
 
 ExitCode run_characterize(const CharacterizeOptions& options) {
-  std::vector<std::string> doubts;
-  const identify::Characterization result = run_identification(options, doubts);
+  const identify::Characterization result = run_identification(options);
   if (!options.outputs.report.empty()) {
     identify::make_report(
         result, "zerorate " ZERORATE_VERSION ", zerorate characterize " + result.recording)
         .write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) write_text(options.outputs.json, identify::to_json(result));
-  if (options.outputs.prints_text()) {
-    for (const std::string& doubt : doubts) fmt::print("  note: {}\n", doubt);
-    print_characterization(result);
+  if (!options.kalibr.empty()) write_text(options.kalibr, identify::kalibr_yaml(result));
+  if (!options.allan_csv.empty()) write_text(options.allan_csv, identify::allan_csv(result));
+  if (options.prints_text()) {
+    for (const std::string& doubt : result.doubts) fmt::print("{}\n", wrapped("note: " + doubt));
+    print_characterization(result, options.is_verbose);
   }
   if (!options.model_out.empty()) {
     const auto& axis = identify::middle_axis(result);
     const auto same = std::ranges::find(result.sameness, axis.axis, &identify::Sameness::axis);
     const bool is_of_all = same != result.sameness.end() && same->holds();
     write_text(options.model_out, model::format_model(is_of_all ? same->model : axis.model));
-    if (options.outputs.prints_text()) {
+    if (options.prints_text()) {
       fmt::print("\n{}: the model of axis {}{}{}\n", options.model_out, axis.axis,
                  result.axes.size() > 1 ? ", the one with the median slow noise" : "",
                  is_of_all ? ", fitted to all recordings" : "");
     }
   }
-  return doubts.empty() ? judge(result) : finding;
+  return result.doubts.empty() ? judge(result) : finding;
 }
 
 }  // namespace
@@ -231,10 +251,15 @@ Command add_characterize(CLI::App& app) {
   command->add_option("--model-out", options->model_out,
                       "write the sensor model for 'zerorate replay --model'; with several axes, "
                       "that of the axis with the median slow noise");
+  command->add_option("--kalibr", options->kalibr,
+                      "write N and K as the imu.yaml of Kalibr, fitted without flicker noise");
+  command->add_option("--allan-csv", options->allan_csv,
+                      "write the Allan deviations with their intervals as comma-separated values");
+  command->add_flag("--verbose", options->is_verbose, "print the order by local Whittle, too");
   command->footer(
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
-      "The error of the order by local Whittle is that of its finite number of frequencies; the\n"
-      "textbook's 1/(2 sqrt(m)) is 15 % too low at m = 44 (docs/design/identification.md).\n"
+      "N, B and K at the end are those of a sensor with white noise, 1/f noise and a random walk;\n"
+      "the model of an axis has a free order d instead of the random walk.\n"
       "Exit codes: 0 done (also if no flicker noise is detectable), 1 the bias drifts more than\n"
       "flicker noise can, or the recording may not be one at rest, 2 wrong usage, 3 data that "
       "cannot\n"
@@ -243,6 +268,7 @@ Command add_characterize(CLI::App& app) {
       "  zerorate characterize rest.csv.gz --report noise.html --model-out mine.toml\n"
       "  zerorate replay other.csv.gz --model mine.toml --schedule still=60,drive=300,seed=1\n"
       "  zerorate characterize rest.csv --axis z --order 0.5 --json -\n"
+      "  zerorate characterize rest.csv --kalibr imu.yaml --allan-csv allan.csv\n"
       "  zerorate characterize monday.csv --with tuesday.csv friday.csv --model-out mine.toml\n"
       "The JSON is described in docs/reference/characterization-format.md.");
   return {command, [options] { return run_characterize(*options); }};

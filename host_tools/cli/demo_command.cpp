@@ -18,6 +18,8 @@
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
 #include "host_tools/lib/evaluate/simulated_drive.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -38,7 +40,7 @@ void replay_and_report(const DemoOptions& options, const recording::Input& recor
                        const evaluate::RestRecord& rest, const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
   recording::Reader reader{recording};
-  const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
   evaluate::ReplayTrace trace{axes.back()};
   const evaluate::ReplayResult result =
       replay_watched(reader, replay_options, {.trace = &trace}, std::move(true_rate));
@@ -51,68 +53,37 @@ void replay_and_report(const DemoOptions& options, const recording::Input& recor
              std::filesystem::absolute(directory / "replay.json").string());
 }
 
-/// The drive once more, with the model that the diagnosis has extended.
-void replay_extended(const DemoOptions& options, evaluate::ReplayOptions replay_options,
-                     const evaluate::SimulatedDrive& drive, const diagnose::Diagnosis& diagnosis) {
-  if (diagnosis.causes.empty() || !diagnosis.gain.is_measured()) return;
-  replay_options.model = diagnosis.extended_model;
-  recording::Reader reader{std::filesystem::path(options.directory) / "drive.csv.gz"};
-  const evaluate::ReplayResult result = replay_watched(
-      reader, replay_options, {}, [&](std::uint64_t row) { return drive.true_rate_rad_s(row); });
-  fmt::print("The drive once more, with the extended model. {}\n\n",
-             evaluate::summary(result, kYaw));
-}
+/// A drive of the demo, simulated and written into its directory.
+struct DemoDrive {
+  std::filesystem::path recording;
+  evaluate::SimulatedDrive drive;
 
-/// Diagnoses what the sensor of the drive gave while the vehicle was parked.
-diagnose::Diagnosis diagnose_parked(const DemoOptions& options,
-                                    const evaluate::SimulatedDrive& drive) {
-  constexpr double kParkedS = 1800.0;
-  const std::filesystem::path directory = options.directory;
-  const auto recording = directory / "parked.csv.gz";
-  drive.write_parked(recording, kParkedS);
-  fmt::print(
-      "\nThe gyro has an effect that its model does not know. Diagnosing half an hour "
-      "parked ...\n\n");
-  recording::Reader reader{recording};
-  const auto record = diagnose::record_of(identify::read_rest_samples(reader), 0);
-  diagnose::DiagnoseOptions diagnose_options{.recording = "parked.csv.gz"};
-  std::vector<diagnose::Diagnosis> diagnosis;
-  {
-    ProgressBar progress{"diagnosing"};
-    diagnose_options.on_progress = [&](double share) { progress.update(share); };
-    diagnosis.push_back(diagnose::diagnose(record, diagnose_options));
+  DemoDrive(const DemoOptions& options, const model::SensorModel& model, const char* file,
+            std::uint64_t seed, std::vector<simulate::Effect> hidden)
+      : recording(std::filesystem::path(options.directory) / file),
+        drive(evaluate::simulate_drive({.model = model,
+                                        .duration_s = options.hours * 3600.0,
+                                        .seed = seed,
+                                        .hidden = std::move(hidden)})) {
+    drive.write(recording);
   }
-  const auto report = directory / "diagnosis.html";
-  diagnose::make_report(diagnosis,
-                        {.title = "zerorate: what the model does not know",
-                         .recording = "parked.csv.gz",
-                         .provenance = fmt::format("zerorate {}, zerorate demo --seed {}",
-                                                   ZERORATE_VERSION, options.seed)})
-      .write(report);
-  fmt::print("{}\n\nThe report of the diagnosis: {}\n\n", diagnose::in_words(diagnosis.front()),
-             std::filesystem::absolute(report).string());
-  return std::move(diagnosis.front());
-}
 
-ExitCode run_simulated(DemoOptions& options) {
-  const auto recording = std::filesystem::path(options.directory) / "drive.csv.gz";
-  evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
-  fmt::print("Simulating a drive of {:g} h with {} ...\n", options.hours,
+  [[nodiscard]] evaluate::TrueRate true_rate() const {
+    return [this](std::uint64_t row) { return drive.true_rate_rad_s(row); };
+  }
+};
+
+/// A gyro that is as its model says.
+void show_plain_drive(const DemoOptions& options, const evaluate::ReplayOptions& replay_options) {
+  fmt::print("1. A drive of {:g} h. The gyro is as its model says ({}).\n", options.hours,
              replay_options.model.name);
-  const auto drive = evaluate::simulate_drive(
-      {.model = replay_options.model,
-       .duration_s = options.hours * 3600.0,
-       .seed = options.seed,
-       .hidden = {evaluate::draw_hidden_effect(
-           replay_options.model, random::RandomStream(options.seed).substream("hidden"))}});
-  drive.write(recording);
-  fmt::print("Replaying {} through the simulated chip, its driver and the node ...\n\n",
-             std::filesystem::absolute(recording).string());
+  const DemoDrive demo{options, replay_options.model, "drive.csv.gz", options.seed, {}};
+  fmt::print("   {} goes through the simulated chip, its driver and the node.\n\n",
+             std::filesystem::absolute(demo.recording).string());
   replay_and_report(
-      options, recording, replay_options,
-      [&](std::uint64_t row) { return drive.true_rate_rad_s(row); },
-      {.rate_rad_s = drive.rest_rate_rad_s(kYaw),
-       .sample_period_s = drive.sample_period_s(),
+      options, demo.recording, replay_options, demo.true_rate(),
+      {.rate_rad_s = demo.drive.rest_rate_rad_s(kYaw),
+       .sample_period_s = demo.drive.sample_period_s(),
        .caption = "The simulated sensor as it would read if the vehicle had not moved, against the "
                   "model that the node runs."},
       {.title = "zerorate: a simulated drive",
@@ -123,7 +94,69 @@ ExitCode run_simulated(DemoOptions& options) {
                        options.hours, replay_options.model.name),
        .provenance = fmt::format("zerorate {}, zerorate demo --hours {:g} --seed {}",
                                  ZERORATE_VERSION, options.hours, options.seed)});
-  replay_extended(options, replay_options, drive, diagnose_parked(options, drive));
+}
+
+/// Scores of the yaw axis.
+evaluate::DriveScores replay_with(const DemoDrive& demo, evaluate::ReplayOptions options,
+                                  const model::SensorModel& model) {
+  options.model = model;
+  recording::Reader reader{demo.recording};
+  return replay_watched(reader, options, {}, demo.true_rate()).scores[kYaw].front();
+}
+
+/// Diagnoses what the sensor of the drive gave while the vehicle was parked.
+diagnose::Diagnosis diagnose_parked(const DemoOptions& options, const DemoDrive& demo) {
+  constexpr double kParkedS = 1800.0;
+  const std::filesystem::path directory = options.directory;
+  const auto recording = directory / "parked.csv.gz";
+  demo.drive.write_parked(recording, kParkedS);
+  recording::Reader reader{recording};
+  const auto record = diagnose::record_of(identify::read_rest_samples(reader), 0);
+  diagnose::DiagnoseOptions diagnose_options{.recording = "parked.csv.gz"};
+  ProgressBar progress{"diagnosing"};
+  diagnose_options.on_progress = [&](double share) { progress.update(share); };
+  std::vector<diagnose::Diagnosis> diagnosis{diagnose::diagnose(record, diagnose_options)};
+  diagnose::make_report(diagnosis,
+                        {.title = "zerorate: what the model does not know",
+                         .recording = "parked.csv.gz",
+                         .provenance = fmt::format("zerorate {}, zerorate demo --seed {}",
+                                                   ZERORATE_VERSION, options.seed)})
+      .write(directory / "diagnosis.html");
+  return std::move(diagnosis.front());
+}
+
+std::string in_words(const evaluate::DriveScores& scores) {
+  return fmt::format("{:.2f} deg rms a drive, {:.0f} % of the drives inside the 95 % interval",
+                     scores.heading_drift_rms_rad() * units::kDegPerRad,
+                     100.0 * scores.coverage95());
+}
+
+/// A gyro that hides an effect, and what finding it is worth.
+void show_hidden_effect(const DemoOptions& options, const evaluate::ReplayOptions& replay_options) {
+  fmt::print("\n2. Another drive. Its gyro hides an effect that the model does not know.\n");
+  const random::RandomStream stream(options.seed);
+  const std::uint64_t seed = stream.substream("second drive").bits(0);
+  const DemoDrive demo{options,
+                       replay_options.model,
+                       "drive-2.csv.gz",
+                       seed,
+                       {evaluate::draw_hidden_tone(replay_options.model, stream)}};
+  const diagnose::Diagnosis diagnosis = diagnose_parked(options, demo);
+  const auto before = replay_with(demo, replay_options, replay_options.model);
+  const auto after = replay_with(demo, replay_options, diagnosis.extended_model);
+  fmt::print("   Model as it was:  heading drift {}.\n", in_words(before));
+  fmt::print("   Diagnosis of half an hour parked: {}, {}.\n",
+             diagnose::verdict_in_words(diagnosis), diagnose::causes_in_words(diagnosis));
+  fmt::print("   Model extended:   heading drift {}.\n\n", in_words(after));
+  fmt::print("The report of the diagnosis: {}\n",
+             std::filesystem::absolute(std::filesystem::path(options.directory) / "diagnosis.html")
+                 .string());
+}
+
+ExitCode run_simulated(const DemoOptions& options) {
+  const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  show_plain_drive(options, replay_options);
+  show_hidden_effect(options, replay_options);
   return success;
 }
 
@@ -133,7 +166,8 @@ ExitCode run_recorded(const DemoOptions& options) {
   const std::string& recording = options.input.recording;
   const bool at_rest = replay_options.schedule.has_value();
   evaluate::RestRecording rest;
-  if (at_rest) rest = evaluate::read_at_rest(input, chosen_axes(options.flags.axis, 3).back());
+  if (at_rest)
+    rest = evaluate::read_at_rest(input, identify::axes_called(options.flags.axis, 3).back());
   replay_and_report(
       options, input, replay_options, {},
       {.rate_rad_s = rest.rate_rad_s,
@@ -148,7 +182,7 @@ ExitCode run_recorded(const DemoOptions& options) {
   return success;
 }
 
-ExitCode run_demo(DemoOptions& options) {
+ExitCode run_demo(const DemoOptions& options) {
   std::filesystem::create_directories(options.directory);
   return options.input.recording.empty() ? run_simulated(options) : run_recorded(options);
 }
@@ -157,7 +191,7 @@ ExitCode run_demo(DemoOptions& options) {
 
 Command add_demo(CLI::App& app) {
   auto* command = app.add_subcommand(
-      "demo", "Simulate a drive, or take a recording, and show what the node makes of it");
+      "demo", "Simulate two drives, or take a recording, and show what the node makes of it");
   const auto options = std::make_shared<DemoOptions>();
   add_input_options(*command, options->input)
       ->required(false)

@@ -19,8 +19,8 @@
 #include "host_tools/cli/text_output.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/presentation/presentation.hpp"
-#include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -30,6 +30,7 @@ namespace zerorate::cli {
 namespace {
 
 using diagnose::Diagnosis;
+using units::in_figures;
 
 struct DiagnoseOptions {
   InputFlags input_flags;
@@ -39,6 +40,7 @@ struct DiagnoseOptions {
   std::string model;
   std::string model_out;
   double holdout = 0.3;
+  bool is_verbose = false;
   OutputOptions outputs;
 };
 
@@ -158,13 +160,15 @@ void print_odometer(const OdometerDiagnosis& odometer) {
   if (odometer.gain) fmt::print("{}\n\n", diagnose::in_words(*odometer.gain));
 }
 
+/// @param doubts  set to what speaks against rest and is not certain
 std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
-                                     std::optional<OdometerDiagnosis>& odometer) {
+                                     std::optional<OdometerDiagnosis>& odometer,
+                                     std::vector<std::string>& doubts) {
   diagnose::DiagnoseOptions diagnose_options{.recording = file_name(options.recording),
                                              .holdout = options.holdout};
   if (!options.model.empty()) diagnose_options.base_model = model::load_model(options.model);
   recording::Reader reader{options.recording};
-  const auto axes = chosen_axes(options.axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
   ProgressBar progress{"diagnosing"};
   // Reading takes about a tenth of the time.
   constexpr double kReading = 0.1;
@@ -172,12 +176,13 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
-  const core::StandstillSource source = rest_source(options.still_from);
+  const core::StandstillSource source = identify::rest_source(options.still_from);
   identify::RestSamples samples = identify::read_rest(reader, source, rest);
   if (source == core::StandstillSource::odometer && reader.columns().odometer) {
     keep_calm(samples, odometer);
   }
-  for (const std::string& doubt : identify::require_rest(samples)) print_note(options, doubt);
+  doubts = identify::require_rest(samples);
+  for (const std::string& doubt : doubts) print_note(options, doubt);
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
@@ -190,23 +195,28 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   return diagnose::diagnose(std::move(records), diagnose_options);
 }
 
-void print_causes(const Diagnosis& diagnosis) {
-  if (diagnosis.causes.empty()) return;
-  fmt::print("\n  {:<24}{:>12}{:>12}{:>12}{:>10}  {}\n", "cause", "probability", "gain nats", "p",
-             "in model", "alternatives");
-  for (const diagnose::Cause& cause : diagnosis.causes) {
-    std::string rivals;
-    for (const diagnose::Alternative& rival : cause.alternatives) {
-      rivals += fmt::format("{}{} ({:.1f} behind)", rivals.empty() ? "" : ", ", rival.effect,
-                            rival.less_likely_by_nats);
-    }
-    fmt::print("  {:<24}{:>12.2f}{:>12.1f}{:>12.1e}{:>10}  {}{}\n", cause.effect, cause.probability,
-               cause.gain_nats, cause.p_value, cause.in_model ? "yes" : "no",
-               rivals.empty() ? "none" : rivals, cause.axes > 1 ? "; of all axes together" : "");
-    for (const diagnose::Parameter& parameter : cause.parameters) {
-      fmt::print("    {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", parameter.name, parameter.value,
-                 parameter.lo, parameter.hi);
-    }
+std::string rivals_in_words(const diagnose::Cause& cause) {
+  std::string rivals;
+  for (const diagnose::Alternative& rival : cause.alternatives) {
+    rivals += fmt::format("{}{} ({:.1f} nats behind)", rivals.empty() ? "; or " : ", ",
+                          diagnose::plain_name(rival.effect), rival.less_likely_by_nats);
+  }
+  return rivals;
+}
+
+void print_cause(const diagnose::Cause& cause, bool is_verbose) {
+  fmt::print("\n  {}: {:.0f} % sure{}{}{}\n", diagnose::plain_name(cause.effect),
+             100.0 * cause.probability, cause.in_model ? ", in the model" : ", not in the model",
+             cause.axes > 1 ? ", of all axes together" : "", rivals_in_words(cause));
+  for (const diagnose::Parameter& parameter : cause.parameters) {
+    fmt::print("    {:<38}{:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
+               in_figures(parameter.lo, 4), in_figures(parameter.hi, 4));
+  }
+  if (!is_verbose) return;
+  fmt::print("    {:<38}{:>12.1f} nats, p = {:.1e}\n", "evidence", cause.gain_nats, cause.p_value);
+  if (const auto& drift = cause.heading_drift_ratio) {
+    fmt::print("    {:<38}{:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
+               drift->value, drift->lo, drift->hi);
   }
 }
 
@@ -216,8 +226,9 @@ void print_misfit(const Diagnosis& diagnosis) {
              diagnosis.is_base_given ? "given model, simulated" : "white + 1/f, simulated");
   for (const diagnose::Misfit& row : diagnosis.misfit) {
     if (!row.is_outside()) continue;
-    fmt::print("  {:<28}{:<24}{:>12.4g}  {:.4g} to {:.4g}\n", row.statistic, row.where,
-               row.measured, row.simulated_lo, row.simulated_hi);
+    fmt::print("  {:<28}{:<24}{:>12}  {} to {}\n", row.statistic, row.where,
+               in_figures(row.measured, 4), in_figures(row.simulated_lo, 4),
+               in_figures(row.simulated_hi, 4));
   }
 }
 
@@ -227,26 +238,46 @@ void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate)
              estimate.hi);
 }
 
-void print_gain(const Diagnosis& diagnosis) {
-  const diagnose::Gain& gain = diagnosis.gain;
-  if (diagnosis.causes.empty() || !gain.is_measured()) return;
-  fmt::print("\n  on {} samples held out, extended model over base\n", gain.holdout_samples);
-  print_estimate("RSSE ratio", gain.rsse_ratio);
-  print_estimate("integrated error ratio", gain.ie_ratio);
+void print_gain(const char* over, const diagnose::Gain& gain, bool is_verbose) {
+  if (!gain.is_measured()) return;
+  fmt::print("\n  on {} samples held out, extended model over {}\n", gain.holdout_samples, over);
+  if (is_verbose) {
+    print_estimate("RSSE ratio", gain.rsse_ratio);
+    print_estimate("integrated error ratio", gain.ie_ratio);
+  }
   print_estimate("heading drift ratio", gain.heading_drift_ratio);
-  print_estimate("coverage of 95 %, base", gain.coverage95_base);
+  print_estimate("coverage of 95 %, before", gain.coverage95_base);
   print_estimate("coverage of 95 %, extended", gain.coverage95_extended);
   print_estimate("log score gain [nats per sample]", gain.log_score_gain_nats_per_sample);
 }
 
-void print_diagnosis(const Diagnosis& diagnosis) {
-  fmt::print("axis {}: {}\n\n{}\n", diagnosis.axis, diagnose::verdict_in_words(diagnosis),
-             diagnose::in_words(diagnosis));
-  for (const std::string& remark : diagnosis.remarks) fmt::print("  note: {}\n", remark);
-  print_causes(diagnosis);
-  print_misfit(diagnosis);
-  print_gain(diagnosis);
-  fmt::print("\n");
+void print_diagnosis(const Diagnosis& diagnosis, bool is_verbose) {
+  fmt::print("\naxis {}: {}\n\n{}\n", diagnosis.axis, diagnose::verdict_in_words(diagnosis),
+             wrapped(diagnose::in_words(diagnosis)));
+  for (const std::string& remark : diagnosis.remarks)
+    fmt::print("{}\n", wrapped("note: " + remark));
+  for (const diagnose::Cause* cause : diagnose::causes_by_cost(diagnosis)) {
+    print_cause(*cause, is_verbose);
+  }
+  if (is_verbose) print_misfit(diagnosis);
+  if (diagnosis.causes.empty()) return;
+  print_gain("the model of characterize", diagnosis.gain, is_verbose);
+  if (is_verbose) print_gain("white + 1/f noise", diagnosis.gain_over_data_sheet, is_verbose);
+}
+
+/// One line an axis: what a reader in a hurry takes away.
+void print_verdicts(const std::vector<Diagnosis>& diagnoses) {
+  fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", "axis", "verdict", "for the heading",
+             "heading drift, held out", "causes");
+  for (const Diagnosis& diagnosis : diagnoses) {
+    const std::optional<bool> is_material = diagnosis.is_material();
+    const std::string_view matters = diagnosis.verdict != diagnose::Verdict::unexplained ? "-"
+                                     : !is_material ? "not decided"
+                                     : *is_material ? "matters"
+                                                    : "no matter";
+    fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", diagnosis.axis, diagnose::name(diagnosis.verdict),
+               matters, diagnose::drift_in_words(diagnosis), diagnose::causes_in_words(diagnosis));
+  }
 }
 
 /// FILE for a single axis; of several, FILE-x and so on before the extension.
@@ -259,7 +290,8 @@ std::filesystem::path model_path(const DiagnoseOptions& options, const Diagnosis
 }
 
 void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses,
-                   const std::optional<OdometerDiagnosis>& odometer) {
+                   const std::optional<OdometerDiagnosis>& odometer,
+                   const std::vector<std::string>& doubts) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
     report::Report report = diagnose::make_report(
@@ -271,7 +303,8 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
     report.write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) {
-    write_text(options.outputs.json, diagnose::to_json(diagnoses, odometer ? &*odometer : nullptr));
+    write_text(options.outputs.json,
+               diagnose::to_json(diagnoses, doubts, odometer ? &*odometer : nullptr));
   }
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
@@ -285,19 +318,21 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
 ExitCode run_diagnose(DiagnoseOptions& options) {
   options.recording = to_input(options.input_flags);
   std::optional<OdometerDiagnosis> odometer = examine_odometer(options);
-  const std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer);
+  std::vector<std::string> doubts;
+  const std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer, doubts);
   if (odometer && odometer->find("motion_in_stops") != nullptr) {
     odometer->gain = measure_gain(options, diagnoses);
   }
   if (options.outputs.prints_text()) {
     if (odometer) print_odometer(*odometer);
-    for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis);
+    if (diagnoses.size() > 1) print_verdicts(diagnoses);
+    for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis, options.is_verbose);
   }
-  write_results(options, diagnoses, odometer);
+  write_results(options, diagnoses, odometer, doubts);
   const bool unexplained = std::ranges::any_of(diagnoses, [](const Diagnosis& diagnosis) {
     return diagnosis.verdict == diagnose::Verdict::unexplained;
   });
-  return unexplained ? finding : success;
+  return unexplained || !doubts.empty() ? finding : success;
 }
 
 }  // namespace
@@ -327,6 +362,10 @@ Command add_diagnose(CLI::App& app) {
       ->check(CLI::Range(0.1, 0.7))
       ->capture_default_str();
   add_output_options(*command, options->outputs);
+  command->add_flag(
+      "--verbose", options->is_verbose,
+      "print every statistic that lies outside what is simulated, and how strongly the "
+      "recording speaks for each cause (in nats: logarithms of likelihood ratios)");
   command->footer(
       "The axes of a recording are diagnosed together: what their flicker noise has in common is "
       "told\n"
@@ -340,8 +379,9 @@ Command add_diagnose(CLI::App& app) {
       "causes named are "
       "needed,\n"
       "and nothing is left), unexplained (something is left; no cause is proven).\n"
-      "Exit codes: 0 consistent or explained, 1 unexplained, 2 wrong usage, 3 data that cannot be\n"
-      "used.\n"
+      "Exit codes: 0 consistent or explained, 1 unexplained, or the recording may not be one at "
+      "rest,\n"
+      "2 wrong usage, 3 data that cannot be used.\n"
       "Examples:\n"
       "  zerorate diagnose rest.csv.gz --report why.html\n"
       "  zerorate diagnose rest.csv.gz --axis z --model-out extended.toml\n"

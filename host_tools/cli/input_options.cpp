@@ -72,10 +72,6 @@ void add_rest_options(CLI::App& command, std::string& still_from) {
       ->capture_default_str();
 }
 
-core::StandstillSource rest_source(const std::string& still_from) {
-  return still_from == "gyro" ? core::StandstillSource::gyro : core::StandstillSource::odometer;
-}
-
 recording::Input to_input(const InputFlags& flags) {
   recording::Input input{flags.recording};
   input.odometer_path = flags.odometer_file;

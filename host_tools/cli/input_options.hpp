@@ -39,9 +39,6 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
 /// Adds --still-from for commands that want rest alone.
 void add_rest_options(CLI::App& command, std::string& still_from);
 
-/// Meaning of --still-from.
-[[nodiscard]] core::StandstillSource rest_source(const std::string& still_from);
-
 /// Throws std::invalid_argument that names the option.
 [[nodiscard]] recording::Input to_input(const InputFlags& flags);
 

@@ -15,6 +15,7 @@
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -35,7 +36,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   std::optional<truth::Truth> truth;
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};
-  const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
 
   std::optional<evaluate::CorrectedWriter> corrected;
   if (!options.out.empty()) corrected.emplace(options.out, reader.columns().axis_count);

@@ -287,17 +287,6 @@ std::optional<truth::Truth> read_truth(const recording::Input& input, const Trut
   return truth::find_truth(truth::read_track(reader), options);
 }
 
-std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count) {
-  if (name == "all") {
-    return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
-  }
-  const auto axis = static_cast<std::size_t>(name[0] - 'x');
-  if (axis >= axis_count) {
-    throw std::invalid_argument("--axis " + name + ": the recording has one axis; use all");
-  }
-  return {axis};
-}
-
 void print_findings(const recording::Findings& findings) {
   for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
     const auto finding = static_cast<recording::Finding>(i);

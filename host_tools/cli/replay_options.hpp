@@ -55,9 +55,6 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 /// Throws std::invalid_argument, model::ModelFileError.
 [[nodiscard]] evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags);
 
-/// Indices of the axes that --axis names in a recording with so many.
-[[nodiscard]] std::vector<std::size_t> chosen_axes(const std::string& name, std::size_t axis_count);
-
 /// Prints oddities of a recording as notes for a terminal.
 void print_findings(const recording::Findings& findings);
 

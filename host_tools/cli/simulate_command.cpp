@@ -10,6 +10,7 @@
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/fleet/simulated_fleet.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 #include "host_tools/lib/simulate/scenario.hpp"
 
@@ -65,7 +66,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
   recording::Reader reader{path};
-  const auto axes = chosen_axes(options.flags.axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
   print_result(replay_watched(reader, replay_options, {},
                               [&](std::uint64_t row) { return drive.rows[row].true_rate_rad_s; }),
                axes);

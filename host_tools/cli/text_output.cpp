@@ -14,4 +14,17 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   }
 }
 
+std::string wrapped(std::string_view paragraph) {
+  constexpr std::size_t kWidth = 100;
+  std::string lines(paragraph);
+  std::size_t begin = 0;
+  while (lines.size() - begin > kWidth) {
+    const std::size_t space = lines.rfind(' ', begin + kWidth);
+    if (space == std::string::npos || space <= begin) break;
+    lines[space] = '\n';
+    begin = space + 1;
+  }
+  return lines;
+}
+
 }  // namespace zerorate::cli

@@ -27,24 +27,12 @@
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
-#include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/python/node.hpp"
 #include "host_tools/python/source.hpp"
 
 namespace zerorate::python {
 namespace {
-
-std::vector<std::size_t> axes_called(const std::string& name, std::size_t axis_count) {
-  if (name == "all")
-    return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
-  if (name.size() != 1 || name[0] < 'x' || name[0] > 'z') {
-    throw std::invalid_argument("axis: expected x, y, z or all, found " + name);
-  }
-  const auto axis = static_cast<std::size_t>(name[0] - 'x');
-  if (axis >= axis_count) throw std::invalid_argument("the recording has one axis; use all");
-  return {axis};
-}
 
 /// JSON, models as TOML by axis, and what speaks against rest.
 using Outcome =
@@ -53,11 +41,13 @@ using Outcome =
 Outcome characterize(const Source& source, const std::string& name, const std::string& axis,
                      std::optional<double> order, const std::string& still_from) {
   recording::Reader reader = source.open();
-  const auto axes = axes_called(axis, reader.columns().axis_count);
-  const identify::RestSamples samples = identify::read_rest(reader, rest_source(still_from));
+  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
+  const identify::RestSamples samples =
+      identify::read_rest(reader, identify::rest_source(still_from));
   std::vector<std::string> doubts = identify::require_rest(samples);
-  const identify::Characterization result =
+  identify::Characterization result =
       identify::characterize(samples, {.recording = name, .axes = axes, .order = order});
+  result.doubts = doubts;
   std::map<std::string, std::string> models;
   for (const auto& one : result.axes) models[one.axis] = model::format_model(one.model);
   return {identify::to_json(result), std::move(models), std::move(doubts)};
@@ -72,8 +62,8 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
                                                const std::optional<std::string>& model,
                                                double holdout, const std::string& still_from) {
   recording::Reader reader = source.open();
-  const auto axes = axes_called(axis, reader.columns().axis_count);
-  const core::StandstillSource rest = rest_source(still_from);
+  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
+  const core::StandstillSource rest = identify::rest_source(still_from);
   identify::RestSamples samples = identify::read_rest(reader, rest);
   if (rest == core::StandstillSource::odometer && reader.columns().odometer) {
     const identify::MotionAtRest motion = identify::find_motion(samples);
@@ -98,7 +88,7 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
                                   point.extended_lo, point.extended, point.extended_hi});
     }
   }
-  return {Outcome{diagnose::to_json(diagnoses), std::move(models), std::move(doubts)},
+  return {Outcome{diagnose::to_json(diagnoses, doubts), std::move(models), std::move(doubts)},
           std::move(curves)};
 }
 
@@ -106,7 +96,7 @@ std::string evaluate_recording(const Source& source, const std::string& axis,
                                const std::optional<std::string>& schedule,
                                const NodeOptions& options) {
   recording::Reader reader = source.open();
-  const auto axes = axes_called(axis, reader.columns().axis_count);
+  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
   evaluate::ReplayOptions replay = to_replay_options(options);
   if (schedule) replay.schedule = evaluate::parse_schedule(*schedule);
   return evaluate::to_json(evaluate::replay(reader, replay), axes);

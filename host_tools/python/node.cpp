@@ -16,6 +16,7 @@
 #include "firmware/model/model_file.hpp"
 #include "host_tools/lib/evaluate/feed.hpp"
 #include "host_tools/lib/evaluate/replay_node.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/python/source.hpp"
 
 namespace zerorate::python {
@@ -189,21 +190,13 @@ model::SensorModel model_of(const std::string& text) {
   return is_toml ? model::parse_model(text, "model") : model::load_model(text);
 }
 
-core::StandstillSource rest_source(const std::string& name) {
-  if (name == "odometer") return core::StandstillSource::odometer;
-  if (name == "gyro") return core::StandstillSource::gyro;
-  if (name == "odometer-alone") return core::StandstillSource::odometer_alone;
-  throw std::invalid_argument("still_from: expected odometer, gyro or odometer-alone, found " +
-                              name);
-}
-
 evaluate::ReplayOptions to_replay_options(const NodeOptions& options) {
   evaluate::ReplayOptions replay;
   replay.model = model_of(options.model);
   replay.filter_rate_hz = options.filter_rate_hz;
   replay.standstill = {.settle = seconds(options.settle_s, "settle_s"),
                        .hold_back = seconds(options.hold_back_s, "hold_back_s"),
-                       .source = rest_source(options.still_from)};
+                       .source = identify::rest_source(options.still_from)};
   replay.learns_noise = options.learns_noise;
   return replay;
 }

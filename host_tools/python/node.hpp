@@ -26,9 +26,6 @@ struct NodeOptions {
 /// A model as TOML text (of more than one line), the name of a file or of the catalogue.
 [[nodiscard]] model::SensorModel model_of(const std::string& text);
 
-/// Throws std::invalid_argument for a name that is none.
-[[nodiscard]] core::StandstillSource rest_source(const std::string& name);
-
 /// Throws std::invalid_argument, model::ModelFileError.
 [[nodiscard]] evaluate::ReplayOptions to_replay_options(const NodeOptions& options);
 

@@ -1,8 +1,8 @@
 #!/bin/bash
 # report_in_browser_test.sh PROGRAM REPORT FOLDER
 #
-# Opens the report of that name that PROGRAM writes in a headless browser, on screen and on paper, and asks
-# whether every chart was painted and no script complained. Without chromium it says so and ends
+# Opens the report of that name that PROGRAM writes in a headless browser, on screen, on a phone and on paper, and asks
+# whether every chart was painted, no script complained, and the page is no wider than the phone. Without chromium it says so and ends
 # with 77 (skipped).
 set -euo pipefail
 program=$1
@@ -43,6 +43,19 @@ echo "$charts charts, $painted painted, $canvases canvases, $bars bar charts"
 ((charts > 0 && painted == charts)) || fail "not every chart was painted"
 ((canvases == curves)) || fail "expected $curves canvases"
 ((bars == charts - curves)) || fail "expected $((charts - curves)) bar charts"
+
+# How far the page reaches beyond a screen 390 pixels wide, said by the page itself.
+page=$report
+report=$(realpath "$folder")/phone.html
+sed 's#</body>#<script>addEventListener("load", () => {\
+  const page = document.documentElement;\
+  page.dataset.excess = page.scrollWidth - window.innerWidth;\
+});</script></body>#' "$page" > "$report"
+open_report --window-size=390,844 --dump-dom > "$folder/phone-dom.html"
+excess=$(grep -o 'data-excess="[^"]*"' "$folder/phone-dom.html" | tr -dc '0-9-')
+echo "$excess pixels too wide on a phone"
+((excess <= 0)) || fail "the page is wider than a phone"
+report=$page
 
 open_report --no-pdf-header-footer --print-to-pdf="$folder/report.pdf"
 if grep CONSOLE "$folder/log"; then fail "a script complained while printing"; fi

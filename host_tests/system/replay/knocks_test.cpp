@@ -9,7 +9,7 @@
 
 #include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
-#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
 
 namespace zerorate::evaluate {
 namespace {

@@ -96,6 +96,33 @@ TEST(DecayShare, IsOneMinusExpToSinglePrecisionOverTwelveDecades) {
   EXPECT_EQ(one_minus_exp_neg(0.0F), 0.0F);
 }
 
+/// Chance that Student's t with so many degrees of freedom exceeds a limit: its density integrated
+/// over the angle whose tangent is t / sqrt(f), by the trapezoidal rule.
+double student_tail(double limit, double freedom) {
+  constexpr int kSteps = 200'000;
+  constexpr double kRightAngle = std::numbers::pi / 2.0;
+  const double from = std::atan(limit / std::sqrt(freedom));
+  const double step = (kRightAngle - from) / kSteps;
+  double sum = 0.0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double share = k == 0 || k == kSteps ? 0.5 : 1.0;
+    sum += share * std::pow(std::cos(from + k * step), freedom - 1.0);
+  }
+  return sum * step * std::exp(std::lgamma(0.5 * (freedom + 1.0)) - std::lgamma(0.5 * freedom)) /
+         std::sqrt(std::numbers::pi);
+}
+
+TEST(StudentFactor, MakesStudentsTAsRareAsSixStandardDeviations) {
+  const double rare = 0.5 * std::erfc(6.0 / std::numbers::sqrt2);
+  for (const float freedom : {6.0F, 12.0F, 24.0F, 64.0F, 192.0F}) {
+    const double limit = 6.0 * std::sqrt(static_cast<double>(student_factor(36.0F, freedom)));
+    // Wallace's transformation bounds the tail from one side, within a factor of two to three.
+    EXPECT_GT(student_tail(limit, static_cast<double>(freedom)), rare) << freedom;
+    EXPECT_LT(student_tail(limit, static_cast<double>(freedom)), 3.0 * rare) << freedom;
+  }
+  EXPECT_NEAR(static_cast<double>(student_factor(36.0F, 1e6F)), 1.0, 1e-4);
+}
+
 TEST(ToFloat, RoundsLikeTheProcessor) {
   std::mt19937_64 bits(64);
   for (int i = 0; i < 200'000; ++i) {

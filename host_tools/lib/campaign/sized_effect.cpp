@@ -27,11 +27,13 @@ std::span<const EffectEntry> catalogue() {
   static constexpr std::array kEntries = {
       EffectEntry{"rate_random_walk", draw_rate_random_walk},
       EffectEntry{"temperature_drift", draw_temperature_drift},
+      EffectEntry{"temperature_rate", draw_temperature_rate},
       EffectEntry{"warm_up_transient", draw_warm_up_transient},
       EffectEntry{"rate_ramp", draw_rate_ramp},
       EffectEntry{"periodic_disturbance", draw_periodic_disturbance},
       EffectEntry{"quantization", draw_quantization},
       EffectEntry{"bias_jump", draw_bias_jump},
+      EffectEntry{"relaxation", draw_relaxation},
       EffectEntry{"random_telegraph_noise", draw_random_telegraph_noise},
       EffectEntry{"fractional_order", draw_fractional_order},
       EffectEntry{"sensor_bandwidth", draw_sensor_bandwidth},

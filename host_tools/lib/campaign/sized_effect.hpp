@@ -41,10 +41,12 @@ struct SizedEffect {
 
 // A mean function: the same divergence, the base free to take it for noise.
 [[nodiscard]] SizedEffect draw_temperature_drift(const RecordingSetting& setting, Draws& draws);
+[[nodiscard]] SizedEffect draw_temperature_rate(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_warm_up_transient(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_rate_ramp(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_periodic_disturbance(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_bias_jump(const RecordingSetting& setting, Draws& draws);
+[[nodiscard]] SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws);
 
 // Events at random times: a lower bound of the truth's likelihood, by the path that was realised,
 // with the prior probability of that path paid for.

@@ -149,6 +149,18 @@ SizedEffect draw_temperature_drift(const RecordingSetting& setting, Draws& draws
   return mean;
 }
 
+SizedEffect draw_temperature_rate(const RecordingSetting& setting, Draws& draws) {
+  const double sign = draws.sign();
+  const double lag_s = setting.record_s() * draws.log_uniform(0.003, 0.03);
+  SizedEffect mean = added_mean(setting, "temperature_rate", [=](double coefficient) -> Effect {
+    return simulate::TemperatureRate{.coefficient_rad_per_k = sign * coefficient, .lag_s = lag_s};
+  });
+  mean.figures = [sign](double coefficient) -> Figures {
+    return {{"coefficient_deg_per_k", sign * coefficient * kDegPerRad}};
+  };
+  return mean;
+}
+
 SizedEffect draw_warm_up_transient(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_constant_s = setting.record_s() * draws.log_uniform(0.02, 0.25);
@@ -193,6 +205,27 @@ SizedEffect draw_bias_jump(const RecordingSetting& setting, Draws& draws) {
   });
   mean.figures = [=](double height) -> Figures {
     return {{"height_dps", sign * height * kDegPerRad}, {"time_s", time_s}};
+  };
+  return mean;
+}
+
+SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
+  const double time_constant_s = setting.record_s() * draws.log_uniform(0.01, 0.1);
+  const int jumps = 2 + static_cast<int>(draws.uniform(0.0, 4.0));
+  std::vector<simulate::Relaxation::Jump> of_unit_size;
+  for (int i = 0; i < jumps; ++i) {
+    // Each in a part of the record of its own, the largest at most three times the smallest.
+    const double share = (i + draws.uniform(0.1, 0.9)) / jumps;
+    of_unit_size.push_back(
+        {setting.record_s() * (0.05 + 0.9 * share), draws.sign() * draws.log_uniform(1.0, 3.0)});
+  }
+  SizedEffect mean = added_mean(setting, "relaxation", [=](double height) -> Effect {
+    simulate::Relaxation relaxation{of_unit_size, time_constant_s};
+    for (auto& jump : relaxation.jumps) jump.height_rad_s *= height;
+    return relaxation;
+  });
+  mean.figures = [time_constant_s](double) -> Figures {
+    return {{"time_constant_s", time_constant_s}};
   };
   return mean;
 }

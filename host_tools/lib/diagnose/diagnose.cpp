@@ -12,8 +12,8 @@
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/extension_choice.hpp"
-#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
-#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
+#include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/materiality.hpp"
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/selection/causes.hpp"
@@ -160,6 +160,7 @@ void choose_model(const Axis& axis, const NodeModels& models, const DiagnoseOpti
     for (std::size_t i = 0; i < choices.size(); ++i) {
       choices[i].in_model = chosen.is_in[i];
       choices[i].left_out_because = std::move(chosen.reasons[i]);
+      choices[i].heading_drift_ratio = chosen.drift_ratios[i];
     }
     diagnosis.gain = chosen.gain;
     diagnosis.gain_over_data_sheet = chosen.gain_over_data_sheet;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
-#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
@@ -76,7 +76,8 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
                                   const std::optional<OrderProfile>& others,
                                   const HoldOut& hold_out) {
   ExtensionChoice chosen{.is_in = std::vector<bool>(wanted.size(), true),
-                         .reasons = std::vector<std::string>(wanted.size())};
+                         .reasons = std::vector<std::string>(wanted.size()),
+                         .drift_ratios{wanted.size(), std::nullopt}};
   const Record first = beginning_of(
       record,
       static_cast<std::size_t>((1.0 - hold_out.share) * static_cast<double>(record.size())));
@@ -101,7 +102,9 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
     is_in[i] = true;
     try {
       model::SensorModel extended = models.with(is_in);
-      reason = reason_against(held_out.gain(model, extended, HeldOutPart::to_choose));
+      const Gain gain = held_out.gain(model, extended, HeldOutPart::to_choose);
+      if (gain.has_drives()) chosen.drift_ratios[refitted.places[i]] = gain.heading_drift_ratio;
+      reason = reason_against(gain);
       if (reason.empty()) model = std::move(extended);
     } catch (const ModelCannotRun& cannot) {
       reason = std::string("the node cannot run it: ") + cannot.what();

@@ -27,6 +27,8 @@ struct ExtensionChoice {
   std::vector<bool> is_in;  ///< mark of each choice
   /// Reason for each choice that is not an extension of the model; empty for those that are.
   std::vector<std::string> reasons;
+  /// Heading drift of each choice that was tried, with its extension over without.
+  std::vector<std::optional<BootstrapFigure>> drift_ratios;
   Gain gain;                  ///< of the model that is chosen, over the base
   Gain gain_over_data_sheet;  ///< of the same model, over white and 1/f noise
 };

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/random/random_stream.hpp"

@@ -1,9 +1,14 @@
 #include "host_tools/lib/evaluate/odometer.hpp"
 
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <stdexcept>
 
 namespace zerorate::evaluate {
+
 namespace {
 
 /// Wheel pulses of a vehicle that is known to move or not at each row: one every interval while it
@@ -122,6 +127,85 @@ std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
       "the recording has no odometer_pulses and no still column: nothing tells when the vehicle "
       "moves. If the sensor was at rest all the time, add --schedule still=60,drive=300,seed=1; if "
       "the vehicle has no odometer, add --still-from gyro");
+}
+
+namespace {
+
+template <class Number>
+Number parse_number(std::string_view key, std::string_view text) {
+  Number number{};
+  const auto* const end = text.data() + text.size();
+  const auto result = [&] {
+    if constexpr (std::is_integral_v<Number>) {
+      return std::from_chars(text.data(), end, number);
+    } else {
+      return fast_float::from_chars(text.data(), end, number);
+    }
+  }();
+  if (text.empty() || result.ec != std::errc{} || result.ptr != end) {
+    throw std::invalid_argument(fmt::format(
+        "schedule: {} is '{}', expected a number, as in still=60,drive=300,seed=1", key, text));
+  }
+  return number;
+}
+
+double parse_mean_seconds(std::string_view key, std::string_view text) {
+  const auto seconds = parse_number<double>(key, text);
+  if (!(seconds > 0.0) || !std::isfinite(seconds)) {
+    throw std::invalid_argument(
+        fmt::format("schedule: {} is '{}', expected a positive mean length in seconds", key, text));
+  }
+  return seconds;
+}
+
+void set(ScheduleParams& params, std::string_view key, std::string_view value) {
+  if (key == "still") {
+    params.still_s = parse_mean_seconds(key, value);
+  } else if (key == "drive") {
+    params.drive_s = parse_mean_seconds(key, value);
+  } else if (key == "seed") {
+    params.seed = parse_number<std::uint64_t>(key, value);
+  } else {
+    throw std::invalid_argument(
+        fmt::format("schedule: unknown key '{}', expected still, drive or seed", key));
+  }
+}
+
+}  // namespace
+
+ScheduleParams parse_schedule(std::string_view text) {
+  ScheduleParams params;
+  while (!text.empty()) {
+    const auto comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
+    const auto equals = item.find('=');
+    if (equals == std::string_view::npos) {
+      throw std::invalid_argument(fmt::format(
+          "schedule: '{}' has no '=', expected still=SECONDS,drive=SECONDS,seed=N", item));
+    }
+    set(params, item.substr(0, equals), item.substr(equals + 1));
+  }
+  return params;
+}
+
+Schedule::Schedule(const ScheduleParams& params, core::Instant start)
+    : params_(params), stream_(params.seed), phase_end_(start) {
+  phase_end_ = start + next_length();
+}
+
+bool Schedule::is_moving(core::Instant at) {
+  while (at >= phase_end_) {
+    moving_ = !moving_;
+    phase_end_ = phase_end_ + next_length();
+  }
+  return moving_;
+}
+
+core::Duration Schedule::next_length() {
+  const double mean_s = moving_ ? params_.drive_s : params_.still_s;
+  const double length_s = -mean_s * std::log(stream_.uniform(draws_++));
+  return core::Duration::nanoseconds(std::llround(length_s * 1e9));
 }
 
 }  // namespace zerorate::evaluate

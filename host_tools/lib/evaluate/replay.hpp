@@ -20,7 +20,7 @@
 #include "firmware/app/rate_message.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/drive_scores.hpp"
-#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
 #include "host_tools/lib/evaluate/true_drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/base/units.hpp"
@@ -29,28 +30,13 @@ std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double
 
 }  // namespace
 
-simulate::Effect draw_hidden_effect(const model::SensorModel& model,
-                                    const random::RandomStream& stream) {
+simulate::Effect draw_hidden_tone(const model::SensorModel& model,
+                                  const random::RandomStream& stream) {
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   const double slow = model.flicker ? model.flicker->bias_instability_rad_s : 0.03 * arw;
-  const double sign = stream.uniform(1) < 0.5 ? -1.0 : 1.0;
-  constexpr std::uint64_t kEffects = 5;
-  switch (stream.bits(0) % kEffects) {
-    case 0:
-      return simulate::WarmUpTransient{.amplitude_rad_s = sign * 40.0 * slow,
-                                       .time_constant_s = 200.0 + 200.0 * stream.uniform(2)};
-    case 1:  // over half an hour about 450 nats
-      return simulate::PeriodicDisturbance{.amplitude_rad_s = arw,
-                                           .frequency_hz = 2.0 + 10.0 * stream.uniform(2)};
-    case 2:
-      return simulate::BiasJump{.height_rad_s = sign * 15.0 * slow,
-                                .time_s = 500.0 + 800.0 * stream.uniform(2)};
-    case 3:
-      return simulate::RandomTelegraphNoise{
-          .height_rad_s = sign * 15.0 * slow, .mean_low_s = 60.0, .mean_high_s = 60.0};
-    default:  // at 104 Hz fifteen times the noise of a sample
-      return simulate::Outliers{.sigma_rad_s = 150.0 * arw, .probability = 1e-4};
-  }
+  return simulate::PeriodicDisturbance{.amplitude_rad_s = 8.0 * slow,
+                                       .frequency_hz = 1.0 / (50.0 + 30.0 * stream.uniform(0)),
+                                       .phase_rad = 2.0 * std::numbers::pi * stream.uniform(1)};
 }
 
 std::array<float, 3> SimulatedDrive::true_rate_rad_s(std::uint64_t row) const {

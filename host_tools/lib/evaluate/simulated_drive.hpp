@@ -25,10 +25,10 @@ struct SimulatedDriveParams {
   std::vector<simulate::Effect> hidden{};
 };
 
-/// An effect that the model lacks, large enough to be found in half an hour at rest: a warm-up, a
-/// line, a jump, telegraph noise or outliers, as the stream draws it.
-[[nodiscard]] simulate::Effect draw_hidden_effect(const model::SensorModel& model,
-                                                  const random::RandomStream& stream);
+/// An effect that the model lacks: a tone of a minute or so, like the beat of a gyro's drive with
+/// that of its neighbour. Eight times the 1/f noise, so that half an hour at rest shows it.
+[[nodiscard]] simulate::Effect draw_hidden_tone(const model::SensorModel& model,
+                                                const random::RandomStream& stream);
 
 class SimulatedDrive {
  public:

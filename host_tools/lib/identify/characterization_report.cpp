@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "firmware/model/model_file.hpp"
-#include "host_tools/lib/identify/model_curves.hpp"
-#include "host_tools/lib/recording/json.hpp"
+#include "host_tools/lib/identify/density.hpp"
+#include "host_tools/lib/spectrum/noise_strength.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
@@ -16,9 +16,55 @@ using report::Chart;
 using report::Colour;
 using report::Scale;
 
+using units::in_figures;
 using units::kDegPerRad;
 using units::kDegRtHPerRadRtS;
 using units::kDphPerRadS;
+using units::kDphRtHPerRadSRtS;
+
+/// Allan deviation of one kind of noise, a straight line of the plot.
+struct Slope {
+  std::string name;
+  double at_1s;     ///< deviation at an averaging time of 1 s [rad/s]
+  double exponent;  ///< of the averaging time
+
+  [[nodiscard]] double at(double tau_s) const { return at_1s * std::pow(tau_s, exponent); }
+};
+
+std::vector<Slope> slopes_of(const NoiseCoefficients& coefficients) {
+  const auto figure = [](const IntervalEstimate& estimate, double unit) {
+    return in_figures(estimate.value * unit);
+  };
+  const auto& n = coefficients.angle_random_walk_rad_per_sqrt_s;
+  std::vector<Slope> slopes{
+      {fmt::format("N = {} deg/√h, slope -1/2", figure(n, kDegRtHPerRadRtS)), n.value, -0.5}};
+  if (const auto& b = coefficients.bias_instability_rad_s) {
+    slopes.push_back({fmt::format("B = {} deg/h, floor 0.664 B", figure(*b, kDphPerRadS)),
+                      spectrum::allan_floor(b->value), 0.0});
+  }
+  if (const auto& k = coefficients.rate_random_walk_rad_s_per_sqrt_s) {
+    slopes.push_back({fmt::format("K = {} deg/h/√h, slope +1/2", figure(*k, kDphRtHPerRadSRtS)),
+                      k->value / std::numbers::sqrt3, 0.5});
+  }
+  return slopes;
+}
+
+/// The lines of N, B and K, each where it is a good part of the whole.
+void add_slopes(const AxisCharacterization& axis, std::vector<report::Series>& series) {
+  constexpr double kGoodPart = 0.4;
+  const std::vector<Slope> slopes = slopes_of(axis.coefficients);
+  for (const Slope& slope : slopes) {
+    report::Series line{.name = slope.name, .dashed = true};
+    for (const AllanPoint& point : axis.allan) {
+      double all = 0.0;
+      for (const Slope& one : slopes) all = std::hypot(all, one.at(point.tau_s));
+      if (slope.at(point.tau_s) < kGoodPart * all) continue;
+      line.x.push_back(point.tau_s);
+      line.y.push_back(slope.at(point.tau_s) * kDphPerRadS);
+    }
+    if (line.x.size() > 1) series.push_back(std::move(line));
+  }
+}
 
 Chart allan_chart(const AxisCharacterization& axis) {
   report::Series measured{.name = "recording, 95 % interval", .colour = Colour::blue};
@@ -31,13 +77,17 @@ Chart allan_chart(const AxisCharacterization& axis) {
     fitted.x.push_back(point.tau_s);
     fitted.y.push_back(model_allan_deviation(axis.model, point.tau_s) * kDphPerRadS);
   }
-  return {.title = "Allan deviation of axis " + axis.axis,
-          .caption =
-              "The falling part is white noise (angle random walk), the flat or rising one flicker "
-              "noise. Where the model leaves the band the recording holds something else.",
-          .x = {"Averaging time", "s", Scale::logarithmic},
-          .y = {"Allan deviation", "deg/h", Scale::logarithmic},
-          .series = {std::move(measured), std::move(fitted)}};
+  Chart chart{
+      .title = "Allan deviation of axis " + axis.axis,
+      .caption =
+          "The falling part is white noise (N, read at 1 s), the flat one flicker noise (B), "
+          "the rising one a random walk (K, read at 3 s). Where the model leaves the band the "
+          "recording holds something else.",
+      .x = {"Averaging time", "s", Scale::logarithmic},
+      .y = {"Allan deviation", "deg/h", Scale::logarithmic},
+      .series = {std::move(measured), std::move(fitted)}};
+  add_slopes(axis, chart.series);
+  return chart;
 }
 
 Chart density_chart(const AxisCharacterization& axis) {
@@ -60,7 +110,7 @@ Chart density_chart(const AxisCharacterization& axis) {
           .caption =
               "One-sided, as data sheets state it: sqrt(2) times the two-sided angle random walk. "
               "The model is fitted to means over filter ticks; lines, the sensor's low-pass and "
-              "quantization at higher frequencies are not its business.",
+              "quantization at higher frequencies are not part of this model.",
           .x = {"Frequency", "Hz", Scale::logarithmic},
           .y = {"Rate noise density", "deg/s/sqrt(Hz)", Scale::logarithmic},
           .series = {std::move(measured), std::move(fitted)}};
@@ -86,31 +136,45 @@ std::vector<report::KeyFigure> key_figures(const AxisCharacterization& axis) {
                        fmt::format("p = {:.2g} for flicker noise", axis.fit.p_value)});
   }
   if (!axis.allan.empty()) {
-    figures.push_back({"Allan floor",
-                       fmt::format("{:.3g} deg/h", axis.allan_floor().adev * kDphPerRadS),
-                       fmt::format("at {:.3g} s", axis.allan_floor().tau_s)});
+    const AllanPoint& floor = axis.allan_floor();
+    figures.push_back(
+        {"Allan floor", in_figures(floor.adev * kDphPerRadS) + " deg/h", floor_text(axis)});
   }
   return figures;
 }
 
-report::Table summary_table(const Characterization& result) {
+report::Table coefficient_table(const Characterization& result) {
   report::Table table{
       .caption =
-          "With 95 % intervals. Two-sided spectra as in IEEE Std 952: white noise N^2, flicker "
-          "noise B^2 (2 pi f)^(-2d).",
+          "Coefficients of IEEE Std 952 with 95 % intervals: white noise, 1/f noise and a "
+          "random walk of the rate, fitted together.",
       .columns = {{"Axis"},
-                  {"Angle random walk N", "deg/s/sqrt(Hz)"},
+                  {"Angle random walk N", "deg/√h"},
                   {"Bias instability B", "deg/h"},
-                  {"Order d"},
-                  {"Order by local Whittle"}}};
+                  {"Rate random walk K", "deg/h/√h"},
+                  {"Floor of the Allan deviation", "deg/h"}}};
+  for (const auto& axis : result.axes) {
+    const NoiseCoefficients& one = axis.coefficients;
+    table.rows.push_back({axis.axis, text(one.angle_random_walk_rad_per_sqrt_s, kDegRtHPerRadRtS),
+                          text(one.bias_instability_rad_s, kDphPerRadS),
+                          text(one.rate_random_walk_rad_s_per_sqrt_s, kDphRtHPerRadSRtS),
+                          floor_text(axis)});
+  }
+  return table;
+}
+
+report::Table model_table(const Characterization& result) {
+  report::Table table{
+      .caption =
+          "Model for the node, with 95 % intervals. Two-sided densities: white noise N^2, "
+          "flicker noise B^2 (2 pi f)^(-2d), whose order d takes the place of K.",
+      .columns = {{"Axis"}, {"N", "deg/s/sqrt(Hz)"}, {"B", "deg/h"}, {"Order d"}}};
   for (const auto& axis : result.axes) {
     const auto& flicker = axis.fit.flicker;
-    const auto& whittle = axis.local_whittle_order;
     table.rows.push_back(
         {axis.axis, text(axis.fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
          flicker ? text(flicker->bias_instability_rad_s, kDphPerRadS) : "not detectable",
-         flicker ? order_text(*flicker) : "",
-         whittle ? fmt::format("{:.2f} ± {:.2f}", whittle->value, whittle->standard_error) : ""});
+         flicker ? order_text(*flicker) : ""});
   }
   return table;
 }
@@ -150,9 +214,22 @@ std::string lead(const Characterization& result) {
 }  // namespace
 
 std::string text(const IntervalEstimate& estimate, double unit) {
-  if (estimate.standard_error == 0.0) return fmt::format("{:.3g}", estimate.value * unit);
-  return fmt::format("{:.3g} [{:.3g}, {:.3g}]", estimate.value * unit, estimate.lo * unit,
-                     estimate.hi * unit);
+  const std::string value = in_figures(estimate.value * unit);
+  if (estimate.standard_error == 0.0) return value;
+  return fmt::format("{} [{}, {}]", value, in_figures(estimate.lo * unit),
+                     in_figures(estimate.hi * unit));
+}
+
+std::string text(const std::optional<IntervalEstimate>& estimate, double unit) {
+  return estimate ? text(*estimate, unit) : "not detectable";
+}
+
+std::string floor_text(const AxisCharacterization& axis) {
+  if (axis.allan.empty()) return {};
+  const AllanPoint& floor = axis.allan_floor();
+  return fmt::format("{} [{}, {}] at {} s", in_figures(floor.adev * kDphPerRadS),
+                     in_figures(floor.lo * kDphPerRadS), in_figures(floor.hi * kDphPerRadS),
+                     in_figures(floor.tau_s));
 }
 
 std::string_view explain(OrderSource source) {
@@ -171,7 +248,7 @@ std::string_view explain(OrderSource source) {
 
 report::Report make_report(const Characterization& result, const std::string& provenance) {
   report::Report report{"Noise of " + result.recording, lead(result)};
-  report.section("Summary").table(summary_table(result));
+  report.section("Summary").table(coefficient_table(result)).table(model_table(result));
   if (!result.sameness.empty()) report.section("Over all recordings").table(sameness_table(result));
   for (const AxisCharacterization& axis : result.axes) {
     auto& section = report.section("Axis " + axis.axis);
@@ -182,139 +259,6 @@ report::Report make_report(const Characterization& result, const std::string& pr
   }
   report.provenance(provenance);
   return report;
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-using recording::number;
-
-using units::kDegPerRad;
-using units::kDegRtHPerRadRtS;
-using units::kDphPerRadS;
-
-Json interval(const IntervalEstimate& estimate, double unit) {
-  return {{"value", number(estimate.value * unit)},
-          {"standard_error", number(estimate.standard_error * unit)},
-          {"lo95", number(estimate.lo * unit)},
-          {"hi95", number(estimate.hi * unit)}};
-}
-
-Json flicker_json(const FittedFlicker& flicker) {
-  Json order = interval(flicker.order, 1.0);
-  order["source"] = name(flicker.order_source);
-  Json json{{"bias_instability_dph", interval(flicker.bias_instability_rad_s, kDphPerRadS)},
-            {"order", std::move(order)}};
-  if (flicker.rejected_order) json["rejected_order"] = interval(*flicker.rejected_order, 1.0);
-  return json;
-}
-
-Json allan_json(const std::vector<AllanPoint>& points) {
-  Json json = Json::array();
-  for (const AllanPoint& point : points) {
-    json.push_back({{"tau_s", point.tau_s},
-                    {"adev_dph", number(point.adev * kDphPerRadS)},
-                    {"lo95_dph", number(point.lo * kDphPerRadS)},
-                    {"hi95_dph", number(point.hi * kDphPerRadS)},
-                    {"edf", number(point.edf)}});
-  }
-  return json;
-}
-
-Json density_json(const std::vector<DensityBin>& bins) {
-  Json json = Json::array();
-  for (const DensityBin& bin : bins) {
-    json.push_back({{"frequency_hz", bin.frequency_hz},
-                    {"density_dps2_per_hz", number(bin.density * kDegPerRad * kDegPerRad)},
-                    {"points", bin.points}});
-  }
-  return json;
-}
-
-Json strengths_json(const InnovationsFit& fit) {
-  return {{"angle_random_walk_dps_per_sqrt_hz",
-           interval(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad)},
-          {"flicker", fit.flicker ? flicker_json(*fit.flicker) : Json(nullptr)}};
-}
-
-Json sameness_json(const Characterization& result) {
-  Json json{{"recordings", {result.recording}},
-            {"size", Sameness::kSize},
-            {"serves", true},
-            {"axes", Json::object()}};
-  for (const std::string& more : result.further_recordings) json["recordings"].push_back(more);
-  for (const Sameness& axis : result.sameness) {
-    if (!axis.holds()) json["serves"] = false;
-    Json alone = Json::array();
-    for (const InnovationsFit& fit : axis.alone) alone.push_back(strengths_json(fit));
-    json["axes"][axis.axis] = {{"serves", axis.holds()},
-                               {"p_value", number(axis.p_value)},
-                               {"likelihood_ratio", number(axis.likelihood_ratio)},
-                               {"degrees_of_freedom", axis.degrees_of_freedom},
-                               {"together", strengths_json(axis.together)},
-                               {"alone", std::move(alone)}};
-  }
-  return json;
-}
-
-Json axis_json(const AxisCharacterization& axis) {
-  const InnovationsFit& fit = axis.fit;
-  Json json{{"angle_random_walk_dps_per_sqrt_hz",
-             interval(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad)},
-            {"angle_random_walk_deg_per_sqrt_h",
-             interval(fit.angle_random_walk_rad_per_sqrt_s, kDegRtHPerRadRtS)},
-            {"flicker", fit.flicker ? flicker_json(*fit.flicker) : Json(nullptr)},
-            {"flicker_likelihood_ratio", number(fit.likelihood_ratio)},
-            {"flicker_p_value", number(fit.p_value)},
-            {"minus_two_log_likelihood", number(fit.minus_two_log_likelihood)},
-            {"local_whittle_order", nullptr},
-            {"allan_floor", nullptr}};
-  if (axis.local_whittle_order) {
-    json["local_whittle_order"] = {{"value", axis.local_whittle_order->value},
-                                   {"standard_error", axis.local_whittle_order->standard_error}};
-  }
-  if (!axis.allan.empty()) {
-    const AllanPoint& floor = axis.allan_floor();
-    json["allan_floor"] = {{"adev_dph", number(floor.adev * kDphPerRadS)}, {"tau_s", floor.tau_s}};
-  }
-  json["remarks"] = axis.remarks;
-  json["allan_deviation"] = allan_json(axis.allan);
-  json["density"] = density_json(axis.density);
-  return json;
-}
-
-}  // namespace
-
-std::string_view name(OrderSource source) {
-  switch (source) {
-    case OrderSource::given:
-      return "given";
-    case OrderSource::estimated:
-      return "estimated";
-    case OrderSource::prior:
-      return "prior";
-    case OrderSource::limit:
-      return "limit";
-  }
-  return "unknown";
-}
-
-std::string to_json(const Characterization& result) {
-  Json json{{"schema", "zerorate.characterization/1"},
-            {"recording", result.recording},
-            {"rows", result.rows},
-            {"rows_moving", result.rows_moving},
-            {"rows_lost", result.rows_lost},
-            {"findings", recording::to_json(result.findings)},
-            {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
-            {"tick_s", static_cast<double>(result.tick.ns()) * 1e-9},
-            {"ticks", result.ticks},
-            {"rest_s", result.rest_s},
-            {"middle_axis", middle_axis(result).axis},
-            {"axes", Json::object()}};
-  for (const AxisCharacterization& axis : result.axes) json["axes"][axis.axis] = axis_json(axis);
-  if (!result.sameness.empty()) json["one_parameter_set"] = sameness_json(result);
-  return json.dump(2) + "\n";
 }
 
 }  // namespace zerorate::identify

@@ -8,9 +8,8 @@
 #include <span>
 #include <stdexcept>
 
-#include "host_tools/lib/identify/local_whittle.hpp"
-#include "host_tools/lib/identify/model_curves.hpp"
-#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/identify/density.hpp"
+#include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
 namespace zerorate::identify {
@@ -161,9 +160,11 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
                                        std::size_t axis, const CharacterizeOptions& options) {
   const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
   AxisCharacterization result{.axis = samples.axis_name(axis)};
-  result.fit = fit_noise({ticks, samples.mean_period, tick, axis}, options.order);
-  result.model = named_model(result.fit, shortest_time_constant_s(samples.mean_period),
-                             options.recording, result.axis);
+  const PreparedFit prepared = prepare_fit({ticks, samples.mean_period, tick, axis}, options.order);
+  const double shortest_s = prepared.options.shortest_time_constant_s;
+  result.fit = fit_by_innovations(prepared.likelihood, prepared.options);
+  result.coefficients = fit_coefficients(prepared.likelihood, result.fit, shortest_s);
+  result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
 
@@ -188,7 +189,7 @@ double slow_noise(const AxisCharacterization& axis) {
 }  // namespace
 
 const AllanPoint& AxisCharacterization::allan_floor() const {
-  return *std::ranges::min_element(allan, {}, &AllanPoint::adev);
+  return *std::ranges::min_element(allan, {}, &AllanPoint::hi);
 }
 
 PreparedFit prepare_fit(const AxisTicks& ticks, std::optional<double> order) {

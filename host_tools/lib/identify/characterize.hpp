@@ -23,6 +23,7 @@ struct AxisCharacterization {
   std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
   InnovationsFit fit;
   model::SensorModel model;  ///< of the fit, with its sources
+  NoiseCoefficients coefficients;
   /// Exact local Whittle estimate of d from the frequencies below half the corner; nothing where
   /// there is no flicker noise or too little of the record is without holes.
   std::optional<Estimate> local_whittle_order;
@@ -30,7 +31,8 @@ struct AxisCharacterization {
   std::vector<DensityBin> density;   ///< one-sided, (rad/s)^2/Hz; of the same stretch
   std::vector<std::string> remarks;  ///< what a user should know of these figures
 
-  /// The lowest point of the Allan deviation.
+  /// The point of the Allan deviation whose upper limit is the lowest: the floor that is known, not
+  /// a dip of the long averaging times, which hardly anything is known of.
   [[nodiscard]] const AllanPoint& allan_floor() const;
 };
 
@@ -56,7 +58,8 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   recording::Findings findings;
-  core::Duration sample_period;  ///< the mean, see RestSamples
+  std::vector<std::string> doubts{};  ///< of require_rest(): the caller's
+  core::Duration sample_period;       ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
   double rest_s = 0.0;    ///< what the ticks sum up to

@@ -1,5 +1,6 @@
 /// @file
-/// Estimates of a rate's power spectral density. All are one-sided, in (unit of the rate)^2 / Hz:
+/// Estimates of a rate's power spectral density, and the curves of a model that are drawn beside
+/// them. The estimates are one-sided, in (unit of the rate)^2 / Hz:
 /// the mean square is the integral over positive frequencies, and the figure is twice the two-sided
 /// density of spectrum/noise_strength.hpp.
 #pragma once
@@ -7,6 +8,8 @@
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::identify {
 
@@ -39,5 +42,21 @@ struct DensityBin {
 /// @param points in ascending, positive frequency
 [[nodiscard]] std::vector<DensityBin> bin_logarithmically(std::span<const DensityPoint> points,
                                                           double bins_per_decade);
+
+/// Two-sided density of a model's white and flicker noise, N^2 + B^2 (2 pi nu)^(-2d).
+[[nodiscard]] double model_density(const model::SensorModel& model, double frequency_hz);
+
+/// Allan deviation of a model's white noise and flicker decades, which the node stands for the
+/// flicker noise with [rad/s]. Each decade of stationary variance q and time constant T adds, with
+/// a = tau / T (IEEE Std 952, annex C: exponentially correlated noise),
+///
+///     sigma^2(tau) = 2 q / a (1 - (3 - 4 e^(-a) + e^(-2a)) / (2a)).
+///
+/// Other parts of the model are left out.
+[[nodiscard]] double model_allan_deviation(const model::SensorModel& model, double tau_s);
+
+/// Where the densities of white and flicker noise are equal [Hz]: averages much longer than its
+/// inverse are dominated by flicker noise. The model has flicker noise.
+[[nodiscard]] double corner_frequency_hz(const model::SensorModel& model);
 
 }  // namespace zerorate::identify

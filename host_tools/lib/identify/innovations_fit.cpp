@@ -64,13 +64,6 @@ IntervalEstimate known(double value) {
   return {value, 0.0, value, value};
 }
 
-/// exp(x) for an x of this standard error.
-IntervalEstimate from_log(double log_value, double error) {
-  const double value = std::exp(log_value);
-  return {value, value * error, std::exp(log_value - kNormal95 * error),
-          std::exp(log_value + kNormal95 * error)};
-}
-
 IntervalEstimate order_from(double logit, double error) {
   return {order_of(logit), order_slope(logit) * error, order_of(logit - kNormal95 * error),
           order_of(logit + kNormal95 * error)};
@@ -90,8 +83,8 @@ struct Maximum {
     if (theta.size() > 2) {
       gradient(2) = order_slope(theta(2)) * std::log(parameters.pivot_rad_per_s);
     }
-    return from_log(parameters.log_bias_instability(theta),
-                    std::sqrt(gradient.dot(covariance * gradient)));
+    return IntervalEstimate::of_logarithm(parameters.log_bias_instability(theta),
+                                          std::sqrt(gradient.dot(covariance * gradient)));
   }
   [[nodiscard]] IntervalEstimate order() const {
     return theta.size() > 2 ? order_from(theta(2), error(2)) : known(parameters.order);
@@ -117,9 +110,9 @@ class Fitter {
       throw recording::DataError("the record is constant: there is no noise to identify");
     }
     InnovationsFit fit;
-    fit.angle_random_walk_rad_per_sqrt_s =
-        from_log(std::log(model.white.angle_random_walk_rad_per_sqrt_s) + 0.5 * std::log(excess),
-                 std::sqrt(0.5 / count));
+    fit.angle_random_walk_rad_per_sqrt_s = IntervalEstimate::of_logarithm(
+        std::log(model.white.angle_random_walk_rad_per_sqrt_s) + 0.5 * std::log(excess),
+        std::sqrt(0.5 / count));
     fit.minus_two_log_likelihood = at_start.log_variances + count * (std::log(excess) + 1.0);
     return fit;
   }
@@ -187,12 +180,6 @@ class Fitter {
   std::size_t evaluations_ = 0;
 };
 
-/// Half of chi squared with one degree of freedom.
-double p_value_of(double likelihood_ratio) {
-  if (!(likelihood_ratio > 0.0)) return 1.0;
-  return 0.5 * statistics::chi_squared_tail(likelihood_ratio, 1.0);
-}
-
 void require_usable(std::span<const InnovationsLikelihood> likelihoods,
                     const InnovationsFitOptions& options) {
   if (likelihoods.empty() || std::ranges::any_of(likelihoods, [](const auto& likelihood) {
@@ -238,6 +225,17 @@ Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedF
 
 }  // namespace
 
+IntervalEstimate IntervalEstimate::of_logarithm(double x, double standard_error) {
+  const double value = std::exp(x);
+  return {value, value * standard_error, std::exp(x - kNormal95 * standard_error),
+          std::exp(x + kNormal95 * standard_error)};
+}
+
+double p_value_at_edge(double likelihood_ratio) {
+  if (!(likelihood_ratio > 0.0)) return 1.0;
+  return 0.5 * statistics::chi_squared_tail(likelihood_ratio, 1.0);
+}
+
 model::SensorModel InnovationsFit::model(double shortest_time_constant_s) const {
   model::SensorModel model;
   model.white.angle_random_walk_rad_per_sqrt_s = angle_random_walk_rad_per_sqrt_s.value;
@@ -261,7 +259,7 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   InnovationsFit fit = fitter.white_alone();
   Maximum best = fitter.maximum(options.order.value_or(kPriorOrder));
   fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - best.minus_two_log);
-  fit.p_value = p_value_of(fit.likelihood_ratio);
+  fit.p_value = p_value_at_edge(fit.likelihood_ratio);
   fit.evaluations = fitter.evaluations();
   if (fit.p_value > options.significance) return fit;
 
@@ -270,7 +268,8 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   } else {
     best = choose_order(fitter, best, fit.flicker);
   }
-  fit.angle_random_walk_rad_per_sqrt_s = from_log(best.theta(0), best.error(0));
+  fit.angle_random_walk_rad_per_sqrt_s =
+      IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;
   fit.evaluations = fitter.evaluations();
   return fit;

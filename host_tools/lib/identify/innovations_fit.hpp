@@ -19,6 +19,9 @@ struct IntervalEstimate {
   double standard_error = 0.0;
   double lo = 0.0;
   double hi = 0.0;
+
+  /// exp(x) for an x of this standard error.
+  [[nodiscard]] static IntervalEstimate of_logarithm(double x, double standard_error);
 };
 
 /// Where the order of a fit comes from.
@@ -91,6 +94,34 @@ struct InnovationsFitOptions {
 /// @param likelihoods  at least one
 [[nodiscard]] InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelihoods,
                                                 const InnovationsFitOptions& options);
+
+/// N, B and K as the field writes them (IEEE Std 952): white noise, 1/f noise and a random walk of
+/// the rate, fitted together.
+struct NoiseCoefficients {
+  IntervalEstimate angle_random_walk_rad_per_sqrt_s;  ///< N
+  /// B and K; nothing where the record does not show that noise beside the others at the 1 % level.
+  std::optional<IntervalEstimate> bias_instability_rad_s;
+  std::optional<IntervalEstimate> rate_random_walk_rad_s_per_sqrt_s;
+  /// N and K of white noise and a random walk alone, for a filter that knows nothing else; nothing
+  /// where the record shows white noise only.
+  struct WithoutFlicker {
+    IntervalEstimate angle_random_walk_rad_per_sqrt_s;
+    IntervalEstimate rate_random_walk_rad_s_per_sqrt_s;
+  };
+  std::optional<WithoutFlicker> without_flicker;
+};
+
+/// Maximises the likelihood over the logs of N, B and K, with both slow noises and with each of
+/// them alone; keeps both where each raises the likelihood significantly, else the likelier one.
+/// Cost: some 150 passes of the filter; none where `base` has no flicker noise.
+/// @param base fit of the same record, with which the search begins
+[[nodiscard]] NoiseCoefficients fit_coefficients(const InnovationsLikelihood& likelihood,
+                                                 const InnovationsFit& base,
+                                                 double shortest_time_constant_s);
+
+/// p-value of a likelihood ratio of a strength that may be 0, the edge of its range: half of chi
+/// squared with one degree of freedom (Self and Liang 1987).
+[[nodiscard]] double p_value_at_edge(double likelihood_ratio);
 
 /// Width of the 95 % interval of d up to which an estimate is used: sensors differ in d by about
 /// this much, so that a less certain one is worth no more than the prior.

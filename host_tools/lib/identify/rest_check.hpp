@@ -1,5 +1,6 @@
 /// @file
-/// Whether rates look like those of a gyro at rest, in the unit that their columns name.
+/// Whether rates look like those of a gyro at rest, in the unit that their columns name, and where
+/// in a recording the sensor moved.
 #pragma once
 
 #include <array>
@@ -7,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/lib/identify/rest_samples.hpp"
@@ -65,5 +67,39 @@ class RestCheck {
 /// Throws recording::DataError with the first certain doubt; returns the sentences of the others.
 [[nodiscard]] std::vector<std::string> require_rest(std::vector<RestDoubt> doubts);
 [[nodiscard]] std::vector<std::string> require_rest(const RestSamples& samples);
+
+/// Samples at rest that the node's own judgement of the calm (core::CalmJudge) would not learn
+/// from.
+struct MotionAtRest {
+  std::vector<bool> moved;  ///< one per sample
+  std::size_t stops = 0;
+  std::size_t stops_with_motion = 0;
+  /// Magnitudes of the mean rates over half a second in motion, beyond their medians in the calm;
+  /// in increasing order.
+  std::vector<double> turning_rad_s;
+
+  [[nodiscard]] double share() const;  ///< of the samples
+  /// Motion in every second stop, of three at least, is no accident.
+  [[nodiscard]] bool is_usual() const {
+    return stops_with_motion >= 3 && 2 * stops_with_motion >= stops;
+  }
+};
+
+/// Finds motion in the samples. Linear in their number.
+/// @param source  gyro: no odometer has already left out the drives
+[[nodiscard]] MotionAtRest find_motion(
+    const RestSamples& samples, core::StandstillSource source = core::StandstillSource::odometer);
+
+/// Source of rest that a user names: odometer, gyro or odometer-alone. Throws std::invalid_argument
+/// for another name.
+[[nodiscard]] core::StandstillSource rest_source(std::string_view name);
+
+/// Reads a recording to its end as read_rest_samples().
+/// @param source  gyro: leaves out the motion that the gyro shows
+[[nodiscard]] RestSamples read_rest(recording::Reader& reader, core::StandstillSource source,
+                                    const RestOptions& options = {});
+
+/// Keeps the calm. Where a sample is left out, the vehicle moved (RestSamples::after_drives).
+void leave_out_motion(RestSamples& samples, const MotionAtRest& motion);
 
 }  // namespace zerorate::identify

@@ -1,9 +1,12 @@
 #include "host_tools/lib/identify/rest_samples.hpp"
-#include "host_tools/lib/recording/error.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <stdexcept>
+
+#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -158,6 +161,20 @@ EvenRecord longest_even_ticks(const std::vector<TickMean>& ticks, core::Duration
     record.rate_rad_s.push_back(double{ticks[i].rate_rad_s[axis]});
   }
   return record;
+}
+
+std::vector<std::size_t> axes_called(std::string_view name, std::size_t axis_count) {
+  if (name == "all") {
+    return axis_count == 1 ? std::vector<std::size_t>{0} : std::vector<std::size_t>{0, 1, 2};
+  }
+  if (name.size() != 1 || name[0] < 'x' || name[0] > 'z') {
+    throw std::invalid_argument(fmt::format("axis: expected x, y, z or all, found {}", name));
+  }
+  const auto axis = static_cast<std::size_t>(name[0] - 'x');
+  if (axis >= axis_count) {
+    throw std::invalid_argument(fmt::format("axis {}: the recording has one axis; use all", name));
+  }
+  return {axis};
 }
 
 }  // namespace zerorate::identify

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/time.hpp"
@@ -62,6 +63,10 @@ struct RestOptions {
 /// are the jumps of TickMean::tick.
 /// @param tick at least the sample period
 [[nodiscard]] std::vector<TickMean> average_ticks(const RestSamples& samples, core::Duration tick);
+
+/// Indices of the axes that a user names: x, y, z or all. Throws std::invalid_argument for another
+/// name, and for an axis that the recording lacks.
+[[nodiscard]] std::vector<std::size_t> axes_called(std::string_view name, std::size_t axis_count);
 
 /// A rate without holes, for what needs an even grid.
 struct EvenRecord {

@@ -21,11 +21,11 @@ namespace zerorate::simulate {
 
 /// One part of a simulated sensor: physical parameters in SI, a kName, and
 /// `void apply(Signal&, const random::RandomStream&) const`, which adds the effect to the signal.
-using Effect =
-    std::variant<BiasJump, ConstantBias, CorrelatedNoise, DroppedSamples, FlickerNoise,
-                 MotionContamination, Outliers, PeriodicDisturbance, Quantization,
-                 RandomTelegraphNoise, RateRamp, RateRandomWalk, Saturation, SensorBandwidth,
-                 TemperatureDrift, VariableNoise, WarmUpTransient, WhiteNoise>;
+using Effect = std::variant<BiasJump, ConstantBias, CorrelatedNoise, DroppedSamples, FlickerNoise,
+                            MotionContamination, Outliers, PeriodicDisturbance, Quantization,
+                            RandomTelegraphNoise, RateRamp, RateRandomWalk, Relaxation, Saturation,
+                            SensorBandwidth, TemperatureDrift, TemperatureRate, VariableNoise,
+                            WarmUpTransient, WhiteNoise>;
 
 [[nodiscard]] std::string_view name(const Effect& effect);
 

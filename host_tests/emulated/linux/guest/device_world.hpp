@@ -71,6 +71,7 @@ class DeviceWorld {
  private:
   using Request = zerorate_bus_transaction;
   using Answer = zerorate_bus_answer;
+  static constexpr std::uint32_t kLast = ZERORATE_SEGMENT_LAST;
 
   void show_data_ready() {
     if (!is_data_ready_broken_) wires_->drive(kDataReadyLine, chip_->is_data_ready());
@@ -91,13 +92,15 @@ class DeviceWorld {
     const unsigned number = ++transactions_;
     if (fault_ == BusFault::no_answer) return;
     std::size_t size = 0;
-    std::vector<hal::Operation> operations;
+    std::vector<std::vector<hal::Operation>> transfers(1);
     for (std::uint32_t i = 0; i < request.segments; ++i) {
       const auto segment = bytes.subspan(size, request.segment[i].length);
-      operations.push_back(operation(request.segment[i].direction, segment));
+      const std::uint32_t direction = request.segment[i].direction;
+      transfers.back().push_back(operation(direction & ~kLast, segment));
+      if ((direction & kLast) != 0 && i + 1 < request.segments) transfers.emplace_back();
       size += segment.size();
     }
-    const Answer head{.status = carry_out(request, operations, bytes.first(size), number)};
+    const Answer head{.status = carry_out(request, transfers, bytes.first(size), number)};
     std::vector<std::uint8_t> out(sizeof head + size);
     std::memcpy(out.data(), &head, sizeof head);
     std::ranges::copy(bytes.first(size), out.begin() + sizeof head);
@@ -105,14 +108,17 @@ class DeviceWorld {
   }
 
   /// @return 0 or a negative error number
-  int carry_out(const Request& request, std::span<const hal::Operation> operations,
+  int carry_out(const Request& request, std::span<const std::vector<hal::Operation>> transfers,
                 std::span<std::uint8_t> bytes, unsigned number) {
     constexpr unsigned kFaultsEvery = 100;
     const BusFault fault = fault_;
     if (fault == BusFault::unplugged) return -ENODEV;
     if (fault == BusFault::nack_bursts && number % kFaultsEvery < 3) return -ENXIO;
     const std::lock_guard lock(mutex_);
-    const int status = chip_->transfer(request, operations);
+    int status = 0;
+    for (const auto& operations : transfers) {
+      if (status == 0) status = chip_->transfer(request, operations);
+    }
     show_data_ready();
     if (fault == BusFault::stuck_high) std::ranges::fill(bytes, std::uint8_t{0xFF});
     if (fault == BusFault::stuck_low) std::ranges::fill(bytes, std::uint8_t{0});

@@ -140,6 +140,9 @@ static int spi_transfer_message(struct spi_controller *from, struct spi_message 
 		u32 direction = (transfer->tx_buf ? ZERORATE_SEGMENT_WRITE : 0) |
 				(transfer->rx_buf ? ZERORATE_SEGMENT_READ : 0);
 
+		if (transfer->cs_change)
+			direction |= ZERORATE_SEGMENT_LAST;
+
 		bus.head.speed_hz = transfer->speed_hz;
 		if (!error)
 			error = add_segment(transfer->tx_buf, transfer->len, direction);

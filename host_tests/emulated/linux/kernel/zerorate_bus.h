@@ -12,11 +12,12 @@
 #define ZERORATE_BUS_BYTES 4096
 
 enum { ZERORATE_BUS_I2C = 0, ZERORATE_BUS_SPI = 1 };
-enum { ZERORATE_SEGMENT_WRITE = 1, ZERORATE_SEGMENT_READ = 2 };
+/* ZERORATE_SEGMENT_LAST: the chip is deselected after it, another transfer to it follows. */
+enum { ZERORATE_SEGMENT_WRITE = 1, ZERORATE_SEGMENT_READ = 2, ZERORATE_SEGMENT_LAST = 4 };
 
 struct zerorate_bus_segment {
 	__u32 length;
-	__u32 direction; /* of ZERORATE_SEGMENT_*, both on SPI */
+	__u32 direction; /* of ZERORATE_SEGMENT_*; SPI may read and write */
 };
 
 /* Followed by the bytes of all segments, in order; of a segment that is only read they mean nothing. */

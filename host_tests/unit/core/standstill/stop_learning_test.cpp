@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <random>
 #include <utility>
 #include <vector>
+
+#include "core/base/units.hpp"
 
 namespace zerorate::core {
 namespace {
@@ -151,6 +154,30 @@ TEST(StopLearningRestored, GoesOnAlike) {
   second.samples(2'730, 4'000);
   EXPECT_EQ(whole.learnt, second.learnt);
   EXPECT_TRUE(second.learning.state() == whole.learning.state());
+}
+
+// A sensor three times as loud as its model promises, at 10 Hz: after a second its noise is known
+// from a dozen differences only, by chance as half of what it is.
+TEST(StopLearningOfASensorLouderThanItsModel, SeesNoTurnInItsFirstSeconds) {
+  constexpr float kLoud = 0.129F * kRadPerDeg;
+  constexpr Duration kPeriod = Duration::milliseconds(100);
+  std::mt19937_64 engine{7};
+  std::normal_distribution<float> noise{0.0F, kLoud};
+  for (int stop = 0; stop < 20'000; ++stop) {
+    Learning learning{Standstill::Params{}, OdometerCheck::Params{}, Duration::milliseconds(500),
+                      kPeriod, kLoud * kLoud / 9.0F};
+    Instant at = at_ms(0);
+    for (int sample = 0; sample < 80; ++sample, at = at + kPeriod) {
+      const bool begins_tick = learning.begin_sample(at);
+      if (begins_tick) {
+        learning.close_tick(nullptr, 0.0F);
+        learning.enter_tick(at);
+      }
+      learning.add(at, begins_tick, {noise(engine), noise(engine), noise(engine)},
+                   [] { return true; });
+      ASSERT_FALSE(learning.odometer_disagrees()) << "stop " << stop << ", sample " << sample;
+    }
+  }
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 
-constexpr const char* kFullFile = R"(schema = "zerorate.model/1"
+constexpr const char* kFullFile = R"(schema = "zerorate.model/2"
 name = "A \"gyro\" at 25 °C"
 
 [white]
@@ -126,8 +126,7 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_EQ(model.name, "A \"gyro\" at 25 °C");
   EXPECT_DOUBLE_EQ(model.white.angle_random_walk_rad_per_sqrt_s, 0.05 * kDeg);
   EXPECT_EQ(model.white.source, "table 1");
-  // 25.2 deg/h of Allan floor over 0.664.
-  EXPECT_NEAR(model.flicker->bias_instability_rad_s, 25.2 / 3600.0 * kDeg / 0.664282470268, 1e-14);
+  EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 25.2 / 3600.0 * kDeg);
   EXPECT_EQ(model.flicker->order, 0.6);
   EXPECT_EQ(model.flicker->decades, 5);
   EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.25);
@@ -174,13 +173,13 @@ TEST(ModelFileWithEverything, IsWrittenAsItWasRead) {
 
 TEST(ModelFileWithTheLeast, HasTheDefaults) {
   const SensorModel model = parse_model(
-      "schema = 'zerorate.model/1'\nname = 'g'\nwhite.angle_random_walk_dps_per_sqrt_hz = 0\n"
+      "schema = 'zerorate.model/2'\nname = 'g'\nwhite.angle_random_walk_dps_per_sqrt_hz = 0\n"
       "flicker.bias_instability_dph = 1_0\n",
       "m.toml");
   EXPECT_EQ(model.flicker->order, 0.5);
   EXPECT_EQ(model.flicker->decades, 6);
   EXPECT_EQ(model.flicker->shortest_time_constant_s, 0.5);
-  EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg / 0.66428247026796);
+  EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg);
   EXPECT_FALSE(model.rate_random_walk || model.temperature || model.warm_up || model.rate_ramp);
   EXPECT_FALSE(model.quantization || model.gate);
   EXPECT_FALSE(model.outliers || model.motion_contamination || model.variable_noise ||
@@ -237,7 +236,7 @@ TEST(ModelFileWithAnUnknownName, SuggestsTheNearestAndTellsThePlace) {
 TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
   EXPECT_EQ(message_of(with("sigma_dps = 0.01\n", "")),
             "m.toml:18:1: missing \"sigma_dps\" in [gauss_markov]; expected a positive number");
-  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\n"),
+  EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\n"),
             "m.toml:1:1: missing \"white\"; expected a table");
   EXPECT_THAT(message_of(""), testing::HasSubstr("missing \"schema\""));
 }
@@ -248,15 +247,31 @@ TEST(ModelFileWithASingleTableWhereSeveralMayBe, IsTheSameAsAnArrayOfOne) {
 }
 
 TEST(ModelFileOfAnotherSchema, IsRefused) {
-  EXPECT_EQ(message_of(with("zerorate.model/1", "zerorate.model/2")),
-            "m.toml:1:10: \"schema\": expected \"zerorate.model/1\"");
+  EXPECT_EQ(message_of(with("zerorate.model/2", "zerorate.model/3")),
+            "m.toml:1:10: \"schema\": expected \"zerorate.model/2\"");
+}
+
+TEST(ModelFileWithTheFloorOfADataSheet, HasItsBiasInstability) {
+  // sqrt(2 ln 2 / pi) = 0.664 (IEEE Std 952, annex C).
+  constexpr double kB = 25.2 / 3600.0 * kDeg / 0.66428247026796;
+  const SensorModel by_floor =
+      parse_model(with("bias_instability_dph", "allan_floor_dph"), "m.toml");
+  EXPECT_DOUBLE_EQ(by_floor.flicker->bias_instability_rad_s, kB);
+  const SensorModel first_schema = parse_model(with("model/2", "model/1"), "m.toml");
+  EXPECT_DOUBLE_EQ(first_schema.flicker->bias_instability_rad_s, kB);
+}
+
+TEST(ModelFileWithFloorAndBiasInstability, IsRefused) {
+  EXPECT_EQ(message_of(with("order = 0.6", "allan_floor_dph = 3")),
+            "m.toml:10:19: \"allan_floor_dph\" in [flicker]: expected this or "
+            "\"bias_instability_dph\", not both");
 }
 
 // Inputs that break what the parser of toml++ takes for granted; found by fuzzing.
 TEST(ModelFileThatTheParserDidNotExpect, IsRefusedWithItsLine) {
-  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\n\n[,"), "m.toml:3:1: this is not TOML");
+  EXPECT_EQ(message_of("schema = 'zerorate.model/2'\n\n[,"), "m.toml:3:1: this is not TOML");
   EXPECT_EQ(message_of("x = 1\n[\n[white]\n"), "m.toml:2:1: this is not TOML");
-  EXPECT_THAT(message_of("schema = 'zerorate.model/1'\n\u00e9 = 1\n"),
+  EXPECT_THAT(message_of("schema = 'zerorate.model/2'\n\u00e9 = 1\n"),
               ::testing::StartsWith("m.toml:2:1: "));
 }
 
@@ -279,9 +294,9 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
             "m.toml:84:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
-  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\nname = 'g'\nwhite = 3\n"),
+  EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
-  EXPECT_EQ(message_of("schema = 'zerorate.model/1'\ngauss_markov = 3\nname = 'g'\n"
+  EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"
                        "white.angle_random_walk_dps_per_sqrt_hz = 0\n"),
             "m.toml:2:16: \"gauss_markov\": expected tables, [[gauss_markov]]");
 }
@@ -301,7 +316,7 @@ TEST(ModelFileWithAnImpossibleValue, TellsTheRule) {
 }
 
 TEST(ModelFileThatIsNotToml, TellsThePlace) {
-  EXPECT_THAT(message_of("schema = 'zerorate.model/1'\nname = = 3\n"),
+  EXPECT_THAT(message_of("schema = 'zerorate.model/2'\nname = = 3\n"),
               testing::StartsWith("m.toml:2:8: "));
 }
 

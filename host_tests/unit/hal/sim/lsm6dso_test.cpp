@@ -72,6 +72,14 @@ TEST_F(SimulatedLsm6dsoTest, SoftwareResetTakesTimeAndRestoresTheRegisters) {
   EXPECT_EQ(chip_.read_register(0x11), 0x00);
 }
 
+// The kernel's driver writes BOOT, and carries on whatever it reads back.
+TEST_F(SimulatedLsm6dsoTest, ClearsBootWhenItIsDone) {
+  chip_.write_register(0x12, 0x84);
+  EXPECT_EQ(chip_.read_register(0x12), 0x84);
+  clock_.advance(core::Duration::milliseconds(10));
+  EXPECT_EQ(chip_.read_register(0x12), 0x04);
+}
+
 TEST_F(SimulatedLsm6dsoTest, MeasuresNothingWhilePoweredDown) {
   measure_x(10.0F);
   EXPECT_EQ(chip_.read_register(0x1E), 0x00);

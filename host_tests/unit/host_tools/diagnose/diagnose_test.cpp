@@ -9,8 +9,8 @@
 
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/gain.hpp"
-#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
-#include "host_tools/lib/diagnose/hypothesis/prepared_axis.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
+#include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/materiality.hpp"
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"

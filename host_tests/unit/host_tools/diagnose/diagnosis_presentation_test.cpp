@@ -80,16 +80,44 @@ TEST(DiagnosisJsonOfSeveralAxes, IsAListOfSuchObjects) {
 
 TEST(DiagnosisInWords, SaysMisfitCauseRivalsAndGain) {
   const std::string words = in_words(explained_by_a_walk());
-  EXPECT_THAT(words, HasSubstr("The Allan deviation (tau 800 s) is 2.1 times the most that white "
-                               "noise, 1/f noise and a constant give."));
+  EXPECT_THAT(words, HasSubstr("The Allan deviation (tau 800 s) is 0.021 deg/s, 2.1 times the most "
+                               "that white noise, 1/f noise and a constant give."));
   EXPECT_THAT(words, HasSubstr("A random walk of 1.2e-4 deg/s/sqrt(s) explains it."));
   EXPECT_THAT(words, HasSubstr("fractional order explains it almost as well (2.1 nats less)"));
   EXPECT_THAT(words, HasSubstr("rate ramp comes nearest and does not do (14 nats worse)"));
   EXPECT_THAT(
       words,
       HasSubstr(
-          "With its extensions the heading drift over 300 s falls from 6.9 to 5.2 deg [4.8, 5.7], "
-          "and the 95 % interval covers 95 % instead of 81 %"));
+          "With its extensions the heading drift in a drive of 300 s falls from 6.9 to 5.2 deg "
+          "[4.8, 5.7], and the 95 % interval covers 95 % instead of 81 %."));
+}
+
+TEST(DiagnosisInWords, SaysThatNothingChanges) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.gain.heading_drift_ratio = {.value = 0.995, .lo = 0.97, .hi = 1.02};
+  diagnosis.gain.coverage95_base.value = 0.952;
+  EXPECT_THAT(
+      in_words(diagnosis),
+      HasSubstr("Neither the heading drift (5.2 deg in a drive of 300 s) nor the coverage of "
+                "the 95 % interval (95 %) changes."));
+}
+
+TEST(CausesByCost, BeginWithWhatTheHeadingDriftsBy) {
+  Diagnosis diagnosis;
+  diagnosis.causes = {{.effect = "quantization", .probability = 1.0},
+                      {.effect = "rate_ramp",
+                       .probability = 0.97,
+                       .heading_drift_ratio = BootstrapFigure{.value = 0.9, .lo = 0.8, .hi = 1.0}},
+                      {.effect = "rate_random_walk",
+                       .probability = 0.93,
+                       .heading_drift_ratio = BootstrapFigure{.value = 0.7, .lo = 0.6, .hi = 0.8}}};
+  EXPECT_EQ(causes_in_words(diagnosis),
+            "rate random walk (93 %), rate ramp (97 %), quantization (100 %)");
+  const std::array axes{diagnosis};
+  const auto json = nlohmann::json::parse(to_json(axes));
+  EXPECT_EQ(json.at("causes").at(0).at("name"), "quantization");
+  EXPECT_TRUE(json.at("causes").at(0).at("heading_drift_ratio").is_null());
+  EXPECT_EQ(json.at("causes").at(2).at("heading_drift_ratio"), 0.7);
 }
 
 TEST(DiagnosisInWords, SaysOneOfWhereNoNameStandsAlone) {
@@ -165,7 +193,7 @@ TEST(DiagnosisReport, HoldsVerdictEvidenceGainAndModel) {
       make_report(axes, {.title = "t", .recording = "rest.csv", .provenance = "p"}).html();
   for (const char* expected :
        {"Axis z: explained", "coefficient_dps_per_sqrt_s", "not examined: no temperature",
-        "What the extension buys", "zerorate replay rest.csv", "zerorate.model/1"}) {
+        "Axis z: what the extension buys", "zerorate replay rest.csv", "zerorate.model/2"}) {
     EXPECT_THAT(html, HasSubstr(expected));
   }
 }

@@ -1,6 +1,6 @@
 // Stops in which a vehicle rolls and turns, and the same stops without.
 
-#include "host_tools/lib/identify/motion_at_rest.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <random>
 
-#include "host_tools/lib/identify/motion_at_rest.hpp"
 #include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::identify {

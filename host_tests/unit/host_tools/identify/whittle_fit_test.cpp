@@ -1,4 +1,4 @@
-#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/identify/whittle.hpp"
 
 #include <gtest/gtest.h>
 

@@ -94,7 +94,8 @@ void test_patches(const StandardisedResidual& residual, Tests& tests) {
 
 /// A tone whose frequency moves at a constant rate. Each stretch is turned back at the rate before
 /// it is transformed, so that a fast sweep keeps its power in one bin; the powers along the line
-/// are then summed.
+/// are then summed. The values are real, so the negative frequencies of a transform are what
+/// turning at the opposite rate gives.
 class MovingTone {
  public:
   MovingTone(std::span<const double> values, std::size_t stretches)
@@ -104,17 +105,16 @@ class MovingTone {
         fft_(length_, false),
         turned_(length_),
         bins_(length_),
-        power_(stretches * half()) {}
+        rising_(stretches * half()),
+        falling_(stretches * half()) {}
 
   [[nodiscard]] double log_p() {
     const double fastest = kWidestSweep * static_cast<double>(length_) /
                            static_cast<double>(stretches_);  // bins in a stretch
-    for (double sweep = -fastest; sweep <= fastest; sweep += 1.0) {
+    for (double sweep = 0.0; sweep <= fastest; sweep += 1.0) {
       transform(sweep);
-      // The line is placed more finely than the turning needs.
-      const double step = 1.0 / static_cast<double>(stretches_);
-      for (double fine = sweep - 0.5; fine < sweep + 0.5 - 0.5 * step; fine += step)
-        sum_along(fine);
+      sum_near(rising_, sweep);
+      if (sweep > 0.0) sum_near(falling_, -sweep);
     }
     const double freedom = 2.0 * static_cast<double>(stretches_);
     return statistics::log_of_smallest(statistics::log_chi_squared_tail(2.0 * most_, freedom),
@@ -137,12 +137,21 @@ class MovingTone {
       const std::size_t first = s * (values_.size() / stretches_);
       for (std::size_t i = 0; i < length_; ++i) stretch[i] = values_[first + i] * turned_[i];
       fft_.transform(stretch.data(), bins_.data());
-      for (std::size_t j = 0; j < half(); ++j)
-        power_[s * half() + j] = std::norm(bins_[j]) / length;
+      for (std::size_t j = 0; j < half(); ++j) {
+        rising_[s * half() + j] = std::norm(bins_[j]) / length;
+        falling_[s * half() + j] = std::norm(bins_[(length_ - j) % length_]) / length;
+      }
     }
   }
 
-  void sum_along(double sweep) {
+  /// The line is placed more finely than the turning needs.
+  void sum_near(const std::vector<double>& power, double sweep) {
+    const double step = 1.0 / static_cast<double>(stretches_);
+    for (double fine = sweep - 0.5; fine < sweep + 0.5 - 0.5 * step; fine += step)
+      sum_along(power, fine);
+  }
+
+  void sum_along(const std::vector<double>& power, double sweep) {
     const auto bins = static_cast<double>(half());
     for (std::size_t from = 1; from < half(); ++from) {
       const double end = static_cast<double>(from) + sweep * static_cast<double>(stretches_ - 1);
@@ -150,7 +159,7 @@ class MovingTone {
       double sum = 0.0;
       double place = static_cast<double>(from) + 0.5;
       for (std::size_t s = 0; s < stretches_; ++s) {
-        sum += power_[s * half() + static_cast<std::size_t>(place)];
+        sum += power[s * half() + static_cast<std::size_t>(place)];
         place += sweep;
       }
       most_ = std::max(most_, sum);
@@ -164,7 +173,8 @@ class MovingTone {
   kissfft<double> fft_;
   std::vector<std::complex<double>> turned_;
   std::vector<std::complex<double>> bins_;
-  std::vector<double> power_;
+  std::vector<double> rising_;   ///< power of each frequency in each stretch at a rate
+  std::vector<double> falling_;  ///< the same at the opposite rate
   double most_ = 0.0;
   double lines_ = 0.0;
 };

@@ -20,9 +20,11 @@ std::unique_ptr<Effect> make_quantization();
 std::unique_ptr<Effect> make_random_telegraph_noise();
 std::unique_ptr<Effect> make_rate_ramp();
 std::unique_ptr<Effect> make_rate_random_walk();
+std::unique_ptr<Effect> make_relaxation();
 std::unique_ptr<Effect> make_saturation();
 std::unique_ptr<Effect> make_sensor_bandwidth();
 std::unique_ptr<Effect> make_temperature_drift();
+std::unique_ptr<Effect> make_temperature_rate();
 std::unique_ptr<Effect> make_variable_noise();
 std::unique_ptr<Effect> make_warm_up_transient();
 
@@ -37,7 +39,9 @@ inline constexpr std::array kEffects = {
     &make_rate_ramp,
     &make_warm_up_transient,
     &make_temperature_drift,
+    &make_temperature_rate,
     &make_bias_jump,
+    &make_relaxation,
     &make_periodic_disturbance,
     &make_outliers,
     &make_variable_noise,

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/lib/diagnose/forecast_gain/node_scores.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
 #include "host_tools/lib/diagnose/record/record.hpp"
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
 

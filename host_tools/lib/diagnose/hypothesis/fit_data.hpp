@@ -11,6 +11,7 @@
 #include "host_tools/lib/diagnose/hypothesis/part.hpp"
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/record/level_lattice.hpp"
+#include "host_tools/lib/diagnose/record/record.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
@@ -72,5 +73,21 @@ class FitData {
 [[nodiscard]] std::vector<double> repair(const std::vector<double>& values,
                                          const std::vector<bool>& is_replaced, const Range& range,
                                          std::uint64_t seed);
+
+/// Even series of a record and its data for fits. As long as the record is, so keep it in a scope.
+class PreparedAxis {
+ public:
+  PreparedAxis(const Record& record, std::uint64_t seed)
+      : series_(even_series_of(record)), data_(series_, seed) {}
+  PreparedAxis(const PreparedAxis&) = delete;
+  PreparedAxis& operator=(const PreparedAxis&) = delete;
+
+  [[nodiscard]] const EvenSeries& series() const { return series_; }
+  [[nodiscard]] const FitData& data() const { return data_; }
+
+ private:
+  EvenSeries series_;
+  FitData data_;
+};
 
 }  // namespace zerorate::diagnose

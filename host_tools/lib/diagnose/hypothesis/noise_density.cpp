@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "host_tools/lib/diagnose/hypothesis/spectrum_fit.hpp"
-#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/identify/whittle.hpp"
 
 namespace zerorate::diagnose {
 namespace {

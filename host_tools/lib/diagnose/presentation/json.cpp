@@ -36,6 +36,11 @@ Json cause_json(const Cause& cause) {
             {"parameters", Json::object()},
             {"alternatives", Json::array()}};
   if (!cause.in_model) json["left_out_because"] = cause.left_out_because;
+  if (cause.heading_drift_ratio) {
+    add(json, "heading_drift_ratio", *cause.heading_drift_ratio);
+  } else {
+    json["heading_drift_ratio"] = nullptr;
+  }
   for (const Explanation& one : cause.set95) {
     json["set95"].push_back({{"name", one.effect}, {"probability", number(one.probability)}});
   }
@@ -147,7 +152,8 @@ Json odometer_json(const odometry::OdometerDiagnosis& odometer) {
 
 }  // namespace
 
-std::string to_json(std::span<const Diagnosis> axes, const odometry::OdometerDiagnosis* odometer) {
+std::string to_json(std::span<const Diagnosis> axes, const std::vector<std::string>& doubts,
+                    const odometry::OdometerDiagnosis* odometer) {
   Json json;
   if (axes.size() == 1) {
     json = axis_json(axes.front());
@@ -155,6 +161,7 @@ std::string to_json(std::span<const Diagnosis> axes, const odometry::OdometerDia
     json = {{"schema", kSchema}, {"axes", Json::array()}};
     for (const Diagnosis& axis : axes) json["axes"].push_back(axis_json(axis));
   }
+  json["doubts"] = doubts;
   if (odometer != nullptr) json["odometer"] = odometer_json(*odometer);
   return json.dump(2) + "\n";
 }

@@ -25,6 +25,16 @@ namespace zerorate::diagnose {
 /// Gain in heading of learning from the calm alone.
 [[nodiscard]] std::string in_words(const odometry::HeadingGain& gain);
 
+/// Causes in the order of what they cost the heading of a node that does not know them; those that
+/// the node cannot follow come last, the strongest first.
+[[nodiscard]] std::vector<const Cause*> causes_by_cost(const Diagnosis& diagnosis);
+
+/// The causes on one line: "rate random walk (99 %), quantization (100 %)"; "none" without any.
+[[nodiscard]] std::string causes_in_words(const Diagnosis& diagnosis);
+
+/// Heading drift before and after on one line: "1.04 to 0.869 deg in 94 s"; empty without drives.
+[[nodiscard]] std::string drift_in_words(const Diagnosis& diagnosis);
+
 /// An effect as people read it: "rate random walk".
 [[nodiscard]] std::string plain_name(std::string_view effect);
 
@@ -41,8 +51,10 @@ namespace zerorate::diagnose {
 [[nodiscard]] report::BarChart coverage_chart(const Gain& gain);
 
 /// One axis: the object itself; several: a list of such objects under "axes".
+/// @param doubts  what speaks against rest and is not certain, under "doubts"
 /// @param odometer  what is wrong with the odometer, under "odometer"; nullptr: not examined
 [[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
+                                  const std::vector<std::string>& doubts = {},
                                   const odometry::OdometerDiagnosis* odometer = nullptr);
 
 struct ReportText {

@@ -26,11 +26,11 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
   std::vector<report::KeyFigure> figures{
       {"Verdict", std::string(name(diagnosis.verdict)),
        fmt::format("{} samples every {:.4g} s", diagnosis.samples, diagnosis.sample_period_s)}};
-  for (const Cause& cause : diagnosis.causes) {
-    figures.push_back({"Cause", plain_name(cause.effect),
-                       fmt::format("{:.0f} % sure; {:.1f} nats{}, p {}", 100.0 * cause.probability,
-                                   cause.gain_nats, cause.axes > 1 ? " of all axes" : "",
-                                   p_value(cause.p_value))});
+  for (const Cause* cause : causes_by_cost(diagnosis)) {
+    figures.push_back({"Cause", plain_name(cause->effect),
+                       fmt::format("{:.0f} % sure; {:.1f} nats{}, p {}", 100.0 * cause->probability,
+                                   cause->gain_nats, cause->axes > 1 ? " of all axes" : "",
+                                   p_value(cause->p_value))});
   }
   const Gain& gain = diagnosis.gain;
   if (gain.has_drives()) {
@@ -155,8 +155,17 @@ report::Table gain_table(const Gain& gain) {
   return table;
 }
 
+/// "Evidence" of a recording of one axis, "Axis x: evidence" of several.
+std::string heading(const Diagnosis& diagnosis, std::string what) {
+  if (diagnosis.axis != "rate") {
+    what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
+    what.insert(0, "Axis " + diagnosis.axis + ": ");
+  }
+  return what;
+}
+
 void add_misfit(report::Report& report, const Diagnosis& diagnosis) {
-  auto& section = report.section("Simulation against recording");
+  auto& section = report.section(heading(diagnosis, "Simulation against recording"));
   if (!diagnosis.allan.empty()) section.chart(allan_chart(diagnosis));
   if (!diagnosis.density.empty()) section.chart(density_chart(diagnosis));
   if (std::ranges::any_of(diagnosis.misfit, &Misfit::is_outside)) {
@@ -167,8 +176,9 @@ void add_misfit(report::Report& report, const Diagnosis& diagnosis) {
   }
 }
 
-void add_gain(report::Report& report, const Gain& gain) {
-  auto& section = report.section("What the extension buys");
+void add_gain(report::Report& report, const Diagnosis& diagnosis) {
+  const Gain& gain = diagnosis.gain;
+  auto& section = report.section(heading(diagnosis, "What the extension buys"));
   const report::BarChart errors = error_chart(gain);
   if (!errors.categories.empty()) section.chart(errors);
   if (gain.has_drives()) section.chart(coverage_chart(gain));
@@ -177,7 +187,7 @@ void add_gain(report::Report& report, const Gain& gain) {
 
 void add_model(report::Report& report, const Diagnosis& diagnosis, const std::string& recording) {
   const std::string axis = diagnosis.axis == "rate" ? "" : " --axis " + diagnosis.axis;
-  report.section("Run it on the node")
+  report.section(heading(diagnosis, "Run it on the node"))
       .paragraph(
           "The extended model is the node's own: the same file runs in a replay, in the "
           "node on Linux and in the firmware. Write it, and try it on stops and drives:")
@@ -197,33 +207,39 @@ void add_axis(report::Report& report, const Diagnosis& diagnosis, const ReportTe
   for (const Drawing& drawing : diagnosis.drawings) verdict.chart(effect_chart(diagnosis, drawing));
   add_misfit(report, diagnosis);
   if (!diagnosis.evidence.empty()) {
-    report.section("Evidence").chart(evidence_chart(diagnosis)).table(evidence_table(diagnosis));
+    report.section(heading(diagnosis, "Evidence"))
+        .chart(evidence_chart(diagnosis))
+        .table(evidence_table(diagnosis));
   }
   if (diagnosis.causes.empty()) return;
-  if (diagnosis.gain.is_measured()) add_gain(report, diagnosis.gain);
+  if (diagnosis.gain.is_measured()) add_gain(report, diagnosis);
   add_model(report, diagnosis, text.recording);
 }
 
-std::string lead(std::span<const Diagnosis> axes) {
-  if (axes.size() == 1) {
-    return "Does this sensor behave like white noise, 1/f noise and a constant? Where not, why, "
-           "and what is the better model worth?";
-  }
-  std::string text;
+constexpr std::string_view kLead =
+    "Does this sensor behave like white noise, 1/f noise and a constant? Where not, why, and what "
+    "is "
+    "the better model worth?";
+
+report::Table verdict_table(std::span<const Diagnosis> axes) {
+  report::Table table{
+      .caption =
+          "Causes in the order of what they cost the heading, each with the probability that "
+          "it is among the causes. Heading drift of the node with the base and with the "
+          "extended model, on data held out.",
+      .columns = {{"Axis"}, {"Verdict"}, {"Causes"}, {"Heading drift"}}};
   for (const Diagnosis& axis : axes) {
-    text +=
-        fmt::format("{}Axis {}: {}", text.empty() ? "" : "; ", axis.axis, verdict_in_words(axis));
-    for (std::size_t i = 0; i < axis.causes.size(); ++i) {
-      text += (i == 0 ? ": " : " and ") + plain_name(axis.causes[i].effect);
-    }
+    table.rows.push_back(
+        {axis.axis, verdict_in_words(axis), causes_in_words(axis), drift_in_words(axis)});
   }
-  return text + ".";
+  return table;
 }
 
 }  // namespace
 
 report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text) {
-  report::Report report{text.title, lead(axes)};
+  report::Report report{text.title, std::string(kLead)};
+  if (axes.size() > 1) report.section("Verdicts").table(verdict_table(axes));
   for (const Diagnosis& axis : axes) add_axis(report, axis, text);
   report.provenance(text.provenance);
   return report;

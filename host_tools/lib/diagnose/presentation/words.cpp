@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,8 @@
 
 namespace zerorate::diagnose {
 namespace {
+
+using units::in_figures;
 
 /// How far a row is outside, as the factor that a reader sees: below or above the nearer end.
 double departure(const Misfit& row) {
@@ -26,8 +29,14 @@ bool is_positive(const Misfit& row) {
   return row.measured > 0.0 && row.simulated_lo > 0.0;
 }
 
-/// "The Allan deviation at tau 200 s is 2.1 times what white noise, 1/f noise and a constant can
-/// do", or the figures where a ratio means nothing.
+/// Unit that ends a statistic's name, with a space before it; empty where there is none.
+std::string_view unit_of(std::string_view statistic) {
+  if (statistic.ends_with("_dps2_per_hz")) return " (deg/s)^2/Hz";
+  return statistic.ends_with("_dps") ? " deg/s" : "";
+}
+
+/// "The Allan deviation (tau 200 s) is 0.0126 deg/s, 2.1 times the most that white noise, 1/f noise
+/// and a constant give", or the simulations' range where a ratio means nothing.
 std::string misfit_sentence(const Misfit& row, bool is_base_given) {
   const std::string_view base =
       is_base_given ? "simulations of the given model" : "white noise, 1/f noise and a constant";
@@ -37,11 +46,13 @@ std::string misfit_sentence(const Misfit& row, bool is_base_given) {
   if (is_positive(row) && departure(row) > 0.05) {
     const bool above = row.measured > row.simulated_hi;
     const double end = above ? row.simulated_hi : row.simulated_lo;
-    return fmt::format("{}{} is {:.2g} times the {} that {} give.", what, where, row.measured / end,
+    return fmt::format("{}{} is {}{}, {:.2g} times the {} that {} give.", what, where,
+                       in_figures(row.measured), unit_of(row.statistic), row.measured / end,
                        above ? "most" : "least", base);
   }
-  return fmt::format("{}{} is {:.3g}, where {} give {:.3g} to {:.3g}.", what, where, row.measured,
-                     base, row.simulated_lo, row.simulated_hi);
+  return fmt::format("{}{} is {}{}, where {} give {} to {}.", what, where, in_figures(row.measured),
+                     unit_of(row.statistic), base, in_figures(row.simulated_lo),
+                     in_figures(row.simulated_hi));
 }
 
 const Misfit* worst_misfit(const Diagnosis& diagnosis) {
@@ -85,15 +96,15 @@ std::string one_of(const Cause& cause) {
 
 std::string cause_sentences(const Diagnosis& diagnosis) {
   std::string text;
-  for (const Cause& cause : diagnosis.causes) {
-    text += " " + cause.sentence;
-    if (!cause.stands_alone()) {
-      text += one_of(cause);
-    } else if (!cause.alternatives.empty()) {
-      const Alternative& rival = cause.alternatives.front();
+  for (const Cause* cause : causes_by_cost(diagnosis)) {
+    text += " " + cause->sentence;
+    if (!cause->stands_alone()) {
+      text += one_of(*cause);
+    } else if (!cause->alternatives.empty()) {
+      const Alternative& rival = cause->alternatives.front();
       text += fmt::format(
           " {:.0f} % speak for it; {} explains it almost as well ({:.1f} nats less).",
-          100.0 * cause.probability, plain_name(rival.effect), rival.less_likely_by_nats);
+          100.0 * cause->probability, plain_name(rival.effect), rival.less_likely_by_nats);
     }
   }
   if (diagnosis.causes.size() == 1 && diagnosis.causes.front().axes == 1)
@@ -101,28 +112,32 @@ std::string cause_sentences(const Diagnosis& diagnosis) {
   return text;
 }
 
-std::string drift_sentence(const Gain& gain) {
+/// Heading and coverage of drives of one length through the node, each after a stop.
+std::string drive_sentences(const Gain& gain) {
   const BootstrapFigure& after = gain.heading_drift_extended_deg;
-  const double before = gain.heading_drift_base_deg.value;
   const double ratio = gain.heading_drift_ratio.value;
+  const double covered = 100.0 * gain.coverage95_extended.value;
+  const double covered_before = 100.0 * gain.coverage95_base.value;
   const bool same = gain.heading_drift_ratio.lo <= 1.0 && gain.heading_drift_ratio.hi >= 1.0;
-  if (same && std::abs(ratio - 1.0) < 0.02) {
-    return fmt::format(" The heading drift over {:.0f} s stays at {:.3g} deg", gain.drive_s,
-                       after.value);
+  const bool same_coverage = std::abs(covered - covered_before) < 0.5;
+  if (same && std::abs(ratio - 1.0) < 0.02 && same_coverage) {
+    return fmt::format(
+        " Neither the heading drift ({} deg in a drive of {:.0f} s) nor the coverage of the 95 % "
+        "interval ({:.0f} %) changes.",
+        in_figures(after.value), gain.drive_s, covered);
   }
   return fmt::format(
-      " With its extensions the heading drift over {:.0f} s {} from {:.3g} to {:.3g} deg "
-      "[{:.3g}, {:.3g}]",
-      gain.drive_s, ratio < 1.0 ? "falls" : "rises", before, after.value, after.lo, after.hi);
+      " With its extensions the heading drift in a drive of {:.0f} s {} from {} to {} deg "
+      "[{}, {}], and the 95 % interval covers {:.0f} % {} {:.0f} %.",
+      gain.drive_s, ratio < 1.0 ? "falls" : "rises", in_figures(gain.heading_drift_base_deg.value),
+      in_figures(after.value), in_figures(after.lo), in_figures(after.hi), covered,
+      same_coverage ? "as before, promised are" : "instead of",
+      same_coverage ? 95.0 : covered_before);
 }
 
 std::string gain_sentence(const Gain& gain) {
   if (!gain.is_measured()) return "";
-  if (gain.has_drives()) {
-    return drift_sentence(gain) +
-           fmt::format(", and the 95 % interval covers {:.0f} % instead of {:.0f} %.",
-                       100.0 * gain.coverage95_extended.value, 100.0 * gain.coverage95_base.value);
-  }
+  if (gain.has_drives()) return drive_sentences(gain);
   const auto& score = gain.log_score_gain_nats_per_sample;
   if (!std::isfinite(score.value)) return "";
   return fmt::format(
@@ -147,13 +162,40 @@ std::string model_sentences(const Diagnosis& diagnosis) {
 
 std::string what_is_left(const Diagnosis& diagnosis) {
   const auto& failures = diagnosis.extended_adequacy.failures;
-  std::string text = diagnosis.causes.empty() ? " No effect of the catalogue explains it"
-                                              : " That is not all, so no cause is proven";
+  std::string text = diagnosis.causes.empty()
+                         ? " No effect of the catalogue explains it"
+                         : " Not everything is explained, so no cause is proven";
   text += failures.empty() ? "." : fmt::format(": {}.", failures.front());
   return text;
 }
 
 }  // namespace
+
+std::vector<const Cause*> causes_by_cost(const Diagnosis& diagnosis) {
+  std::vector<const Cause*> causes;
+  for (const Cause& cause : diagnosis.causes) causes.push_back(&cause);
+  std::ranges::stable_sort(causes, {}, [](const Cause* cause) {
+    return cause->heading_drift_ratio ? cause->heading_drift_ratio->value
+                                      : std::numeric_limits<double>::infinity();
+  });
+  return causes;
+}
+
+std::string causes_in_words(const Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (const Cause* cause : causes_by_cost(diagnosis)) {
+    names.push_back(
+        fmt::format("{} ({:.0f} %)", plain_name(cause->effect), 100.0 * cause->probability));
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string drift_in_words(const Diagnosis& diagnosis) {
+  const Gain& gain = diagnosis.gain;
+  if (!gain.has_drives()) return {};
+  return fmt::format("{} to {} deg in {:.0f} s", in_figures(gain.heading_drift_base_deg.value),
+                     in_figures(gain.heading_drift_extended_deg.value), gain.drive_s);
+}
 
 std::string plain_name(std::string_view effect) {
   std::string name(effect);

@@ -62,7 +62,8 @@ Cause cause_of(const Choice& choice, Description description) {
           .set95 = set95_of(choice.explanations),
           .sentence = std::move(description.sentence),
           .in_model = choice.in_model,
-          .left_out_because = choice.left_out_because};
+          .left_out_because = choice.left_out_because,
+          .heading_drift_ratio = choice.heading_drift_ratio};
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct Choice {
   std::size_t axes = 1;                        ///< that gain and surprise are of
   bool in_model = true;                        ///< it is an extension of the model that is written
   std::string left_out_because;                ///< reason where it is not
+  std::optional<statistics::BootstrapFigure> heading_drift_ratio{};  ///< see Cause
 
   /// Price: the gain had to exceed it.
   [[nodiscard]] double price_nats() const {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/experiments/drives/standings.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 

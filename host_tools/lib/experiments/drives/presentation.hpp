@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/lib/evaluate/schedule.hpp"
+#include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/experiments/drives/drives.hpp"
 #include "host_tools/lib/experiments/drives/learning.hpp"
 #include "host_tools/lib/experiments/presentation.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "host_tools/lib/experiments/paper/predictors.hpp"
-#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"
 

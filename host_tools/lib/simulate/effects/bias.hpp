@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/simulate/effects/signal.hpp"
@@ -33,6 +34,28 @@ struct BiasJump {
   void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (std::size_t k = 0; k < signal.size(); ++k) {
       if (signal.time_s(k) >= time_s) signal.rate_rad_s[k] += height_rad_s;
+    }
+  }
+};
+
+/// Jumps of the bias, each of its own height, that decay with one time constant, as stress relaxes.
+struct Relaxation {
+  static constexpr std::string_view kName = "relaxation";
+
+  struct Jump {
+    double time_s = 0.0;
+    double height_rad_s = 0.0;
+  };
+  std::vector<Jump> jumps;
+  double time_constant_s = 60.0;
+
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
+    for (const Jump& jump : jumps) {
+      for (std::size_t k = 0; k < signal.size(); ++k) {
+        const double since_s = signal.time_s(k) - jump.time_s;
+        if (since_s < 0.0) continue;
+        signal.rate_rad_s[k] += jump.height_rad_s * std::exp(-since_s / time_constant_s);
+      }
     }
   }
 };
@@ -86,6 +109,29 @@ struct TemperatureDrift {
       element_degc += follow * (signal.temperature_degc[k] - element_degc);
       const double excess_k = element_degc - reference_degc;
       signal.rate_rad_s[k] += (linear_rad_s_per_k + quadratic_rad_s_per_k2 * excess_k) * excess_k;
+    }
+  }
+};
+
+/// A bias driven by the rate of change of the temperature of the signal, behind a first-order lag.
+/// Throws std::invalid_argument when the signal has no temperature.
+struct TemperatureRate {
+  static constexpr std::string_view kName = "temperature_rate";
+
+  double coefficient_rad_per_k = 0.0;  ///< rad/s for each K/s
+  double lag_s = 60.0;                 ///< time constant of the lag, positive
+
+  void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
+    if (signal.temperature_degc.size() != signal.size()) {
+      throw std::invalid_argument("TemperatureRate: the signal has no temperature for each sample");
+    }
+    if (signal.size() == 0) return;
+    const double follow = -std::expm1(-signal.sample_period_s / lag_s);
+    double element_degc = signal.temperature_degc.front();
+    for (std::size_t k = 0; k < signal.size(); ++k) {
+      element_degc += follow * (signal.temperature_degc[k] - element_degc);
+      signal.rate_rad_s[k] +=
+          coefficient_rad_per_k * (signal.temperature_degc[k] - element_degc) / lag_s;
     }
   }
 };

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "host_tools/lib/identify/local_whittle.hpp"
-#include "host_tools/lib/identify/whittle_fit.hpp"
+#include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::identify {

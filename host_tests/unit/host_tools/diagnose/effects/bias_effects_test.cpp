@@ -22,6 +22,27 @@ TEST(BiasJumpAlone, IsNotFoundInWhiteAndFlickerNoise) {
   EXPECT_FALSE(EffectAlone(make_bias_jump(), record_with({})).is_found());
 }
 
+TEST(RelaxationAlone, IsFoundWithItsFigures) {
+  const EffectAlone alone(
+      make_relaxation(),
+      record_with({simulate::Relaxation{
+          {{100.0, 0.2 * kRadPerDeg}, {250.0, -0.3 * kRadPerDeg}, {400.0, 0.15 * kRadPerDeg}},
+          20.0}}));
+  ASSERT_TRUE(alone.is_found());
+  EXPECT_EQ(alone.value_of("jumps"), 3.0);
+  alone.expect_within_three_sigma("largest_height_dps", -0.3);
+  EXPECT_NEAR(alone.value_of("largest_time_s"), 250.0, 2.0);
+  EXPECT_NEAR(alone.value_of("time_constant_s"), 20.0, 6.0);
+  ASSERT_EQ(alone.model().gauss_markov.size(), 1U);
+  // Half of 3 / 500 s times 20 s times the mean square of the heights, (0.225 deg/s)^2.
+  EXPECT_NEAR(alone.model().gauss_markov.front().sigma_rad_s, 0.055 * kRadPerDeg,
+              0.012 * kRadPerDeg);
+}
+
+TEST(RelaxationAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_relaxation(), record_with({})).is_found());
+}
+
 TEST(RateRampAlone, IsFoundWithItsFigures) {
   const EffectAlone alone(make_rate_ramp(), record_with({simulate::RateRamp{6e-4 * kRadPerDeg}}));
   ASSERT_TRUE(alone.is_found());
@@ -66,6 +87,33 @@ TEST(TemperatureDriftAlone, IsFoundWithItsFigures) {
 
 TEST(TemperatureDriftAlone, IsNotFoundInWhiteAndFlickerNoise) {
   EXPECT_FALSE(EffectAlone(make_temperature_drift(), warmed(5.0, 0.0)).is_found());
+}
+
+TEST(TemperatureRateAlone, IsFoundWithItsFigures) {
+  // The rate of 5 K sin(0.02 t) behind 20 s: 0.1 K/s cos(0.02 t - atan(0.4)) / hypot(1, 0.4).
+  constexpr double kLag_s = 20.0;
+  constexpr double kCoefficient_deg_per_k = 1.0;
+  Record record = warmed(5.0, 0.0);
+  const double reach_k_per_s = 0.1 / std::hypot(1.0, 0.02 * kLag_s);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double phase = 0.02 * record.time_s[k] - std::atan(0.02 * kLag_s);
+    record.rate_rad_s[k] += kCoefficient_deg_per_k * kRadPerDeg * reach_k_per_s * std::cos(phase);
+  }
+  const EffectAlone alone(make_temperature_rate(), record);
+  ASSERT_TRUE(alone.is_found());
+  // A lag that is off by half a step of its grid, 1.26, changes the strength by 1 / hypot(1, 0.5).
+  const double found = alone.value_of("coefficient_deg_per_k");
+  EXPECT_NEAR(found, kCoefficient_deg_per_k, 0.15);
+  ASSERT_EQ(alone.model().gauss_markov.size(), 1U);
+  EXPECT_NEAR(alone.model().gauss_markov.front().sigma_rad_s,
+              kCoefficient_deg_per_k * kRadPerDeg * reach_k_per_s / std::sqrt(2.0),
+              0.1 * kRadPerDeg * reach_k_per_s);
+  // cos falls to 1/e at 1.19 rad.
+  EXPECT_NEAR(alone.model().gauss_markov.front().time_constant_s, 1.19 / 0.02, 10.0);
+}
+
+TEST(TemperatureRateAlone, IsNotFoundInWhiteAndFlickerNoise) {
+  EXPECT_FALSE(EffectAlone(make_temperature_rate(), warmed(5.0, 0.0)).is_found());
 }
 
 TEST(TemperatureDriftAlone, CannotBeExaminedWithoutATemperature) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -71,6 +72,13 @@ class EffectAlone {
     EXPECT_GE(truth, at->value - kReach * (at->value - at->lo)) << name << " " << at->value;
     EXPECT_LE(truth, at->value + kReach * (at->hi - at->value)) << name << " " << at->value;
     EXPECT_LT(at->lo, at->hi) << name;
+  }
+
+  /// A figure of the effect; NaN where it has none of that name.
+  [[nodiscard]] double value_of(std::string_view name) const {
+    const auto at = std::ranges::find(description_.parameters, name, &Parameter::name);
+    return at == description_.parameters.end() ? std::numeric_limits<double>::quiet_NaN()
+                                               : at->value;
   }
 
   /// The node's model with nothing in it but the effect.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/samples/sample_screen.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
@@ -65,5 +66,24 @@ struct NodeScores {
 /// Two passes of the node's filter, in its single precision. Throws ModelCannotRun.
 [[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks,
                                ScoreOf what);
+
+/// Scale that readings are read off; by default a reading is the rate itself.
+struct Scale {
+  double step_rad_s = 0.0;  ///< of what readings are rounded to; 0: they are not
+  /// Spacing of the levels that readings lie on, where the model does not know of them: its density
+  /// at the levels is made to sum to 1. 0: there are none.
+  double unknown_step_rad_s = 0.0;
+  double rounding_variance = 0.0;  ///< what the variance of a forecast holds of that
+  /// Width of the cell that a reading at the end of the range stands for, where nothing is rounded.
+  double end_cell_rad_s = 0.0;
+  core::MeasuringRange range;
+};
+
+/// Log density of a reading, or the log of its probability over the width of its cell: rounded, it
+/// stands for half a step on both sides, at an end of the range for all beyond. So densities and
+/// probabilities can be compared, and each sums to 1 over all readings (Dawid 1984: prequential).
+/// What is expected is the mean of readings, which is what the filter learns.
+[[nodiscard]] double log_score(const core::SampleScreen::Forecast& forecast, double reading_rad_s,
+                               const Scale& scale);
 
 }  // namespace zerorate::diagnose

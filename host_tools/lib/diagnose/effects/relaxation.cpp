@@ -1,0 +1,234 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/effects/candidates.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using units::kDegPerRad;
+
+constexpr double kShortestDecay = 4.0;  // values
+constexpr double kLongestDecay = 0.25;  // of the record: a longer one is a jump
+constexpr double kDecayGrid = 1.6;
+constexpr std::size_t kMostJumps = 8;
+constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
+constexpr double kWorthAJump = 4.0;      ///< nats beyond the price of its place
+
+/// Gains of a decay that begins at each value, at the noise of a search.
+class DecayGains {
+ public:
+  /// @param decay  time constant in values
+  DecayGains(const ColumnSearch& scan, double decay) : decay_(decay) {
+    const std::vector<double>& density = scan.density();
+    const std::size_t n = scan.data().size();
+    const double kept = std::exp(-1.0 / decay);
+    double information = 0.0;
+    double beside = 0.0;  // of two decays, the second a value later
+    for (std::size_t k = 1; k < n; ++k) {
+      const double cosine =
+          std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+      const double power = 1.0 / ((1.0 + kept * (kept - 2.0 * cosine)) * density[k]);
+      information += power;
+      beside += power * cosine;
+    }
+    crossings_ = static_cast<double>(n) / std::numbers::pi *
+                 std::sqrt(std::max(0.0, 2.0 * (1.0 - beside / information)));
+    information /= static_cast<double>(n);
+
+    gains_.resize(n);
+    const std::vector<double>& weighted = scan.precision_weighted_residual();
+    double sum = 0.0;
+    for (std::size_t k = n; k-- > kEdge;) {
+      sum = weighted[k] + kept * sum;
+      const double rest = -std::expm1(-2.0 * static_cast<double>(n - k) / decay);  // that is seen
+      if (k + kEdge < n) gains_[k] = 0.5 * sum * sum / (information * rest);
+    }
+  }
+
+  [[nodiscard]] double decay() const { return decay_; }
+  [[nodiscard]] double greatest() const { return *std::ranges::max_element(gains_); }
+  /// Price of the place of one jump: how often a gain G is exceeded by chance, over e^(-G).
+  [[nodiscard]] double price_nats() const { return std::log(std::max(1.0, crossings_)); }
+
+  /// The greatest gains that are worth their place, no two of them closer than a quarter of a
+  /// decay; greatest first.
+  [[nodiscard]] std::vector<std::size_t> places() const {
+    std::vector<std::size_t> worthy;
+    for (std::size_t k = 0; k < gains_.size(); ++k) {
+      if (gains_[k] > price_nats() + kWorthAJump) worthy.push_back(k);
+    }
+    std::ranges::sort(worthy, std::ranges::greater{}, [&](std::size_t k) { return gains_[k]; });
+    std::vector<std::size_t> places;
+    for (const std::size_t k : worthy) {
+      const bool is_near = std::ranges::any_of(places, [&](std::size_t other) {
+        return std::abs(static_cast<double>(k) - static_cast<double>(other)) < 0.25 * decay_;
+      });
+      if (!is_near) places.push_back(k);
+      if (places.size() == kMostPlaces) break;
+    }
+    return places;
+  }
+
+ private:
+  static constexpr std::size_t kEdge = 8;
+
+  double decay_;
+  double crossings_ = 0.0;
+  std::vector<double> gains_;
+};
+
+Column decay_from(const FitData& data, double decay_s, std::size_t first) {
+  return fast_column_of(data, [&](double time_s) {
+    const double since_s = time_s - data.time_s(first);
+    return since_s < -0.5 * data.period_s() ? 0.0 : std::exp(-since_s / decay_s);
+  });
+}
+
+/// Jumps of the bias, each of its own height, that decay with one time constant, as stress in a
+/// package relaxes. A column a jump; the part's shape: the time constant in s, the price of a place
+/// in nats, and the first value of each jump.
+class Relaxation final : public Effect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "relaxation"; }
+
+  [[nodiscard]] Description describe(const FittedPart& fitted) const override {
+    const std::size_t largest = largest_jump(fitted);
+    const double height = fitted.amplitude(largest) * kDegPerRad;
+    const double decay_s = fitted.part().shape[kDecay];
+    const auto jumps = static_cast<double>(fitted.part().columns.size());
+    const auto& series = fitted.hypothesis.data().series();
+    const double time_s =
+        series.time_s(static_cast<std::size_t>(fitted.part().shape[kFirstPlace + largest]));
+    return {.parameters = {{"jumps", jumps, jumps, jumps},
+                           {"time_constant_s", decay_s, decay_s / kDecayGrid, decay_s * kDecayGrid},
+                           parameter("largest_height_dps", height,
+                                     fitted.amplitude_error(largest) * kDegPerRad),
+                           {"largest_time_s", time_s, time_s, time_s}},
+            .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
+                                    "{:.5g} s, and comes back with a time constant of {:.3g} s.",
+                                    jumps, jumps > 1.0 ? "s" : "", height, time_s, decay_s),
+            .drawing = drawing_of(fitted)};
+  }
+
+  /// Jumps may come again: a filter that is to follow takes them for Gauss-Markov noise of the same
+  /// variance, half of rate times time constant times squared height.
+  void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
+    const double decay_s = fitted.part().shape[kDecay];
+    double squares = 0.0;
+    for (std::size_t i = 0; i < fitted.part().columns.size(); ++i) {
+      squares += fitted.amplitude(i) * fitted.amplitude(i);
+    }
+    const double variance = 0.5 * squares * decay_s / fitted.hypothesis.data().span_s();
+    model.gauss_markov.push_back({.sigma_rad_s = std::sqrt(variance), .time_constant_s = decay_s});
+  }
+
+ private:
+  static constexpr std::size_t kDecay = 0;
+  static constexpr std::size_t kPrice = 1;
+  static constexpr std::size_t kFirstPlace = 2;
+
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
+    std::optional<Candidate> candidate =
+        mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
+    if (!candidate) return std::nullopt;
+    const auto jumps = static_cast<double>(candidate->part.columns.size());
+    const double of_one = statistics::surprisal_of_search(candidate->gain_nats / jumps, 1.0,
+                                                          std::exp(candidate->part.shape[kPrice]));
+    candidate->surprisal_nats = jumps * of_one - std::log(decays_tried(without.data()));
+    return candidate;
+  }
+
+  static double longest_decay(const FitData& data) {
+    return kLongestDecay * static_cast<double>(data.size());
+  }
+  static double decays_tried(const FitData& data) {
+    return 1.0 + std::log(longest_decay(data) / kShortestDecay) / std::log(kDecayGrid);
+  }
+
+  static std::size_t largest_jump(const FittedPart& fitted) {
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < fitted.part().columns.size(); ++i) {
+      if (std::abs(fitted.amplitude(i)) > std::abs(fitted.amplitude(largest))) largest = i;
+    }
+    return largest;
+  }
+
+  [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
+    const FitData& data = scan.data();
+    std::optional<DecayGains> best;
+    for (double decay = longest_decay(data); decay >= kShortestDecay; decay /= kDecayGrid) {
+      DecayGains gains(scan, decay);
+      if (!best || gains.greatest() - gains.price_nats() > best->greatest() - best->price_nats()) {
+        best = std::move(gains);
+      }
+    }
+    if (!best) return std::nullopt;
+    std::vector<std::size_t> places = chosen_places(scan, *best);
+    if (places.empty()) return std::nullopt;
+    return best_decay(scan, *best, places);
+  }
+
+  /// The jumps that are worth their places beside each other, added one after the other.
+  static std::vector<std::size_t> chosen_places(const ColumnSearch& scan, const DecayGains& gains) {
+    std::vector<std::size_t> left = gains.places();
+    const double decay_s = gains.decay() * scan.data().period_s();
+    std::vector<Column> columns;
+    std::vector<std::size_t> chosen;
+    double gain = 0.0;
+    while (!left.empty() && chosen.size() < kMostJumps) {
+      double most = 0.0;
+      std::size_t at = 0;
+      columns.emplace_back();
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        columns.back() = decay_from(scan.data(), decay_s, left[i]);
+        const double with = scan.gain(columns);
+        if (with <= most) continue;
+        most = with;
+        at = i;
+      }
+      if (most - gain <= gains.price_nats() + kWorthAJump) break;
+      gain = most;
+      columns.back() = decay_from(scan.data(), decay_s, left[at]);
+      chosen.push_back(left[at]);
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+    return chosen;
+  }
+
+  /// The time constant that suits all jumps best, about the one of the greatest.
+  [[nodiscard]] Part best_decay(const ColumnSearch& scan, const DecayGains& gains,
+                                const std::vector<std::size_t>& places) const {
+    Part best{.effect = name()};
+    double most = -1.0;
+    for (const double factor : {1.0, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0}) {
+      const double decay_s = factor * gains.decay() * scan.data().period_s();
+      Part part{.effect = name(), .shape = {decay_s, gains.price_nats()}};
+      for (const std::size_t place : places) {
+        part.columns.push_back(decay_from(scan.data(), decay_s, place));
+        part.shape.push_back(static_cast<double>(place));
+      }
+      const double gain = scan.gain(part.columns);
+      if (gain <= most) continue;
+      most = gain;
+      best = std::move(part);
+    }
+    return best;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_relaxation() {
+  return std::make_unique<Relaxation>();
+}
+
+}  // namespace zerorate::diagnose

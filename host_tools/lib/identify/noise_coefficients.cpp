@@ -1,0 +1,113 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host_tools/lib/identify/innovations_fit.hpp"
+#include "host_tools/lib/identify/minimise.hpp"
+
+namespace zerorate::identify {
+namespace {
+
+constexpr double kSignificance = 0.01;  ///< of a slow noise beside the other
+constexpr double kOneOverF = 0.5;       ///< order of the noise that B is the strength of
+
+/// Slow noises that stand beside the white noise.
+enum class SlowNoise { flicker, walk, both };
+
+/// The maximum over theta = (log N, log B, log K), of which one of the slow noises may be missing.
+struct CoefficientMaximum {
+  SlowNoise slow;
+  Eigen::VectorXd theta;
+  Eigen::MatrixXd covariance;
+  double minus_two_log;
+
+  [[nodiscard]] IntervalEstimate at(Eigen::Index i) const {
+    return IntervalEstimate::of_logarithm(theta(i), std::sqrt(covariance(i, i)));
+  }
+  [[nodiscard]] IntervalEstimate white() const { return at(0); }
+  [[nodiscard]] std::optional<IntervalEstimate> flicker() const {
+    return slow == SlowNoise::walk ? std::nullopt : std::optional{at(1)};
+  }
+  [[nodiscard]] std::optional<IntervalEstimate> walk() const {
+    return slow == SlowNoise::flicker ? std::nullopt : std::optional{at(theta.size() - 1)};
+  }
+};
+
+/// Logarithms of N, B and K that make noise as strong as a fit's where the recording tells it best:
+/// B at the corner of white and flicker noise, K a decade below it.
+struct StartLogarithms {
+  double white;
+  double flicker;
+  double walk;
+
+  StartLogarithms(const InnovationsFit& base, const InnovationsLikelihood& likelihood) {
+    const double tick_s = static_cast<double>(likelihood.tick().ns()) * 1e-9;
+    const double slowest =
+        2.0 * std::numbers::pi / (tick_s * static_cast<double>(likelihood.ticks()));
+    const double order = base.flicker->order.value;
+    white = std::log(base.angle_random_walk_rad_per_sqrt_s.value);
+    const double strength = std::log(base.flicker->bias_instability_rad_s.value);
+    const double corner =
+        std::clamp(std::exp((strength - white) / order), 2.0 * slowest, std::numbers::pi / tick_s);
+    const double below = std::max(0.1 * corner, slowest);
+    flicker = strength + (kOneOverF - order) * std::log(corner);
+    walk = strength + (1.0 - order) * std::log(below);
+  }
+};
+
+CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
+                                  const StartLogarithms& start, SlowNoise slow,
+                                  double shortest_time_constant_s) {
+  const auto model_at = [&](const Eigen::VectorXd& theta) {
+    model::SensorModel model{.name = "fit"};
+    model.white.angle_random_walk_rad_per_sqrt_s = std::exp(theta(0));
+    if (slow != SlowNoise::walk) {
+      model.flicker = model::Flicker{.bias_instability_rad_s = std::exp(theta(1)),
+                                     .order = kOneOverF,
+                                     .shortest_time_constant_s = shortest_time_constant_s};
+    }
+    if (slow != SlowNoise::flicker) {
+      model.rate_random_walk =
+          model::RateRandomWalk{.coefficient_rad_s_per_sqrt_s = std::exp(theta(theta.size() - 1))};
+    }
+    return model;
+  };
+  Eigen::VectorXd theta(slow == SlowNoise::both ? 3 : 2);
+  theta(0) = start.white;
+  theta(1) = slow == SlowNoise::walk ? start.walk : start.flicker;
+  if (slow == SlowNoise::both) theta(2) = start.walk;
+  const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
+  const Eigen::VectorXd room = Eigen::VectorXd::Constant(theta.size(), 7.0);
+  const Objective objective = [&](const Eigen::VectorXd& x) {
+    return likelihood(model_at(x)).minus_two_log();
+  };
+  const Minimum minimum = minimise(objective, theta, step, room);
+  return {slow, minimum.at, covariance(objective, minimum, step), minimum.value};
+}
+
+}  // namespace
+
+NoiseCoefficients fit_coefficients(const InnovationsLikelihood& likelihood,
+                                   const InnovationsFit& base, double shortest_time_constant_s) {
+  NoiseCoefficients result{.angle_random_walk_rad_per_sqrt_s =
+                               base.angle_random_walk_rad_per_sqrt_s};
+  if (!base.flicker) return result;
+  const StartLogarithms start(base, likelihood);
+  const auto fit = [&](SlowNoise slow) {
+    return fit_slow_noise(likelihood, start, slow, shortest_time_constant_s);
+  };
+  const CoefficientMaximum flicker = fit(SlowNoise::flicker);
+  const CoefficientMaximum walk = fit(SlowNoise::walk);
+  const CoefficientMaximum both = fit(SlowNoise::both);
+  const CoefficientMaximum& alone = flicker.minus_two_log <= walk.minus_two_log ? flicker : walk;
+  const double ratio = alone.minus_two_log - both.minus_two_log;
+  const CoefficientMaximum& chosen = p_value_at_edge(ratio) <= kSignificance ? both : alone;
+  result.angle_random_walk_rad_per_sqrt_s = chosen.white();
+  result.bias_instability_rad_s = chosen.flicker();
+  result.rate_random_walk_rad_s_per_sqrt_s = chosen.walk();
+  result.without_flicker = {walk.white(), *walk.walk()};
+  return result;
+}
+
+}  // namespace zerorate::identify
