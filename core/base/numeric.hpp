@@ -151,11 +151,13 @@ template <class Scalar>
 
 /// Factor of a variance that was estimated with so many degrees of freedom, by which a difference
 /// exceeds sqrt(z2) of its standard deviations as rarely as if the variance were known: the square
-/// of Student's t, f (exp(z2 / f) - 1) (Wallace 1959), over that of the normal number.
+/// of Student's t, f (exp(z2 / f) - 1) (Wallace 1959), over that of the normal number. exp(x) is
+/// (1 + x / 256)^256: 0.05 % low at x = 0.5, 7 % at x = 6.
 [[nodiscard]] constexpr float student_factor(float z2, float degrees_of_freedom) {
   const float exponent = z2 / degrees_of_freedom;
-  const float share = one_minus_exp_neg(exponent);
-  return share / ((1.0F - share) * exponent);
+  float power = 1.0F + (1.0F / 256.0F) * exponent;
+  for (int doubling = 0; doubling < 8; ++doubling) power *= power;
+  return (power - 1.0F) / exponent;
 }
 
 /// Natural logarithm of a positive normal number, relative error below 3e-7 away from 1 and

@@ -2,7 +2,6 @@
 /// Does the odometer tell the truth? What the gyro can say against it, in fixed memory.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -177,6 +176,7 @@ class OdometerCheck {
     return ticks < least ? least : static_cast<std::uint16_t>(ticks);
   }
 
+  static constexpr float larger(float a, float b) { return a > b ? a : b; }
   static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       const float change = a[i] - b[i];
@@ -220,7 +220,7 @@ class OdometerCheck {
   /// larger one, and may go on.
   [[gnu::noinline]] constexpr void judge(const Window& closed, const Rates* predicted) {
     const float noise = closed.noise_against(level_ticks());
-    const float limit = std::max(least_turn_rad2_s2_, noise);
+    const float limit = larger(least_turn_rad2_s2_, noise);
     if (!state_.stands) return begin_stop(closed.mean_rad_s, limit, predicted);
     if (!is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
       start_change(closed.mean_rad_s);
@@ -245,7 +245,7 @@ class OdometerCheck {
     age_level(static_cast<std::uint16_t>(closed.ticks));
     // A turn that just exceeds the limit must not end by chance: the way back is half as far.
     const float limit =
-        std::max(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
+        larger(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
     const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s, limit);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }

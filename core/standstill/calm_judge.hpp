@@ -263,16 +263,16 @@ class CalmJudge {
 
   constexpr void learn_local_white() {
     const std::uint32_t newest = state_.differences;
-    const std::uint32_t all = std::min(
-        {state_.local_differences + newest, kLocalWindows * newest, std::uint32_t{0xFFFF}});
+    const std::uint32_t all = state_.local_differences + newest;
+    const std::uint32_t kept = all < kLocalWindows * newest ? all : kLocalWindows * newest;
     const float sum = state_.squares[0] + state_.squares[1] + state_.squares[2];
-    const float shown = sum / (6.0F * static_cast<float>(newest));
-    state_.local_white_rad2_s2 +=
-        (shown - state_.local_white_rad2_s2) * static_cast<float>(newest) / static_cast<float>(all);
-    state_.local_differences = static_cast<std::uint16_t>(all);
+    const float excess =
+        (1.0F / 6.0F) * sum - state_.local_white_rad2_s2 * static_cast<float>(newest);
+    state_.local_white_rad2_s2 += excess / static_cast<float>(kept);
+    state_.local_differences = static_cast<std::uint16_t>(kept < 0xFFFF ? kept : 0xFFFF);
   }
 
-  static constexpr float sure(float variance, float degrees_of_freedom) {
+  [[gnu::noinline]] static constexpr float sure(float variance, float degrees_of_freedom) {
     constexpr float kSixSigma2 = 36.0F;
     if (degrees_of_freedom < kFewestDegrees) return kUnknown;
     return variance * student_factor(kSixSigma2, degrees_of_freedom);

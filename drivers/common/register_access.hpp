@@ -32,13 +32,16 @@ class SpiRegisters {
  public:
   constexpr explicit SpiRegisters(Device& device) : device_(&device) {}
 
-  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
+  // Not inlined: a driver has many calls, and a board counts bytes.
+  [[gnu::noinline]] core::Result<void, hal::BusError> read(std::uint8_t first,
+                                                           std::span<std::uint8_t> out) {
     const std::array<std::uint8_t, 1> command{static_cast<std::uint8_t>(first | kRead)};
     const std::array operations{hal::Operation::write(command), hal::Operation::read(out)};
     return device_->transaction(operations);
   }
 
-  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
+  [[gnu::noinline]] core::Result<void, hal::BusError> write(std::uint8_t address,
+                                                            std::uint8_t value) {
     const std::array<std::uint8_t, 2> command{address, value};
     const std::array operations{hal::Operation::write(command)};
     return device_->transaction(operations);

@@ -211,13 +211,14 @@ SizedEffect draw_bias_jump(const RecordingSetting& setting, Draws& draws) {
 
 SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
   const double time_constant_s = setting.record_s() * draws.log_uniform(0.01, 0.1);
-  const int jumps = 2 + static_cast<int>(draws.uniform(0.0, 4.0));
+  const int jumps = draws.with_probability(0.5) ? 3 : 2;
   std::vector<simulate::Relaxation::Jump> of_unit_size;
   for (int i = 0; i < jumps; ++i) {
-    // Each in a part of the record of its own, the largest at most three times the smallest.
+    // Each in a part of the record of its own. The largest is at most 1.5 times the smallest, so
+    // that each can pay for its own place.
     const double share = (i + draws.uniform(0.1, 0.9)) / jumps;
     of_unit_size.push_back(
-        {setting.record_s() * (0.05 + 0.9 * share), draws.sign() * draws.log_uniform(1.0, 3.0)});
+        {setting.record_s() * (0.05 + 0.9 * share), draws.sign() * draws.log_uniform(1.0, 1.5)});
   }
   SizedEffect mean = added_mean(setting, "relaxation", [=](double height) -> Effect {
     simulate::Relaxation relaxation{of_unit_size, time_constant_s};

@@ -21,7 +21,7 @@ constexpr double kLongestDecay = 0.25;  // of the record: a longer one is a jump
 constexpr double kDecayGrid = 1.6;
 constexpr std::size_t kMostJumps = 8;
 constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
-constexpr double kWorthAJump = 4.0;      ///< nats beyond the price of its place
+constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
 /// Gains of a decay that begins at each value, at the noise of a search.
 class DecayGains {
