@@ -5,7 +5,6 @@
 
 #include "firmware/model/node_model.hpp"
 #include "firmware/model/source_headers.hpp"
-#include "firmware/model/source_text.hpp"
 
 namespace zerorate::model {
 namespace {

@@ -2,10 +2,14 @@
 /// A model as C or C++ source, for firmware that has no file system to read it from.
 #pragma once
 
+#include <array>
+#include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
+#include "core/base/complex.hpp"
 #include "core/base/time.hpp"
 #include "core/noise/temperature_drift.hpp"
 #include "firmware/model/hypotheses.hpp"
@@ -32,5 +36,37 @@ inline constexpr core::ModelShape kCApiShape{
 /// decimal from which the compiler makes the same bits. Throws what make_full_node_model() throws.
 [[nodiscard]] std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
                                             core::Duration filter_tick);
+
+/// The shortest decimal from which a compiler makes the same bits. The value must be finite.
+[[nodiscard]] inline std::string literal(float value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  std::string text{digits.data(), end};
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text + "F";
+}
+[[nodiscard]] inline std::string literal(const core::Complex& value) {
+  return "{" + literal(value.re) + ", " + literal(value.im) + "}";
+}
+
+/// For a comment: the rates that a model was exported for, in whole millihertz.
+[[nodiscard]] inline std::string rates(core::Duration sample_period, core::Duration filter_tick) {
+  const auto hertz = [](core::Duration period) {
+    constexpr std::int64_t kMilliseconds = 1'000'000'000'000;
+    const std::int64_t millihertz = (kMilliseconds + period.ns() / 2) / period.ns();
+    std::string fraction = std::to_string(millihertz % 1000 + 1000).substr(1);
+    return std::to_string(millihertz / 1000) + "." + fraction + " Hz";
+  };
+  return hertz(sample_period) + " samples and " + hertz(filter_tick) + " ticks of the filter";
+}
+
+/// For a comment: a name cannot end it and go on as source.
+[[nodiscard]] inline std::string in_comment(std::string text) {
+  for (char& character : text) {
+    const bool is_control = static_cast<unsigned char>(character) < ' ';
+    if (is_control || character == '\\' || character == '*') character = ' ';
+  }
+  return text;
+}
 
 }  // namespace zerorate::model

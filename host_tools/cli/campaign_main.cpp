@@ -20,7 +20,7 @@
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/program.hpp"
-#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/campaign/answer.hpp"
 #include "host_tools/lib/campaign/scenario.hpp"
 #include "host_tools/lib/campaign/sized_effect.hpp"

@@ -5,8 +5,8 @@
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/input_options.hpp"
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 

@@ -11,8 +11,8 @@
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/experiments/drives/learning.hpp"
 #include "host_tools/lib/experiments/drives/presentation.hpp"
 

@@ -13,7 +13,7 @@
 #include "firmware/model/source_headers.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 
 namespace zerorate::cli {
 namespace {

@@ -14,8 +14,7 @@
 #include "hal/linux/standard_output.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
-#include "host_tools/cli/progress_bar.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/fleet/database.hpp"
 #include "host_tools/lib/fleet/population.hpp"
 

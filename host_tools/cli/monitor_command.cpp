@@ -15,7 +15,7 @@
 #include "hal/linux/named_socket.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/live_options.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/live/source.hpp"
 #include "host_tools/lib/live/view.hpp"
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/odometry/odometer_figures.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"

@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 
 namespace zerorate::cli {
 

@@ -18,8 +18,7 @@
 #include "hal/linux/standard_output.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/live_options.hpp"
-#include "host_tools/cli/progress_bar.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/live/recorder.hpp"
 
 namespace zerorate::cli {

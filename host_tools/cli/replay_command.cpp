@@ -11,7 +11,7 @@
 #include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
-#include "host_tools/cli/text_output.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"

@@ -10,7 +10,7 @@
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/program.hpp"
-#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/experiments/paper/presentation.hpp"
 
 namespace zerorate::cli {

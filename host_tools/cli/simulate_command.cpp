@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "host_tools/cli/commands.hpp"
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/replay_options.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/fleet/simulated_fleet.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/terminal.hpp"
 
 namespace zerorate::cli {
 

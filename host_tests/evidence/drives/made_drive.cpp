@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/recording/line_reader.hpp"
+#include "host_tools/lib/recording/byte_source.hpp"
 
 namespace zerorate::drives {
 namespace {

@@ -27,7 +27,7 @@ constexpr std::string_view kMissing = "missing:";
 std::string without_extensions(const std::string& name) {
   std::string stem = fs::path(name).filename().string();
   for (const std::string_view extension : {".gz", ".csv", ".db3"}) {
-    if (stem.ends_with(extension)) stem.resize(stem.size() - extension.size());
+    if (stem.ends_with(extension)) stem.erase(stem.size() - extension.size());
   }
   return stem;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "firmware/wire/rate_frame.hpp"
-#include "host_tools/lib/recording/continued_writer.hpp"
+#include "host_tools/lib/recording/writer.hpp"
 
 namespace zerorate::live {
 

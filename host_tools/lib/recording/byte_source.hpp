@@ -1,9 +1,8 @@
 /// @file
-/// The bytes of a file, unpacked if they are gzip, in constant memory.
+/// The bytes and lines of a file, unpacked if they are gzip, in constant memory.
 #pragma once
 
 #include <zlib.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -11,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/lib/recording/error.hpp"
@@ -57,6 +57,36 @@ class ByteSource {
   z_stream stream_{};  ///< its next_in and avail_in are the rest of input_, also for plain files
   bool inflating_ = false;
   bool between_members_ = false;  ///< a gzip file may be several streams one after the other
+};
+
+/// Splits a ByteSource into lines ended by LF or CR LF. A UTF-8 byte order mark is skipped.
+/// No line may be longer than 1 MiB, the size of the buffer.
+class LineReader {
+ public:
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// The next line without its end, valid until the next call; false at the end of the file.
+  /// Throws Error.
+  [[nodiscard]] bool next(std::string_view& line);
+
+  /// Number of the line last given, from 1; 0 before the first.
+  [[nodiscard]] std::uint64_t line() const { return line_; }
+  /// False if the line last given was the last of the file and had no line end.
+  [[nodiscard]] bool is_terminated() const { return is_terminated_; }
+  /// The line last given, at a character counted from 1 (0: the line as a whole).
+  [[nodiscard]] Place place(std::uint64_t column = 0) const;
+  [[nodiscard]] std::optional<double> fraction_read() const { return source_.fraction_read(); }
+
+ private:
+  [[nodiscard]] bool fill();
+  std::string_view take(std::size_t length, std::size_t end_length);
+
+  ByteSource source_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;  ///< buffer_[begin_, end_) is read but not yet given out
+  std::size_t end_ = 0;
+  std::uint64_t line_ = 0;
+  bool is_terminated_ = true;
 };
 
 }  // namespace zerorate::recording

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host_tools/lib/recording/layout.hpp"
-#include "host_tools/lib/recording/line_reader.hpp"
+#include "host_tools/lib/recording/byte_source.hpp"
 #include "host_tools/lib/recording/row.hpp"
 
 namespace zerorate::recording {

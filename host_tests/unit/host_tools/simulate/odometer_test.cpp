@@ -1,6 +1,6 @@
 // Each figure of the simulated odometer, measured in what it shows and counts.
 
-#include "host_tools/lib/simulate/odometer.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,20 @@
 /// @file
-/// How far a long piece of work is; silent where nobody looks.
+/// Text results of a command, into a file or to the standard output, and the progress of long work.
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace zerorate::cli {
+
+/// Writes the text into the file; "-" is the standard output. Throws std::system_error.
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// The words of a paragraph in lines of at most 100 characters.
+[[nodiscard]] std::string wrapped(std::string_view paragraph);
 
 /// A line on the error stream that is redrawn at most ten times a second and wiped at the end.
 /// Draws nothing if the error stream is no terminal.

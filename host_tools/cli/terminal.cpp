@@ -1,12 +1,34 @@
-#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/terminal.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 
+#include "host_tools/lib/output/output_file.hpp"
+
 namespace zerorate::cli {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  if (path == "-") {
+    fmt::print("{}", text);
+  } else {
+    output::write_file(path, text);
+  }
+}
+
+std::string wrapped(std::string_view paragraph) {
+  constexpr std::size_t kWidth = 100;
+  std::string lines(paragraph);
+  std::size_t begin = 0;
+  while (lines.size() - begin > kWidth) {
+    const std::size_t space = lines.rfind(' ', begin + kWidth);
+    if (space == std::string::npos || space <= begin) break;
+    lines[space] = '\n';
+    begin = space + 1;
+  }
+  return lines;
+}
 
 ProgressBar::ProgressBar(std::string what)
     : what_(std::move(what)), visible_(::isatty(STDERR_FILENO) == 1) {}
