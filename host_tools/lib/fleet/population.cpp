@@ -21,7 +21,7 @@ constexpr std::size_t kFewestAxes = 8;
 const double kLogTrimmed = std::log(1e-3);
 constexpr int kRounds = 4;
 /// Effects that a diagnosis tries on an axis.
-constexpr double kEffectsTried = 16.0;
+constexpr double kEffectsTried = 18.0;
 constexpr double kKindsOfReasons = 3.0;
 
 double log_of(double p_value) {
