@@ -68,6 +68,7 @@ void SimulatedLsm6dso::reset_registers() {
   is_fifo_overrun_ = false;
   is_fifo_overrun_latched_ = false;
   time_slot_ = 0;
+  boot_until_ = clock_->now();
   drive_int1();
 }
 

@@ -64,7 +64,7 @@ TEST(Tally, FillsBarsAndMatrix) {
   tally.add(2, hidden(Kind::clean, {}), {"consistent", {}, {}});
   EXPECT_EQ(tally.misses().size(), 1U);
   EXPECT_DOUBLE_EQ(tally.bars().front().rate.share(), 0.5);
-  EXPECT_NE(tally.markdown().find("| 4 rate_ramp | 2 | 1 | 1 | 0 |"), std::string::npos);
+  EXPECT_NE(tally.markdown().find("| 5 rate_ramp | 2 | 1 | 1 | 0 |"), std::string::npos);
   EXPECT_NE(tally.json().find("\"outliers\": 1"), std::string::npos);
 }
 

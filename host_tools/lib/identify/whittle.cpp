@@ -240,9 +240,9 @@ Estimate exact_local_whittle(std::span<const double> values, std::size_t frequen
   constexpr double kLowest = -0.5;
   constexpr double kHighest = 1.0;
   constexpr int kScanSteps = 6;
-  constexpr int kBits = 16;  // d to about 1e-5
+  constexpr int kScanBits = 16;  // d to about 1e-5
   const ScalarMinimum best = minimise([&](double order) { return whittle.objective(order); },
-                                      kLowest, kHighest, kScanSteps, kBits);
+                                      kLowest, kHighest, kScanSteps, kScanBits);
   if (constant || !std::isfinite(best.value)) {
     throw recording::DataError("exact_local_whittle: the record is constant or not finite");
   }
