@@ -214,7 +214,7 @@ std::string lead(const Characterization& result) {
 }  // namespace
 
 std::string text(const IntervalEstimate& estimate, double unit) {
-  const std::string value = in_figures(estimate.value * unit);
+  std::string value = in_figures(estimate.value * unit);
   if (estimate.standard_error == 0.0) return value;
   return fmt::format("{} [{}, {}]", value, in_figures(estimate.lo * unit),
                      in_figures(estimate.hi * unit));
