@@ -52,8 +52,8 @@ sed 's#</body>#<script>addEventListener("load", () => {\
   page.dataset.excess = page.scrollWidth - window.innerWidth;\
 });</script></body>#' "$page" > "$report"
 open_report --window-size=390,844 --dump-dom > "$folder/phone-dom.html"
-excess=$(grep -o 'data-excess="[^"]*"' "$folder/phone-dom.html" | tr -dc '0-9-')
-echo "$excess pixels too wide on a phone"
+excess=$(sed -n 's/.*data-excess="\(-\{0,1\}[0-9]*\)".*/\1/p' "$folder/phone-dom.html" | head -n 1)
+echo "$excess pixels beyond the screen of a phone"
 ((excess <= 0)) || fail "the page is wider than a phone"
 report=$page
 

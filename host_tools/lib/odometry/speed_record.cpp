@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "host_tools/lib/recording/byte_source.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/fields.hpp"
-#include "host_tools/lib/recording/byte_source.hpp"
 #include "host_tools/lib/recording/number.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"

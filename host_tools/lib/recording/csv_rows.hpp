@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/lib/recording/byte_source.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/fields.hpp"
 #include "host_tools/lib/recording/header.hpp"
-#include "host_tools/lib/recording/byte_source.hpp"
 #include "host_tools/lib/recording/row_source.hpp"
 
 namespace zerorate::recording {

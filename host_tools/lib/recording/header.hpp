@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/lib/recording/layout.hpp"
 #include "host_tools/lib/recording/byte_source.hpp"
+#include "host_tools/lib/recording/layout.hpp"
 #include "host_tools/lib/recording/row.hpp"
 
 namespace zerorate::recording {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "host_tools/lib/simulate/vehicle.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
+#include "host_tools/lib/simulate/vehicle.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::simulate {
