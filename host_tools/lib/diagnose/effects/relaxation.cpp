@@ -16,8 +16,9 @@ namespace {
 
 using units::kDegPerRad;
 
-constexpr double kShortestDecay = 4.0;  // values
-constexpr double kLongestDecay = 0.25;  // of the record: a longer one is a jump
+constexpr double kShortestDecay = 0.012;  // of the record: a shorter one is motion
+constexpr double kFewestValues = 4.0;     // of a decay
+constexpr double kLongestDecay = 0.25;    // of the record: a longer one is a jump
 constexpr double kDecayGrid = 1.6;
 constexpr std::size_t kMostJumps = 8;
 constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
@@ -150,8 +151,11 @@ class Relaxation final : public Effect {
   static double longest_decay(const FitData& data) {
     return kLongestDecay * static_cast<double>(data.size());
   }
+  static double shortest_decay(const FitData& data) {
+    return std::max(kFewestValues, kShortestDecay * static_cast<double>(data.size()));
+  }
   static double decays_tried(const FitData& data) {
-    return 1.0 + std::log(longest_decay(data) / kShortestDecay) / std::log(kDecayGrid);
+    return 1.0 + std::log(longest_decay(data) / shortest_decay(data)) / std::log(kDecayGrid);
   }
 
   static std::size_t largest_jump(const FittedPart& fitted) {
@@ -165,7 +169,7 @@ class Relaxation final : public Effect {
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
     const FitData& data = scan.data();
     std::optional<DecayGains> best;
-    for (double decay = longest_decay(data); decay >= kShortestDecay; decay /= kDecayGrid) {
+    for (double decay = longest_decay(data); decay >= shortest_decay(data); decay /= kDecayGrid) {
       DecayGains gains(scan, decay);
       if (!best || gains.greatest() - gains.price_nats() > best->greatest() - best->price_nats()) {
         best = std::move(gains);
