@@ -269,11 +269,9 @@ void print_verdicts(const std::vector<Diagnosis>& diagnoses) {
   fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", "axis", "verdict", "for the heading",
              "heading drift, held out", "causes");
   for (const Diagnosis& diagnosis : diagnoses) {
-    const std::optional<bool> is_material = diagnosis.is_material();
-    const std::string_view matters = diagnosis.verdict != diagnose::Verdict::unexplained ? "-"
-                                     : !is_material ? "not decided"
-                                     : *is_material ? "matters"
-                                                    : "no matter";
+    const std::string_view matters = diagnosis.verdict == diagnose::Verdict::unexplained
+                                         ? diagnose::matter_in_words(diagnosis.is_material())
+                                         : "-";
     fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", diagnosis.axis, diagnose::name(diagnosis.verdict),
                matters, diagnose::drift_in_words(diagnosis), diagnose::causes_in_words(diagnosis));
   }

@@ -92,6 +92,13 @@ TEST(DiagnosisInWords, SaysMisfitCauseRivalsAndGain) {
           "[4.8, 5.7], and the 95 % interval covers 95 % instead of 81 %."));
 }
 
+TEST(DiagnosisInWords, GivesTheDensityItsUnit) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  diagnosis.misfit.front() = {"density_dps_per_sqrt_hz", "0.001 Hz", 2.1e-2, 4e-3, 1e-2};
+  EXPECT_THAT(in_words(diagnosis), HasSubstr("The noise density (0.001 Hz) is 0.021 "
+                                             "deg/s/sqrt(Hz), 2.1 times the most"));
+}
+
 TEST(DiagnosisInWords, SaysThatNothingChanges) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.gain.heading_drift_ratio = {.value = 0.995, .lo = 0.97, .hi = 1.02};

@@ -44,6 +44,17 @@ std::optional<Candidate> mean_candidate(const Hypothesis& without, const MeanSea
   return Candidate{std::move(fit->part), fit->gain_nats, 0.0};
 }
 
+std::optional<Candidate> timed_mean_candidate(const Hypothesis& without, const MeanSearch& search,
+                                              double shortest, double longest) {
+  constexpr double kCrossingsPerEFold = 0.3;
+  std::optional<Candidate> candidate = mean_candidate(without, search);
+  if (candidate) {
+    candidate->surprisal_nats = statistics::surprisal_of_search(
+        candidate->gain_nats, 1.0, kCrossingsPerEFold * std::log(longest / shortest));
+  }
+  return candidate;
+}
+
 double shape_error(const FittedPart& fitted, const Column& derivative) {
   const double information = ColumnSearch(fitted.hypothesis).information(derivative);
   return 1.0 / std::sqrt(std::max(information, 1e-300));

@@ -25,6 +25,12 @@ namespace zerorate::diagnose {
 [[nodiscard]] std::optional<Candidate> mean_candidate(const Hypothesis& without,
                                                       const MeanSearch& search);
 
+/// The offer of a fitted mean with one amplitude and a time constant that was searched between two
+/// ends, with its surprise.
+[[nodiscard]] std::optional<Candidate> timed_mean_candidate(const Hypothesis& without,
+                                                            const MeanSearch& search,
+                                                            double shortest, double longest);
+
 /// Standard error of a parameter that a column depends on, from the derivative of the mean by it.
 [[nodiscard]] double shape_error(const FittedPart& fitted, const Column& derivative);
 

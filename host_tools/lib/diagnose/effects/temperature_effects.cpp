@@ -188,14 +188,9 @@ class TemperatureRate final : public Effect {
 
  private:
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
-    const FitData& data = without.data();
-    std::optional<Candidate> candidate =
-        mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
-    if (!candidate) return std::nullopt;
-    const double range = std::log(longest_lag_s(data) / shortest_lag_s(data));
-    candidate->surprisal_nats =
-        statistics::surprisal_of_search(candidate->gain_nats, 1.0, 0.3 * range);
-    return candidate;
+    return timed_mean_candidate(
+        without, [this](const ColumnSearch& scan) { return search(scan); },
+        shortest_lag_s(without.data()), longest_lag_s(without.data()));
   }
 
   static double longest_lag_s(const FitData& data) { return 0.25 * data.span_s(); }

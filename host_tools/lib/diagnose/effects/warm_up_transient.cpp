@@ -5,7 +5,6 @@
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
-#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -51,14 +50,9 @@ class WarmUpTransient final : public Effect {
 
  private:
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
-    const FitData& data = without.data();
-    std::optional<Candidate> candidate =
-        mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
-    if (!candidate) return std::nullopt;
-    const double range = std::log(kLongest * static_cast<double>(data.size()) / kShortest);
-    candidate->surprisal_nats =
-        statistics::surprisal_of_search(candidate->gain_nats, 1.0, 0.3 * range);
-    return candidate;
+    return timed_mean_candidate(
+        without, [this](const ColumnSearch& scan) { return search(scan); }, kShortest,
+        kLongest * static_cast<double>(without.data().size()));
   }
 
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {

@@ -82,7 +82,7 @@ struct Scale {
 /// Log density of a reading, or the log of its probability over the width of its cell: rounded, it
 /// stands for half a step on both sides, at an end of the range for all beyond. So densities and
 /// probabilities can be compared, and each sums to 1 over all readings (Dawid 1984: prequential).
-/// What is expected is the mean of readings, which is what the filter learns.
+/// The mean of the readings is expected, because the filter learns it.
 [[nodiscard]] double log_score(const core::SampleScreen::Forecast& forecast, double reading_rad_s,
                                const Scale& scale);
 

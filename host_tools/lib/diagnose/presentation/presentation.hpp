@@ -2,6 +2,7 @@
 /// A diagnosis in words, as charts, as JSON and as a report.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,12 @@ namespace zerorate::diagnose {
 
 /// A statistic as people read it: "Allan deviation".
 [[nodiscard]] std::string plain_statistic(std::string_view statistic);
+
+/// Unit at the end of a statistic's name: "deg/s"; empty where it has none.
+[[nodiscard]] std::string_view unit_of(std::string_view statistic);
+
+/// Whether something matters for the heading: "it matters", "no matter", or "not decided".
+[[nodiscard]] std::string_view matter_in_words(std::optional<bool> is_material);
 
 [[nodiscard]] report::Chart allan_chart(const Diagnosis& diagnosis);
 [[nodiscard]] report::Chart density_chart(const Diagnosis& diagnosis);

@@ -76,9 +76,8 @@ report::Table parameter_table(const Diagnosis& diagnosis) {
 std::string statistic_with_unit(const std::string& statistic) {
   std::string text = plain_statistic(statistic).substr(4);  // without "the "
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  if (statistic.ends_with("_dps")) return text + ", deg/s";
-  if (statistic.ends_with("_dps_per_sqrt_hz")) return text + ", deg/s/sqrt(Hz)";
-  return text;
+  const std::string_view unit = unit_of(statistic);
+  return unit.empty() ? text : fmt::format("{}, {}", text, unit);
 }
 
 /// The rows that are furthest out, relative to the width of what is simulated, in their own order.

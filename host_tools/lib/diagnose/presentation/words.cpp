@@ -29,10 +29,10 @@ bool is_positive(const Misfit& row) {
   return row.measured > 0.0 && row.simulated_lo > 0.0;
 }
 
-/// Unit that ends a statistic's name, with a space before it; empty where there is none.
-std::string_view unit_of(std::string_view statistic) {
-  if (statistic.ends_with("_dps2_per_hz")) return " (deg/s)^2/Hz";
-  return statistic.ends_with("_dps") ? " deg/s" : "";
+/// The figure of the recording with its unit: "0.0126 deg/s".
+std::string measured(const Misfit& row) {
+  const std::string_view unit = unit_of(row.statistic);
+  return fmt::format("{}{}{}", in_figures(row.measured), unit.empty() ? "" : " ", unit);
 }
 
 /// "The Allan deviation (tau 200 s) is 0.0126 deg/s, 2.1 times the most that white noise, 1/f noise
@@ -46,13 +46,11 @@ std::string misfit_sentence(const Misfit& row, bool is_base_given) {
   if (is_positive(row) && departure(row) > 0.05) {
     const bool above = row.measured > row.simulated_hi;
     const double end = above ? row.simulated_hi : row.simulated_lo;
-    return fmt::format("{}{} is {}{}, {:.2g} times the {} that {} give.", what, where,
-                       in_figures(row.measured), unit_of(row.statistic), row.measured / end,
-                       above ? "most" : "least", base);
+    return fmt::format("{}{} is {}, {:.2g} times the {} that {} give.", what, where, measured(row),
+                       row.measured / end, above ? "most" : "least", base);
   }
-  return fmt::format("{}{} is {}{}, where {} give {} to {}.", what, where, in_figures(row.measured),
-                     unit_of(row.statistic), base, in_figures(row.simulated_lo),
-                     in_figures(row.simulated_hi));
+  return fmt::format("{}{} is {}, where {} give {} to {}.", what, where, measured(row), base,
+                     in_figures(row.simulated_lo), in_figures(row.simulated_hi));
 }
 
 const Misfit* worst_misfit(const Diagnosis& diagnosis) {
@@ -206,10 +204,19 @@ std::string plain_name(std::string_view effect) {
 std::string plain_statistic(std::string_view statistic) {
   if (statistic.starts_with("allan_deviation")) return "the Allan deviation";
   if (statistic.starts_with("density")) return "the noise density";
-  for (const std::string_view unit : {"_dps2_per_hz", "_dps"}) {
-    if (statistic.ends_with(unit)) statistic.remove_suffix(unit.size());
-  }
+  constexpr std::string_view kUnit = "_dps";
+  if (statistic.ends_with(kUnit)) statistic.remove_suffix(kUnit.size());
   return "the " + plain_name(statistic);
+}
+
+std::string_view unit_of(std::string_view statistic) {
+  if (statistic.ends_with("_dps_per_sqrt_hz")) return "deg/s/sqrt(Hz)";
+  return statistic.ends_with("_dps") ? "deg/s" : "";
+}
+
+std::string_view matter_in_words(std::optional<bool> is_material) {
+  if (!is_material) return "not decided";
+  return *is_material ? "it matters" : "no matter";
 }
 
 std::string verdict_in_words(const Diagnosis& diagnosis) {
@@ -225,13 +232,9 @@ std::string remainder_in_words(const Diagnosis& diagnosis) {
   if (!diagnosis.materiality) return {};
   std::vector<std::string> drives;
   for (const HeadingExcess& excess : diagnosis.materiality->by_drive) {
-    const std::optional<bool> is_material = excess.is_material();
     drives.push_back(fmt::format("{:.2f} [{:.2f}, {:.2f}] times over {:.0f} s ({})",
                                  excess.ratio.value, excess.ratio.lo, excess.ratio.hi,
-                                 excess.drive_s,
-                                 !is_material   ? "not decided"
-                                 : *is_material ? "it matters"
-                                                : "no matter"));
+                                 excess.drive_s, matter_in_words(excess.is_material())));
   }
   return fmt::format("The heading error is {} that of simulations with the causes below. ",
                      fmt::join(drives, ", "));

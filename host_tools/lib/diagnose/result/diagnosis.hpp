@@ -76,7 +76,7 @@ inline constexpr std::size_t kMostCauses = 3;  ///< that are told first
 
 /// A statistic of the recording beside what the base model makes of it in simulation.
 struct Misfit {
-  std::string statistic;  ///< "allan_deviation_dps", "density_dps2_per_hz", "excess_kurtosis", ...
+  std::string statistic;  ///< "allan_deviation_dps", "density_dps_per_sqrt_hz", ...
   std::string where;      ///< "tau 200 s", ".5 Hz to 1 Hz"; empty where the whole is meant
   double measured = 0.0;
   double simulated_lo = 0.0;  ///< 95 % of simulations, all rows of the statistic together
