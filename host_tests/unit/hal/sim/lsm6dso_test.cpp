@@ -9,7 +9,7 @@ namespace zerorate::hal::sim {
 namespace {
 
 using core::deg_per_s;
-constexpr core::Temperature kRoom = core::Temperature::from_degc(25.0F);
+constexpr core::Temperature kRoomTemperature = core::Temperature::from_degc(25.0F);
 
 class SimulatedLsm6dsoTest : public ::testing::Test {
  protected:
@@ -33,7 +33,7 @@ class SimulatedLsm6dsoTest : public ::testing::Test {
     for (std::uint8_t& byte : word) byte = chip_.read_register(address++);
     return word;
   }
-  void measure_x(float dps) { chip_.measure({deg_per_s(dps), {}, {}}, kRoom); }
+  void measure_x(float dps) { chip_.measure({deg_per_s(dps), {}, {}}, kRoomTemperature); }
 
   SimulatedClock clock_;
   SimulatedLsm6dso chip_{clock_, -3};
