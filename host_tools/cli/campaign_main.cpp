@@ -61,7 +61,7 @@ std::string neighbouring_program() {
 struct CampaignOptions {
   ScenarioOptions scenario;
   std::string zerorate = neighbouring_program();
-  std::size_t runs = 416;  // thirteen rounds
+  std::size_t runs = 10 * campaign::Round::kRuns;
   std::string document;
   std::string commit;
   std::string json;
@@ -186,13 +186,13 @@ void run(const CampaignOptions& options) {
 cli::Command add_options(CLI::App& app, CampaignOptions& options) {
   app.footer(
       "Examples:\n"
-      "  zerorate-campaign                                    416 recordings, as text\n"
+      "  zerorate-campaign                                    ten rounds, as text\n"
       "  zerorate-campaign --runs 32 --only bias_jump         one effect\n"
       "  zerorate-campaign --document FILE.md                 both sizes, written into the "
       "document\n"
       "  zerorate-campaign --gain --document FILE.md          what the extended models are worth\n"
       "  zerorate-campaign --write-run 17 recording.csv       one recording, for a look");
-  app.add_option("--runs", options.runs, "recordings; a round has 32")->capture_default_str();
+  app.add_option("--runs", options.runs, "recordings; a round has 34")->capture_default_str();
   app.add_option("--nats", options.scenario.nats, "what the best base model loses to each effect")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -27,7 +27,7 @@ TEST(RoundOfTheBlindCampaign, MissesNoBarByMoreThanChance) {
   const auto recording = folder.path() / "recording.csv";
   const ScenarioOptions options{.seed = 2026, .nats = 40.0};
   Tally tally{options};
-  for (std::size_t run = 0; run < kRunsOfARound; ++run) {
+  for (std::size_t run = 0; run < Round::kRuns; ++run) {
     const Scenario scenario = draw_scenario(options, run);
     write_recording(scenario, recording);
     tally.add(run, scenario, diagnose(ZERORATE_PROGRAM, recording));

@@ -68,7 +68,7 @@ std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::
     case Kind::clean:
       return {};
     case Kind::single: {
-      if (options.only.empty()) return {known[run % kRunsOfARound]};
+      if (options.only.empty()) return {known[run % Round::kRuns]};
       const auto found = std::ranges::find(known, options.only, &EffectEntry::name);
       if (found == known.end()) throw std::invalid_argument("no effect is called " + options.only);
       return {*found};
@@ -81,7 +81,7 @@ std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::
       }
     }
     case Kind::outside:
-      return {unknown[(run / kRunsOfARound * 4 + run % kRunsOfARound) % unknown.size()]};
+      return {unknown[(run / Round::kRuns * Round::kOutside + run % Round::kRuns) % unknown.size()]};
   }
   return {};
 }
@@ -144,10 +144,10 @@ std::string_view name(Kind kind) {
 }
 
 Kind kind_of_run(std::size_t run) {
-  const std::size_t place = run % kRunsOfARound;
-  if (place < 16) return Kind::single;
-  if (place < 24) return Kind::clean;
-  return place < 28 ? Kind::pair : Kind::outside;
+  const std::size_t place = run % Round::kRuns;
+  if (place < Round::kSingles) return Kind::single;
+  if (place < Round::kSingles + Round::kClean) return Kind::clean;
+  return place < Round::kRuns - Round::kOutside ? Kind::pair : Kind::outside;
 }
 
 Scenario draw_scenario(const ScenarioOptions& options, std::size_t run) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/simulate/effects/signal.hpp"
 
 namespace zerorate::campaign {
@@ -40,9 +41,15 @@ struct ScenarioOptions {
       0.1;  ///< see RecordingSetting; 1: a quantizer costs the nats as all others do
 };
 
-/// Every 32 runs hide each of the sixteen effects once, nothing eight times, two effects four times
-/// and something outside the catalogue four times.
-inline constexpr std::size_t kRunsOfARound = 32;
+/// Recordings of each kind in a round, in the order in which they are drawn. Singles hide each effect
+/// of the catalogue once.
+struct Round {
+  static constexpr std::size_t kSingles = kKnownEffects;
+  static constexpr std::size_t kClean = 8;
+  static constexpr std::size_t kPairs = 4;
+  static constexpr std::size_t kOutside = 4;
+  static constexpr std::size_t kRuns = kSingles + kClean + kPairs + kOutside;
+};
 [[nodiscard]] Kind kind_of_run(std::size_t run);
 
 /// A pure function of the options and the number of the run.

@@ -23,7 +23,7 @@ std::optional<double> size_for(const SizedEffect& effect, double nats) {
   return std::exp(hi);
 }
 
-std::span<const EffectEntry> catalogue() {
+std::span<const EffectEntry, kKnownEffects> catalogue() {
   static constexpr std::array kEntries = {
       EffectEntry{"rate_random_walk", draw_rate_random_walk},
       EffectEntry{"temperature_drift", draw_temperature_drift},

@@ -76,8 +76,10 @@ struct EffectEntry {
   SizedEffect (*draw)(const RecordingSetting&, Draws&);
 };
 
-/// The sixteen effects that zerorate knows, and some that it does not.
-[[nodiscard]] std::span<const EffectEntry> catalogue();
+inline constexpr std::size_t kKnownEffects = 18;
+
+/// The effects that zerorate knows, kKnownEffects, and some that it does not.
+[[nodiscard]] std::span<const EffectEntry, kKnownEffects> catalogue();
 [[nodiscard]] std::span<const EffectEntry> outside_catalogue();
 
 }  // namespace zerorate::campaign

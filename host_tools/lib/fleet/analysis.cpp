@@ -57,6 +57,23 @@ class Hash {
   XXH3_state_t state_{};
 };
 
+/// Gain of the likeliest order over 1/2, the order of the diagnosis' base [nats].
+double gain_of_order(const AxisResult& axis) {
+  constexpr std::size_t kHalf = 6;
+  static_assert(Grid::order(kHalf) > 0.499 && Grid::order(kHalf) < 0.501);
+  const auto first = axis.log_likelihood.begin() + kHalf * Grid::kAmplitudes;
+  return -double{*std::max_element(first, first + Grid::kAmplitudes)};
+}
+
+/// Takes from a random walk the gain that a higher order of the flicker noise has as well, because the
+/// order belongs to the population.
+void compare_with_order(const AxisResult& axis, Cause& cause) {
+  if (cause.effect != "rate_random_walk") return;
+  const double left_nats = std::max(0.0, cause.gain_nats - gain_of_order(axis));
+  if (left_nats < diagnose::kAlternativeNats) cause.may_be_order = true;
+  cause.p_value = std::max(cause.p_value, std::exp(-statistics::surprisal_of_strength(left_nats)));
+}
+
 Cause cause_of(const diagnose::Cause& cause) {
   const auto is_order = [](const auto& other) { return other.effect == kOrderEffect; };
   return {.effect = cause.effect,
@@ -72,6 +89,7 @@ void add_diagnosis(const diagnose::Diagnosis& diagnosis, AxisResult& result) {
   result.adequacy_p_value = diagnosis.extended_adequacy.p_value;
   for (const diagnose::Cause& cause : diagnosis.causes) {
     result.causes.push_back(cause_of(cause));
+    compare_with_order(result, result.causes.back());
     for (const diagnose::Parameter& parameter : cause.parameters) {
       if (parameter.name != "linear_dps_per_k") continue;
       result.temperature_slope_rad_s_per_k = parameter.value * units::kRadPerDeg;

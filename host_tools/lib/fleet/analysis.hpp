@@ -19,7 +19,7 @@ namespace zerorate::fleet {
 
 /// Version of what is computed from a recording. Results of two versions are never mixed: raise the
 /// number whenever a figure of the same recording may change.
-inline constexpr int kAnalysisVersion = 1;
+inline constexpr int kAnalysisVersion = 2;
 
 /// Grid of flicker noises over which each recording's likelihood is kept.
 ///

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::fleet {
@@ -21,7 +22,7 @@ constexpr std::size_t kFewestAxes = 8;
 const double kLogTrimmed = std::log(1e-3);
 constexpr int kRounds = 4;
 /// Effects that a diagnosis tries on an axis.
-constexpr double kEffectsTried = 18.0;
+constexpr auto kEffectsTried = static_cast<double>(diagnose::kEffects.size());
 constexpr double kKindsOfReasons = 3.0;
 
 double log_of(double p_value) {
