@@ -68,25 +68,36 @@ lintian --allow-root --fail-on error,warning "$repository/build/linux-$arch"/{ze
 echo "$arch: lintian finds neither an error nor a warning"
 if [[ $(id -u) != 0 ]]; then echo "$arch: not root: the package is not installed"; exit; fi
 
-# A Debian with what the package depends on, made once.
+# A Debian with what the package and its tests depend on, made once.
 base="$work/debian-$arch.tar"
-if [[ ! -e $base ]]; then
-  mmdebstrap --quiet --mode=root --variant=apt --include="$(dpkg-deb --field "$deb" Depends | sed 's/ *([^)]*)//g; s/, */,/g')" \
-    "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$base.new" /etc/apt/sources.list.d/debian.sources
-  mv "$base.new" "$base"
+if [[ ! -f $base ]]; then
+  depends=$(dpkg-deb --field "$deb" Depends | sed 's/ *([^)]*)//g; s/, */,/g')
+  mmdebstrap --quiet --mode=root --variant=apt --include="$depends,adduser,apt-utils,dpkg-dev" \
+    "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$work/unfinished.tar" /etc/apt/sources.list.d/debian.sources
+  mv "$work/unfinished.tar" "$base"
 fi
 debian="$work/debian-$arch"
 rm -rf --one-file-system "$debian"
 mkdir "$debian"
 tar -C "$debian" -xf "$base"
-cp "$deb" "$debian/zerorate.deb"
+
+# autopkgtest wants a source package round the tests; CPack makes none.
+source="$work/source"
+rm -rf "$source"
+mkdir -p "$source/debian"
+cp -r "$repository/toolchains/debian/tests" "$source/debian/"
+gzip -dc "$root/usr/share/doc/zerorate/changelog.gz" >"$source/debian/changelog"
+printf 'Source: zerorate\nMaintainer: %s\n\nPackage: zerorate\nArchitecture: any\nDescription: the node\n' \
+  "$(dpkg-deb --field "$deb" Maintainer)" >"$source/debian/control"
 mount -t proc proc "$debian/proc"
 trap 'umount "$debian/proc"' EXIT
-inside() { env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 AUTOPKGTEST_TMP=/tmp chroot "$debian" "$@"; }
-inside dpkg --install /zerorate.deb
-sed -n 's/^Test-Command: //p' "$repository/toolchains/debian/tests/control" >"$work/commands"
-while read -r command; do inside sh -c "$command" </dev/null >"$work/command.log" 2>&1 || { cat "$work/command.log"; exit 1; }; done <"$work/commands"
-echo "$arch: $(wc -l <"$work/commands") tests of the package pass where it is installed"
+autopkgtest --log-file "$work/autopkgtest.log" "$deb" "$source//" -- chroot "$debian" >/dev/null ||
+  { tail -n 60 "$work/autopkgtest.log"; exit 1; }
+sed -n '/summary$/,$p' "$work/autopkgtest.log"
+
+# The package stays installed.
+inside() { env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 chroot "$debian" "$@"; }
+cp "$deb" "$debian/zerorate.deb"
 echo "# changed" >>"$debian/etc/zerorate/zerorated.toml"
 inside dpkg --install /zerorate.deb
 grep -q '^# changed' "$debian/etc/zerorate/zerorated.toml"

@@ -81,7 +81,8 @@ std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::
       }
     }
     case Kind::outside:
-      return {unknown[(run / Round::kRuns * Round::kOutside + run % Round::kRuns) % unknown.size()]};
+      return {
+          unknown[(run / Round::kRuns * Round::kOutside + run % Round::kRuns) % unknown.size()]};
   }
   return {};
 }

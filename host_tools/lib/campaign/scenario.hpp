@@ -41,8 +41,8 @@ struct ScenarioOptions {
       0.1;  ///< see RecordingSetting; 1: a quantizer costs the nats as all others do
 };
 
-/// Recordings of each kind in a round, in the order in which they are drawn. Singles hide each effect
-/// of the catalogue once.
+/// Recordings of each kind in a round, in the order in which they are drawn. Singles hide each
+/// effect of the catalogue once.
 struct Round {
   static constexpr std::size_t kSingles = kKnownEffects;
   static constexpr std::size_t kClean = 8;

@@ -23,8 +23,8 @@ std::optional<double> size_for(const SizedEffect& effect, double nats) {
   return std::exp(hi);
 }
 
-std::span<const EffectEntry, kKnownEffects> catalogue() {
-  static constexpr std::array kEntries = {
+std::span<const EffectEntry> catalogue() {
+  static constexpr std::array<EffectEntry, kKnownEffects> kEntries = {
       EffectEntry{"rate_random_walk", draw_rate_random_walk},
       EffectEntry{"temperature_drift", draw_temperature_drift},
       EffectEntry{"temperature_rate", draw_temperature_rate},

@@ -79,7 +79,7 @@ struct EffectEntry {
 inline constexpr std::size_t kKnownEffects = 18;
 
 /// The effects that zerorate knows, kKnownEffects, and some that it does not.
-[[nodiscard]] std::span<const EffectEntry, kKnownEffects> catalogue();
+[[nodiscard]] std::span<const EffectEntry> catalogue();
 [[nodiscard]] std::span<const EffectEntry> outside_catalogue();
 
 }  // namespace zerorate::campaign

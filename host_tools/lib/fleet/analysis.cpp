@@ -65,10 +65,10 @@ double gain_of_order(const AxisResult& axis) {
   return -double{*std::max_element(first, first + Grid::kAmplitudes)};
 }
 
-/// Takes from a random walk the gain that a higher order of the flicker noise has as well, because the
-/// order belongs to the population.
+/// Takes from a cause the gain that another order of the flicker noise has as well: the order
+/// belongs to the population.
 void compare_with_order(const AxisResult& axis, Cause& cause) {
-  if (cause.effect != "rate_random_walk") return;
+  if (cause.effect == kOrderEffect) return;
   const double left_nats = std::max(0.0, cause.gain_nats - gain_of_order(axis));
   if (left_nats < diagnose::kAlternativeNats) cause.may_be_order = true;
   cause.p_value = std::max(cause.p_value, std::exp(-statistics::surprisal_of_strength(left_nats)));
