@@ -375,5 +375,22 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
   EXPECT_EQ(accept(recording, {.order = Range{0.5, 0.6}}).judgement, Judgement::too_short);
 }
 
+// Flicker noise of a high order resembles a random walk: of this sensor the diagnosis names one.
+TEST_F(Fleet, RandomWalkThatAnotherOrderExplainsIsNotCounted) {
+  simulate_fleet({.sensors = 4, .lots = 1, .seed = 21, .hidden_share = 0.0, .bad_lot_factor = 1.0},
+                 path("fleet"), {});
+  const RecordingResult result = analyse(path("fleet/S00004-1.csv.gz"));
+  std::size_t walks = 0;
+  for (const AxisResult& axis : result.axes) {
+    for (const Cause& cause : axis.causes) {
+      if (cause.effect != "rate_random_walk") continue;
+      walks += 1;
+      EXPECT_TRUE(cause.may_be_order) << axis.axis;
+      EXPECT_GT(cause.p_value, 1e-3) << axis.axis;
+    }
+  }
+  EXPECT_EQ(walks, 1U);
+}
+
 }  // namespace
 }  // namespace zerorate::fleet
