@@ -1,7 +1,6 @@
 #include "hal/linux/iio_device.hpp"
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -55,6 +54,11 @@ bool take(std::string_view& text, std::string_view prefix) {
 std::size_t place(IioElement& element, std::size_t end) {
   element.offset = (end + element.bytes - 1) / element.bytes * element.bytes;
   return element.offset + element.bytes;
+}
+
+FileCalls& real_calls() {
+  static FileCalls calls;
+  return calls;
 }
 
 bool is_near(double a, double b) {
@@ -133,23 +137,28 @@ IioDevice::IioDevice(const IioPlaces& places, std::string_view wanted, const Iio
     : identity_(find_iio_gyro(places, wanted)),
       nodes_(places.nodes),
       devices_(places.sysfs),
+      calls_(places.calls != nullptr ? places.calls : &real_calls()),
       folder_(places.sysfs + "/" + identity_.node) {
   find_channels();
-  if (has_buffer()) {
-    // Settings of a device whose buffer runs cannot be changed. Who has the node has the device.
-    const std::string node = nodes_ + "/" + identity_.node;
-    node_.reset(::open(node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-    if (!node_.is_open()) {
-      throw KernelFileError(node, errno,
-                            errno == EBUSY    ? "another program reads it, e.g. iio-sensor-proxy"
-                            : errno == EACCES ? "is the udev rule of zerorate installed?"
-                                              : "is the driver bound?");
-    }
-    if (folder_.text("buffer/enable") != "0") folder_.write("buffer/enable", "0");
-  }
+  if (has_buffer()) open_node();
   set_scale(wishes.full_scale_rad_s);
   set_rate(wishes.rate_hz);
   read_mounting();
+}
+
+/// Settings of a device whose buffer runs cannot be changed. Who has the node has the device.
+void IioDevice::open_node() {
+  const std::string node = nodes_ + "/" + identity_.node;
+  const CallResult opened = calls_->open(node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC, 0);
+  if (!opened) {
+    const int error = opened.error();
+    throw KernelFileError(node, error,
+                          error == EBUSY    ? "another program reads it, e.g. iio-sensor-proxy"
+                          : error == EACCES ? "is the udev rule of zerorate installed?"
+                                            : "is the driver bound?");
+  }
+  node_.reset(*opened);
+  if (folder_.text("buffer/enable") != "0") folder_.write("buffer/enable", "0");
 }
 
 void IioDevice::find_channels() {
@@ -172,7 +181,7 @@ void IioDevice::find_channels() {
 
 void IioDevice::set_scale(double full_scale_rad_s) {
   constexpr double kCounts = 32768.0;
-  constexpr double kRounding = 0.999;  // of a scale that is told with six digits
+  constexpr double kRounding = 0.99;  // of a scale that is told with two digits (bmg160)
   const auto attribute = folder_.first_of({"in_anglvel_scale", axes_[0] + "_scale"});
   if (!attribute) throw KernelFileError(folder_.path_of("in_anglvel_scale"), ENOENT);
   const auto choices = folder_.first_of(
@@ -338,9 +347,12 @@ bool IioDevice::refill(int& error) {
             bytes_.begin() + static_cast<std::ptrdiff_t>(end_), bytes_.begin());
   end_ -= begin_;
   begin_ = 0;
-  const ssize_t count = ::read(node_.get(), bytes_.data() + end_, bytes_.size() - end_);
-  if (count < 0 && errno != EAGAIN && errno != EINTR) error = errno;
-  if (count > 0) end_ += static_cast<std::size_t>(count);
+  const CallResult count = calls_->read(node_.get(), std::span{bytes_}.subspan(end_));
+  if (count) {
+    end_ += static_cast<std::size_t>(*count);
+  } else if (count.error() != EAGAIN && count.error() != EINTR) {
+    error = count.error();
+  }
   return end_ >= scan_bytes_;
 }
 

@@ -16,6 +16,7 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/file_storage.hpp"
 #include "hal/linux/sysfs.hpp"
 
 namespace zerorate::hal::linux_os {
@@ -24,6 +25,7 @@ namespace zerorate::hal::linux_os {
 struct IioPlaces {
   std::string sysfs = "/sys/bus/iio/devices";
   std::string nodes = "/dev";
+  FileCalls* calls = nullptr;  ///< for the nodes; null: the real ones. Must outlive the device.
 };
 
 /// Where a value stands in a scan, and how: "le:s16/16>>0".
@@ -116,11 +118,13 @@ class IioDevice {
   void take_trigger() const;
   void lay_out_scan();
   void keep(const std::string& attribute);
+  void open_node();
   [[nodiscard]] bool refill(int& error);
 
   IioIdentity identity_;
   std::string nodes_;
   std::string devices_;
+  FileCalls* calls_;
   SysfsFolder folder_;
   std::vector<std::string> axes_;  ///< "in_anglvel_x", ...
   std::string temperature_;        ///< "in_temp" or "in_temp0"; empty: none

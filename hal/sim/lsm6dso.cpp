@@ -10,6 +10,7 @@ namespace {
 
 // Written from the datasheet apart from the driver's tables, so that each checks the other.
 enum Address : std::uint8_t {
+  func_cfg_access = 0x01,
   fifo_ctrl1 = 0x07,
   fifo_ctrl2 = 0x08,
   fifo_ctrl3 = 0x09,
@@ -18,12 +19,16 @@ enum Address : std::uint8_t {
   who_am_i = 0x0F,
   ctrl2_g = 0x11,
   ctrl3_c = 0x12,
+  ctrl4_c = 0x13,
   ctrl9_xl = 0x18,
+  ctrl10_c = 0x19,
   status_reg = 0x1E,
   out_temp_l = 0x20,
   outz_h_g = 0x27,
   fifo_status1 = 0x3A,
   fifo_status2 = 0x3B,
+  timestamp0 = 0x40,
+  timestamp2 = 0x42,
   internal_freq_fine = 0x63,
   fifo_data_out_tag = 0x78,
   fifo_data_out_z_h = 0x7E,
@@ -58,6 +63,7 @@ double dps_per_lsb(std::uint8_t ctrl2) {
 
 void SimulatedLsm6dso::reset_registers() {
   registers_.fill(0);
+  for (auto& bank : other_banks_) bank.fill(0);
   registers_[0x02] = 0x3F;
   registers_[who_am_i] = 0x6C;
   registers_[ctrl3_c] = 0x04;
@@ -87,6 +93,25 @@ core::Duration SimulatedLsm6dso::sample_period() const {
   return core::Duration::nanoseconds(std::llround(1e9 / rate_hz));
 }
 
+/// Bank that FUNC_CFG_ACCESS shows in the place of the user's: of the embedded functions or of the
+/// sensor hub. Null: the user's.
+std::array<std::uint8_t, 128>* SimulatedLsm6dso::other_bank() {
+  const unsigned shown = registers_[func_cfg_access] >> 6U;
+  return shown == 0 ? nullptr : &other_banks_.at(shown == 1 ? 1 : 0);
+}
+
+std::uint32_t SimulatedLsm6dso::timestamp() const {
+  constexpr double kTick_ns = 25'000.0;
+  if ((registers_[ctrl10_c] & 0x20U) == 0) return 0;
+  const auto passed_ns = static_cast<double>((clock_->now() - timestamp_zero_).ns());
+  return static_cast<std::uint32_t>(passed_ns * (1.0 + 0.0015 * trim_) / kTick_ns);
+}
+
+/// While the filters settle, DRDY_MASK holds data-ready back and marks what goes into the FIFO.
+bool SimulatedLsm6dso::is_masked() const {
+  return (registers_[ctrl4_c] & 0x08U) != 0 && clock_->now() - powered_at_ < kTurnOnTime;
+}
+
 std::int16_t SimulatedLsm6dso::quantize(core::AngularRate rate) const {
   const double rate_dps =
       in_deg_per_s(rate) + start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
@@ -98,8 +123,8 @@ void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
   if (!is_powered()) return;
   outputs_[0].value = to_counts((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
   for (std::size_t axis = 0; axis < 3; ++axis) outputs_[axis + 1].value = quantize(rate[axis]);
-  registers_[status_reg] = 0x06;  // GDA, TDA
-  push_fifo_word();
+  if (!is_masked()) registers_[status_reg] = 0x06;  // GDA, TDA
+  batch();
   drive_int1();
 }
 
@@ -112,25 +137,41 @@ std::size_t SimulatedLsm6dso::fifo_capacity() const {
   return stops_on_watermark ? watermark() : kFifoCapacity;
 }
 
-void SimulatedLsm6dso::push_fifo_word() {
+/// One time slot of the FIFO: the time stamp first, where it is batched, and the gyro's word.
+void SimulatedLsm6dso::batch() {
+  constexpr std::uint8_t kGyro = 1;
+  constexpr std::uint8_t kTimeStamp = 4;
+  const bool is_batched = (registers_[fifo_ctrl3] & 0xF0U) != 0;
+  if (!is_batched) return;
+  if ((registers_[fifo_ctrl4] & 0xC0U) == 0x40U && (registers_[ctrl10_c] & 0x20U) != 0) {
+    const std::uint32_t ticks = timestamp();
+    push_fifo_word(kTimeStamp, {static_cast<std::int16_t>(ticks & 0xFFFFU),
+                                static_cast<std::int16_t>(ticks >> 16U), 0});
+  }
+  constexpr std::int16_t kInvalid = 0x7FFF;
+  std::array<std::int16_t, 3> rates{kInvalid, kInvalid, kInvalid};
+  for (std::size_t i = 0; i < 3 && !is_masked(); ++i) rates.at(i) = outputs_.at(i + 1).value;
+  push_fifo_word(kGyro, rates);
+  time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
+}
+
+void SimulatedLsm6dso::push_fifo_word(std::uint8_t sensor,
+                                      const std::array<std::int16_t, 3>& values) {
   constexpr unsigned kFifoMode = 1;
   constexpr unsigned kContinuous = 6;
   const unsigned mode = registers_[fifo_ctrl4] & 0x07U;
-  const bool is_batched = (registers_[fifo_ctrl3] & 0xF0U) != 0;
-  if (!is_batched || (mode != kFifoMode && mode != kContinuous)) return;
+  if (mode != kFifoMode && mode != kContinuous) return;
   if (fifo_.size() >= fifo_capacity()) {
     is_fifo_overrun_ = true;
     is_fifo_overrun_latched_ = true;
     if (mode == kFifoMode) return;
     fifo_.pop_front();
   }
-  constexpr unsigned kGyro = 1;
-  unsigned tag = (kGyro << 3U) | (static_cast<unsigned>(time_slot_) << 1U);
+  unsigned tag = (static_cast<unsigned>(sensor) << 3U) | (static_cast<unsigned>(time_slot_) << 1U);
   tag |= static_cast<unsigned>(std::popcount(tag)) & 1U;  // parity: an even number of ones
-  time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
   FifoWord word{static_cast<std::uint8_t>(tag)};
   for (std::size_t i = 0; i < 6; ++i) {
-    const std::int16_t value = outputs_[1 + i / 2].value;
+    const std::int16_t value = values.at(i / 2);
     word[i + 1] = i % 2 == 1 ? high_byte(value) : low_byte(value);
   }
   fifo_.push_back(word);
@@ -175,8 +216,11 @@ std::uint8_t SimulatedLsm6dso::read_fifo_status2() {
 
 std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
   address &= 0x7FU;
+  if (address != func_cfg_access && other_bank() != nullptr) return other_bank()->at(address);
   std::uint8_t value = registers_[address];
-  if (address >= out_temp_l && address <= outz_h_g) {
+  if (address >= timestamp0 && address < timestamp0 + 4) {
+    value = static_cast<std::uint8_t>(timestamp() >> (8U * (address - timestamp0)));
+  } else if (address >= out_temp_l && address <= outz_h_g) {
     value = read_output(address);
   } else if (address >= fifo_data_out_tag && address <= fifo_data_out_z_h) {
     value = read_fifo_byte(address);
@@ -195,7 +239,13 @@ std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
 
 void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
-  if (is_resetting() || is_read_only(address)) return;
+  if (is_resetting()) return;
+  if (address != func_cfg_access && other_bank() != nullptr) {
+    other_bank()->at(address) = value;
+    return;
+  }
+  if (address == timestamp2 && value == 0xAA) timestamp_zero_ = clock_->now();
+  if (is_read_only(address)) return;
   if (!is_writable(address)) {
     ++reserved_writes_;
     return;
@@ -209,6 +259,7 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
     boot_until_ = clock_->now() + kBootTime;
     value &= static_cast<std::uint8_t>(~kBoot);
   }
+  if (address == ctrl10_c && (registers_[ctrl10_c] & 0x20U) == 0) timestamp_zero_ = clock_->now();
   if (address == ctrl2_g && !is_powered()) powered_at_ = clock_->now();
   registers_[address] = value;
   const bool is_bypass = (registers_[fifo_ctrl4] & 0x07U) == 0;

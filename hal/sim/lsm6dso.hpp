@@ -18,11 +18,12 @@ namespace zerorate::hal::sim {
 
 /// The gyro half of the chip (ST DS12140): identity, reset values, software reset, power-up
 /// transient, rounding and saturation, block data update, data-ready, FIFO with tags, watermark and
-/// overrun, temperature, oscillator trim, INT1.
+/// overrun, time stamps (read and batched with every sample), temperature, oscillator trim, INT1,
+/// data-ready mask, the banks of the embedded functions and of the sensor hub as memory.
 ///
 /// Not modelled: accelerometer, low-pass and high-pass filters, FIFO compression, batching at less
-/// than the output rate, batched temperature and time stamps, the FIFO modes with triggers (they
-/// behave as bypass), embedded functions.
+/// than the output rate, batched temperature, the FIFO modes with triggers (they behave as bypass),
+/// embedded functions and sensor hub.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock, so that a recording of any rate can be sent through it. For a chip that samples by
@@ -70,7 +71,11 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   std::uint8_t read_output(std::uint8_t address);
   std::uint8_t read_fifo_byte(std::uint8_t address);
   std::uint8_t read_fifo_status2();
-  void push_fifo_word();
+  void batch();
+  void push_fifo_word(std::uint8_t sensor, const std::array<std::int16_t, 3>& values);
+  std::array<std::uint8_t, 128>* other_bank();
+  [[nodiscard]] std::uint32_t timestamp() const;
+  [[nodiscard]] bool is_masked() const;
   [[nodiscard]] std::size_t watermark() const;
   [[nodiscard]] std::size_t fifo_capacity() const;
   void drive_int1();
@@ -83,6 +88,8 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   std::uint8_t time_slot_ = 0;            // TAG_CNT
   core::Instant powered_at_;
   core::Instant boot_until_;
+  core::Instant timestamp_zero_;
+  std::array<std::array<std::uint8_t, 128>, 2> other_banks_{};
 };
 static_assert(RegisterChip<SimulatedLsm6dso>);
 

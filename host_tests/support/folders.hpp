@@ -5,6 +5,7 @@
 #pragma once
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -67,6 +68,22 @@ class FileSizeLimit {
  private:
   rlimit previous_{};
   void (*previous_handler_)(int);
+};
+
+/// Takes the rights of root away from this process while it lives: permissions hold for a test then
+/// too. Changes nothing for any other user.
+class Unprivileged {
+ public:
+  Unprivileged() {
+    constexpr uid_t kNobody = 65534;
+    if (previous_ == 0 && seteuid(kNobody) != 0) throw std::runtime_error("seteuid");
+  }
+  ~Unprivileged() { (void)!seteuid(previous_); }
+  Unprivileged(const Unprivileged&) = delete;
+  Unprivileged& operator=(const Unprivileged&) = delete;
+
+ private:
+  uid_t previous_ = geteuid();
 };
 
 /// The folder with the real recordings; nullopt where there is none.

@@ -31,8 +31,17 @@ fetch() {
 
 # build WORLD: the packages, and the program that plays the devices.
 build() {
-  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_c "$1" &&
+  (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_c_objects "$1" &&
     cd "$cross" && cpack) >"$out/build.log"
+}
+
+# Those in kernel/, and `our_modules`, in the order of their loading.
+build_modules() {
+  rm -rf "$out/modules"
+  cp -r "$here/kernel" "$out/modules"
+  ZERORATE_REPOSITORY="$repository" DEB_BUILD_ARCH=amd64 DEB_HOST_ARCH=arm64 DEB_HOST_GNU_TYPE=aarch64-linux-gnu \
+    make -s -C "$work/headers/usr/src/linux-headers-$version" M="$out/modules" modules >>"$out/build.log" 2>&1
+  our_modules=("$out"/modules/zerorate_{lines,bus}.ko)
 }
 
 # The modules that `modprobe NAME...` would load, in order, one path a line.
@@ -62,7 +71,7 @@ pack() {
     cp "$file" "$root/modules/"
     basename "$file" >>"$root/modules/order"
   done
-  cp "$here"/{zerorated,data_ready}.toml "$root/"
+  cp "$here/zerorated.toml" "$root/"
   printf '%s\n' "$init" | cat "$here/init.sh" - >"$root/init"
   chmod +x "$root/init"
   (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
@@ -77,4 +86,14 @@ machine() {
     -icount "shift=1,sleep=off" -rtc "base=2026-01-01,clock=vm" -seed 1
     -kernel "$work/kernel/boot/vmlinuz-$version" -initrd "$out/initramfs.gz"
     -append "console=ttyAMA0 quiet panic=-1 nokaslr")
+}
+
+# QEMU's main thread moves time on when the processor sleeps; if the processor's thread runs meanwhile, it may do so
+# before the last instructions are counted. On one processor, and not preempted by anybody, the two take turns; without
+# the right to that, nearly always.
+take_turns() {
+  local processor policy=(chrt --fifo 1)
+  processor=$(taskset --cpu-list --pid $$ | sed 's/.*[^0-9]//')
+  "${policy[@]}" true 2>/dev/null || policy=(chrt --batch 0)
+  machine "${policy[@]}" taskset --cpu-list "$processor"
 }

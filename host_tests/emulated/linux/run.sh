@@ -15,23 +15,6 @@ zerorate=$(readlink -f "$4") # of this machine, for the replay
 preset=$5
 source "$repository/host_tests/emulated/linux/machine.sh"
 
-build_modules() {
-  rm -rf "$out/modules"
-  cp -r "$here/kernel" "$out/modules"
-  ZERORATE_REPOSITORY="$repository" DEB_BUILD_ARCH=amd64 DEB_HOST_ARCH=arm64 DEB_HOST_GNU_TYPE=aarch64-linux-gnu \
-    make -s -C "$work/headers/usr/src/linux-headers-$version" M="$out/modules" modules >>"$out/build.log" 2>&1
-}
-
-# QEMU's main thread moves time on when the processor sleeps; if the processor's thread runs meanwhile, it may do so
-# before the last instructions are counted. On one processor, and not preempted by anybody, the two take turns; without
-# the right to that, nearly always.
-take_turns() {
-  local processor policy=(chrt --fifo 1)
-  processor=$(taskset --cpu-list --pid $$ | sed 's/.*[^0-9]//')
-  "${policy[@]}" true 2>/dev/null || policy=(chrt --batch 0)
-  machine "${policy[@]}" taskset --cpu-list "$processor"
-}
-
 # boot NAME: one run; all of its console goes to NAME.txt, of which the findings are NAME.log and the recording is
 # NAME.csv.gz.
 boot() {
@@ -45,11 +28,11 @@ fetch
 build zerorate_world
 build_modules
 # shellcheck disable=SC2046 # a list of files
-pack zerorate_world "zerorate_world $seconds
+pack zerorate_world "zerorate_world node $seconds
 echo RECORDING
 gzip -9 -c /run/recording.csv | base64
 echo END
-poweroff -f" $(module_files i2c-dev vcan can-raw) "$out"/modules/zerorate_{bus,lines}.ko
+poweroff -f" $(module_files i2c-dev vcan can-raw) "${our_modules[@]}"
 take_turns
 boot first
 grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/first.log"

@@ -20,6 +20,19 @@ constexpr core::Duration kSettling = core::Duration::milliseconds(100);
 constexpr core::Duration kLongestSilence = core::Duration::seconds(1);
 constexpr core::Duration kTemperatureInterval = core::Duration::seconds(1);
 
+/// Scale of the chip's data sheet, where the driver's is that of one of its ranges, rounded: bmg160
+/// tells three digits of 0.000133158 rad/s. Else the driver's.
+double exact_scale(double told, std::string_view chip) {
+  constexpr double kRounding = 0.01;
+  const ChipDescription* const known = find_chip(chip);
+  if (known == nullptr) return told;
+  for (const double full_scale_dps : known->full_scales_dps) {
+    const double scale = full_scale_dps * kRadPerDeg / known->counts;
+    if (std::abs(told - scale) <= kRounding * scale) return scale;
+  }
+  return told;
+}
+
 core::Duration period_of(double rate_hz) {
   return core::Duration::nanoseconds(std::llround(1e9 / rate_hz));
 }
@@ -54,6 +67,7 @@ void IioGyro::open(core::Instant now) {
       hal::linux_os::IioWishes{.rate_hz = settings_.rate_hz,
                                .full_scale_rad_s = settings_.full_scale_dps * kRadPerDeg});
   period_ = period_of(device_->rate_hz());
+  rad_s_per_count_ = exact_scale(device_->rad_s_per_count(), settings_.chip);
   is_buffered_ = device_->has_buffer();
   temperature_ = device_->read_temperature();
   temperature_at_ = now;
@@ -152,7 +166,7 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
     for (std::size_t axis = 0; axis < mounting.size(); ++axis) {
       // An only axis stands for all three, and is not turned.
       const double part = has_one_axis ? (row == axis ? 1.0 : 0.0) : mounting.at(row).at(axis);
-      const double measured = static_cast<double>(scan.raw.at(axis)) * device_->rad_s_per_count();
+      const double measured = static_cast<double>(scan.raw.at(axis)) * rad_s_per_count_;
       rate += part * measured;
       const bool is_at_end =
           std::abs(measured) >= full_scale || std::abs(scan.raw.at(axis)) >= kLargest;

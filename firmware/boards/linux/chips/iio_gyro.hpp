@@ -19,7 +19,8 @@ inline constexpr double kHighestPolledRate_hz = 100.0;
 /// Chip whose name a device's name begins with ("lsm6dso_gyro"); empty: none is known.
 [[nodiscard]] std::string_view chip_of_iio(std::string_view device);
 
-/// A GyroSource over an IioDevice. Each failure of the kernel is kept in words. A device that was
+/// A GyroSource over an IioDevice. The scale is the chip's own where `settings.chip` is known and
+/// the driver's is the same to 1 %. Each failure of the kernel is kept in words. A device that was
 /// unplugged is looked for again at the next start().
 ///
 /// With a buffer the samples carry the kernel's stamps of the chip's interrupt, and a gap between
@@ -53,6 +54,7 @@ class IioGyro final : public DeviceGyro {
   hal::linux_os::IioPlaces places_;
   std::optional<hal::linux_os::IioDevice> device_;
   bool is_buffered_ = false;
+  double rad_s_per_count_ = 0.0;
   core::Duration period_;
   std::size_t calls_of_verify_ = 0;
 

@@ -2,6 +2,8 @@
 /// One zerorated with its hardware, its receivers and its judge.
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -18,6 +20,7 @@ namespace zerorate::emulated {
 /// A gyro as the world plays it and as zerorated is told of it.
 struct GyroSetup {
   std::unique_ptr<PlayedChip> (*make)() = lsm6dso_on_spi;
+  /// Empty: what `zerorate probe` prints.
   std::string toml =
       "chip = \"lsm6dso\"\nbus = \"spi\"\ndevice = \"/dev/spidev0.0\"\nspeed_hz = 8_000_000\n"
       "rate_hz = 104\nfull_scale_dps = 250\n";
@@ -25,16 +28,20 @@ struct GyroSetup {
   std::size_t axes = 3;
   float lsb_dps = kLsbDps;
   std::int64_t sample_ns = kSample104Hz_ns;
+  /// Device that the test bus shows, and with it the driver of the kernel: "spi lsm6dso 0 0" (see
+  /// kernel/zerorate_bus.c). Empty: that of before.
+  std::string binding;
 };
 
 class Bench {
  public:
   /// Starts zerorated and waits until it talks to the gyro.
   Bench(DeviceWorld& devices, Verdict& judge, const char* scenario, const GyroSetup& gyro)
-      : world(devices), verdict(judge), configuration_(write_configuration(gyro)) {
+      : world(devices), verdict(judge) {
     verdict.begin(scenario);
     world.set_fault(BusFault::none);
-    world.insert(gyro.make());
+    plug_in(gyro);
+    write_configuration(gyro);
     witness.emplace(linux_node::read_configuration(configuration_), gyro.lsb_dps);
     if (!gyro.has_data_ready) {  // it is read before the schedule begins
       std::array<core::AngularRate, 3> rest;
@@ -42,9 +49,10 @@ class Bench {
       witness->expect(rest);
       world.measure(rest);
     }
+    const unsigned before = world.transactions();
     daemon.emplace(configuration_);
     const std::int64_t started = hal::linux_os::KernelClock::now().ns();
-    for (std::int64_t waited_ms = 0; world.transactions() == 0; ++waited_ms) {
+    for (std::int64_t waited_ms = 0; world.transactions() == before; ++waited_ms) {
       if (waited_ms > 10'000) give_up("zerorated does not ask for the gyro");
       sleep_until(started + waited_ms * 1'000'000);
     }
@@ -73,15 +81,36 @@ class Bench {
   std::optional<Schedule> schedule;
 
  private:
-  static std::string write_configuration(const GyroSetup& gyro) {
-    std::string file = "/run/zerorated.toml";
-    std::ofstream text{file};
-    text << content_of("/zerorated.toml") << "\n[gyro]\n" << gyro.toml;
-    if (gyro.has_data_ready) text << content_of("/data_ready.toml");
-    return file;
+  /// A driver of the kernel asks for its chip at once, and must not speak to the next one.
+  void plug_in(const GyroSetup& gyro) const {
+    if (!gyro.binding.empty()) bind_driver("none");
+    world.insert(gyro.make());
+    if (!gyro.binding.empty()) bind_driver(gyro.binding);
+  }
+  static void bind_driver(const std::string& device) {
+    constexpr const char* kParameter = "/sys/module/zerorate_bus/parameters/chip";
+    std::ofstream parameter{kParameter};
+    if (!(parameter << device << std::flush)) give_up(kParameter);
   }
 
-  std::string configuration_;
+  /// Lines of a gyro of the kernel, as a user copies them.
+  static std::string lines_of_probe() {
+    (void)std::system("zerorate probe >/run/probe.txt");
+    const std::string text = content_of("/run/probe.txt");
+    std::fputs(text.c_str(), stdout);
+    const std::string header = "[gyro]\n";
+    const std::size_t begin = text.find(header);
+    return begin == std::string::npos ? text : text.substr(begin + header.size());
+  }
+
+  void write_configuration(const GyroSetup& gyro) const {
+    std::string shared = content_of("/zerorated.toml");
+    if (!gyro.has_data_ready) shared.resize(shared.find("[data_ready]"));
+    std::ofstream{configuration_} << shared << "\n[gyro]\n"
+                                  << (gyro.toml.empty() ? lines_of_probe() : gyro.toml);
+  }
+
+  std::string configuration_ = "/run/zerorated.toml";
 };
 
 /// Judges that samples come again after a fault, and that nothing is called faulty any more.

@@ -74,7 +74,9 @@ class DeviceWorld {
   static constexpr std::uint32_t kLast = ZERORATE_SEGMENT_LAST;
 
   void show_data_ready() {
-    if (!is_data_ready_broken_) wires_->drive(kDataReadyLine, chip_->is_data_ready());
+    if (is_data_ready_broken_) return;
+    if (chip_->take_edge()) wires_->drive(kDataReadyLine, true);
+    wires_->drive(kDataReadyLine, chip_->is_data_ready());
   }
 
   void serve() {

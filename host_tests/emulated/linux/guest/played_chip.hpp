@@ -10,6 +10,7 @@
 
 #include "hal/linux/clock.hpp"
 #include "hal/sim/adxrs453.hpp"
+#include "hal/sim/bmi088.hpp"
 #include "hal/sim/buses.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/icm42688.hpp"
@@ -33,6 +34,8 @@ class PlayedChip {
   virtual void measure(const std::array<core::AngularRate, 3>& rate) = 0;
   /// Level of the interrupt pin; a chip without one never drives it.
   [[nodiscard]] virtual bool is_data_ready() = 0;
+  /// Whether the pin has risen since this was asked last, if only for a pulse.
+  [[nodiscard]] virtual bool take_edge() = 0;
 };
 
 /// @tparam Wiring  how the chip hangs on its bus
@@ -65,6 +68,13 @@ class Wired final : public PlayedChip {
       return false;
     }
   }
+  [[nodiscard]] bool take_edge() override {
+    if constexpr (requires { chip_.interrupt(); }) {
+      return chip_.interrupt().take_edge().has_value();
+    } else {
+      return false;
+    }
+  }
 
  private:
   hal::sim::SimulatedClock clock_{hal::linux_os::KernelClock::now()};
@@ -78,6 +88,10 @@ inline std::unique_ptr<PlayedChip> lsm6dso_on_spi() {
 }
 inline std::unique_ptr<PlayedChip> icm42688_on_spi() {
   using Chip = hal::sim::SimulatedIcm42688;
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
+}
+inline std::unique_ptr<PlayedChip> bmi088_on_spi() {
+  using Chip = hal::sim::SimulatedBmi088;
   return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
 }
 inline std::unique_ptr<PlayedChip> lsm6dso_on_i2c() {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/named_socket.hpp"
@@ -81,8 +82,9 @@ class Receivers {
     for (;;) {
       const ssize_t size = recv(udp_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       if (size < 0) return;
-      const auto frame =
-          wire::decode_rate_frame(std::span{bytes}.first(static_cast<std::size_t>(size)));
+      const auto datagram = std::span{bytes}.first(static_cast<std::size_t>(size));
+      if (wire::decode_learnt_frame(datagram)) continue;
+      const auto frame = wire::decode_rate_frame(datagram);
       if (!frame) give_up("a datagram that is no frame");
       udp_messages_.push_back(*frame);
     }

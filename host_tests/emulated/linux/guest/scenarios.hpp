@@ -44,4 +44,7 @@ void break_the_lines(DeviceWorld& world, Verdict& verdict);
 /// The wall clock, the disk, the receivers, and ends at a bad moment.
 void break_the_system(DeviceWorld& world, Verdict& verdict);
 
+/// Drivers of the kernel in the place of ours, read through IIO; so long with each.
+void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds);
+
 }  // namespace zerorate::emulated

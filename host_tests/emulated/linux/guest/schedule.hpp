@@ -80,6 +80,7 @@ class Schedule {
   /// The gyro goes on measuring, the same again and again.
   void set_frozen(bool is_frozen) { is_frozen_ = is_frozen; }
 
+  [[nodiscard]] core::Instant start() const { return core::Instant::from_ns(start_); }
   [[nodiscard]] long samples() const { return samples_; }
   [[nodiscard]] long pulses() const { return pulses_; }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/boards/linux/configuration.hpp"
+#include "firmware/wire/learnt_frame.hpp"
 #include "firmware/wire/rate_frame.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/named_socket.hpp"
@@ -70,8 +71,9 @@ class Witness {
     for (;;) {
       const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       if (size < 0) return;
-      const auto frame =
-          wire::decode_rate_frame(std::span{bytes}.first(static_cast<std::size_t>(size)));
+      const auto datagram = std::span{bytes}.first(static_cast<std::size_t>(size));
+      if (wire::decode_learnt_frame(datagram)) continue;
+      const auto frame = wire::decode_rate_frame(datagram);
       if (!frame) give_up("a datagram that is no frame");
       take(*frame);
     }

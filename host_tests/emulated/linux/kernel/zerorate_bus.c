@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0
 /*
  * For tests only: an i2c_adapter and an spi_controller whose devices are a process behind
- * /dev/zerorate_bus. i2c-dev and spidev above them are the kernel's own.
+ * /dev/zerorate_bus. i2c-dev, spidev and the drivers of chips above them are the kernel's own.
  */
 #include <linux/completion.h>
 #include <linux/i2c.h>
@@ -217,8 +217,69 @@ static struct miscdevice world = {
 	.fops = &world_operations,
 };
 
+static struct spi_device *spi_chip;
+static struct i2c_client *i2c_chip;
+
 /* A name from spidev's own table of devices, so that spidev binds to it. */
-static struct spi_board_info gyro = { .modalias = "dh2228fv", .max_speed_hz = 10000000 };
+#define NAME_FOR_SPIDEV "dh2228fv"
+
+static int add_spi_chip(const char *name, int irq)
+{
+	struct spi_board_info info = { .max_speed_hz = 10000000, .irq = irq };
+
+	strscpy(info.modalias, name, sizeof(info.modalias));
+	spi_chip = spi_new_device(controller, &info);
+	return spi_chip ? 0 : -ENODEV;
+}
+
+static int add_i2c_chip(const char *name, unsigned short address, int irq)
+{
+	struct i2c_board_info info = { .addr = address, .irq = irq };
+	struct i2c_client *client;
+
+	strscpy(info.type, name, sizeof(info.type));
+	client = i2c_new_client_device(&adapter, &info);
+	if (IS_ERR(client))
+		return PTR_ERR(client);
+	i2c_chip = client;
+	return 0;
+}
+
+static void remove_chip(void)
+{
+	if (spi_chip)
+		spi_unregister_device(spi_chip);
+	i2c_unregister_device(i2c_chip);
+	spi_chip = NULL;
+	i2c_chip = NULL;
+}
+
+/* Another device in the place of the one before; its driver asks for the chip before this returns. */
+static int set_chip(const char *text, const struct kernel_param *param)
+{
+	char kind[5] = "", name[I2C_NAME_SIZE] = "";
+	unsigned int address = 0;
+	int line = -1, irq = 0;
+
+	if (!controller)
+		return -ENODEV;
+	if (sscanf(text, "%4s %19s %x %d", kind, name, &address, &line) < 1)
+		return -EINVAL;
+	if (line >= 0)
+		irq = zerorate_lines_irq(line);
+	if (irq < 0)
+		return irq;
+	remove_chip();
+	if (!strcmp(kind, "spi"))
+		return add_spi_chip(name, irq);
+	if (!strcmp(kind, "i2c"))
+		return add_i2c_chip(name, address, irq);
+	return strcmp(kind, "none") ? -EINVAL : 0;
+}
+
+static const struct kernel_param_ops chip_operations = { .set = set_chip };
+module_param_cb(chip, &chip_operations, NULL, 0200);
+MODULE_PARM_DESC(chip, "none, or spi|i2c NAME [ADDRESS [LINE]]: the device, and the line of its interrupt");
 
 static int __init add_spi(void)
 {
@@ -237,11 +298,10 @@ static int __init add_spi(void)
 		spi_controller_put(controller);
 		return error;
 	}
-	if (!spi_new_device(controller, &gyro)) {
+	error = add_spi_chip(NAME_FOR_SPIDEV, 0);
+	if (error)
 		spi_unregister_controller(controller);
-		return -ENODEV;
-	}
-	return 0;
+	return error;
 }
 
 static int __init zerorate_bus_init(void)
@@ -280,6 +340,7 @@ no_adapter:
 static void __exit zerorate_bus_exit(void)
 {
 	misc_deregister(&world);
+	remove_chip();
 	spi_unregister_controller(controller);
 	i2c_del_adapter(&adapter);
 	platform_device_unregister(parent);

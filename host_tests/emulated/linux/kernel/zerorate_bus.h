@@ -35,4 +35,8 @@ struct zerorate_bus_answer {
 	__s32 status; /* 0 or a negative error number */
 };
 
+#ifdef __KERNEL__
+int zerorate_lines_irq(unsigned int line);
+#endif
+
 #endif

@@ -12,6 +12,8 @@
 #include <linux/platform_device.h>
 #include <linux/uaccess.h>
 
+#include "host_tests/emulated/linux/kernel/zerorate_bus.h"
+
 #define LINES 8
 
 static struct platform_device *parent;
@@ -88,6 +90,17 @@ static void drive(unsigned int line, bool high)
 	generic_handle_domain_irq_safe(lines.irq.domain, line);
 	local_irq_restore(flags);
 }
+
+/* The interrupt of a line, of rising edges, as a device tree gives it to the driver of a chip. */
+int zerorate_lines_irq(unsigned int line)
+{
+	int irq = irq_create_mapping(lines.irq.domain, line);
+
+	if (irq)
+		irq_set_irq_type(irq, IRQ_TYPE_EDGE_RISING);
+	return irq ? irq : -ENXIO;
+}
+EXPORT_SYMBOL_GPL(zerorate_lines_irq);
 
 static ssize_t world_write(struct file *file, const char __user *from, size_t size, loff_t *offset)
 {

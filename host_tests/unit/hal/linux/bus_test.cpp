@@ -8,6 +8,7 @@
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/spidev.hpp"
 #include "host_tests/support/allocation_counter.hpp"
+#include "host_tests/unit/firmware/boards/linux/made_iio.hpp"
 #include "host_tests/unit/hal/linux/kernel_double.hpp"
 
 namespace zerorate::hal::linux_os {
@@ -183,6 +184,62 @@ TEST(RealKernelWithoutTheDevice, SaysThatItIsNotPresent) {
   const auto done = spi.transaction(read.operations);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error(), BusError::not_present);
+}
+
+using linux_node::Attributes;
+using linux_node::buffered;
+using linux_node::contains;
+using linux_node::kernel_error_of;
+using linux_node::MadeIio;
+
+TEST(IioElement, DecodesOrderSignWidthAndShift) {
+  const std::array<std::uint8_t, 8> bytes{0xFF, 0x81, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD};
+  const auto value = [&](const char* type, std::size_t offset) {
+    IioElement element = parse_iio_type(type, "path");
+    element.offset = offset;
+    return element.decode(bytes);
+  };
+  EXPECT_EQ(value("le:s16/16>>0", 0), static_cast<std::int16_t>(0x81FF));
+  EXPECT_EQ(value("be:s16/16>>0", 0), -127);
+  EXPECT_EQ(value("be:u16/16>>0", 0), 0xFF81);
+  EXPECT_EQ(value("be:u12/16>>4", 2), 0x234);
+  EXPECT_EQ(value("be:s12/16>>4", 0), -8);
+  EXPECT_EQ(value("le:s24/32>>8", 4), static_cast<std::int32_t>(0xCDAB8900) >> 8);
+  EXPECT_EQ(value("be:s64/64>>0", 0), static_cast<std::int64_t>(0xFF8123456789ABCD));
+  EXPECT_EQ(value("le:s16/16", 0), static_cast<std::int16_t>(0x81FF));
+}
+
+TEST(IioElement, RefusesALayoutThatIsNotOne) {
+  for (const char* const type : {"", "le:s16", "xe:s16/16>>0", "le:s16/24>>0", "le:s16/16>>1",
+                                 "le:s0/16>>0", "le:s16/16X2>>0", "le:f32/32>>0"}) {
+    EXPECT_TRUE(contains(kernel_error_of([&] { return parse_iio_type(type, "/p"); }), "/p: "))
+        << type;
+  }
+}
+
+TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
+  MadeIio made;
+  made.add("iio:device0", buffered());
+  Attributes second = buffered();
+  second["label"] = "roof";
+  made.add("iio:device12", second);
+  made.add("iio:device3", {{"name", "lsm6dso_accel"}, {"in_accel_x_raw", "0"}});
+  const auto node = [&](const char* wanted) { return find_iio_gyro(made.places(), wanted).node; };
+  EXPECT_EQ(node("0"), "iio:device0");
+  EXPECT_EQ(node("iio:device12"), "iio:device12");
+  EXPECT_EQ(node("/dev/iio:device12"), "iio:device12");
+  EXPECT_EQ(node("roof"), "iio:device12");
+  const std::string sys = made.places().sysfs;
+  const std::string list =
+      "iio:device0 \"lsm6dso_gyro\", iio:device12 \"lsm6dso_gyro\" labelled \"roof\")";
+  EXPECT_EQ(kernel_error_of([&] { return node("lsm6dso_gyro"); }),
+            sys + ": several gyros are called \"lsm6dso_gyro\" (tell its number or label: " + list);
+  EXPECT_EQ(kernel_error_of([&] { return node("3"); }),
+            sys + ": no gyro is called \"3\" (there are " + list);
+  EXPECT_TRUE(contains(kernel_error_of([] {
+                         return find_iio_gyro({"/nowhere", "/nowhere"}, "x").node;
+                       }),
+                       "is the driver's module loaded and bound?"));
 }
 
 }  // namespace

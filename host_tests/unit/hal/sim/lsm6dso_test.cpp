@@ -174,6 +174,65 @@ TEST_F(SimulatedLsm6dsoTest, FifoWordsCarrySensorTimeSlotAndEvenParity) {
   EXPECT_EQ(fifo_level(), 0U);
 }
 
+// The kernel's driver stamps its samples by these words, which come before those of their slot.
+TEST_F(SimulatedLsm6dsoTest, BatchesTimeStampsOf25MicrosecondsOfItsOwnClock) {
+  chip_.write_register(0x09, 0x40);
+  chip_.write_register(0x0A, 0x46);  // DEC_TS_BATCH: each slot
+  power_up();
+  measure_x(0.0F);
+  EXPECT_EQ(fifo_level(), 1U) << "the timer is off";
+  pop_word();
+  chip_.write_register(0x19, 0x20);  // TIMESTAMP_EN
+  clock_.advance(core::Duration::seconds(5));
+  chip_.write_register(0x42, 0xAA);
+  EXPECT_EQ(read_word(0x40), 0);
+  clock_.advance(core::Duration::seconds(10));
+  measure_x(0.0F);
+  ASSERT_EQ(fifo_level(), 2U);
+  constexpr unsigned kTicks = 398'200;  // 10 s / 25 us, 0.45 % slow
+  EXPECT_EQ(read_word(0x40), static_cast<std::int16_t>(kTicks & 0xFFFFU));
+  EXPECT_EQ(read_word(0x42), kTicks >> 16U);
+  EXPECT_EQ(pop_word(),
+            (std::array<std::uint8_t, 7>{0b00100'01'0, kTicks & 0xFFU, kTicks >> 8U & 0xFFU,
+                                         kTicks >> 16U, 0, 0, 0}));
+  EXPECT_EQ(pop_word()[0], 0b00001'01'0) << "the gyro's word of the same slot";
+}
+
+TEST_F(SimulatedLsm6dsoTest, MarksWhatItBatchesWhileItSettlesWhereThatIsAskedFor) {
+  for (const bool is_masked : {false, true}) {
+    chip_.write_register(0x12, 0x05);
+    clock_.advance(core::Duration::milliseconds(1));
+    chip_.write_register(0x13, is_masked ? 0x08 : 0x00);  // DRDY_MASK
+    chip_.write_register(0x09, 0x40);
+    chip_.write_register(0x0A, 0x06);
+    chip_.write_register(0x11, 0x40);
+    clock_.advance(core::Duration::milliseconds(60));
+    measure_x(0.0F);
+    EXPECT_EQ(chip_.read_register(0x1E), is_masked ? 0x00 : 0x06);
+    const auto settling = pop_word();
+    EXPECT_EQ(settling[1] == 0xFF && settling[2] == 0x7F, is_masked);
+    clock_.advance(core::Duration::milliseconds(10));
+    measure_x(0.0F);
+    EXPECT_EQ(chip_.read_register(0x1E), 0x06);
+    EXPECT_EQ(pop_word()[2], 0);
+  }
+}
+
+// The kernel's driver configures the sensor hub at the addresses of CTRL5_C and those that follow.
+TEST_F(SimulatedLsm6dsoTest, KeepsTheBanksOfHubAndFunctionsApart) {
+  chip_.write_register(0x15, 0x10);
+  chip_.write_register(0x01, 0x40);
+  EXPECT_EQ(chip_.read_register(0x15), 0x00);
+  chip_.write_register(0x15, 0x3D);
+  chip_.write_register(0x01, 0x80);
+  EXPECT_EQ(chip_.read_register(0x15), 0x00);
+  chip_.write_register(0x01, 0x40);
+  EXPECT_EQ(chip_.read_register(0x15), 0x3D);
+  chip_.write_register(0x01, 0x00);
+  EXPECT_EQ(chip_.read_register(0x15), 0x10);
+  EXPECT_EQ(chip_.read_register(0x0F), 0x6C);
+}
+
 TEST_F(SimulatedLsm6dsoTest, ContinuousFifoDropsTheOldestAndLatchesTheOverrun) {
   chip_.write_register(0x09, 0x40);
   chip_.write_register(0x0A, 0x06);

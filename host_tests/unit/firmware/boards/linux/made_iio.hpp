@@ -62,6 +62,20 @@ inline Attributes polled() {
           {"in_temp0_scale", "200.0"}};
 }
 
+inline bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+template <class Act>
+std::string kernel_error_of(Act act) {
+  try {
+    (void)act();
+  } catch (const hal::linux_os::KernelFileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
 /// Folders /sys and /dev of made devices.
 class MadeIio {
  public:
@@ -77,6 +91,11 @@ class MadeIio {
   }
   void set(const std::string& node, const std::string& name, const std::string& value) const {
     folder_.write("sys/" + node + "/" + name, value);
+  }
+  /// An attribute that only its owner may write, and the owner is somebody else.
+  void forbid(const std::string& name) const {
+    std::filesystem::permissions(folder_.path() / "sys/iio:device0" / name,
+                                 std::filesystem::perms::owner_read);
   }
   [[nodiscard]] std::string get(const std::string& name) const {
     return hal::linux_os::SysfsFolder{folder_.path() / "sys/iio:device0"}.text(name);

@@ -11,7 +11,9 @@
 #include <span>
 #include <vector>
 
+#include "firmware/boards/linux/chips/iio_gyro.hpp"
 #include "firmware/boards/linux/speed_source.hpp"
+#include "host_tests/unit/firmware/boards/linux/made_iio.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -182,6 +184,40 @@ TEST(SpeedInADatagram, IsANumberOrAWord) {
   for (const char* const text : {"", " ", "nan", "inf", "1,5", "1.5 m/s", "Still", "1e999"}) {
     EXPECT_FALSE(decode_text(text)) << text;
   }
+}
+
+TEST(ChipOfIio, IsTheOneWhoseNameTheDeviceBears) {
+  EXPECT_EQ(chip_of_iio("lsm6dso_gyro"), "lsm6dso");
+  EXPECT_EQ(chip_of_iio("bmi088_gyro"), "bmi088");
+  EXPECT_EQ(chip_of_iio("iio:device0"), "");
+}
+
+TEST(MakeGyro, RefusesAChipThatADriverOfTheKernelHolds) {
+  const testing::ScratchFolder sys;
+  const auto bind = [&](const std::string& device, const std::string& driver) {
+    std::filesystem::create_directories(sys.path() / "bus" / device);
+    std::filesystem::create_symlink("/drivers/" + driver, sys.path() / "bus" / device / "driver");
+  };
+  bind("i2c/devices/1-006a", "st_lsm6dsx_i2c");
+  bind("spi/devices/spi0.0", "spidev");
+  bind("spi/devices/spi0.1", "adxrs450");
+  GyroSettings wired{.chip = "lsm6dso",
+                     .bus = BusKind::i2c,
+                     .device = "/dev/i2c-1",
+                     .address = 0x6A,
+                     .rate_hz = 104,
+                     .full_scale_dps = 250};
+  EXPECT_EQ(kernel_error_of([&] { return make_gyro(wired, sys.path()); }),
+            "/dev/i2c-1: the kernel's driver st_lsm6dsx_i2c holds the chip (read it with bus = "
+            "\"iio\", see zerorate probe; or unbind the driver)");
+  wired.address = 0x6B;
+  EXPECT_NE(make_gyro(wired, sys.path()), nullptr);
+  wired.bus = BusKind::spi;
+  wired.device = "/dev/spidev0.0";
+  EXPECT_NE(make_gyro(wired, sys.path()), nullptr);
+  wired.device = "/dev/spidev0.1";
+  EXPECT_TRUE(
+      contains(kernel_error_of([&] { return make_gyro(wired, sys.path()); }), "adxrs450 holds"));
 }
 
 }  // namespace

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "host_tests/emulated/linux/guest/bench.hpp"
+#include "host_tests/emulated/linux/guest/scenarios.hpp"
+
+namespace zerorate::emulated {
+namespace {
+
+/// A chip as one of the two drivers reads it.
+struct Reading {
+  GyroSetup setup;
+  double rate_hz = 104.0;
+};
+
+/// A chip, once read by our driver and once through IIO by the kernel's.
+struct Wiring {
+  const char* name;
+  Reading ours;
+  Reading kernels;
+  double stamps_ms;  ///< by which the stamps of a sample may differ
+};
+
+/// Our stamps are those of the interrupt, and those of the kernel's drivers too, or the chip's own,
+/// which count 25 us. In each of both drives the world converts up to some 0.2 ms late where it
+/// gives pulses at the same time.
+constexpr double kStampsWithBuffer_ms = 0.5;
+
+constexpr const char* kForSpidev = "spi dh2228fv";
+
+Wiring wiring(const char* name, const Reading& ours, double rate_hz, std::string toml,
+              std::string binding, double stamps_ms = kStampsWithBuffer_ms) {
+  Wiring both{name, ours, ours, stamps_ms};
+  both.kernels.rate_hz = rate_hz;
+  both.kernels.setup.has_data_ready = false;  // the kernel's driver has the line
+  both.kernels.setup.toml = std::move(toml);
+  both.kernels.setup.binding = std::move(binding);
+  return both;
+}
+
+std::vector<Wiring> wirings() {
+  const std::string rate = "rate_hz = 104\nfull_scale_dps = 250\n";
+  const std::string lsm6dso = "bus = \"iio\"\ndevice = \"lsm6dso_gyro\"\n" + rate;
+  Reading on_spi;
+  on_spi.setup.binding = kForSpidev;
+  const Reading on_i2c{
+      .setup = {.make = lsm6dso_on_i2c,
+                .toml = "chip = \"lsm6dso\"\nbus = \"i2c\"\ndevice = \"/dev/i2c-7\"\n" + rate,
+                .binding = "none"}};
+  // The chip converts when it is asked: our driver asks 200 times a second, the kernel's 100 times.
+  const Reading frames{
+      .setup = {.make = adxrs453_on_spi,
+                .toml = "chip = \"adxrs453\"\nbus = \"spi\"\ndevice = "
+                        "\"/dev/spidev0.0\"\nrate_hz = 200\nfull_scale_dps = 300\n",
+                .has_data_ready = false,
+                .axes = 1,
+                .lsb_dps = 1.0F / 80.0F,
+                .sample_ns = 5'000'000,
+                .binding = kForSpidev},
+      .rate_hz = 200.0};
+  const std::string at_100 = "rate_hz = 100\nfull_scale_dps = 250\n";
+  const Reading bosch{.setup = {.make = bmi088_on_spi,
+                                .toml = "chip = \"bmi088\"\nbus = \"spi\"\ndevice = "
+                                        "\"/dev/spidev0.0\"\n" +
+                                        at_100,
+                                .lsb_dps = 250.0F / 32768.0F,
+                                .sample_ns = 10'000'000,
+                                .binding = kForSpidev},
+                      .rate_hz = 100.0};
+  constexpr double kPolled_ms = 5.0;  // of 10 ms between two polls
+  return {wiring("st_lsm6dsx over SPI", on_spi, 104.0, lsm6dso, "spi lsm6dso 0 0"),
+          wiring("st_lsm6dsx over I2C", on_i2c, 104.0, lsm6dso, "i2c lsm6dso 6a 0"),
+          wiring("adxrs450, without a buffer", frames, 100.0,
+                 "chip = \"adxrs453\"\nbus = \"iio\"\ndevice = \"adxrs450\"\nrate_hz = 100\n"
+                 "full_scale_dps = 300\n",
+                 "spi adxrs453", kPolled_ms),
+          wiring("bmg160", bosch, 100.0,
+                 "chip = \"bmi088\"\nbus = \"iio\"\ndevice = \"bmi088_gyro\"\n" + at_100,
+                 "spi bmi088_gyro 0 0")};
+}
+
+double in_lsb(core::AngularRate difference, float lsb_dps) {
+  return std::abs(double{difference.in(core::deg_per_s)} / double{lsb_dps});
+}
+
+/// Messages of a drive with a calibrated rate, in the drive's own time.
+struct Drive {
+  std::vector<app::RateMessage> messages;
+  core::Instant start;
+
+  [[nodiscard]] core::Duration time(const app::RateMessage& message) const {
+    return message.time - start;
+  }
+};
+
+bool is_same_sample(const app::RateMessage& a, const app::RateMessage& b, float lsb_dps) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (in_lsb(a.axes.at(i).measured - b.axes.at(i).measured, lsb_dps) > 0.5) return false;
+  }
+  return true;
+}
+
+struct Comparison {
+  long samples = 0;
+  long alone = 0;  ///< that only the kernel's driver had
+  double largest_lsb = 0.0;
+  double largest_ms = 0.0;
+};
+
+/// Compares the corrected rates of equal samples, which stand at equal times of both drives.
+Comparison compare(const Drive& ours, const Drive& kernels, float lsb_dps) {
+  constexpr core::Duration kWindow = core::Duration::milliseconds(12);
+  Comparison found;
+  for (const app::RateMessage& theirs : kernels.messages) {
+    const core::Duration at = kernels.time(theirs);
+    const auto is_before = [&](const app::RateMessage& our, core::Duration time) {
+      return ours.time(our) < time;
+    };
+    const auto begin =
+        std::lower_bound(ours.messages.begin(), ours.messages.end(), at - kWindow, is_before);
+    const auto end = std::lower_bound(begin, ours.messages.end(), at + kWindow, is_before);
+    auto same = end;
+    double same_ms = 0.0;
+    for (auto our = begin; our != end; ++our) {
+      const double ms = std::abs(static_cast<double>((ours.time(*our) - at).ns())) / 1e6;
+      if (!is_same_sample(*our, theirs, lsb_dps) || (same != end && ms >= same_ms)) continue;
+      same = our;
+      same_ms = ms;
+    }
+    if (same == end) {
+      ++found.alone;
+      continue;
+    }
+    ++found.samples;
+    found.largest_ms = std::max(found.largest_ms, same_ms);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto difference = same->axes.at(i).corrected - theirs.axes.at(i).corrected;
+      found.largest_lsb = std::max(found.largest_lsb, in_lsb(difference, lsb_dps));
+    }
+  }
+  return found;
+}
+
+Drive drive(DeviceWorld& world, Verdict& verdict, const std::string& name, const Reading& reading,
+            double seconds) {
+  constexpr double kStart_s = 1.0;
+  (void)unlink("/run/state/state");
+  Bench bench{world, verdict, name.c_str(), reading.setup};
+  bench.schedule->run(kStart_s);
+  const Tally before = bench.tally();
+  bench.schedule->run(seconds - kStart_s);
+  const Tally& tally = bench.tally();
+  const long samples = tally.with_rate - before.with_rate;
+  const double expected = (seconds - kStart_s) * reading.rate_hz;
+  verdict.check("samples come at the chip's rate",
+                std::abs(static_cast<double>(samples) - expected) < 3.0, samples);
+  verdict.check("no message is lost, and nothing is faulty",
+                tally.number_gaps == 0 && tally.faulty == before.faulty,
+                tally.number_gaps + tally.faulty - before.faulty);
+  verdict.check("corrected rate within one LSB of the node beside it",
+                tally.largest_difference_lsb <= 1.0, tally.largest_difference_lsb);
+  verdict.check("stops are seen", tally.still > 0, tally.still);
+  Drive driven{.messages = {}, .start = bench.schedule->start()};
+  for (const auto& numbered : bench.witness->published()) {
+    const app::RateMessage& message = numbered.message;
+    if (message.has_rate() && message.health.calibrated) driven.messages.push_back(message);
+  }
+  return driven;
+}
+
+void compare_drivers(DeviceWorld& world, Verdict& verdict, const Wiring& wiring, double seconds) {
+  const std::string name = wiring.name;
+  const Drive ours = drive(world, verdict, name + ": our driver", wiring.ours, seconds);
+  const Drive kernels = drive(world, verdict, name + ": the kernel's", wiring.kernels, seconds);
+  const Comparison found = compare(ours, kernels, wiring.ours.setup.lsb_dps);
+  // Where both poll, one of them can miss a sample that the other has.
+  verdict.check("their samples are equal", found.alone * 20 < found.samples, found.alone);
+  verdict.check("and their stamps [ms]", found.largest_ms <= wiring.stamps_ms, found.largest_ms);
+  verdict.check("corrected rates of both drivers are within one LSB",
+                found.samples > 0 && found.largest_lsb <= 1.0, found.largest_lsb);
+}
+
+/// Lines of `zerorate probe` as the whole configuration of the gyro, at the rate that the
+/// driver starts with.
+void take_lines_of_probe(DeviceWorld& world, Verdict& verdict) {
+  constexpr std::int64_t kSample12_5Hz_ns = 80'000'000;
+  Bench bench{world,
+              verdict,
+              "the lines that zerorate probe prints",
+              {.toml = "",
+               .has_data_ready = false,
+               .sample_ns = kSample12_5Hz_ns,
+               .binding = "spi lsm6dso 0 0"}};
+  bench.schedule->run(6.0);
+  const Tally& tally = bench.tally();
+  verdict.check("zerorated runs with them", tally.with_rate >= 60, tally.with_rate);
+  verdict.check("and every sample is the one that was next",
+                tally.out_of_order == 0 && tally.faulty == 0, tally.out_of_order + tally.faulty);
+}
+
+}  // namespace
+
+void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds) {
+  take_lines_of_probe(world, verdict);
+  for (const Wiring& wiring : wirings()) compare_drivers(world, verdict, wiring, seconds);
+}
+
+}  // namespace zerorate::emulated

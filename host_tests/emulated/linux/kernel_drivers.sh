@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# kernel_drivers.sh REPOSITORY WORK_FOLDER SECONDS RUNS
+#
+# The kernel's own gyro drivers (IIO) on our simulated chips, behind the bus and the interrupt line of kernel/, and the
+# arm64 zerorated on top: so long with each chip, once through our driver and once through the kernel's. Every run must
+# print the same.
+set -euo pipefail
+repository=$(readlink -f "$1")
+work=$2
+seconds=$3
+runs=$4
+preset=linux-arm64
+source "$repository/host_tests/emulated/linux/machine.sh"
+show_kernel='dmesg | grep -E " (st_lsm6dsx|adxrs450|bmg160|iio)"'
+
+fetch
+build zerorate_world
+build_modules
+# shellcheck disable=SC2046 # a list of files
+pack zerorate_world "zerorate_world drivers $seconds || cat /run/zerorated.log
+$show_kernel
+poweroff -f" $(module_files i2c-dev vcan can-raw st_lsm6dsx_spi st_lsm6dsx_i2c adxrs450 bmg160_spi) "${our_modules[@]}"
+take_turns
+for ((run = 1; run <= runs; ++run)); do
+  "${qemu[@]}" </dev/null | stdbuf -oL tr -d '\r' | tee "$out/drivers-$run.log"
+  grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/drivers-$run.log"
+  diff "$out/drivers-1.log" "$out/drivers-$run.log"
+done
