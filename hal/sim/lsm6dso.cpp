@@ -237,6 +237,14 @@ std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
   return value;
 }
 
+/// Begins what takes time after a write: the reboot, the time stamps, the gyro's turn-on.
+void SimulatedLsm6dso::note_time_of(std::uint8_t address, std::uint8_t value) {
+  const core::Instant now = clock_->now();
+  if (address == ctrl3_c && (value & kBoot) != 0) boot_until_ = now + kBootTime;
+  if (address == ctrl10_c && (registers_[ctrl10_c] & 0x20U) == 0) timestamp_zero_ = now;
+  if (address == ctrl2_g && !is_powered()) powered_at_ = now;
+}
+
 void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
   if (is_resetting()) return;
@@ -255,12 +263,8 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
     reset_until_ = clock_->now() + kResetTime;
     return;
   }
-  if (address == ctrl3_c && (value & kBoot) != 0) {  // the chip clears it
-    boot_until_ = clock_->now() + kBootTime;
-    value &= static_cast<std::uint8_t>(~kBoot);
-  }
-  if (address == ctrl10_c && (registers_[ctrl10_c] & 0x20U) == 0) timestamp_zero_ = clock_->now();
-  if (address == ctrl2_g && !is_powered()) powered_at_ = clock_->now();
+  note_time_of(address, value);
+  if (address == ctrl3_c) value &= static_cast<std::uint8_t>(~kBoot);  // the chip clears it
   registers_[address] = value;
   const bool is_bypass = (registers_[fifo_ctrl4] & 0x07U) == 0;
   if (address == fifo_ctrl4 && is_bypass) fifo_.clear();

@@ -71,6 +71,7 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   std::uint8_t read_output(std::uint8_t address);
   std::uint8_t read_fifo_byte(std::uint8_t address);
   std::uint8_t read_fifo_status2();
+  void note_time_of(std::uint8_t address, std::uint8_t value);
   void batch();
   void push_fifo_word(std::uint8_t sensor, const std::array<std::int16_t, 3>& values);
   std::array<std::uint8_t, 128>* other_bank();
