@@ -52,6 +52,25 @@ module_files() {
   done | awk '$1 == "insmod" && !seen[$2]++ {print $2}'
 }
 
+# The first process of the machine; what it does is appended.
+first_process() {
+  cat <<'EOF'
+#!/bin/busybox sh
+/bin/busybox --install -s /bin
+export PATH=/bin:/usr/sbin:/usr/bin
+mount -t proc proc /proc
+mount -t sysfs sys /sys
+mount -t devtmpfs dev /dev
+mount -t tmpfs run /run
+while read -r module; do insmod "/modules/$module" || echo "FAILED: insmod $module"; done </modules/order
+ip link set lo up
+ip link add vcan0 type vcan
+ip link set vcan0 up
+mkdir /run/state
+zerorated --check-config
+EOF
+}
+
 # pack WORLD INIT MODULE...: the initramfs, with modules by their files, in the order of their loading.
 pack() {
   local root="$out/root" world=$1 init=$2 sysroot libraries file
@@ -72,7 +91,7 @@ pack() {
     basename "$file" >>"$root/modules/order"
   done
   cp "$here/zerorated.toml" "$root/"
-  printf '%s\n' "$init" | cat "$here/init.sh" - >"$root/init"
+  { first_process && printf '%s\n' "$init"; } >"$root/init"
   chmod +x "$root/init"
   (cd "$root" && find . | LC_ALL=C sort | cpio --quiet -o -H newc | gzip -1) >"$out/initramfs.gz"
 }
