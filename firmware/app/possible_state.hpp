@@ -10,16 +10,33 @@
 
 #include "core/base/numeric.hpp"
 #include "core/estimator/prediction.hpp"
+#include "core/noise/modes.hpp"
+#include "core/noise/temperature_drift.hpp"
 #include "firmware/app/node_params.hpp"
 
 namespace zerorate::app {
 
-/// Whether all words of a value of floats, and of counts below 10^9, are plausible numbers.
+/// Whether all words of a value of floats are plausible numbers.
+/// @pre  no padding: an empty array has a byte, and bytes of padding hold whatever was there before
 template <class Value>
 [[nodiscard]] bool has_plausible_words(const Value& value) {
   static_assert(sizeof(Value) % sizeof(float) == 0);
   return core::are_plausible(
       std::bit_cast<std::array<float, sizeof(Value) / sizeof(float)>>(value));
+}
+
+/// Whether memory from outside may be a span of a model's modes.
+template <std::size_t R, std::size_t C>
+[[nodiscard]] bool is_possible_span(const core::Transition<R, C>& span) {
+  const auto is_possible = [](const auto& mode) { return has_plausible_words(mode); };
+  return is_possible(span.level) && std::ranges::all_of(span.decaying, is_possible) &&
+         std::ranges::all_of(span.rotating, is_possible);
+}
+/// Likewise with the temperature.
+template <core::ModelShape Shape>
+[[nodiscard]] bool is_possible_span(const core::TransitionWithTemperature<Shape>& span) {
+  const core::TransitionOf<Shape>& modes = span;
+  return is_possible_span(modes) && has_plausible_words(span.temperature);
 }
 
 /// Whether predictions are plausible numbers with positive variances.
@@ -141,7 +158,7 @@ template <class Node>
     return Node::TickTemperature::is_possible(held.temperature) &&
            Node::Screening::is_possible(held.squares);
   };
-  return core::is_bool(state.odometer_fault) && has_plausible_words(state.lead) &&
+  return core::is_bool(state.odometer_fault) && is_possible_span(state.lead) &&
          state.measured_ticks <= state.learning.average.tick + 1 &&
          Node::Learning::is_possible(state.learning, node.params().modes.tick, is_possible_item) &&
          Node::TemperatureTrack::is_possible(state.temperature) &&
