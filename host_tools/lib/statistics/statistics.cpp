@@ -54,6 +54,24 @@ double log_poisson_tail(double count, double mean) {
   return count * std::log(mean) - mean - std::lgamma(count + 1.0);
 }
 
+double log_p_of_even_lengths(std::span<const std::vector<double>> groups) {
+  double statistic = 0.0;
+  double freedom = 0.0;
+  for (const std::vector<double>& lengths : groups) {
+    const auto m = static_cast<double>(lengths.size());
+    if (m < 2.0) continue;
+    double sum = 0.0;
+    double logs = 0.0;
+    for (const double length : lengths) {
+      sum += length;
+      logs += std::log(length);
+    }
+    statistic += 2.0 * m * (std::log(sum / m) - logs / m) / (1.0 + (m + 1.0) / (6.0 * m));
+    freedom += m - 1.0;
+  }
+  return freedom > 0.0 ? log_chi_squared_lower_tail(statistic, freedom) : 0.0;
+}
+
 double log_of_smallest(double log_p, double places) {
   return std::min(0.0, log_p + std::log(std::max(1.0, places)));
 }

@@ -33,6 +33,10 @@ inline constexpr double kHalfChiSquared95 = 1.92;
 [[nodiscard]] double log_chi_squared_tails(double x, double freedom);
 /// log P of a Poisson number of at least `count`.
 [[nodiscard]] double log_poisson_tail(double count, double mean);
+/// log P of lengths as even as these, were they exponential, as waits for independent events are:
+/// the test of [Bartlett 1937] at its lower end.
+/// @param groups  lengths, all above 0; each group has a mean of its own
+[[nodiscard]] double log_p_of_even_lengths(std::span<const std::vector<double>> groups);
 /// The smallest of `places` such probabilities, at least.
 [[nodiscard]] double log_of_smallest(double log_p, double places);
 /// Chi squared made standard normal (Wilson and Hilferty 1931).

@@ -157,6 +157,19 @@ TEST(DiagnosisOfASquareWave, NamesNoTelegraphAsProven) {
   EXPECT_THAT(diagnosis.extended_adequacy.failures, Contains(HasSubstr("even intervals")));
 }
 
+TEST(DiagnosisOfASawtooth, NamesNoRelaxationAsProven) {
+  constexpr std::size_t kTooth = 3500;
+  Record record = simulated({}, 6);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double turns = static_cast<double>((k + 1000) % kTooth) / kTooth;
+    record.rate_rad_s[k] -= 0.08 * kRadPerDeg * turns;
+  }
+  const Diagnosis diagnosis = diagnose(record);
+
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_THAT(diagnosis.extended_adequacy.failures, Contains(HasSubstr("jumps at even intervals")));
+}
+
 /// Model of what `simulated` makes without more effects.
 model::SensorModel true_model() {
   return {.white = {.angle_random_walk_rad_per_sqrt_s = 0.04 * kRadPerDeg},

@@ -132,6 +132,9 @@ class Fleet : public ::testing::Test {
   [[nodiscard]] fs::path path(const std::string& name) const { return folder_.path() / name; }
 };
 
+/// Claims about populations: fleets of many sensors.
+class FleetStatistics : public Fleet {};
+
 /// Population of the fleet by its defaults, fitted once.
 const Population& usual_population() {
   static const Population population = [] {
@@ -151,7 +154,7 @@ TEST(QValues, AreThoseOfBenjaminiAndHochberg) {
   EXPECT_TRUE(q_values({}).empty());
 }
 
-TEST_F(Fleet, PopulationIsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
+TEST_F(FleetStatistics, IsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
   const Population& population = usual_population();
   const double pivot = std::log(Grid::kPivot_rad_s);
   const double log_flicker = kLogWhite + kLogAmplitude + kOrder * pivot;
@@ -169,7 +172,7 @@ TEST_F(Fleet, PopulationIsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
   EXPECT_NEAR(population.spread(2), kOrderSpread, 0.2 * kOrderSpread);
 }
 
-TEST_F(Fleet, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
+TEST_F(FleetStatistics, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
   // 50 innovations tell ln N within 0.1: the estimates spread by hypot(0.15, 0.1) = 0.18.
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.innovations = 50}), {});
@@ -177,7 +180,7 @@ TEST_F(Fleet, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
   EXPECT_NEAR(population.spread(0), kLogWhiteSpread, 0.09 * kLogWhiteSpread);
 }
 
-TEST_F(Fleet, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
+TEST_F(FleetStatistics, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
   const Population& population = usual_population();
   const auto found = std::ranges::find(population.sensors, "3", &Sensor::name);
   ASSERT_NE(found, population.sensors.end());
@@ -192,7 +195,7 @@ TEST_F(Fleet, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
   EXPECT_THAT(make_report(population, "test").html(), HasSubstr("bias_jump"));
 }
 
-TEST_F(Fleet, LotThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
+TEST_F(FleetStatistics, LotThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.bad_lot_shift = 0.4}),
                      {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
@@ -203,7 +206,7 @@ TEST_F(Fleet, LotThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
   EXPECT_NEAR(population.distribution.mean[0], kLogWhite, 3.0 * population.mean_error[0]);
 }
 
-TEST_F(Fleet, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
+TEST_F(FleetStatistics, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"),
                                 {.sensors = 60, .recordings = 2, .lots = 1, .one_changes = true}),
@@ -213,7 +216,7 @@ TEST_F(Fleet, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
   }
 }
 
-TEST_F(Fleet, PriorIsAsWideAsThePopulationAndTheNodeReadsIt) {
+TEST_F(FleetStatistics, PriorIsAsWideAsThePopulationAndTheNodeReadsIt) {
   const Population& population = usual_population();
   const model::SensorModel model = type_model(population, "type");
   EXPECT_NEAR(model.prior->order, kOrder, 0.02);
@@ -231,7 +234,7 @@ TEST_F(Fleet, FewSensorsLeaveThePriorWide) {
   EXPECT_GT(type_model(population, "type").prior->amplitude_factor, 3.0);
 }
 
-TEST_F(Fleet, LimitsOfAShortTestLeaveOutWhatItCannotTell) {
+TEST_F(FleetStatistics, LimitsOfAShortTestLeaveOutWhatItCannotTell) {
   const Population& population = usual_population();
   const Limits all = limits_of(population, 0.0);
   EXPECT_TRUE(all.bias_instability_rad_s);
@@ -324,7 +327,7 @@ TEST_F(Fleet, TableQuotesNamesWithCommas) {
               HasSubstr("\n\"a,b.csv\",\"said \"\"S\"\"\",L0,x,"));
 }
 
-TEST_F(Fleet, WhiteNoiseIsThatOfTheSamplesWhereFlickerNoiseIsStrong) {
+TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamplesWhereFlickerNoiseIsStrong) {
   constexpr double kWhite_dps = 0.005;
   simulate_fleet({.sensors = 8,
                   .lots = 1,

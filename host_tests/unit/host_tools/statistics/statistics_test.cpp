@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -51,6 +52,30 @@ TEST(BootstrapWithoutAValue, SaysNothing) {
   const auto figure = bootstrap(
       3, [](const auto&) { return std::nan(""); }, RandomStream(1));
   EXPECT_TRUE(std::isnan(figure.value) && std::isnan(figure.lo) && std::isnan(figure.hi));
+}
+
+TEST(EvenLengths, AreAsRareByChanceAsStated) {
+  constexpr std::uint64_t kDraws = 4000;
+  const double log_tenth = std::log(0.1);
+  std::size_t rare = 0;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    const RandomStream stream = RandomStream(3).substream(draw);
+    std::array<std::vector<double>, 2> lengths;
+    for (std::int64_t k = 0; k < 9; ++k) {
+      lengths[static_cast<std::size_t>(k % 2)].push_back((k % 2 == 0 ? -2.0 : -7.0) *
+                                                         std::log(stream.uniform(k)));
+    }
+    rare += log_p_of_even_lengths(lengths) < log_tenth ? 1 : 0;
+  }
+  // Bartlett's correction leaves 0.4 % of error; three standard errors are 1.4 %.
+  EXPECT_NEAR(static_cast<double>(rare) / kDraws, 0.1, 0.018);
+}
+
+TEST(EvenLengths, ArePlainWhereAllAreAlike) {
+  const std::array<std::vector<double>, 2> alike{{{1.0, 1.01, 0.99, 1.0}, {3.0}}};
+  EXPECT_LT(log_p_of_even_lengths(alike), std::log(1e-5));
+  const std::array<std::vector<double>, 2> single{{{1.0}, {3.0}}};
+  EXPECT_EQ(log_p_of_even_lengths(single), 0.0);
 }
 
 TEST(SurpriseOfNoGain, IsNothing) {

@@ -148,11 +148,13 @@ void test_steadiness(const Hypothesis& hypothesis, Tests& tests) {
   }
 }
 
-/// A bias that switches like a clock is no telegraph.
-void test_switches(const Hypothesis& hypothesis, Tests& tests) {
+/// Events that come like a clock are no telegraph and no relaxation, but something periodic.
+void test_event_times(const Hypothesis& hypothesis, Tests& tests) {
   for (const Part& part : hypothesis.parts()) {
-    if (part.effect != "random_telegraph_noise") continue;
-    tests.push_back({"the bias switches at even intervals, not at random", part.shape.back()});
+    if (part.log_p_of_even_times == 0.0) continue;
+    const std::string_view events = part.effect == "random_telegraph_noise" ? "switches" : "jumps";
+    tests.push_back({fmt::format("the bias {} at even intervals, not at random", events),
+                     part.log_p_of_even_times});
   }
 }
 
@@ -169,7 +171,7 @@ Tests test_spectrum(const StandardisedResidual& residual) {
   tests.push_back(strongest_hump(*residual.hypothesis, sums));
   test_harmonics(*residual.hypothesis, tests);
   test_steadiness(*residual.hypothesis, tests);
-  test_switches(*residual.hypothesis, tests);
+  test_event_times(*residual.hypothesis, tests);
   return tests;
 }
 

@@ -203,39 +203,21 @@ Path grow(const Coarse& coarse) {
   return path_of(path, coarse.size());
 }
 
-/// log P of stays as even as these, were the switches independent of each other: Bartlett's test of
-/// exponential lengths, at its lower end, both levels together. The first and the last stay are not
-/// known whole.
+/// log P of stays as even as these, were the switches independent of each other. The first and the
+/// last stay are not known whole.
 double log_p_of_even_stays(const Path& path) {
-  std::array<double, 2> sums{};
-  std::array<double, 2> logs{};
-  std::array<double, 2> counts{};
+  std::array<std::vector<double>, 2> stays;
   std::size_t first = 0;
   for (std::size_t k = 1; k < path.size(); ++k) {
     if (path[k] == path[k - 1]) continue;
-    if (first > 0) {
-      const auto length = static_cast<double>(k - first);
-      const std::uint8_t level = path[first];
-      sums[level] += length;
-      logs[level] += std::log(length);
-      counts[level] += 1.0;
-    }
+    if (first > 0) stays[path[first]].push_back(static_cast<double>(k - first));
     first = k;
   }
-  double statistic = 0.0;
-  double freedom = 0.0;
-  for (std::size_t level = 0; level < 2; ++level) {
-    const double m = counts[level];
-    if (m < 2.0) continue;
-    statistic +=
-        2.0 * m * (std::log(sums[level] / m) - logs[level] / m) / (1.0 + (m + 1.0) / (6.0 * m));
-    freedom += m - 1.0;
-  }
-  return freedom > 0.0 ? statistics::log_chi_squared_lower_tail(statistic, freedom) : 0.0;
+  return statistics::log_p_of_even_lengths(stays);
 }
 
-/// A bias that switches between two levels. The part's shape: number of switches, of points, the
-/// mean lengths of stay in s, low and high, and log P of stays so even by chance.
+/// A bias that switches between two levels. The part's shape: number of switches, of points, and
+/// the mean lengths of stay in s, low and high.
 class RandomTelegraphNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "random_telegraph_noise"; }
@@ -303,7 +285,8 @@ class RandomTelegraphNoise final : public Effect {
                 .columns = {column_of(scan.data(), values)},
                 .shape = {static_cast<double>(count), static_cast<double>(coarse.size()),
                           (static_cast<double>(values.size()) - high) * period_s / stays,
-                          high * period_s / stays, log_p_of_even_stays(*path)}};
+                          high * period_s / stays},
+                .log_p_of_even_times = log_p_of_even_stays(*path)};
   }
 
   static double price_of(const MeanFit& fitted) {

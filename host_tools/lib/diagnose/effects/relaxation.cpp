@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -22,6 +23,7 @@ constexpr double kLongestDecay = 0.25;    // of the record: a longer one is a ju
 constexpr double kDecayGrid = 1.6;
 constexpr std::size_t kMostJumps = 8;
 constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
+constexpr int kDecaySteps = 3;           ///< to a factor of two
 constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
 /// Gains of a decay that begins at each value, at the noise of a search.
@@ -56,6 +58,16 @@ class DecayGains {
   }
 
   [[nodiscard]] double decay() const { return decay_; }
+  /// Neighbours of a place at which a jump is about as likely.
+  [[nodiscard]] Run about(std::size_t place) const {
+    // The place of a jump is not regular: chi squared's 1.92 nats would be too few (Siegmund 1988).
+    constexpr double kInterval = 3.0;
+    const double least = gains_[place] - kInterval;
+    Run run{place, place};
+    while (run.first > 0 && gains_[run.first - 1] >= least) --run.first;
+    while (run.end + 1 < gains_.size() && gains_[run.end + 1] >= least) ++run.end;
+    return run;
+  }
   [[nodiscard]] double greatest() const { return *std::ranges::max_element(gains_); }
   /// Price of the place of one jump: how often a gain G is exceeded by chance, over e^(-G).
   [[nodiscard]] double price_nats() const { return std::log(std::max(1.0, crossings_)); }
@@ -95,8 +107,9 @@ Column decay_from(const FitData& data, double decay_s, std::size_t first) {
 }
 
 /// Jumps of the bias, each of its own height, that decay with one time constant, as stress in a
-/// package relaxes. A column a jump; the part's shape: the time constant in s, the price of a place
-/// in nats, and the first value of each jump.
+/// package relaxes. A column a jump; the part's shape: the time constant in s, the standard
+/// deviation of its logarithm, the price of a place in nats, and of each jump the first value, the
+/// earliest and the latest.
 class Relaxation final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "relaxation"; }
@@ -106,18 +119,21 @@ class Relaxation final : public Effect {
     const double height = fitted.amplitude(largest) * kDegPerRad;
     const double decay_s = fitted.part().shape[kDecay];
     const auto jumps = static_cast<double>(fitted.part().columns.size());
-    const auto& series = fitted.hypothesis.data().series();
-    const double time_s =
-        series.time_s(static_cast<std::size_t>(fitted.part().shape[kFirstPlace + largest]));
-    return {.parameters = {{"jumps", jumps, jumps, jumps},
-                           {"time_constant_s", decay_s, decay_s / kDecayGrid, decay_s * kDecayGrid},
-                           parameter("largest_height_dps", height,
-                                     fitted.amplitude_error(largest) * kDegPerRad),
-                           {"largest_time_s", time_s, time_s, time_s}},
-            .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
-                                    "{:.5g} s, and comes back with a time constant of {:.3g} s.",
-                                    jumps, jumps > 1.0 ? "s" : "", height, time_s, decay_s),
-            .drawing = drawing_of(fitted)};
+    const double decay_factor = std::exp(1.96 * fitted.part().shape[kDecayDeviation]);
+    const auto time_s = [&](std::size_t i) {
+      const double value = fitted.part().shape[kFirstPlace + kPlaceFigures * largest + i];
+      return fitted.hypothesis.data().series().time_s(static_cast<std::size_t>(value));
+    };
+    return {
+        .parameters = {{"jumps", jumps, jumps, jumps},
+                       {"time_constant_s", decay_s, decay_s / decay_factor, decay_s * decay_factor},
+                       parameter("largest_height_dps", height,
+                                 fitted.amplitude_error(largest) * kDegPerRad),
+                       {"largest_time_s", time_s(0), time_s(1), time_s(2)}},
+        .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
+                                "{:.5g} s, and comes back with a time constant of {:.3g} s.",
+                                jumps, jumps > 1.0 ? "s" : "", height, time_s(0), decay_s),
+        .drawing = drawing_of(fitted)};
   }
 
   /// Jumps may come again: a filter that is to follow takes them for Gauss-Markov noise of the same
@@ -134,8 +150,10 @@ class Relaxation final : public Effect {
 
  private:
   static constexpr std::size_t kDecay = 0;
-  static constexpr std::size_t kPrice = 1;
-  static constexpr std::size_t kFirstPlace = 2;
+  static constexpr std::size_t kDecayDeviation = 1;
+  static constexpr std::size_t kPrice = 2;
+  static constexpr std::size_t kFirstPlace = 3;
+  static constexpr std::size_t kPlaceFigures = 3;
 
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
     std::optional<Candidate> candidate =
@@ -208,24 +226,53 @@ class Relaxation final : public Effect {
     return chosen;
   }
 
-  /// The time constant that suits all jumps best, about the one of the greatest.
+  /// log P of jumps at such even times, were they independent of each other.
+  static double log_p_of_even_times(std::vector<std::size_t> places) {
+    std::ranges::sort(places);
+    std::vector<double> waits;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      waits.push_back(static_cast<double>(places[i] - places[i - 1]));
+    }
+    return statistics::log_p_of_even_lengths({&waits, 1});
+  }
+
+  /// The time constant that suits all jumps best, within a factor of two of the one of the
+  /// greatest: the vertex of a parabola through the gains over its logarithm, whose curvature is
+  /// its precision.
   [[nodiscard]] Part best_decay(const ColumnSearch& scan, const DecayGains& gains,
                                 const std::vector<std::size_t>& places) const {
-    Part best{.effect = name()};
-    double most = -1.0;
-    for (const double factor : {1.0, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0}) {
-      const double decay_s = factor * gains.decay() * scan.data().period_s();
-      Part part{.effect = name(), .shape = {decay_s, gains.price_nats()}};
+    const double step = std::numbers::ln2 / kDecaySteps;
+    const double period_s = scan.data().period_s();
+    const auto columns_at = [&](double steps) {
+      const double decay_s = gains.decay() * std::exp(steps * step) * period_s;
+      std::vector<Column> columns;
       for (const std::size_t place : places) {
-        part.columns.push_back(decay_from(scan.data(), decay_s, place));
-        part.shape.push_back(static_cast<double>(place));
+        columns.push_back(decay_from(scan.data(), decay_s, place));
       }
-      const double gain = scan.gain(part.columns);
-      if (gain <= most) continue;
-      most = gain;
-      best = std::move(part);
+      return columns;
+    };
+    const auto gain_at = [&](int steps) { return scan.gain(columns_at(steps)); };
+    int at = 0;
+    std::array<double, 3> gain{gain_at(-1), gain_at(0), gain_at(1)};
+    while (gain[2] > gain[1] && at < kDecaySteps) gain = {gain[1], gain[2], gain_at(++at + 1)};
+    while (gain[0] > gain[1] && at > -kDecaySteps) gain = {gain_at(--at - 1), gain[0], gain[1]};
+    const double curvature = gain[0] - 2.0 * gain[1] + gain[2];
+    const bool has_vertex = curvature < 0.0;
+    const double vertex =
+        has_vertex ? at + std::clamp(0.5 * (gain[0] - gain[2]) / curvature, -0.5, 0.5) : at;
+    const double deviation = has_vertex ? step / std::sqrt(-curvature) : step * kDecaySteps;
+    Part part{.effect = name(),
+              .columns = columns_at(vertex),
+              .shape = {gains.decay() * std::exp(vertex * step) * period_s, deviation,
+                        gains.price_nats()},
+              .log_p_of_even_times = log_p_of_even_times(places)};
+    for (const std::size_t place : places) {
+      const Run about = gains.about(place);
+      for (const std::size_t value : {place, about.first, about.end}) {
+        part.shape.push_back(static_cast<double>(value));
+      }
     }
-    return best;
+    return part;
   }
 };
 
