@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <tuple>
 #include <vector>
 
+#include "firmware/app/possible_state.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/unit/firmware/app/node_rig.hpp"
 
@@ -193,6 +196,21 @@ TEST(GyroNodeOfTheKalmanPredictorAlone, RefusesToPublishAnother) {
   EXPECT_EQ(LeanNode::check(params).error(), ParamsError::predictor_not_run);
   params.published = Predictor::calibration_mean;
   EXPECT_EQ(LeanNode::check(params).error(), ParamsError::predictor_not_run);
+}
+
+// An array of no rotating modes has a byte, and three of padding follow: no numbers.
+TEST(GyroNodeState, IsPossibleWhateverItsPaddingHolds) {
+  const auto params = node_params();
+  Node node{params};
+  stand(node, 0, 10'000);
+  Node::State state = node.state();
+  static_assert(std::tuple_size_v<decltype(state.lead.rotating)> == 0);
+  auto* const lead = reinterpret_cast<unsigned char*>(&state.lead);
+  auto* const behind_the_numbers = reinterpret_cast<unsigned char*>(&state.lead.rotating);
+  std::fill(behind_the_numbers, lead + sizeof(state.lead), 0xFF);
+  EXPECT_TRUE(is_possible_state(node, state));
+  state.lead.level.noise = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(is_possible_state(node, state));
 }
 
 TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {

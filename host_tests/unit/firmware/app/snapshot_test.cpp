@@ -8,7 +8,6 @@
 #include <cmath>
 #include <optional>
 #include <random>
-#include <tuple>
 #include <vector>
 
 #include "core/noise/terms.hpp"
@@ -78,19 +77,6 @@ TEST(SnapshotOfAState, ContinuesBitForBitInTheSameSession) {
     const auto sample = noisy_sample(at_ms(ms), kBias_rad_s);
     ASSERT_EQ(again.step(sample), learnt.node.step(sample));
   }
-}
-
-// An array of no rotating modes has a byte, and three of padding follow: no numbers.
-TEST(SnapshotOfAState, IsTakenUpWhateverItsPaddingHolds) {
-  Learnt learnt;
-  Node::State state = learnt.node.state();
-  static_assert(std::tuple_size_v<decltype(state.lead.rotating)> == 0);
-  auto* const lead = reinterpret_cast<unsigned char*>(&state.lead);
-  auto* const behind_the_numbers = reinterpret_cast<unsigned char*>(&state.lead.rotating);
-  std::fill(behind_the_numbers, lead + sizeof(state.lead), 0xFF);
-  Node again{learnt.params};
-  EXPECT_EQ(*taken_up(learnt.params, learnt.snapshot.of_state(state, kSaved), kSaved, again),
-            Resumption::continued);
 }
 
 TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
