@@ -6,8 +6,9 @@ usage: documents.py [ROOT]
 A finding is: a relative link whose file or heading does not exist; a path in backticks that does not
 exist; a cited work without an entry in the bibliography, and an entry that nobody cites; a number
 without its leading zero; a comment that opens with a word which sends the reader back; a hole of
-firmware/boards/template that nothing explains, or more lines to fill in than are promised. Prints
-`file:line: complaint` for each and exits with 1 where there is one.
+firmware/boards/template that nothing explains, or more lines to fill in than are promised; a source
+file of more lines than one reads at a time. Prints `file:line: complaint` for each and exits with 1
+where there is one.
 """
 
 import bisect
@@ -21,6 +22,7 @@ import sys
 BIBLIOGRAPHY = "docs/reference/bibliography.md"
 BOARD, PORT = "firmware/boards/template/board.hpp", "docs/how-to/port-to-a-board.md"
 BOARD_LINES = 80  # to fill in for a board of one's own
+FILE_LINES = 400  # of a source file
 CODE = {".c", ".cpp", ".h", ".hpp"}
 EXEMPT = ("host_tests/guards/",)  # holds the planted offenders
 ROOMS = ("core", "docs", "drivers", "firmware", "hal", "host_tests", "host_tools", "toolchains")
@@ -194,7 +196,14 @@ def board_holes(tree):
         yield f"{BOARD}:1: {lines} lines to fill in, {BOARD_LINES} are promised"
 
 
-CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings, board_holes)
+def long_files(tree):
+    for name in tree.sources():
+        lines = tree.text(name).count("\n")
+        if lines > FILE_LINES:
+            yield f"{name}:{FILE_LINES + 1}: {lines} lines; a source file has at most {FILE_LINES}"
+
+
+CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings, board_holes, long_files)
 
 
 def findings(tree):

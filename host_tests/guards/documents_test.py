@@ -79,6 +79,13 @@ class MissingZero(unittest.TestCase):
         self.assertEqual(findings_in(files, documents.missing_zeros), [])
 
 
+class LongFile(unittest.TestCase):
+    def test_is_found_and_one_of_400_lines_is_none(self):
+        files = {"core/a.hpp": "//\n" * 400, "core/b.hpp": "//\n" * 401}
+        self.assertEqual(findings_in(files, documents.long_files),
+                         ["core/b.hpp:401: 401 lines; a source file has at most 400"])
+
+
 class PoorOpening(unittest.TestCase):
     def test_of_a_comment_is_found(self):
         for words in ("Of the two", "What is left", "The same for b", "As above", "So it is"):
