@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
@@ -167,6 +168,14 @@ void read_metrics(StrictTable& table, MetricsSettings& metrics, ErrorList& error
   });
 }
 
+/// Name that stands in lines, metrics and logs as it is.
+std::string read_name(StrictTable& root) {
+  std::string name = root.text("name", Presence::optional).value_or("");
+  if (!is_node_name(name) && !name.empty())
+    root.fail_at("name", fmt::format("expected {}", kNodeName));
+  return name;
+}
+
 /// Whether there is an odometer exactly where something asks for it.
 void check_odometer(const StrictTable& root, const Configuration& configuration, bool asks_gyro) {
   const bool has_odometer = configuration.odometer || configuration.speed;
@@ -244,6 +253,7 @@ Configuration parse_configuration(std::string_view toml, std::string_view origin
       root.fail_at("schema", fmt::format("expected \"{}\"", kConfigurationSchema));
     }
   });
+  errors.attempt([&] { configuration.name = read_name(root); });
   errors.attempt(
       [&] { configuration.user = name_at(root, "user", Presence::optional).value_or(""); });
   read_hardware(root, configuration, errors);
@@ -256,6 +266,42 @@ Configuration parse_configuration(std::string_view toml, std::string_view origin
 
 Configuration read_configuration(const std::string& file) {
   return parse_configuration(toml_file::read_text(file), file);
+}
+
+bool is_node_name(std::string_view text) {
+  constexpr std::size_t kLongest = 32;
+  return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, [](char character) {
+    return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
+           (character >= '0' && character <= '9') || character == '-' || character == '_' ||
+           character == '.';
+  });
+}
+
+std::vector<Configuration> read_configurations(const std::vector<std::string>& files) {
+  std::vector<Configuration> all;
+  for (const std::string& file : files) {
+    Configuration one = read_configuration(file);
+    if (files.size() > 1 && one.name.empty()) {
+      one.name = std::filesystem::path(file).stem().string();
+      if (!is_node_name(one.name)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: the file's name is no name for a node; \"name\" is {}", file, kNodeName));
+      }
+    }
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].name == one.name) {
+        throw std::invalid_argument(
+            fmt::format("{} and {} give two nodes one name, \"{}\"; tell them apart by \"name\"",
+                        files[i], file, one.name));
+      }
+    }
+    if (!all.empty() && !one.user.empty() && one.user != all.front().user) {
+      throw std::invalid_argument(fmt::format(
+          "{}: \"user\" is another one than in {}; a process has one", file, files.front()));
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
 }
 
 }  // namespace zerorate::linux_node

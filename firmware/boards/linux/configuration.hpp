@@ -32,6 +32,7 @@ struct StateSettings {
 };
 
 struct Configuration {
+  std::string name;  ///< of the node, in lines and metrics; empty: it is the only one
   std::string user;  ///< to become after the start as root; empty: stay
   GyroSettings gyro;
   std::optional<hal::linux_os::LineSettings> data_ready;
@@ -53,5 +54,14 @@ struct Configuration {
 
 /// Throws toml_file::Error; std::system_error where the file cannot be read.
 [[nodiscard]] Configuration read_configuration(const std::string& file);
+
+/// Configurations of the nodes of one process. A node among several has a name: where its file
+/// gives none, that of the file without its folder and ending. Besides what read_configuration()
+/// throws, std::invalid_argument where two nodes have one name or two files tell of two users.
+[[nodiscard]] std::vector<Configuration> read_configurations(const std::vector<std::string>& files);
+
+/// Whether a text may name a node.
+[[nodiscard]] bool is_node_name(std::string_view text);
+inline constexpr std::string_view kNodeName = "1 to 32 letters, digits, '-', '_' and '.'";
 
 }  // namespace zerorate::linux_node

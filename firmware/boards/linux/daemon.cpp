@@ -5,14 +5,15 @@
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
 
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/metrics_text.hpp"
@@ -53,72 +54,69 @@ Descriptor open_seconds() {
   return timer;
 }
 
-/// One node, for as long as its configuration lasts.
+/// Says of which node a line is, where there are several.
+Log log_of(const std::string& name) {
+  if (name.empty()) return log_to_journal;
+  return [name](std::string_view line) {
+    fmt::print(stderr, "zerorated: {}: {}\n", name, hal::linux_os::printable(line));
+  };
+}
+
+/// One node, for as long as its configuration lasts. It measures from the start to the end of its
+/// life, in a thread of its own.
 class Run {
  public:
+  /// Sources that the publishing thread waits for.
+  static constexpr std::size_t kSources = 2;
+  using Sources = std::span<pollfd, kSources>;
+
   /// Throws what the configuration leads to that cannot be, such as a file in no folder.
-  Run(Configuration configuration, const Descriptor& signals)
-      : configuration_(std::move(configuration)), signals_(signals) {
+  explicit Run(Configuration configuration)
+      : configuration_(std::move(configuration)), log_(log_of(configuration_.name)) {
     if (configuration_.state) {
       state_lock_ = lock_state(configuration_.state->file);
       storage_.emplace(configuration_.state->file, file_calls_);
     }
     service_.emplace(configuration_, *hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
-                     log_to_journal);
-    log_to_journal(describe(configuration_));
+                     log_);
+    log_(describe(configuration_));
     (void)service_->restore();
   }
 
-  /// @return the signal that ended it
-  int until_signalled() {
-    int signal = 0;
-    {
-      const MeasuringThread thread{configuration_.real_time.priority,
-                                   [this] { service_->measure(); }, [this] { hardware_->wake(); },
-                                   log_to_journal};
-      notify_service_manager("READY=1");
-      while (signal == 0) signal = turn();
-    }
+  void start() {
+    thread_.emplace(
+        configuration_.real_time.priority, [this] { service_->measure(); },
+        [this] { hardware_->wake(); }, log_);
+  }
+  void finish() {
+    thread_.reset();
     service_->finish();
     update_metrics();
-    return signal;
+  }
+
+  void wait_for(Sources sources) const {
+    sources[0] = {service_->queue().waiting().descriptor(), POLLIN, 0};
+    sources[1] = {metrics_.descriptor(), POLLIN, 0};
+  }
+  void serve(Sources sources) {
+    if (sources[0].revents != 0) service_->publish_waiting();
+    if (sources[1].revents != 0) metrics_.serve();
+  }
+  /// Does what is due each second.
+  /// @return whether the measuring thread is alive
+  bool tick() {
+    const bool is_alive = service_->tick();
+    update_metrics();
+    return is_alive;
   }
 
  private:
-  int turn() {
-    std::array<pollfd, 4> sources{{
-        {.fd = service_->queue().waiting().descriptor(), .events = POLLIN, .revents = 0},
-        {.fd = seconds_.get(), .events = POLLIN, .revents = 0},
-        {.fd = metrics_.descriptor(), .events = POLLIN, .revents = 0},
-        {.fd = signals_.get(), .events = POLLIN, .revents = 0},
-    }};
-    (void)poll(sources.data(), sources.size(), -1);
-    if (sources[0].revents != 0) service_->publish_waiting();
-    if (sources[1].revents != 0) each_second();
-    if (sources[2].revents != 0) metrics_.serve();
-    return sources[3].revents != 0 ? take_signal() : 0;
-  }
-
-  void each_second() {
-    std::uint64_t seconds = 0;
-    (void)!read(seconds_.get(), &seconds, sizeof seconds);
-    // A measuring thread that hangs is what the watchdog is for: it is not fed then.
-    if (service_->tick()) feed_watchdog();
-    update_metrics();
-  }
-
   void update_metrics() {
     if (metrics_.is_wanted()) metrics_.publish(format_metrics(*service_, metrics_text_));
   }
 
-  int take_signal() {
-    signalfd_siginfo info{};
-    const bool is_read = read(signals_.get(), &info, sizeof info) == sizeof info;
-    return is_read ? static_cast<int>(info.ssi_signo) : 0;
-  }
-
   Configuration configuration_;
-  const Descriptor& signals_;
+  Log log_;
   std::unique_ptr<Hardware> hardware_ = make_hardware(configuration_);
   Descriptor state_lock_;
   hal::linux_os::FileCalls file_calls_;
@@ -126,35 +124,91 @@ class Run {
   std::optional<NodeService> service_;
   MetricsBuffer metrics_text_{};
   MetricsEndpoint metrics_{configuration_.metrics};
+  std::optional<MeasuringThread> thread_;  ///< last: ends before what it uses
+};
+
+/// All nodes, published, watched and saved by one thread.
+class Daemon {
+ public:
+  explicit Daemon(const std::vector<Configuration>& configurations) {
+    for (const Configuration& one : configurations) runs_.push_back(std::make_unique<Run>(one));
+    sources_.resize(runs_.size() * Run::kSources + 2);
+  }
+
+  /// @return the signal that ended it
+  int until_signalled(const Descriptor& signals) {
+    for (const auto& run : runs_) run->start();
+    notify_service_manager("READY=1");
+    int signal = 0;
+    while (signal == 0) signal = turn(signals);
+    for (const auto& run : runs_) run->finish();
+    return signal;
+  }
+
+ private:
+  [[nodiscard]] Run::Sources sources_of(std::size_t run) {
+    return std::span{sources_}.subspan(run * Run::kSources).first<Run::kSources>();
+  }
+
+  int turn(const Descriptor& signals) {
+    for (std::size_t i = 0; i < runs_.size(); ++i) runs_[i]->wait_for(sources_of(i));
+    pollfd& second = sources_[sources_.size() - 2];
+    pollfd& signal = sources_.back();
+    second = {seconds_.get(), POLLIN, 0};
+    signal = {signals.get(), POLLIN, 0};
+    (void)poll(sources_.data(), sources_.size(), -1);
+    for (std::size_t i = 0; i < runs_.size(); ++i) runs_[i]->serve(sources_of(i));
+    if (second.revents != 0) each_second();
+    return signal.revents != 0 ? take_signal(signals) : 0;
+  }
+
+  void each_second() {
+    std::uint64_t seconds = 0;
+    (void)!read(seconds_.get(), &seconds, sizeof seconds);
+    // A measuring thread that hangs is what the watchdog is for: it is not fed then.
+    bool are_alive = true;
+    for (const auto& run : runs_) are_alive = run->tick() && are_alive;
+    if (are_alive) feed_watchdog();
+  }
+
+  static int take_signal(const Descriptor& signals) {
+    signalfd_siginfo info{};
+    const bool is_read = read(signals.get(), &info, sizeof info) == sizeof info;
+    return is_read ? static_cast<int>(info.ssi_signo) : 0;
+  }
+
+  std::vector<std::unique_ptr<Run>> runs_;
+  std::vector<pollfd> sources_;
   Descriptor seconds_ = open_seconds();
 };
 
-/// The next run: as the file says now, or as before where that cannot be.
-void reload(const std::string& file, const Descriptor& signals, Configuration& configuration,
-            std::optional<Run>& run) {
-  run.reset();  // what it holds may be asked for again
+/// The next run: as the files say now, or as before where that cannot be.
+void reload(const std::vector<std::string>& files, std::vector<Configuration>& configurations,
+            std::optional<Daemon>& daemon) {
+  daemon.reset();  // what it holds may be asked for again
   try {
-    Configuration changed = read_configuration(file);
-    run.emplace(changed, signals);
-    configuration = std::move(changed);
+    std::vector<Configuration> changed = read_configurations(files);
+    daemon.emplace(changed);
+    configurations = std::move(changed);
   } catch (const std::exception& error) {
     log_to_journal(fmt::format("not reloaded: {}", error.what()));
-    run.emplace(configuration, signals);
+    daemon.emplace(configurations);
   }
 }
 
 }  // namespace
 
-void run_daemon(const std::string& configuration_file) {
-  Configuration configuration = read_configuration(configuration_file);
+void run_daemon(const std::vector<std::string>& configuration_files) {
+  std::vector<Configuration> configurations = read_configurations(configuration_files);
   const Descriptor signals = open_signals();
   (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
-  prepare_process(configuration.user, configuration.real_time, log_to_journal);
-  std::optional<Run> run{std::in_place, configuration, signals};
-  while (run->until_signalled() == SIGHUP) {
+  const Configuration& first = configurations.front();
+  prepare_process(first.user, first.real_time, log_to_journal);
+  std::optional<Daemon> daemon{std::in_place, configurations};
+  while (daemon->until_signalled(signals) == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                                        hal::linux_os::KernelClock::now().ns() / 1000));
-    reload(configuration_file, signals, configuration, run);
+    reload(configuration_files, configurations, daemon);
   }
   notify_service_manager("STOPPING=1");
 }

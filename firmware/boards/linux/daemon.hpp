@@ -3,12 +3,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace zerorate::linux_node {
 
-/// Runs until SIGTERM or SIGINT; SIGHUP reads the file again and goes on with what it says, or, if
-/// it is wrong, with what was said before. Throws toml_file::Error, std::system_error and
-/// std::invalid_argument for what makes it impossible to begin.
-void run_daemon(const std::string& configuration_file);
+/// Runs a node for each configuration until SIGTERM or SIGINT; SIGHUP reads the files again and
+/// goes on with what they say, or, if one of them is wrong, with what all of them said before.
+/// Throws toml_file::Error, std::system_error and std::invalid_argument for what makes it
+/// impossible to begin.
+void run_daemon(const std::vector<std::string>& configuration_files);
 
 }  // namespace zerorate::linux_node

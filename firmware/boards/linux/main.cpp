@@ -5,6 +5,7 @@
 #include <exception>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/daemon.hpp"
@@ -17,12 +18,19 @@ enum ExitCode : int { success = 0, usage = 2, bad_configuration = 3 };
 int run(int argc, char** argv) {
   CLI::App app{"zerorated: publishes the bias-corrected rate of a gyro", "zerorated"};
   app.set_version_flag("--version", "zerorated " ZERORATE_VERSION);
-  std::string file = zerorate::linux_node::kConfigurationFile;
-  app.add_option("--config", file, "the configuration, a TOML file")->capture_default_str();
+  std::vector<std::string> files{zerorate::linux_node::kConfigurationFile};
+  app.add_option("--config", files,
+                 "a configuration, a TOML file; each time it is given, a further node")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->capture_default_str();
   bool only_check = false;
   app.add_flag("--check-config", only_check,
                "read the configuration, say what is wrong with it, and end");
   app.footer(
+      "Examples:\n"
+      "  zerorated --check-config\n"
+      "  zerorated --config front.toml --config rear.toml   two gyros, two nodes, one process\n"
       "SIGTERM: save the state and end. SIGHUP: read the configuration again.\n"
       "Exit codes: 0 ended or valid, 2 wrong usage, 3 a configuration that cannot be used.");
   try {
@@ -34,10 +42,12 @@ int run(int argc, char** argv) {
     return code == 0 ? success : usage;
   }
   if (only_check) {
-    (void)zerorate::linux_node::read_configuration(file);
-    fmt::print("{}: valid\n", zerorate::hal::linux_os::printable(file));
+    (void)zerorate::linux_node::read_configurations(files);
+    for (const std::string& file : files) {
+      fmt::print("{}: valid\n", zerorate::hal::linux_os::printable(file));
+    }
   } else {
-    zerorate::linux_node::run_daemon(file);
+    zerorate::linux_node::run_daemon(files);
   }
   return success;
 }

@@ -9,48 +9,46 @@
 namespace zerorate::linux_node {
 namespace {
 
-constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
+constexpr std::array<std::string_view, 3> kAxisNames{"x", "y", "z"};
 
+/// Text of the metrics of a node, whose name, if it has one, is a label of each sample.
 class Text {
  public:
-  explicit Text(MetricsBuffer& buffer) : buffer_(buffer) {}
+  Text(MetricsBuffer& buffer, std::string_view node) : buffer_(buffer), node_(node) {}
 
-  template <class... Arguments>
-  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    const auto added = fmt::format_to_n(buffer_.data() + used_, buffer_.size() - used_, format,
-                                        std::forward<Arguments>(arguments)...);
-    used_ = std::min(used_ + added.size, buffer_.size());
-  }
   void counter(std::string_view name, std::string_view help, std::uint64_t value) {
     head(name, help, "counter");
-    add("zerorate_{} {}\n", name, value);
+    sample(name, value);
   }
   void gauge(std::string_view name, std::string_view help, float value) {
     head(name, help, "gauge");
-    add("zerorate_{} {}\n", name, value);
+    sample(name, value);
   }
   void head(std::string_view name, std::string_view help, std::string_view type) {
     add("# HELP zerorate_{0} {1}\n# TYPE zerorate_{0} {2}\n", name, help, type);
+  }
+  /// @param key, value_of_key  a further label; none where the key is empty
+  template <class Value>
+  void sample(std::string_view name, Value value, std::string_view key = {},
+              std::string_view value_of_key = {}) {
+    add("zerorate_{}", name);
+    char before = '{';
+    const auto label = [&](std::string_view of, std::string_view text) {
+      add("{}{}=\"", before, of);
+      add_escaped(text);
+      add("\"");
+      before = ',';
+    };
+    if (!node_.empty()) label("node", node_);
+    if (!key.empty()) label(key, value_of_key);
+    add("{} {}\n", before == ',' ? "}" : "", value);
   }
   void rates(std::string_view name, std::string_view help, const app::RateMessage& message,
              core::AngularRate app::AxisRate::*member) {
     head(name, help, "gauge");
     for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
-      const float rate = (message.axes.at(i).*member).in(core::deg_per_s);
-      add("zerorate_{}{{axis=\"{}\"}} {}\n", name, kAxisNames.at(i), rate);
+      sample(name, (message.axes.at(i).*member).in(core::deg_per_s), "axis", kAxisNames.at(i));
     }
-  }
-  /// A line of a sink, whose name is escaped as the text format says.
-  void sink(std::string_view name, const Sink& sink, std::uint64_t value) {
-    add("zerorate_{}{{sink=\"", name);
-    for (const char character : sink.name()) {
-      if (character == '\n') {
-        add("\\n");
-      } else {
-        add("{}{}", character == '"' || character == '\\' ? "\\" : "", character);
-      }
-    }
-    add("\"}} {}\n", value);
   }
   /// Whole lines: of a text that did not fit, those that did.
   [[nodiscard]] std::string_view text() const {
@@ -59,7 +57,25 @@ class Text {
   }
 
  private:
+  template <class... Arguments>
+  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    const auto added = fmt::format_to_n(buffer_.data() + used_, buffer_.size() - used_, format,
+                                        std::forward<Arguments>(arguments)...);
+    used_ = std::min(used_ + added.size, buffer_.size());
+  }
+  /// Value of a label as the text format wants it.
+  void add_escaped(std::string_view text) {
+    for (const char character : text) {
+      if (character == '\n') {
+        add("\\n");
+      } else {
+        add("{}{}", character == '"' || character == '\\' ? "\\" : "", character);
+      }
+    }
+  }
+
   MetricsBuffer& buffer_;
+  std::string_view node_;
   std::size_t used_ = 0;
 };
 
@@ -87,11 +103,11 @@ void add_counters(Text& text, const NodeService& service) {
 void add_sinks(Text& text, const NodeService& service) {
   text.head("sink_sent_total", "Messages given to a sink.", "counter");
   for (const auto& sink : service.sinks()) {
-    text.sink("sink_sent_total", *sink, sink->sent());
+    text.sample("sink_sent_total", sink->sent(), "sink", sink->name());
   }
   text.head("sink_dropped_total", "Messages that a sink could not take.", "counter");
   for (const auto& sink : service.sinks()) {
-    text.sink("sink_dropped_total", *sink, sink->dropped());
+    text.sample("sink_dropped_total", sink->dropped(), "sink", sink->name());
   }
 }
 
@@ -99,7 +115,7 @@ void add_message(Text& text, const app::RateMessage& message) {
   text.gauge("motion", "0 moving, 1 settling, 2 still.", static_cast<float>(message.motion));
   text.head("health", "Flags of the newest message.", "gauge");
   for (const wire::HealthBit& bit : wire::kHealthBits) {
-    text.add("zerorate_health{{flag=\"{}\"}} {}\n", bit.name, message.health.*bit.flag ? 1 : 0);
+    text.sample("health", message.health.*bit.flag ? 1 : 0, "flag", bit.name);
   }
   if (message.calm_percent != app::RateMessage::kNoCalm) {
     text.gauge("calm_ratio", "Share of the newest stop that was calm enough to learn from.",
@@ -109,13 +125,16 @@ void add_message(Text& text, const app::RateMessage& message) {
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
 }
 
-void add_learnt_figures(Text& text, std::string_view name, std::string_view help,
+void add_learnt_figures(Text& text, std::string_view quantity_name, std::string_view help,
                         const wire::LearntModel& learnt, const wire::LearntQuantity& quantity,
                         float app::LearntFigure::*member) {
-  text.add("# HELP zerorate_learnt_{0} {1}\n# TYPE zerorate_learnt_{0} gauge\n", name, help);
+  std::array<char, 64> buffer{};
+  const auto end = fmt::format_to_n(buffer.data(), buffer.size(), "learnt_{}", quantity_name);
+  const std::string_view name{buffer.data(), std::min(end.size, buffer.size())};
+  text.head(name, help, "gauge");
   for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
-    text.add("zerorate_learnt_{}{{axis=\"{}\"}} {}\n", name, kAxisNames.at(i),
-             learnt.axes.at(i).*quantity.figure.*member / quantity.si_per_unit);
+    text.sample(name, learnt.axes.at(i).*quantity.figure.*member / quantity.si_per_unit, "axis",
+                kAxisNames.at(i));
   }
 }
 
@@ -138,7 +157,7 @@ void add_learnt(Text& text, const wire::LearntModel& learnt) {
 }  // namespace
 
 std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffer) {
-  Text text(buffer);
+  Text text(buffer, service.name());
   add_counters(text, service);
   if (service.latest()) add_message(text, service.latest()->message);
   if (service.status().learnt.is_learnt()) add_learnt(text, service.status().learnt);

@@ -34,7 +34,7 @@ class Line {
 
 /// A line for the log, without a heap.
 template <class... Arguments>
-void log_line(Log log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+void log_line(const Log& log, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   LogBuffer buffer{};
   Line line(buffer);
   line.add(format, std::forward<Arguments>(arguments)...);
@@ -194,12 +194,14 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       storage_(storage),
       snapshot_(configuration.node, sensor_id(configuration.gyro)),
       session_(session),
-      log_(log),
+      log_(std::move(log)),
       odometer_name_(name_of_odometer(configuration)),
       node_(configuration.node),
       loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
-  for (const SinkSettings& settings : configuration.sinks) add_sink(make_sink(settings));
+  for (const SinkSettings& settings : configuration.sinks) {
+    add_sink(make_sink(settings, configuration.name));
+  }
   if (configuration.state) save_at_ = save_at_ + configuration.state->save_interval;
 }
 

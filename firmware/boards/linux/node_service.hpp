@@ -72,6 +72,8 @@ class NodeService {
   [[nodiscard]] const std::optional<wire::NumberedMessage>& latest() const { return latest_; }
   [[nodiscard]] const std::vector<std::unique_ptr<Sink>>& sinks() const { return sinks_; }
   [[nodiscard]] const ServiceCounters& counters() const { return counters_; }
+  /// Name of the node; empty: it has none.
+  [[nodiscard]] const std::string& name() const { return configuration_.name; }
 
  private:
   enum class Handover : std::uint8_t { idle, requested, ready };

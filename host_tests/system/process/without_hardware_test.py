@@ -11,8 +11,10 @@ import json
 import math
 import os
 import pwd
+import re
 import select
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -86,6 +88,65 @@ class Simulated(zerorated_test.Node):
         self.stop()
         self.assertEqual(len(received), count)
         return received, {line["sequence"]: line for line in map(json.loads, lines.read_text().splitlines())}
+
+
+class SeveralNodes(Simulated):
+    """Two nodes in one process, which write their lines into one file."""
+
+    def setUp(self):
+        super().setUp()
+        self.lines = self.folder / "rates.jsonl"
+        self.simulate(f'[[sink]]\ntype = "json"\nfile = "{self.lines}"\n')
+        rear = self.folder / "rear.toml"
+        rear.write_text(self.file.read_text().replace("state", "rear").replace("[rear]", "[state]")
+                        .replace("metrics.sock", "rear.sock"))
+        self.further_files = [rear]
+        self.file.write_text('name = "front"\n' + self.file.read_text())
+
+    def wait_for_both(self):
+        self.lines.write_text("")
+        end = time.monotonic() + LIMIT_S
+        while {'"node":"front"', '"node":"rear"'} - set(re.findall(r'"node":"\w+"', self.lines.read_text())):
+            self.assertLess(time.monotonic(), end, "a node is silent")
+            time.sleep(0.05)
+
+    def first_metrics(self, file):
+        text, end = b"", time.monotonic() + LIMIT_S
+        while not text and time.monotonic() < end:  # a second passes before the first
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as reader:
+                reader.connect(str(self.folder / file))
+                text = reader.recv(65536)
+        return text.decode()
+
+    def test_tell_their_lines_metrics_logs_and_states_apart(self):
+        self.start()
+        self.wait_for_both()
+        for node, file in (("front", "metrics.sock"), ("rear", "rear.sock")):
+            self.assertIn(f'zerorate_bias_dps{{node="{node}",axis="x"}}', self.first_metrics(file))
+        errors = self.stop()
+        self.assertIn("zerorated: front: simulated, 104 Hz", errors)
+        self.assertIn("zerorated: rear: gyro: simulated started", errors)
+        for node in ("front", "rear"):
+            numbers = [line["sequence"] for line in map(json.loads, self.lines.read_text().splitlines())
+                       if line["node"] == node]
+            self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
+            self.assertTrue(list(self.folder.glob({"front": "state.[01]", "rear": "rear.[01]"}[node])), node)
+
+    def test_go_on_together_as_before_if_one_new_configuration_is_wrong(self):
+        self.start()
+        self.wait_for_both()
+        self.further_files[0].write_text("nonsense\n")
+        self.process.send_signal(signal.SIGHUP)
+        self.assertIn("READY=1", iter(self.notification, ""))
+        self.wait_for_both()
+        self.assertIn("not reloaded: ", self.stop())
+
+    def test_need_names_of_their_own(self):
+        self.further_files[0].write_text('name = "front"\n' + self.further_files[0].read_text())
+        run = subprocess.run([zerorated_test.ZERORATED, "--check-config", "--config", self.file, "--config",
+                              self.further_files[0]], capture_output=True, text=True, timeout=LIMIT_S, check=False)
+        self.assertEqual(run.returncode, 3)
+        self.assertIn('give two nodes one name, "front"', run.stderr)
 
 
 class WithoutHardware(Simulated):

@@ -77,6 +77,7 @@ class Node(unittest.TestCase):
         self.notified.settimeout(LIMIT_S)
         self.file = self.folder / "zerorated.toml"
         self.configure()
+        self.further_files = []
         self.process = None
         self.environment = os.environ
 
@@ -96,7 +97,8 @@ class Node(unittest.TestCase):
 
     def start(self):
         environment = dict(self.environment, NOTIFY_SOCKET=str(self.folder / "notify"), WATCHDOG_USEC="2000000")
-        self.process = subprocess.Popen([ZERORATED, "--config", self.file], env=environment,
+        files = [word for file in (self.file, *self.further_files) for word in ("--config", file)]
+        self.process = subprocess.Popen([ZERORATED, *files], env=environment,
                                         stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         self.assertEqual(self.notification(), "READY=1")
 

@@ -81,11 +81,13 @@ class Line {
 }  // namespace
 
 std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuffer& buffer,
-                                  const wire::LearntModel* learnt) {
+                                  std::string_view node, const wire::LearntModel* learnt) {
   const app::RateMessage& message = numbered.message;
   Line line(buffer);
-  line.add("{{\"sequence\":{},\"time_ns\":{},\"motion\":\"{}\"", numbered.sequence,
-           message.time.ns(), core::name(message.motion));
+  line.add("{{");
+  if (!node.empty()) line.add("\"node\":\"{}\",", node);
+  line.add("\"sequence\":{},\"time_ns\":{},\"motion\":\"{}\"", numbered.sequence, message.time.ns(),
+           core::name(message.motion));
   line.add_rates("rate_dps", message, &app::AxisRate::corrected, message.has_rate());
   line.add_rates("measured_dps", message, &app::AxisRate::measured, message.has_rate());
   line.add_rates("bias_dps", message, &app::AxisRate::bias, true);

@@ -45,7 +45,8 @@ class RetryCounter {
 /// was learnt is a member of the next line, so that every line is a message.
 class JsonSink final : public Sink {
  public:
-  explicit JsonSink(const JsonSettings& settings) : Sink(name_of(settings)), file_(settings.file) {
+  JsonSink(const JsonSettings& settings, std::string_view node)
+      : Sink(name_of(settings)), file_(settings.file), node_(node) {
     if (open() || errno == ENXIO) return;
     throw std::system_error(errno, std::generic_category(), "\"file\" in [[sink]]: " + file_);
   }
@@ -68,7 +69,8 @@ class JsonSink final : public Sink {
     // A pipe that is writable takes a line of less than PIPE_BUF bytes whole and at once (POSIX).
     pollfd ready{.fd = output_.get(), .events = POLLOUT, .revents = 0};
     if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return false;
-    const std::string_view line = format_json_line(message, buffer_, learnt_ ? &*learnt_ : nullptr);
+    const std::string_view line =
+        format_json_line(message, buffer_, node_, learnt_ ? &*learnt_ : nullptr);
     const ssize_t written = ::write(output_.get(), line.data(), line.size());
     if (written == static_cast<ssize_t>(line.size())) {
       learnt_.reset();
@@ -86,6 +88,7 @@ class JsonSink final : public Sink {
   }
 
   std::string file_;
+  std::string node_;
   Descriptor output_;
   RetryCounter retry_;
   std::optional<wire::LearntModel> learnt_;  ///< not yet said
@@ -190,8 +193,10 @@ struct NameSink {
 };
 
 struct MakeSink {
+  std::string_view node;
+
   std::unique_ptr<Sink> operator()(const JsonSettings& json) const {
-    return std::make_unique<JsonSink>(json);
+    return std::make_unique<JsonSink>(json, node);
   }
   std::unique_ptr<Sink> operator()(const UdpSettings& udp) const {
     return std::make_unique<DatagramSink>(name_of(udp),
@@ -211,8 +216,8 @@ std::string name_of(const SinkSettings& settings) {
   return std::visit(NameSink{}, settings);
 }
 
-std::unique_ptr<Sink> make_sink(const SinkSettings& settings) {
-  return std::visit(MakeSink{}, settings);
+std::unique_ptr<Sink> make_sink(const SinkSettings& settings, std::string_view node) {
+  return std::visit(MakeSink{node}, settings);
 }
 
 }  // namespace zerorate::linux_node

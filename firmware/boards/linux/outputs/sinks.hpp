@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "firmware/boards/linux/outputs/sink_settings.hpp"
 #include "firmware/wire/learnt_frame.hpp"
@@ -60,6 +61,8 @@ class Sink {
 /// Throws std::system_error, std::invalid_argument where the sink cannot even be tried: a file that
 /// cannot be opened, an address that is none. A receiver or a CAN interface that is absent may come
 /// later.
-[[nodiscard]] std::unique_ptr<Sink> make_sink(const SinkSettings& settings);
+/// @param node  name of whose messages they are, where lines tell it; empty: they do not
+[[nodiscard]] std::unique_ptr<Sink> make_sink(const SinkSettings& settings,
+                                              std::string_view node = {});
 
 }  // namespace zerorate::linux_node

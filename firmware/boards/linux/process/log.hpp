@@ -2,11 +2,12 @@
 /// Where the service says what changed.
 #pragma once
 
+#include <functional>
 #include <string_view>
 
 namespace zerorate::linux_node {
 
 /// Takes one line a call, without a newline at its end.
-using Log = void (*)(std::string_view line);
+using Log = std::function<void(std::string_view line)>;
 
 }  // namespace zerorate::linux_node

@@ -65,7 +65,7 @@ void send_to_service_manager(std::string_view message, int flags) {
 
 }  // namespace
 
-void prepare_process(const std::string& user, const RealTimeSettings& real_time, Log log) {
+void prepare_process(const std::string& user, const RealTimeSettings& real_time, const Log& log) {
   if (geteuid() == 0 && !user.empty()) {
     allow(RLIMIT_MEMLOCK, RLIM_INFINITY);
     allow(RLIMIT_RTPRIO, static_cast<rlim_t>(real_time.priority));
@@ -96,7 +96,7 @@ void feed_watchdog() {
 }
 
 MeasuringThread::MeasuringThread(int priority, std::function<void()> turn,
-                                 std::function<void()> wake, Log log)
+                                 std::function<void()> wake, const Log& log)
     : turn_(std::move(turn)), wake_(std::move(wake)) {
   constexpr std::size_t kStackBytes = 262'144;
   pthread_attr_t attributes{};

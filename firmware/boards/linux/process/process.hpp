@@ -25,7 +25,7 @@ struct RealTimeSettings {
 /// permitted is logged and left; only a user that does not exist, or that one cannot become, throws
 /// std::system_error, so that nothing runs as root by mistake.
 /// @param user  empty: stays the user that started the process
-void prepare_process(const std::string& user, const RealTimeSettings& real_time, Log log);
+void prepare_process(const std::string& user, const RealTimeSettings& real_time, const Log& log);
 
 /// Keeps a state to this process, as long as the descriptor is open, by a lock on FILE.lock. Throws
 /// std::runtime_error where another process has it. Gives a closed descriptor where the lock cannot
@@ -45,7 +45,8 @@ class MeasuringThread {
  public:
   /// @param turn  is called again and again until the end
   /// @param wake  ends a turn that sleeps
-  MeasuringThread(int priority, std::function<void()> turn, std::function<void()> wake, Log log);
+  MeasuringThread(int priority, std::function<void()> turn, std::function<void()> wake,
+                  const Log& log);
   MeasuringThread(const MeasuringThread&) = delete;
   MeasuringThread& operator=(const MeasuringThread&) = delete;
   /// Waits for the end of the present turn.

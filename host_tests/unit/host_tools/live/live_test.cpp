@@ -88,7 +88,7 @@ TEST(JsonMessageWithALearntModel, GivesItBackButForTheRoundingOfUnits) {
   const wire::LearntModel sent = wire::testing::some_learnt_model();
   linux_node::JsonBuffer buffer{};
   const auto line =
-      parse_json_message(linux_node::format_json_line(calibrated_message(1), buffer, &sent));
+      parse_json_message(linux_node::format_json_line(calibrated_message(1), buffer, {}, &sent));
   ASSERT_TRUE(line && line->learnt);
   EXPECT_EQ(line->learnt->stops(), sent.stops());
   for (std::size_t i = 0; i < 3; ++i) {
@@ -104,7 +104,7 @@ TEST(JsonMessageWithALearntModel, GivesItBackButForTheRoundingOfUnits) {
 TEST(JsonMessageWithALearntModelThatIsImpossible, IsRefused) {
   const wire::LearntModel learnt = wire::testing::some_learnt_model();
   linux_node::JsonBuffer buffer{};
-  const std::string line{linux_node::format_json_line(calibrated_message(1), buffer, &learnt)};
+  const std::string line{linux_node::format_json_line(calibrated_message(1), buffer, {}, &learnt)};
   for (const auto* const wrong : {"null", "-1", "\"many\"", "[]"}) {
     const std::string stops = "\"stops\":";
     const std::size_t begin = line.find(stops) + stops.size();

@@ -246,6 +246,7 @@ class Relaxation final : public Effect {
     const auto columns_at = [&](double steps) {
       const double decay_s = gains.decay() * std::exp(steps * step) * period_s;
       std::vector<Column> columns;
+      columns.reserve(places.size());
       for (const std::size_t place : places) {
         columns.push_back(decay_from(scan.data(), decay_s, place));
       }

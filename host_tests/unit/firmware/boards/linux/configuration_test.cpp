@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "firmware/toml/error.hpp"
 #include "firmware/toml/strict_table.hpp"
+#include "host_tests/support/folders.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -146,6 +150,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
   const std::vector<Mistake> mistakes{
       {with("daemon/1", "daemon/2"), "z.toml:1:10: \"schema\": expected \"zerorate.daemon/1\""},
       {with("[gyro]\n", "[gyro\n"), "z.toml:3:"},
+      {with("user = ", "name = \"a b\"\nuser = "),
+       "z.toml:2:8: \"name\": expected 1 to 32 letters"},
       {with("user", "usr"), "z.toml:2:1: unknown key \"usr\"; did you mean \"user\"?"},
       {with("chip = \"lsm6dso\"", "chip = \"lsm6ds\""),
        "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated, adxrs453, bmi088, "
@@ -335,6 +341,31 @@ TEST(ConfigurationWithoutAnOdometer, TakesTheCalmOfTheGyro) {
       parse_configuration(with(kOdometer, "[standstill]\nsource = \"gyro\"\n"), "z.toml");
   EXPECT_FALSE(c.odometer);
   EXPECT_EQ(c.node.standstill.source, core::StandstillSource::gyro);
+}
+
+TEST(ConfigurationsOfSeveralNodes, HaveNamesOfTheirOwn) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto file = [&](const std::string& name, const std::string& more) {
+    const std::string path = (folder.path() / name).string();
+    std::ofstream{path} << more << "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\n";
+    return path;
+  };
+  const std::string front = file("a.toml", "name = \"front\"\nuser = \"u\"\n");
+  const std::string rear = file("rear.toml", "");
+  const auto two = read_configurations({front, rear});
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two[0].name, "front");
+  EXPECT_EQ(two[1].name, "rear");
+  EXPECT_EQ(read_configurations({rear}).front().name, "") << "the only one needs none";
+  for (const auto& bad : {std::pair{file("b.toml", "name = \"front\"\n"), "one name, \"front\""},
+                          std::pair{file("c.toml", "user = \"v\"\n"), "\"user\" is another one"},
+                          std::pair{file("no name.toml", ""), "is no name for a node"}}) {
+    EXPECT_THAT(
+        [&] {
+          (void)read_configurations({front, bad.first});
+        },
+        ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr(bad.second)));
+  }
 }
 
 TEST(ConfigurationWithFastSpi, IsRefusedBeyondTheChipsLimit) {

@@ -85,6 +85,7 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
 }
 
 TEST(JsonLineOfTheWidestMessage, FitsIntoItsBufferWithoutAHeap) {
+  constexpr std::string_view kLongestName = "front-left-of-the-second-machine";
   JsonBuffer buffer{};
   const NumberedMessage widest = widest_message();
   wire::LearntModel learnt;
@@ -93,7 +94,7 @@ TEST(JsonLineOfTheWidestMessage, FitsIntoItsBufferWithoutAHeap) {
         axis.angle_random_walk_rad_per_sqrt_s = {1.17549435e-38F, 1.17549435e-38F};
   }
   const support::AllocationCounter allocations;
-  const std::string_view line = format_json_line(widest, buffer, &learnt);
+  const std::string_view line = format_json_line(widest, buffer, kLongestName, &learnt);
   EXPECT_EQ(allocations.count(), 0U);
   EXPECT_LT(line.size(), buffer.size());
   EXPECT_EQ(line.back(), '\n');
@@ -106,6 +107,14 @@ TEST(JsonLineWithoutCalibration, HasNoDeviation) {
   const auto json = nlohmann::json::parse(format_json_line(sent, buffer));
   EXPECT_TRUE(json["sigma_dps"][0].is_null());
   EXPECT_EQ(json["sigma_dps"][1], 0.0);
+}
+
+TEST(JsonLineOfANodeWithAName, BeginsWithIt) {
+  std::mt19937_64 random{6};
+  JsonBuffer buffer{};
+  const std::string_view line = format_json_line(random_message(random), buffer, "front");
+  EXPECT_EQ(line.find("{\"node\":\"front\",\"sequence\":"), 0U);
+  EXPECT_EQ(nlohmann::json::parse(line)["node"], "front");
 }
 
 TEST(UdpSink, SendsOneFrameADatagram) {
