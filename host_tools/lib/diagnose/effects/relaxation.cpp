@@ -26,7 +26,8 @@ constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
 constexpr int kDecaySteps = 3;           ///< to a factor of two
 constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
-/// Gains of a decay that begins at each value, at the noise of a search.
+/// Gains of a decay that begins at each value, at the noise of a search. Of a decay that the end of
+/// the record cuts off the gain is too low: what is seen of the decay tells less than a whole one.
 class DecayGains {
  public:
   /// @param decay  time constant in values
@@ -52,8 +53,7 @@ class DecayGains {
     double sum = 0.0;
     for (std::size_t k = n; k-- > kEdge;) {
       sum = weighted[k] + kept * sum;
-      const double rest = -std::expm1(-2.0 * static_cast<double>(n - k) / decay);  // that is seen
-      if (k + kEdge < n) gains_[k] = 0.5 * sum * sum / (information * rest);
+      if (k + kEdge < n) gains_[k] = 0.5 * sum * sum / information;
     }
   }
 
@@ -119,21 +119,20 @@ class Relaxation final : public Effect {
     const double height = fitted.amplitude(largest) * kDegPerRad;
     const double decay_s = fitted.part().shape[kDecay];
     const auto jumps = static_cast<double>(fitted.part().columns.size());
-    const double decay_factor = std::exp(1.96 * fitted.part().shape[kDecayDeviation]);
     const auto time_s = [&](std::size_t i) {
       const double value = fitted.part().shape[kFirstPlace + kPlaceFigures * largest + i];
       return fitted.hypothesis.data().series().time_s(static_cast<std::size_t>(value));
     };
-    return {
-        .parameters = {{"jumps", jumps, jumps, jumps},
-                       {"time_constant_s", decay_s, decay_s / decay_factor, decay_s * decay_factor},
-                       parameter("largest_height_dps", height,
-                                 fitted.amplitude_error(largest) * kDegPerRad),
-                       {"largest_time_s", time_s(0), time_s(1), time_s(2)}},
-        .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
-                                "{:.5g} s, and comes back with a time constant of {:.3g} s.",
-                                jumps, jumps > 1.0 ? "s" : "", height, time_s(0), decay_s),
-        .drawing = drawing_of(fitted)};
+    return {.parameters = {{"jumps", jumps, jumps, jumps},
+                           positive_parameter("time_constant_s", decay_s,
+                                              fitted.part().shape[kDecayDeviation]),
+                           parameter("largest_height_dps", height,
+                                     fitted.amplitude_error(largest) * kDegPerRad),
+                           {"largest_time_s", time_s(0), time_s(1), time_s(2)}},
+            .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
+                                    "{:.5g} s, and comes back with a time constant of {:.3g} s.",
+                                    jumps, jumps > 1.0 ? "s" : "", height, time_s(0), decay_s),
+            .drawing = drawing_of(fitted)};
   }
 
   /// Jumps may come again: a filter that is to follow takes them for Gauss-Markov noise of the same

@@ -346,7 +346,7 @@ TEST(ConfigurationWithoutAnOdometer, TakesTheCalmOfTheGyro) {
 TEST(ConfigurationsOfSeveralNodes, HaveNamesOfTheirOwn) {
   const zerorate::testing::ScratchFolder folder;
   const auto file = [&](const std::string& name, const std::string& more) {
-    const std::string path = (folder.path() / name).string();
+    std::string path = (folder.path() / name).string();
     std::ofstream{path} << more << "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\n";
     return path;
   };
