@@ -39,6 +39,21 @@ TEST(RelaxationAlone, IsFoundWithItsFigures) {
               0.012 * kRadPerDeg);
 }
 
+// The end of a record cuts a long decay off, and slow noise that ends there does not look like one.
+TEST(RelaxationAlone, IsFoundInStrongFlickerNoise) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const EffectAlone alone(
+        make_relaxation(),
+        record_with(
+            {simulate::FlickerNoise{100.0 / 3600.0 * kRadPerDeg, 0.5},
+             simulate::Relaxation{{{150.0, 0.25 * kRadPerDeg}, {330.0, -0.25 * kRadPerDeg}}, 10.0}},
+            seed));
+    found += alone.is_found() ? 1 : 0;
+  }
+  EXPECT_EQ(found, 20);
+}
+
 TEST(RelaxationAlone, IsNotFoundInWhiteAndFlickerNoise) {
   EXPECT_FALSE(EffectAlone(make_relaxation(), record_with({})).is_found());
 }

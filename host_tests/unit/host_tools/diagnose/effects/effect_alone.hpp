@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -27,13 +28,13 @@ inline constexpr std::size_t kSamples = 5'000;
 inline constexpr double kPeriod_s = 0.1;
 
 /// A record with 0.3 deg/s of bias, white noise of 0.126 deg/s a sample, flicker noise and `more`.
-inline Record record_with(const std::vector<simulate::Effect>& more) {
+inline Record record_with(const std::vector<simulate::Effect>& more, std::uint64_t seed = 11) {
   std::vector<simulate::Effect> effects{simulate::ConstantBias{0.3 * kRadPerDeg},
                                         simulate::WhiteNoise{0.04 * kRadPerDeg},
                                         simulate::FlickerNoise{15.0 / 3600.0 * kRadPerDeg, 0.5}};
   effects.insert(effects.end(), more.begin(), more.end());
   return record_of(zerorate::testing::rest_samples_of(simulate::simulate(
-                       simulate::Signal(kSamples, kPeriod_s), effects, random::RandomStream(11))),
+                       simulate::Signal(kSamples, kPeriod_s), effects, random::RandomStream(seed))),
                    0);
 }
 
