@@ -4,6 +4,7 @@ The text files of the fuzzers' corpora: every input comes back from them byte fo
 The number of cases that ./test gives: every case of a program counts, and none that did not pass is lost.
 The packages by purpose: whoever wants the demonstration installs no browser, cross compiler or emulator.
 The libraries of another architecture: of what was fetched, nothing but the packages that are named is unpacked.
+The maintainer scripts of the Debian package: an upgrade restarts, a purge removes.
 """
 
 import pathlib
@@ -13,7 +14,8 @@ import sys
 import tempfile
 import unittest
 
-FUZZ = pathlib.Path(__file__).parents[1] / "fuzz"
+REPOSITORY = pathlib.Path(__file__).parents[2]
+FUZZ = REPOSITORY / "host_tests/fuzz"
 EVERY_BYTE = bytes(range(256))
 
 
@@ -107,7 +109,6 @@ class Count(unittest.TestCase):
         self.assertEqual(counted({"a": "notrun"}, {"a": PASSED}), ["0 0 1", "1 x a"])
 
 
-REPOSITORY = pathlib.Path(__file__).parents[2]
 INSTALLER = REPOSITORY / "toolchains/install-packages.sh"
 LIST = REPOSITORY / "toolchains/debian-packages.txt"
 HEAVY = re.compile(r"chromium|qemu|arm|aarch64|clang|doxygen|gtest|cppcheck")
@@ -182,6 +183,42 @@ class Help(unittest.TestCase):
         for command, section in ((("demo", "--help"), "demo"), (("test", "--help"), "all")):
             words = help_of(*command).split()
             self.assertEqual([name for name in packages(section) if name not in words], [])
+
+
+class MaintainerScripts(unittest.TestCase):
+    """Scripts of the package in a root of their own; what they call only writes down that it was called."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="zerorate-")
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        for path in ("bin", "run/systemd/system", "var/lib/zerorate", "etc/zerorate"):
+            (self.root / path).mkdir(parents=True)
+        for name in ("systemctl", "deb-systemd-helper", "deb-systemd-invoke", "adduser", "addgroup", "deluser", "udevadm", "getent"):
+            stub = self.root / "bin" / name
+            stub.write_text(f'#!/bin/sh\necho "{name} $*" >> "{self.root}/calls"\n')
+            stub.chmod(0o755)
+
+    def calls(self, script, *arguments):
+        (self.root / "calls").write_text("")
+        path = f"{self.root / 'bin'}:/usr/bin:/bin"
+        subprocess.run([REPOSITORY / "toolchains/debian" / script, *arguments], check=True,
+                       env={"PATH": path, "DPKG_ROOT": str(self.root)}, timeout=50)
+        return (self.root / "calls").read_text().splitlines()
+
+    def test_an_upgrade_restarts_the_node_and_an_installation_does_not(self):
+        restart = "deb-systemd-invoke try-restart zerorated.service"
+        self.assertIn(restart, self.calls("postinst", "configure", "0.1.0"))
+        self.assertNotIn(restart, self.calls("postinst", "configure", ""))
+
+    def test_a_purge_leaves_neither_state_nor_user(self):
+        self.assertEqual(self.calls("prerm", "remove"), ["deb-systemd-invoke stop zerorated.service"])
+        self.assertEqual(self.calls("postrm", "remove"),
+                         ["systemctl --system daemon-reload", "deb-systemd-helper mask zerorated.service"])
+        self.assertTrue((self.root / "var/lib/zerorate").exists())
+        self.assertIn("deluser --quiet --system zerorate", self.calls("postrm", "purge"))
+        self.assertFalse((self.root / "var/lib/zerorate").exists())
+        self.assertFalse((self.root / "etc/zerorate").exists())
 
 
 if __name__ == "__main__":

@@ -106,7 +106,7 @@ GainSummary gains_of(const std::string& effect, const CampaignOptions& options) 
   for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
     const Scenario scenario = draw_scenario(scenario_options, run);
     write_recording(scenario, recording);
-    const Answer answer = diagnose(options.zerorate, recording);
+    const Answer answer = answer_of(options, recording);
     if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
       gains.add(answer.gain);
     }

@@ -23,6 +23,10 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/../package/zerorateConf
   "${PROJECT_BINARY_DIR}/zerorateConfig.cmake" INSTALL_DESTINATION "${package}"
   PATH_VARS ZERORATE_INCLUDE ZERORATE_HEADERS ZERORATE_LIBRARY)
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/zerorateConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+# find_package() shows the version of a package that it does not take: there stands why, and the cure.
+file(APPEND "${PROJECT_BINARY_DIR}/zerorateConfigVersion.cmake"
+  "if(PACKAGE_VERSION_UNSUITABLE)\n  string(APPEND PACKAGE_VERSION \", built for ${CMAKE_SYSTEM_PROCESSOR}: build and "
+  "install zerorate with the toolchain file of your processor\")\nendif()\n")
 install(FILES "${PROJECT_BINARY_DIR}/zerorateConfig.cmake" "${PROJECT_BINARY_DIR}/zerorateConfigVersion.cmake"
   DESTINATION "${package}" COMPONENT library)
 

@@ -5,6 +5,7 @@
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
@@ -18,6 +19,8 @@
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/metrics_text.hpp"
 #include "firmware/boards/linux/node_service.hpp"
+#include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
+#include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/process.hpp"
 #include "firmware/boards/linux/simulated_vehicle.hpp"
 #include "hal/linux/clock.hpp"
@@ -182,6 +185,30 @@ class Daemon {
   Descriptor seconds_ = open_seconds();
 };
 
+/// Whether something can be made; what keeps it from that is logged.
+template <class Make>
+bool can_be(const Log& log, Make make) {
+  try {
+    (void)make();
+    return true;
+  } catch (const std::exception& error) {
+    log(fmt::format("left out until the next SIGHUP: {}", error.what()));
+    return false;
+  }
+}
+
+/// Leaves out what has gone since the start, such as the folder of a file, so that on the way back
+/// the node measures and publishes to all other receivers.
+void leave_out_what_has_gone(Configuration& configuration) {
+  const Log log = log_of(configuration.name);
+  std::erase_if(configuration.sinks, [&](const SinkSettings& sink) {
+    return !can_be(log, [&] { return make_sink(sink); });
+  });
+  if (!can_be(log, [&] { return MetricsEndpoint{configuration.metrics}; })) {
+    configuration.metrics.socket.clear();
+  }
+}
+
 /// The next run: as the files say now, or as before where that cannot be.
 void reload(const std::vector<std::string>& files, std::vector<Configuration>& configurations,
             std::optional<Daemon>& daemon) {
@@ -192,6 +219,7 @@ void reload(const std::vector<std::string>& files, std::vector<Configuration>& c
     configurations = std::move(changed);
   } catch (const std::exception& error) {
     log_to_journal(fmt::format("not reloaded: {}", error.what()));
+    std::ranges::for_each(configurations, leave_out_what_has_gone);
     daemon.emplace(configurations);
   }
 }

@@ -3,8 +3,8 @@ import { once } from 'node:events';
 import test from 'node:test';
 import { Worker, isMainThread, parentPort, workerData } from 'node:worker_threads';
 import { createHash } from 'node:crypto';
-import { statuses } from './frames.mjs';
-import { LEARNING, drive } from './rig.mjs';
+import { rates, statuses } from './frames.mjs';
+import { LEARNING, drive, driveText, replayed } from './rig.mjs';
 
 const DURATION_S = 600, SEED = 1;
 
@@ -18,6 +18,24 @@ function rateFrames(sent) {
   return Buffer.concat(pieces);
 }
 
+// The scenario as the node saw it, and what it did not see: an erasure of the flash, before a record is written at the end
+// of a stop, takes 45 ms. Of the samples of that time the newest is read afterwards, and has the stamp of the reading.
+function seen(text, stamps_us) {
+  const stamps = new Set(stamps_us);
+  const events = text.toString('latin1').trimEnd().split('\n').map((line) => line.split(' '));
+  const times = new Set(events.filter(([kind]) => kind === 's').map(([, time]) => Number(time)));
+  const late = stamps_us.filter((stamp) => !times.has(stamp));
+  let read_late = 0, lost = 0;
+  const kept = events.filter((event, i) => {
+    if (event[0] === 'p' || stamps.has(Number(event[1]))) return true;
+    const isNewest = read_late < late.length && !(Number(events[i + 1]?.[1]) < late[read_late]);
+    if (isNewest) event[1] = String(late[read_late++]);
+    else lost++;
+    return isNewest;
+  });
+  return { text: kept.map((event) => event.join(' ')).join('\n') + '\n', read_late, lost };
+}
+
 if (isMainThread) {
   for (const name of [undefined, LEARNING]) test(`ten minutes of ${name ?? 'the Pico'} are the replay bit for bit, three times`, async () => {
     const runs = [];
@@ -28,6 +46,9 @@ if (isMainThread) {
     }
     const [first] = runs;
     assert.ok(first.isReplay, 'the bytes differ from those of the replay');
+    assert.equal(first.read_late, first.erasures);
+    assert.ok(first.lost <= 4 * first.erasures, `${first.lost} samples lost by ${first.erasures} erasures`);
+    assert.ok(first.erasures <= DURATION_S / 60, `${first.erasures} erasures`);
     assert.ok(first.stops >= 5, `${first.stops} stops`);
     assert.ok(first.fastestHz > 350, `${first.fastestHz} Hz`);
     const { pulses_lost, read_errors, frames_dropped, starts } = first.status;
@@ -36,12 +57,17 @@ if (isMainThread) {
     console.log(first);
   });
 } else {
-  const { rig, events, expected } = drive(DURATION_S, SEED, workerData);
+  const { rig, events } = drive(DURATION_S, SEED, workerData);
+  const stamps_us = rates(rig.frames).map((frame) => Number(frame.time_ns / 1000n));
+  const { text, read_late, lost } = seen(driveText(DURATION_S, SEED), stamps_us);
   const sent = rateFrames(rig.board.uart.sent);
   const pulses = events.filter((event) => event.isPulse).map((event) => event.time_us);
   const gaps = pulses.slice(1).map((time, i) => time - pulses[i]);
   parentPort.postMessage({
-    isReplay: sent.equals(expected),
+    isReplay: sent.equals(replayed(text, workerData.name)),
+    erasures: rig.board.flash.erasures,
+    read_late,
+    lost,
     bytes: sent.length,
     hash: createHash('sha256').update(Buffer.from(rig.board.uart.sent)).digest('hex'),
     instructions: rig.board.instructions,

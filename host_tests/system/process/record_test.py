@@ -340,7 +340,7 @@ class HowTo(Folder):
         if words[0] == "sudo":
             words = words[1:]
         if words[:2] == ["apt-get", "install"]:
-            return ""  # host_tests/system/process/package_test.sh installs the package
+            return ""  # host_tests/emulated/linux/clean_root.sh installs the package
         if words[0] == "scp":
             return self.copy(*words[1:])
         if words[0] == "install":

@@ -244,6 +244,19 @@ class Zerorated(Node):
         self.assertIn(f'not reloaded: "socket" in [metrics]: {self.folder}/no-folder/metrics.sock: No such file or '
                       "directory (make its folder first", self.stop())
 
+    def test_goes_on_without_what_has_gone_if_it_cannot_go_back_to_it(self):
+        gone = self.folder / "gone"
+        gone.mkdir()
+        self.configure(("[[sink]]", f'[[sink]]\ntype = "json"\nfile = "{gone}/rate"\n[[sink]]'),
+                       ("metrics.sock", "gone/metrics.sock"))
+        self.start()
+        self.message()
+        shutil.rmtree(gone)
+        self.reload()
+        errors = self.stop()
+        self.assertIn("not reloaded: ", errors)
+        self.assertEqual(errors.count("left out until the next SIGHUP: "), 2, errors)
+
     def refusal(self):
         run = subprocess.run([ZERORATED, "--config", self.file], capture_output=True, text=True, timeout=LIMIT_S,
                              check=False)
@@ -358,42 +371,6 @@ class Zerorated(Node):
         run = subprocess.run([ZERORATED, "--config", self.file, "--check-config"],
                              capture_output=True, text=True, timeout=LIMIT_S)
         self.assertEqual((run.returncode, run.stdout), (0, f"{self.file}: valid\n"))
-
-
-class MaintainerScripts(unittest.TestCase):
-    """Scripts of the package in a root of their own; what they call only writes down that it was called."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="zerorate-")
-        self.addCleanup(folder.cleanup)
-        self.root = pathlib.Path(folder.name)
-        for path in ("bin", "run/systemd/system", "var/lib/zerorate", "etc/zerorate"):
-            (self.root / path).mkdir(parents=True)
-        for name in ("systemctl", "deb-systemd-helper", "deb-systemd-invoke", "adduser", "addgroup", "deluser", "udevadm", "getent"):
-            stub = self.root / "bin" / name
-            stub.write_text(f'#!/bin/sh\necho "{name} $*" >> "{self.root}/calls"\n')
-            stub.chmod(0o755)
-
-    def calls(self, script, *arguments):
-        (self.root / "calls").write_text("")
-        path = f"{self.root / 'bin'}:/usr/bin:/bin"
-        subprocess.run([REPOSITORY / "toolchains/debian" / script, *arguments], check=True,
-                       env={"PATH": path, "DPKG_ROOT": str(self.root)}, timeout=LIMIT_S)
-        return (self.root / "calls").read_text().splitlines()
-
-    def test_an_upgrade_restarts_the_node_and_an_installation_does_not(self):
-        restart = "deb-systemd-invoke try-restart zerorated.service"
-        self.assertIn(restart, self.calls("postinst", "configure", "0.1.0"))
-        self.assertNotIn(restart, self.calls("postinst", "configure", ""))
-
-    def test_a_purge_leaves_neither_state_nor_user(self):
-        self.assertEqual(self.calls("prerm", "remove"), ["deb-systemd-invoke stop zerorated.service"])
-        self.assertEqual(self.calls("postrm", "remove"),
-                         ["systemctl --system daemon-reload", "deb-systemd-helper mask zerorated.service"])
-        self.assertTrue((self.root / "var/lib/zerorate").exists())
-        self.assertIn("deluser --quiet --system zerorate", self.calls("postrm", "purge"))
-        self.assertFalse((self.root / "var/lib/zerorate").exists())
-        self.assertFalse((self.root / "etc/zerorate").exists())
 
 
 if __name__ == "__main__":
