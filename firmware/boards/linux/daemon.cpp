@@ -231,8 +231,9 @@ void run_daemon(const std::vector<std::string>& configuration_files) {
   const Descriptor signals = open_signals();
   (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
   const Configuration& first = configurations.front();
-  prepare_process(first.user, first.real_time, log_to_journal);
+  become_user(first.user, first.real_time);
   std::optional<Daemon> daemon{std::in_place, configurations};
+  lock_memory(first.real_time, log_to_journal);
   while (daemon->until_signalled(signals) == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                                        hal::linux_os::KernelClock::now().ns() / 1000));

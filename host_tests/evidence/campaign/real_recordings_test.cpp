@@ -102,10 +102,18 @@ TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050AndInventsNoShare) {
 TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
   for (const std::filesystem::path& run : means_of_the_adis16405()) {
     for (const Diagnosis& diagnosis : diagnosis_of_all(run)) {
-      ASSERT_EQ(diagnosis.causes.size(), 1U) << run << ' ' << diagnosis.axis;
-      EXPECT_EQ(diagnosis.causes.front().effect, "fractional_order");
-      EXPECT_EQ(diagnosis.causes.front().axes, 3U);
+      const auto order = std::ranges::find(diagnosis.causes, "fractional_order", &Cause::effect);
+      ASSERT_NE(order, diagnosis.causes.end()) << run << ' ' << diagnosis.axis;
+      EXPECT_EQ(order->axes, 3U);
       EXPECT_EQ(diagnosis.verdict, Verdict::explained);
+      // Run 1 begins with a jump of x that comes back within minutes; the means of 0.1 s have it,
+      // too.
+      const bool has_jump = run.filename().string().starts_with("run1") && diagnosis.axis == "x";
+      EXPECT_EQ(diagnosis.causes.size(), has_jump ? 2U : 1U) << run << ' ' << diagnosis.axis;
+      if (!has_jump) continue;
+      EXPECT_EQ(diagnosis.causes.front().effect, "relaxation");
+      EXPECT_EQ(diagnosis.causes.front().parameters.back().name, "largest_time_s");
+      EXPECT_NEAR(diagnosis.causes.front().parameters.back().value, 51.0, 5.0);
     }
   }
 }

@@ -218,7 +218,7 @@ class WithoutHardware(Simulated):
         self.simulate()
         text = self.file.read_text().replace("lock_memory = false", "lock_memory = true")
         user = pwd.getpwnam("nobody")
-        for limit_kib in range(6800, 7500, 50):
+        for limit_kib in range(6800, 8000, 50):
             self.file.write_text(text)
             for path in (self.folder, self.file, self.folder / "notify"):
                 os.chown(path, user.pw_uid, user.pw_gid)

@@ -65,12 +65,14 @@ void send_to_service_manager(std::string_view message, int flags) {
 
 }  // namespace
 
-void prepare_process(const std::string& user, const RealTimeSettings& real_time, const Log& log) {
-  if (geteuid() == 0 && !user.empty()) {
-    allow(RLIMIT_MEMLOCK, RLIM_INFINITY);
-    allow(RLIMIT_RTPRIO, static_cast<rlim_t>(real_time.priority));
-    become(user);
-  }
+void become_user(const std::string& user, const RealTimeSettings& real_time) {
+  if (geteuid() != 0 || user.empty()) return;
+  allow(RLIMIT_MEMLOCK, RLIM_INFINITY);
+  allow(RLIMIT_RTPRIO, static_cast<rlim_t>(real_time.priority));
+  become(user);
+}
+
+void lock_memory(const RealTimeSettings& real_time, const Log& log) {
   if (real_time.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     log(fmt::format("memory cannot be locked: {}", std::strerror(errno)));
   }

@@ -21,11 +21,16 @@ struct RealTimeSettings {
   bool lock_memory = true;
 };
 
-/// Locks memory and becomes `user` (with that user's groups) where the process is root. What is not
-/// permitted is logged and left; only a user that does not exist, or that one cannot become, throws
-/// std::system_error, so that nothing runs as root by mistake.
+/// Becomes `user`, with that user's groups and the right to what `real_time` asks for, where the
+/// process is root. Throws std::system_error for a user that does not exist, or that one cannot
+/// become, so that nothing runs as root by mistake.
 /// @param user  empty: stays the user that started the process
-void prepare_process(const std::string& user, const RealTimeSettings& real_time, const Log& log);
+void become_user(const std::string& user, const RealTimeSettings& real_time);
+
+/// Locks the memory that the process has and will have, where that is wanted; what is not permitted
+/// is logged and left. After all that needs much memory was made: from a limit of locked memory on
+/// that holds the process as it is, none could be added.
+void lock_memory(const RealTimeSettings& real_time, const Log& log);
 
 /// Keeps a state to this process, as long as the descriptor is open, by a lock on FILE.lock. Throws
 /// std::runtime_error where another process has it. Gives a closed descriptor where the lock cannot
