@@ -81,9 +81,10 @@ class MissingZero(unittest.TestCase):
 
 class LongFile(unittest.TestCase):
     def test_is_found_and_one_of_400_lines_is_none(self):
-        files = {"core/a.hpp": "//\n" * 400, "core/b.hpp": "//\n" * 401}
+        files = {"core/a.hpp": "//\n" * 400, "core/b.hpp": "//\n" * 401, "host_tests/guards/c.py": "#\n" * 402}
         self.assertEqual(findings_in(files, documents.long_files),
-                         ["core/b.hpp:401: 401 lines; a source file has at most 400"])
+                         ["core/b.hpp:401: 401 lines; a source file has at most 400",
+                          "host_tests/guards/c.py:401: 402 lines; a source file has at most 400"])
 
 
 class PoorOpening(unittest.TestCase):

@@ -168,11 +168,24 @@ void read_metrics(StrictTable& table, MetricsSettings& metrics, ErrorList& error
   });
 }
 
+constexpr std::string_view kNodeName = "1 to 32 letters, digits, '-', '_' and '.'";
+
+/// Whether a text may name a node.
+bool is_node_name(std::string_view text) {
+  constexpr std::size_t kLongest = 32;
+  return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, [](char character) {
+    return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
+           (character >= '0' && character <= '9') || character == '-' || character == '_' ||
+           character == '.';
+  });
+}
+
 /// Name that stands in lines, metrics and logs as it is.
 std::string read_name(StrictTable& root) {
   std::string name = root.text("name", Presence::optional).value_or("");
-  if (!is_node_name(name) && !name.empty())
+  if (!name.empty() && !is_node_name(name)) {
     root.fail_at("name", fmt::format("expected {}", kNodeName));
+  }
   return name;
 }
 
@@ -240,6 +253,31 @@ void read_outputs(StrictTable& root, Configuration& configuration, ErrorList& er
   });
 }
 
+/// Name of a node whose file gives none: that of the file without its folder and ending.
+std::string name_of_file(const std::string& file) {
+  std::string name = std::filesystem::path(file).stem().string();
+  if (is_node_name(name)) return name;
+  throw std::invalid_argument(
+      fmt::format("{}: the file's name is no name for a node; \"name\" is {}", file, kNodeName));
+}
+
+/// Whether a further node can run in one process with those before it, which came from the first of
+/// the files.
+void check_beside(const std::vector<Configuration>& others, const std::vector<std::string>& files,
+                  const Configuration& one) {
+  const std::string& file = files[others.size()];
+  const auto twin = std::ranges::find(others, one.name, &Configuration::name);
+  if (twin != others.end()) {
+    throw std::invalid_argument(
+        fmt::format("{} and {} give two nodes one name, \"{}\"; tell them apart by \"name\"",
+                    files[static_cast<std::size_t>(twin - others.begin())], file, one.name));
+  }
+  if (!others.empty() && !one.user.empty() && one.user != others.front().user) {
+    throw std::invalid_argument(fmt::format(
+        "{}: \"user\" is another one than in {}; a process has one", file, files.front()));
+  }
+}
+
 }  // namespace
 
 Configuration parse_configuration(std::string_view toml, std::string_view origin) {
@@ -268,37 +306,12 @@ Configuration read_configuration(const std::string& file) {
   return parse_configuration(toml_file::read_text(file), file);
 }
 
-bool is_node_name(std::string_view text) {
-  constexpr std::size_t kLongest = 32;
-  return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, [](char character) {
-    return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
-           (character >= '0' && character <= '9') || character == '-' || character == '_' ||
-           character == '.';
-  });
-}
-
 std::vector<Configuration> read_configurations(const std::vector<std::string>& files) {
   std::vector<Configuration> all;
   for (const std::string& file : files) {
     Configuration one = read_configuration(file);
-    if (files.size() > 1 && one.name.empty()) {
-      one.name = std::filesystem::path(file).stem().string();
-      if (!is_node_name(one.name)) {
-        throw std::invalid_argument(fmt::format(
-            "{}: the file's name is no name for a node; \"name\" is {}", file, kNodeName));
-      }
-    }
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (all[i].name == one.name) {
-        throw std::invalid_argument(
-            fmt::format("{} and {} give two nodes one name, \"{}\"; tell them apart by \"name\"",
-                        files[i], file, one.name));
-      }
-    }
-    if (!all.empty() && !one.user.empty() && one.user != all.front().user) {
-      throw std::invalid_argument(fmt::format(
-          "{}: \"user\" is another one than in {}; a process has one", file, files.front()));
-    }
+    if (files.size() > 1 && one.name.empty()) one.name = name_of_file(file);
+    check_beside(all, files, one);
     all.push_back(std::move(one));
   }
   return all;

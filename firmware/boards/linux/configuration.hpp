@@ -60,8 +60,4 @@ struct Configuration {
 /// throws, std::invalid_argument where two nodes have one name or two files tell of two users.
 [[nodiscard]] std::vector<Configuration> read_configurations(const std::vector<std::string>& files);
 
-/// Whether a text may name a node.
-[[nodiscard]] bool is_node_name(std::string_view text);
-inline constexpr std::string_view kNodeName = "1 to 32 letters, digits, '-', '_' and '.'";
-
 }  // namespace zerorate::linux_node

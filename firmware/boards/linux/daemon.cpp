@@ -6,12 +6,12 @@
 #include <sys/timerfd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -60,18 +60,15 @@ Descriptor open_seconds() {
 /// Says of which node a line is, where there are several.
 Log log_of(const std::string& name) {
   if (name.empty()) return log_to_journal;
-  return [name](std::string_view line) {
-    fmt::print(stderr, "zerorated: {}: {}\n", name, hal::linux_os::printable(line));
-  };
+  return [name](std::string_view line) { log_to_journal(fmt::format("{}: {}", name, line)); };
 }
 
-/// One node, for as long as its configuration lasts. It measures from the start to the end of its
-/// life, in a thread of its own.
+/// One node, for as long as its configuration lasts. It measures in a thread of its own.
 class Run {
  public:
-  /// Sources that the publishing thread waits for.
-  static constexpr std::size_t kSources = 2;
-  using Sources = std::span<pollfd, kSources>;
+  /// Descriptors that the publishing thread waits for: of a message, and of a reader of the
+  /// metrics.
+  using Sources = std::array<int, 2>;
 
   /// Throws what the configuration leads to that cannot be, such as a file in no folder.
   explicit Run(Configuration configuration)
@@ -97,13 +94,12 @@ class Run {
     update_metrics();
   }
 
-  void wait_for(Sources sources) const {
-    sources[0] = {service_->queue().waiting().descriptor(), POLLIN, 0};
-    sources[1] = {metrics_.descriptor(), POLLIN, 0};
+  [[nodiscard]] Sources sources() const {
+    return {service_->queue().waiting().descriptor(), metrics_.descriptor()};
   }
-  void serve(Sources sources) {
-    if (sources[0].revents != 0) service_->publish_waiting();
-    if (sources[1].revents != 0) metrics_.serve();
+  void serve(const pollfd& message, const pollfd& reader) {
+    if (message.revents != 0) service_->publish_waiting();
+    if (reader.revents != 0) metrics_.serve();
   }
   /// Does what is due each second.
   /// @return whether the measuring thread is alive
@@ -133,36 +129,39 @@ class Run {
 /// All nodes, published, watched and saved by one thread.
 class Daemon {
  public:
-  explicit Daemon(const std::vector<Configuration>& configurations) {
-    for (const Configuration& one : configurations) runs_.push_back(std::make_unique<Run>(one));
-    sources_.resize(runs_.size() * Run::kSources + 2);
+  /// @param signals  must outlive the daemon
+  Daemon(const std::vector<Configuration>& configurations, const Descriptor& signals)
+      : signals_(signals) {
+    for (const Configuration& one : configurations) {
+      runs_.push_back(std::make_unique<Run>(one));
+      for (const int source : runs_.back()->sources()) sources_.push_back({source, POLLIN, 0});
+    }
+    for (const int source : {seconds_.get(), signals_.get()}) {
+      sources_.push_back({source, POLLIN, 0});
+    }
   }
 
   /// @return the signal that ended it
-  int until_signalled(const Descriptor& signals) {
+  int until_signalled() {
     for (const auto& run : runs_) run->start();
     notify_service_manager("READY=1");
     int signal = 0;
-    while (signal == 0) signal = turn(signals);
+    while (signal == 0) signal = turn();
     for (const auto& run : runs_) run->finish();
     return signal;
   }
 
  private:
-  [[nodiscard]] Run::Sources sources_of(std::size_t run) {
-    return std::span{sources_}.subspan(run * Run::kSources).first<Run::kSources>();
-  }
-
-  int turn(const Descriptor& signals) {
-    for (std::size_t i = 0; i < runs_.size(); ++i) runs_[i]->wait_for(sources_of(i));
-    pollfd& second = sources_[sources_.size() - 2];
-    pollfd& signal = sources_.back();
-    second = {seconds_.get(), POLLIN, 0};
-    signal = {signals.get(), POLLIN, 0};
+  int turn() {
     (void)poll(sources_.data(), sources_.size(), -1);
-    for (std::size_t i = 0; i < runs_.size(); ++i) runs_[i]->serve(sources_of(i));
-    if (second.revents != 0) each_second();
-    return signal.revents != 0 ? take_signal(signals) : 0;
+    auto source = sources_.begin();
+    for (const auto& run : runs_) {
+      const pollfd& message = *source++;
+      const pollfd& reader = *source++;
+      run->serve(message, reader);
+    }
+    if ((source++)->revents != 0) each_second();
+    return source->revents != 0 ? take_signal() : 0;
   }
 
   void each_second() {
@@ -174,15 +173,16 @@ class Daemon {
     if (are_alive) feed_watchdog();
   }
 
-  static int take_signal(const Descriptor& signals) {
+  int take_signal() {
     signalfd_siginfo info{};
-    const bool is_read = read(signals.get(), &info, sizeof info) == sizeof info;
+    const bool is_read = read(signals_.get(), &info, sizeof info) == sizeof info;
     return is_read ? static_cast<int>(info.ssi_signo) : 0;
   }
 
-  std::vector<std::unique_ptr<Run>> runs_;
-  std::vector<pollfd> sources_;
+  const Descriptor& signals_;
   Descriptor seconds_ = open_seconds();
+  std::vector<std::unique_ptr<Run>> runs_;
+  std::vector<pollfd> sources_;  ///< those of each run, the seconds, the signals
 };
 
 /// Whether something can be made; what keeps it from that is logged.
@@ -210,17 +210,17 @@ void leave_out_what_has_gone(Configuration& configuration) {
 }
 
 /// The next run: as the files say now, or as before where that cannot be.
-void reload(const std::vector<std::string>& files, std::vector<Configuration>& configurations,
-            std::optional<Daemon>& daemon) {
+void reload(const std::vector<std::string>& files, const Descriptor& signals,
+            std::vector<Configuration>& configurations, std::optional<Daemon>& daemon) {
   daemon.reset();  // what it holds may be asked for again
   try {
     std::vector<Configuration> changed = read_configurations(files);
-    daemon.emplace(changed);
+    daemon.emplace(changed, signals);
     configurations = std::move(changed);
   } catch (const std::exception& error) {
     log_to_journal(fmt::format("not reloaded: {}", error.what()));
     std::ranges::for_each(configurations, leave_out_what_has_gone);
-    daemon.emplace(configurations);
+    daemon.emplace(configurations, signals);
   }
 }
 
@@ -232,12 +232,12 @@ void run_daemon(const std::vector<std::string>& configuration_files) {
   (void)std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of write()
   const Configuration& first = configurations.front();
   become_user(first.user, first.real_time);
-  std::optional<Daemon> daemon{std::in_place, configurations};
+  std::optional<Daemon> daemon{std::in_place, configurations, signals};
   lock_memory(first.real_time, log_to_journal);
-  while (daemon->until_signalled(signals) == SIGHUP) {
+  while (daemon->until_signalled() == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                                        hal::linux_os::KernelClock::now().ns() / 1000));
-    reload(configuration_files, configurations, daemon);
+    reload(configuration_files, signals, configurations, daemon);
   }
   notify_service_manager("STOPPING=1");
 }

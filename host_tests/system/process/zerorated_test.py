@@ -111,6 +111,15 @@ class Node(unittest.TestCase):
             frame = self.receiver.recv(256)
         return decoded(frame)
 
+    def metrics(self, file="metrics.sock"):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as reader:
+            reader.settimeout(LIMIT_S)
+            reader.connect(str(self.folder / file))
+            text = b""
+            while chunk := reader.recv(65536):
+                text += chunk
+        return text.decode()
+
     def reload(self):
         """Until its messages are numbered anew."""
         self.process.send_signal(signal.SIGHUP)
@@ -247,8 +256,7 @@ class Zerorated(Node):
     def test_goes_on_without_what_has_gone_if_it_cannot_go_back_to_it(self):
         gone = self.folder / "gone"
         gone.mkdir()
-        self.configure(("[[sink]]", f'[[sink]]\ntype = "json"\nfile = "{gone}/rate"\n[[sink]]'),
-                       ("metrics.sock", "gone/metrics.sock"))
+        self.add_json_sink(gone / "rate", ("metrics.sock", "gone/metrics.sock"))
         self.start()
         self.message()
         shutil.rmtree(gone)
@@ -263,17 +271,8 @@ class Zerorated(Node):
         self.assertEqual(run.returncode, 3)
         return run.stderr
 
-    def add_json_sink(self, path):
-        self.configure(("[[sink]]", f'[[sink]]\ntype = "json"\nfile = "{path}"\n[[sink]]'))
-
-    def metrics(self):
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as reader:
-            reader.settimeout(LIMIT_S)
-            reader.connect(str(self.folder / "metrics.sock"))
-            text = b""
-            while chunk := reader.recv(65536):
-                text += chunk
-        return text.decode()
+    def add_json_sink(self, path, *changes):
+        self.configure(("[[sink]]", f'[[sink]]\ntype = "json"\nfile = "{path}"\n[[sink]]'), *changes)
 
     def test_escapes_the_names_of_sinks_in_its_metrics(self):
         self.add_json_sink(f'{self.folder}/a\\"b\\nc')

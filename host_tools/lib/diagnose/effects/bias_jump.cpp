@@ -61,8 +61,6 @@ class BiasJump final : public Effect {
   }
 
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
-    // The place of a jump is not regular: chi squared's 1.92 nats would be too few (Siegmund 1988).
-    constexpr double kInterval = 3.0;
     const std::vector<double> gains = scan.step_gains();
     const auto best = std::ranges::max_element(gains);
     if (*best <= 0.0) return std::nullopt;
@@ -70,7 +68,7 @@ class BiasJump final : public Effect {
     std::size_t lo = at;
     std::size_t hi = at;
     for (std::size_t j = 0; j < gains.size(); ++j) {
-      if (gains[j] < *best - kInterval) continue;
+      if (gains[j] < *best - kIntervalOfPlace_nats) continue;
       lo = std::min(lo, j);
       hi = std::max(hi, j);
     }

@@ -44,6 +44,10 @@ namespace zerorate::diagnose {
 /// A parameter with the interval value +- 1.96 standard_error.
 [[nodiscard]] Parameter parameter(std::string name, double value, double standard_error);
 
+/// Fall of the gain to the ends of the interval of a place [nats]. A place is not regular: half the
+/// quantile of chi squared, 1.92 nats, would be too few (Siegmund 1988).
+inline constexpr double kIntervalOfPlace_nats = 3.0;
+
 /// Filter tick of the node when it runs a model of this record [s].
 [[nodiscard]] double node_tick_s(const FitData& data);
 

@@ -23,7 +23,7 @@ constexpr double kLongestDecay = 0.25;    // of the record: a longer one is a ju
 constexpr double kDecayGrid = 1.6;
 constexpr std::size_t kMostJumps = 8;
 constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
-constexpr int kDecaySteps = 3;           ///< to a factor of two
+constexpr int kMostDecaySteps = 3;       ///< make a factor of two
 constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
 /// Gains of a decay that begins at each value, at the noise of a search. Of a decay that the end of
@@ -60,9 +60,7 @@ class DecayGains {
   [[nodiscard]] double decay() const { return decay_; }
   /// Neighbours of a place at which a jump is about as likely.
   [[nodiscard]] Run about(std::size_t place) const {
-    // The place of a jump is not regular: chi squared's 1.92 nats would be too few (Siegmund 1988).
-    constexpr double kInterval = 3.0;
-    const double least = gains_[place] - kInterval;
+    const double least = gains_[place] - kIntervalOfPlace_nats;
     Run run{place, place};
     while (run.first > 0 && gains_[run.first - 1] >= least) --run.first;
     while (run.end + 1 < gains_.size() && gains_[run.end + 1] >= least) ++run.end;
@@ -104,6 +102,27 @@ Column decay_from(const FitData& data, double decay_s, std::size_t first) {
     const double since_s = time_s - data.time_s(first);
     return since_s < -0.5 * data.period_s() ? 0.0 : std::exp(-since_s / decay_s);
   });
+}
+
+/// Where a gain is greatest.
+struct Peak {
+  double at = 0.0;         ///< in steps
+  double deviation = 0.0;  ///< standard deviation, in the unit of a step's length
+};
+
+/// Climbs from step 0 to the greatest gain at most kMostDecaySteps away. The vertex of a parabola
+/// through it and its neighbours is the peak; the curvature of the parabola is its precision.
+/// @param step  length of a step
+template <class Gain>
+Peak peak_of(Gain gain_at, double step) {
+  int at = 0;
+  std::array<double, 3> gain{gain_at(-1), gain_at(0), gain_at(1)};
+  while (gain[2] > gain[1] && at < kMostDecaySteps) gain = {gain[1], gain[2], gain_at(++at + 1)};
+  while (gain[0] > gain[1] && at > -kMostDecaySteps) gain = {gain_at(--at - 1), gain[0], gain[1]};
+  const double curvature = gain[0] - 2.0 * gain[1] + gain[2];
+  if (!(curvature < 0.0)) return {static_cast<double>(at), step * kMostDecaySteps};
+  return {.at = at + std::clamp(0.5 * (gain[0] - gain[2]) / curvature, -0.5, 0.5),
+          .deviation = step / std::sqrt(-curvature)};
 }
 
 /// Jumps of the bias, each of its own height, that decay with one time constant, as stress in a
@@ -236,11 +255,10 @@ class Relaxation final : public Effect {
   }
 
   /// The time constant that suits all jumps best, within a factor of two of the one of the
-  /// greatest: the vertex of a parabola through the gains over its logarithm, whose curvature is
-  /// its precision.
+  /// greatest.
   [[nodiscard]] Part best_decay(const ColumnSearch& scan, const DecayGains& gains,
                                 const std::vector<std::size_t>& places) const {
-    const double step = std::numbers::ln2 / kDecaySteps;
+    const double step = std::numbers::ln2 / kMostDecaySteps;
     const double period_s = scan.data().period_s();
     const auto columns_at = [&](double steps) {
       const double decay_s = gains.decay() * std::exp(steps * step) * period_s;
@@ -251,19 +269,10 @@ class Relaxation final : public Effect {
       }
       return columns;
     };
-    const auto gain_at = [&](int steps) { return scan.gain(columns_at(steps)); };
-    int at = 0;
-    std::array<double, 3> gain{gain_at(-1), gain_at(0), gain_at(1)};
-    while (gain[2] > gain[1] && at < kDecaySteps) gain = {gain[1], gain[2], gain_at(++at + 1)};
-    while (gain[0] > gain[1] && at > -kDecaySteps) gain = {gain_at(--at - 1), gain[0], gain[1]};
-    const double curvature = gain[0] - 2.0 * gain[1] + gain[2];
-    const bool has_vertex = curvature < 0.0;
-    const double vertex =
-        has_vertex ? at + std::clamp(0.5 * (gain[0] - gain[2]) / curvature, -0.5, 0.5) : at;
-    const double deviation = has_vertex ? step / std::sqrt(-curvature) : step * kDecaySteps;
+    const Peak peak = peak_of([&](int steps) { return scan.gain(columns_at(steps)); }, step);
     Part part{.effect = name(),
-              .columns = columns_at(vertex),
-              .shape = {gains.decay() * std::exp(vertex * step) * period_s, deviation,
+              .columns = columns_at(peak.at),
+              .shape = {gains.decay() * std::exp(peak.at * step) * period_s, peak.deviation,
                         gains.price_nats()},
               .log_p_of_even_times = log_p_of_even_times(places)};
     for (const std::size_t place : places) {
