@@ -65,7 +65,7 @@ TEST(EvenLengths, AreAsRareByChanceAsStated) {
       lengths[static_cast<std::size_t>(k % 2)].push_back((k % 2 == 0 ? -2.0 : -7.0) *
                                                          std::log(stream.uniform(k)));
     }
-    rare += log_p_of_even_lengths(lengths) < log_tenth ? 1 : 0;
+    if (log_p_of_even_lengths(lengths) < log_tenth) ++rare;
   }
   // Bartlett's correction leaves 0.4 % of error; three standard errors are 1.4 %.
   EXPECT_NEAR(static_cast<double>(rare) / kDraws, 0.1, 0.018);
