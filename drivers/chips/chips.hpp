@@ -7,10 +7,12 @@
 #include "drivers/bmi088/chip.hpp"
 #include "drivers/icm42688/chip.hpp"
 #include "drivers/lsm6dso/chip.hpp"
+#include "drivers/mpu6500/chip.hpp"
 
 namespace zerorate::drivers {
 
 /// ChipEntries, by name.
-using AllChips = core::TypeList<adxrs453::Chip, bmi088::Chip, icm42688::Chip, lsm6dso::Chip>;
+using AllChips =
+    core::TypeList<adxrs453::Chip, bmi088::Chip, icm42688::Chip, lsm6dso::Chip, mpu6500::Chip>;
 
 }  // namespace zerorate::drivers

@@ -48,12 +48,23 @@ concept ChipEntry = requires {
 };
 
 /// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
-/// says by its reset value which chip it is.
+/// says by its reset value which chip it is. Where the driver takes relatives too, which give other
+/// values, `is_identity(value)`.
 template <class Chip>
 concept RegisterChipEntry = ChipEntry<Chip> && requires {
   Chip::kAddresses[0];
   Chip::kIdentity.reset;
 };
+
+/// True if the driver of the chip takes one that answers so.
+template <RegisterChipEntry Chip>
+[[nodiscard]] constexpr bool takes_identity(std::uint8_t value) {
+  if constexpr (requires { Chip::is_identity(value); }) {
+    return Chip::is_identity(value);
+  } else {
+    return value == Chip::kIdentity.reset;
+  }
+}
 
 /// A chip of 32-bit frames, on SPI: `kAskIdentity`, a frame, and `is_identity(reply)`.
 template <class Chip>

@@ -76,6 +76,12 @@ class I2cRegisters {
   hal::I2cAddress device_;
 };
 
+/// Whether a bus is SPI: some chips want to be told that they are not on I2C.
+template <RegisterBus Bus>
+inline constexpr bool kIsSpi = false;
+template <hal::SpiDevice Device>
+inline constexpr bool kIsSpi<SpiRegisters<Device>> = true;
+
 enum class Access : std::uint8_t { read_only, write_only, read_write };
 
 /// One 8-bit register: `inline constexpr Register<0x0F, Access::read_only, 0x6C> kWhoAmI;`

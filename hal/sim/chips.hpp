@@ -7,10 +7,11 @@
 #include "hal/sim/bmi088.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/mpu6500.hpp"
 
 namespace zerorate::hal::sim {
 
-using AllSimulatedChips =
-    core::TypeList<SimulatedAdxrs453, SimulatedBmi088, SimulatedIcm42688, SimulatedLsm6dso>;
+using AllSimulatedChips = core::TypeList<SimulatedAdxrs453, SimulatedBmi088, SimulatedIcm42688,
+                                         SimulatedLsm6dso, SimulatedMpu6500>;
 
 }  // namespace zerorate::hal::sim

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "host_tests/contract/gyro_wirings.hpp"
 
 namespace zerorate::contract {
@@ -22,6 +24,16 @@ class GyroStart : public ::testing::Test {
   using Gyro = typename Wiring::Gyro;
   using Rig = support::GyroRig<Wiring>;
   static constexpr std::array kModes = {Gyro::kDataReady, Gyro::kFifo};
+
+  /// True if the driver takes a chip whose identity is off by these bits for a relative of it.
+  static bool is_relative([[maybe_unused]] Rig& rig, [[maybe_unused]] std::uint8_t bits) {
+    if constexpr (requires { Gyro::kIdentities; }) {
+      const auto identity =
+          static_cast<std::uint8_t>(rig.chip.read_register(Gyro::kIdentity) ^ bits);
+      return std::ranges::find(Gyro::kIdentities, identity) != Gyro::kIdentities.end();
+    }
+    return false;
+  }
 
   /// Enough calls to see every entry of the configuration once, and some of them twice.
   static constexpr std::size_t kCalls = Gyro::kConfigured.size() + 4;
@@ -71,7 +83,9 @@ TYPED_TEST(GyroStart, BringsAForeignConfigurationToItsOwn) {
 TYPED_TEST(GyroStart, RefusesAnotherChip) {
   for (std::uint8_t bit = 0; bit < 8; ++bit) {
     typename TestFixture::Rig rig;
-    rig.chip.upset(TypeParam::Gyro::kIdentity, static_cast<std::uint8_t>(1U << bit));
+    const auto flipped = static_cast<std::uint8_t>(1U << bit);
+    if (TestFixture::is_relative(rig, flipped)) continue;
+    rig.chip.upset(TypeParam::Gyro::kIdentity, flipped);
     const auto started = rig.start();
     ASSERT_FALSE(started);
     EXPECT_EQ(started.error(),

@@ -58,6 +58,7 @@ struct Lsm6dso {
   static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 512;
+  static constexpr bool kHasWatermark = true;
 
   static constexpr std::uint8_t kIdentity = 0x0F;
   static constexpr std::array kConfigured{
@@ -100,6 +101,7 @@ struct Icm42688 {
   static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 256;
+  static constexpr bool kHasWatermark = true;
 
   static constexpr std::uint8_t kIdentity = 0x75;
   static constexpr std::array kConfigured{
@@ -138,6 +140,7 @@ struct Bmi088 {
   static constexpr std::size_t kVerifyTransactions = 1;
   static constexpr bool kIsSampledByReading = false;
   static constexpr std::size_t kFifoCapacity = 100;
+  static constexpr bool kHasWatermark = true;
 
   static constexpr std::uint8_t kIdentity = 0x00;
   static constexpr std::array kConfigured{
@@ -148,6 +151,55 @@ struct Bmi088 {
   /// 30 ms and ten samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(130);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
+};
+
+struct Mpu6500 {
+  static constexpr const char* kName = "Mpu6500";
+  using Simulated = hal::sim::SimulatedMpu6500;
+  using Settings = drivers::mpu6500::Settings;
+  using FullScale = drivers::mpu6500::FullScale;
+  template <class Bus>
+  using Driver = drivers::Mpu6500<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::mpu6500::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::mpu6500::Mode::fifo};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 1.0F / 333.87F;
+  /// They are not, but a flipped bit makes of the level no multiple of a sample.
+  static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 85;
+  static constexpr bool kHasWatermark = false;
+
+  static constexpr std::uint8_t kIdentity = 0x75;
+  /// Answers that the driver takes, copies included.
+  static constexpr std::array<std::uint8_t, 7> kIdentities{0x68, 0x70, 0x71, 0x72,
+                                                           0x73, 0x74, 0x98};
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
+      ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE},
+      ConfiguredBits{0x38, 0x79}, ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(200);
+  /// 70 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(100);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(110);
+};
+
+/// The older relative, with another thermometer and twice the FIFO.
+struct Mpu6050 : Mpu6500 {
+  static constexpr const char* kName = "Mpu6050";
+  using Simulated = hal::sim::SimulatedMpu6050;
+  static constexpr float kTemperatureLsb = 1.0F / 340.0F;
+  static constexpr std::size_t kFifoCapacity = 170;
 };
 
 struct Adxrs453 {
@@ -212,7 +264,8 @@ struct OverFrames {
 
 /// Every chip with a FIFO in every wiring.
 using WiringsWithFifo = core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>,
-                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>>;
+                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>,
+                                       OverSpi<Mpu6500>, OverI2c<Mpu6500>, OverI2c<Mpu6050>>;
 /// The other chips.
 using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
 

@@ -41,7 +41,7 @@ Attempt ask(Bus bus) {
     return {.chip = Chip::kName, .answer = std::string{hal::name(identity.error().bus)}};
   }
   return {.chip = Chip::kName,
-          .is_found = *identity == Chip::kIdentity.reset,
+          .is_found = drivers::takes_identity<Chip>(*identity),
           .answer = in_hexadecimal(*identity)};
 }
 

@@ -141,6 +141,13 @@ TEST(ConfigurationOfEachChip, MakesItsGyro) {
   }
 }
 
+/// ", name" of every chip.
+std::string all_chips() {
+  std::string names;
+  for (const ChipDescription& chip : chips()) names += ", " + std::string{chip.name};
+  return names;
+}
+
 struct Mistake {
   std::string toml;
   std::string message;
@@ -154,8 +161,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
        "z.toml:2:8: \"name\": expected 1 to 32 letters"},
       {with("user", "usr"), "z.toml:2:1: unknown key \"usr\"; did you mean \"user\"?"},
       {with("chip = \"lsm6dso\"", "chip = \"lsm6ds\""),
-       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated, adxrs453, bmi088, "
-       "icm42688, lsm6dso); did you mean \"lsm6dso\"?"},
+       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated" + all_chips() +
+           "); did you mean \"lsm6dso\"?"},
       {with("bus = \"i2c\"", "bus = \"simulated\""),
        "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\", \"i2c\" or \"iio\""},
       {with("device = \"/dev/i2c-1\"\n", ""),

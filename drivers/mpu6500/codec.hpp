@@ -1,0 +1,134 @@
+/// @file
+/// Meaning of the bits of the MPU-6500 and its relatives, as pure functions. Sources: InvenSense
+/// PS-MPU-6500A-01 and PS-MPU-6000A-00; README.md says of each fact how it was come by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "drivers/mpu6500/registers.hpp"
+
+namespace zerorate::drivers::mpu6500 {
+
+/// Chip of the family, told by its WHO_AM_I. What is the same in all of them is not here.
+struct Variant {
+  std::uint8_t identity;
+  std::uint16_t fifo_bytes;   ///< at least so many
+  float counts_per_degree;    ///< of the thermometer; 0: not known
+  float degc_at_zero_counts;  ///< the same
+};
+
+/// Chips that are accepted; README.md says why these.
+inline constexpr std::array kVariants{
+    Variant{0x68, 1024, 340.0F, 36.53F},  // MPU-6050, MPU-6000, MPU-9150
+    Variant{0x70, 512, 333.87F, 21.0F},   // MPU-6500, also where MPU-6050 is written on it
+    Variant{0x71, 512, 333.87F, 21.0F},   // MPU-9250
+    Variant{0x72, 512, 0.0F, 0.0F},       // no chip of InvenSense's: a copy
+    Variant{0x73, 512, 333.87F, 21.0F},   // MPU-9255
+    Variant{0x74, 512, 333.87F, 21.0F},   // MPU-6515
+    Variant{0x98, 512, 326.8F, 25.0F},    // ICM-20689, also where MPU-6050 is written on it
+};
+
+/// nullptr for a chip that is not accepted.
+[[nodiscard]] constexpr const Variant* find_variant(std::uint8_t identity) {
+  for (const Variant& variant : kVariants) {
+    if (variant.identity == identity) return &variant;
+  }
+  return nullptr;
+}
+
+/// Full scale; the values are the bits GYRO_FS_SEL in place.
+enum class FullScale : std::uint8_t {
+  dps_250 = 0x00,
+  dps_500 = 0x08,
+  dps_1000 = 0x10,
+  dps_2000 = 0x18,
+};
+
+/// Output data rate; the values are SMPLRT_DIV, which divides 1 kHz by one more.
+enum class OutputDataRate : std::uint8_t {
+  hz_12_5 = 79,
+  hz_25 = 39,
+  hz_50 = 19,
+  hz_100 = 9,
+  hz_125 = 7,
+  hz_200 = 4,
+  hz_250 = 3,
+  hz_500 = 1,
+  hz_1000 = 0,
+};
+
+/// The chip clips here.
+inline constexpr std::int16_t kFullScaleRaw = 32767;
+
+/// The rate of one LSB: full scale by 2^15. The data sheet rounds its inverse to three digits.
+[[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
+  const unsigned code = static_cast<unsigned>(full_scale) >> 3U;
+  return core::deg_per_s(static_cast<float>(250U << code) / 32768.0F);
+}
+
+/// Temperature where `variant` says how; has to know it.
+[[nodiscard]] constexpr core::Temperature decode_temperature(const Variant& variant,
+                                                             std::int16_t raw) {
+  return core::Temperature::from_degc(variant.degc_at_zero_counts +
+                                      static_cast<float>(raw) / variant.counts_per_degree);
+}
+
+/// Code of the low-pass filter whose corner is below half the output rate; at 1 kHz the widest one,
+/// 184 Hz. A sample rate of 1 kHz inside needs a code from 1 to 6.
+[[nodiscard]] constexpr std::uint8_t low_pass(OutputDataRate rate) {
+  switch (rate) {
+    case OutputDataRate::hz_1000:
+    case OutputDataRate::hz_500:
+      return 1;  // 184 Hz
+    case OutputDataRate::hz_250:
+    case OutputDataRate::hz_200:
+      return 2;  // 92 Hz
+    case OutputDataRate::hz_125:
+    case OutputDataRate::hz_100:
+      return 3;  // 41 Hz
+    case OutputDataRate::hz_50:
+      return 4;  // 20 Hz
+    case OutputDataRate::hz_25:
+      return 5;  // 10 Hz
+    case OutputDataRate::hz_12_5:
+      break;
+  }
+  return 6;  // 5 Hz
+}
+
+/// Nominal: with the gyro as its clock the chip is within 1 %.
+[[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
+  return core::Duration::milliseconds(1 + static_cast<std::int64_t>(rate));
+}
+
+/// Level of the FIFO.
+struct FifoLevel {
+  std::uint16_t samples;  ///< complete ones that wait
+  bool is_whole;          ///< there are no bytes beside them
+  bool is_overrun;        ///< samples were lost, or are about to be
+  bool is_plausible;      ///< the FIFO can hold so much
+};
+
+/// FIFO_COUNTH and FIFO_COUNTL. A sample is six bytes, which no FIFO is a multiple of: a full one
+/// shows in bytes that are left over. Room for three samples is kept free, as Linux does it: they
+/// may come while the FIFO is read.
+[[nodiscard]] constexpr FifoLevel decode_fifo_level(const Variant& variant, std::uint8_t high,
+                                                    std::uint8_t low) {
+  const auto bytes = static_cast<unsigned>((high << 8U) | low);
+  return {static_cast<std::uint16_t>(bytes / kFifoSampleBytes), bytes % kFifoSampleBytes == 0,
+          bytes + 3 * kFifoSampleBytes > variant.fifo_bytes, bytes <= variant.fifo_bytes};
+}
+
+/// Time until the chip may be used after a reset of the whole, and of its signal paths, each.
+inline constexpr core::Duration kResetTime = core::Duration::milliseconds(100);
+
+/// How long after configuration the output may not be used: twice the start-up time of 35 ms, and
+/// three samples for the filter, and that samples are not aligned with our clock.
+[[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
+  return core::Duration::milliseconds(70) + period * 3;
+}
+
+}  // namespace zerorate::drivers::mpu6500

@@ -1,0 +1,301 @@
+/// @file
+/// Driver of the gyro in InvenSense's MPU-6500, MPU-6050, MPU-9250 and their relatives, over SPI or
+/// I2C, polled by data-ready or through the FIFO.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/result.hpp"
+#include "core/base/time.hpp"
+#include "drivers/common/configuration_table.hpp"
+#include "drivers/common/driver_error.hpp"
+#include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/gyro_source.hpp"
+#include "drivers/common/register_access.hpp"
+#include "drivers/common/sample_clock.hpp"
+#include "drivers/mpu6500/codec.hpp"
+#include "drivers/mpu6500/registers.hpp"
+
+namespace zerorate::drivers {
+
+namespace mpu6500 {
+
+enum class Mode : std::uint8_t {
+  data_ready,  ///< each read() gives the latest sample; INT pulses when there is a new one
+  fifo,        ///< the chip keeps 82 samples and more; INT pulses when it had to drop some
+};
+
+/// Chosen once, for the life of the driver.
+struct Settings {
+  FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 7.6 mdps at 250 deg/s
+  OutputDataRate rate = OutputDataRate::hz_100;
+  Mode mode = Mode::data_ready;
+};
+
+}  // namespace mpu6500
+
+/// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 1 MHz.
+///
+/// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
+/// back end's.
+template <RegisterBus Bus>
+class Mpu6500 {
+ public:
+  static constexpr std::size_t kAxes = 3;
+
+  constexpr explicit Mpu6500(Bus bus, mpu6500::Settings settings = {})
+      : bus_(bus),
+        settings_(settings),
+        lsb_(mpu6500::lsb(settings.full_scale)),
+        configuration_(configuration(settings)) {}
+
+  /// First call: identity, then reset, then always not_ready. Later calls: not_ready until 100 ms
+  /// have passed; then identity, waking up, and a reset of the signal paths, for which another 100
+  /// ms pass; then identity, configuration (27 transactions) and success. When it runs, or after
+  /// any other error, a call begins anew. The identity must be the same each time.
+  core::Result<void, DriverError> start(core::Instant now) {
+    const Stage stage = stage_;
+    const bool is_pending = stage == Stage::resetting || stage == Stage::clearing;
+    if (is_pending && now - reset_at_ < mpu6500::kResetTime) {
+      return refused(DriverErrorCode::not_ready, mpu6500::kPwrMgmt1.address);
+    }
+    stage_ = Stage::off;
+    if (const auto known = check_identity(is_pending); !known) return known;
+    if (stage == Stage::resetting) return clear_paths(now);
+    return stage == Stage::clearing ? finish_start(now) : begin_reset(now);
+  }
+
+  /// Data-ready mode: two transactions if there is a sample, one if not. FIFO mode: two, and if
+  /// there are samples, one more and one for every 16. Samples of the first 70 ms and more after
+  /// configuration are dropped (README). Errors: not_ready before start() succeeded; fifo_overrun
+  /// once for each gap, with all that was in the FIFO; corrupt_data.
+  core::Result<std::size_t, DriverError> read(core::Instant now, std::span<GyroSample> out) {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, mpu6500::kPwrMgmt1.address);
+    }
+    if (out.empty()) return std::size_t{0};
+    return settings_.mode == mpu6500::Mode::fifo ? read_fifo(now, out) : read_latest(now, out[0]);
+  }
+
+  /// One transaction. Does not stop the driver: whether to start again is the application's choice.
+  core::Result<void, DriverError> verify_next() {
+    if (stage_ != Stage::running) {
+      return refused(DriverErrorCode::not_ready, mpu6500::kPwrMgmt1.address);
+    }
+    return configuration_.verify_next(bus_);
+  }
+
+  /// Nominal: the chip does not tell its trim.
+  [[nodiscard]] constexpr core::Duration sample_period() const {
+    return mpu6500::sample_period(settings_.rate);
+  }
+
+  [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == mpu6500::Mode::fifo; }
+
+ private:
+  enum class Stage : std::uint8_t { off, resetting, clearing, running };
+  static constexpr std::size_t kEntries = 9;
+  static constexpr std::size_t kSampleBytes = mpu6500::kFifoSampleBytes;
+
+  /// Bit of USER_CTRL. What looks like I2C on the wires of SPI would be heard without it; over I2C
+  /// it would make the chip deaf until its power is cut.
+  static constexpr std::uint8_t kInterface =
+      kIsSpi<Bus> ? mpu6500::bits::kUserCtrlI2cIfDis : std::uint8_t{0};
+
+  static constexpr ConfigurationTable<kEntries> configuration(const mpu6500::Settings& settings) {
+    using namespace mpu6500;
+    namespace b = mpu6500::bits;
+    const bool is_fifo = settings.mode == Mode::fifo;
+    const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
+    return ConfigurationTable<kEntries>{{{
+        // Awake: asleep, it may not take the others. The ones and zeros of these two tell a line
+        // that is stuck either way.
+        configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll),
+        configure(kPwrMgmt2, b::kPwrMgmt2Standby, b::kPwrMgmt2AccelOff),
+        configure(kConfig, b::kConfigAll, low_pass(settings.rate)),
+        configure(kSmplrtDiv, 0xFF, static_cast<std::uint8_t>(settings.rate)),
+        configure(kGyroConfig, b::kGyroConfigAll, static_cast<std::uint8_t>(settings.full_scale)),
+        configure(kIntPinCfg, b::kIntPinCfgAll, 0),
+        configure(kIntEnable, b::kIntEnableAll, is_fifo ? b::kIntFifoOflow : b::kIntDataRdy),
+        configure(kFifoEn, 0xFF, is_fifo ? b::kFifoEnGyro : std::uint8_t{0}),
+        configure(kUserCtrl, b::kUserCtrlAll, static_cast<std::uint8_t>(fifo_en | kInterface)),
+    }}};
+  }
+
+  /// @param is_same whether it must be what it was the last time
+  core::Result<void, DriverError> check_identity(bool is_same) {
+    const auto identity = read_register(bus_, mpu6500::kWhoAmI);
+    if (!identity) return core::Unexpected{identity.error()};
+    const mpu6500::Variant* const variant = mpu6500::find_variant(*identity);
+    if (variant == nullptr || (is_same && variant != variant_)) {
+      return refused(DriverErrorCode::wrong_identity, mpu6500::kWhoAmI.address);
+    }
+    variant_ = variant;
+    return {};
+  }
+
+  core::Result<void, DriverError> begin_reset(core::Instant now) {
+    constexpr std::uint8_t kReset = mpu6500::bits::kPwrMgmt1DeviceReset;
+    if (const auto done = write_register(bus_, mpu6500::kPwrMgmt1, kReset); !done) return done;
+    return wait(now, Stage::resetting);
+  }
+
+  core::Result<void, DriverError> clear_paths(core::Instant now) {
+    namespace b = mpu6500::bits;
+    auto done = write_register(bus_, mpu6500::kPwrMgmt1, b::kPwrMgmt1Pll);
+    if (done) done = write_register(bus_, mpu6500::kSignalPathReset, b::kSignalPathResetAll);
+    return done ? wait(now, Stage::clearing) : done;
+  }
+
+  core::Result<void, DriverError> wait(core::Instant now, Stage stage) {
+    reset_at_ = now;
+    stage_ = stage;
+    return refused(DriverErrorCode::not_ready, mpu6500::kPwrMgmt1.address);
+  }
+
+  core::Result<void, DriverError> finish_start(core::Instant now) {
+    if (const auto done = configuration_.apply(bus_); !done) return done;
+    settled_at_ = now + mpu6500::settling_time(sample_period());
+    sample_clock_.restart(now, sample_period());
+    is_shifted_ = false;
+    stage_ = Stage::running;
+    return {};
+  }
+
+  /// INT_STATUS, three axes of the accelerometer that are of no use, temperature, and the gyro.
+  using Outputs = std::array<std::uint8_t, 15>;
+
+  /// One burst, of one instant (README): reading the status clears it, and what is measured after
+  /// that shows in the next one.
+  core::Result<void, DriverError> read_outputs(std::span<std::uint8_t> bytes) {
+    if (const auto done = read_registers(bus_, mpu6500::kIntStatus, bytes); !done) return done;
+    constexpr unsigned kNever = mpu6500::bits::kIntStatusNeverAtOnce;
+    if ((bytes[0] & kNever) == kNever) {
+      return refused(DriverErrorCode::corrupt_data, mpu6500::kIntStatus.address);
+    }
+    return {};
+  }
+
+  core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {
+    Outputs bytes{};
+    if (const auto done = read_outputs(bytes); !done) return core::Unexpected{done.error()};
+    if ((bytes[0] & mpu6500::bits::kIntDataRdy) == 0) return std::size_t{0};
+    if (const auto alive = check_line(); !alive) return core::Unexpected{alive.error()};
+    if (now < settled_at_) return std::size_t{0};
+    out = make_sample(now, std::span{bytes}.template last<kSampleBytes>(), raw_temperature(bytes));
+    return std::size_t{1};
+  }
+
+  core::Result<std::size_t, DriverError> read_fifo(core::Instant now, std::span<GyroSample> out) {
+    if (is_shifted_) {
+      if (const auto done = clear_fifo(); !done) return core::Unexpected{done.error()};
+    }
+    std::array<std::uint8_t, 9> bytes{};
+    if (const auto done = read_outputs(bytes); !done) return core::Unexpected{done.error()};
+    const bool has_dropped = (bytes[0] & mpu6500::bits::kIntFifoOflow) != 0;
+    const auto samples = has_dropped ? report_overrun() : read_fifo_level();
+    if (!samples || *samples == 0) return samples;
+    sample_clock_.begin_batch(now, *samples);
+    auto count = drain(*samples, out, raw_temperature(bytes));
+    if (count) {
+      if (const auto alive = check_line(); !alive) count = core::Unexpected{alive.error()};
+    }
+    // Where the FIFO stands after a burst that broke off is not known.
+    if (!count) is_shifted_ = true;
+    return count;
+  }
+
+  /// Reads the level, and once more where bytes are left over: they may be a sample that is being
+  /// written.
+  core::Result<std::size_t, DriverError> read_fifo_level() {
+    mpu6500::FifoLevel level{};
+    for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
+      std::array<std::uint8_t, 2> bytes{};
+      if (const auto done = read_registers(bus_, mpu6500::kFifoCountH, bytes); !done) {
+        return core::Unexpected{done.error()};
+      }
+      level = mpu6500::decode_fifo_level(*variant_, bytes[0], bytes[1]);
+    }
+    if (!level.is_plausible) {
+      return refused(DriverErrorCode::corrupt_data, mpu6500::kFifoCountH.address);
+    }
+    if (level.is_overrun || !level.is_whole) return report_overrun();
+    return std::size_t{level.samples};
+  }
+
+  /// Nobody knows where in the FIFO a sample begins: it is emptied, and the gap is told.
+  core::Result<std::size_t, DriverError> report_overrun() {
+    is_shifted_ = true;
+    if (const auto done = clear_fifo(); !done) return core::Unexpected{done.error()};
+    return refused(DriverErrorCode::fifo_overrun, mpu6500::kFifoCountH.address);
+  }
+
+  /// Two transactions: it can be emptied only while it is off.
+  core::Result<void, DriverError> clear_fifo() {
+    namespace b = mpu6500::bits;
+    constexpr std::uint8_t kEmpty = b::kUserCtrlFifoReset | kInterface;
+    constexpr std::uint8_t kOn = b::kUserCtrlFifoEn | kInterface;
+    sample_clock_.lose_count();
+    auto done = write_register(bus_, mpu6500::kUserCtrl, kEmpty);
+    if (done) done = write_register(bus_, mpu6500::kUserCtrl, kOn);
+    if (done) is_shifted_ = false;
+    return done;
+  }
+
+  core::Result<std::size_t, DriverError> drain(std::size_t samples, std::span<GyroSample> out,
+                                               std::int16_t temperature) {
+    const auto decode = [&](std::span<const std::uint8_t, kSampleBytes> bytes, GyroSample& sample) {
+      const core::Instant time = sample_clock_.next();
+      if (time < settled_at_) return Frame::no_sample;
+      sample = make_sample(time, bytes, temperature);
+      return Frame::sample;
+    };
+    return drain_fifo<kSampleBytes>(bus_, mpu6500::kFifoRW, samples, out, decode);
+  }
+
+  /// Samples carry no mark. What a line gives that got stuck in the middle of them is no sample:
+  /// the identity behind them tells.
+  core::Result<void, DriverError> check_line() {
+    const auto identity = read_register(bus_, mpu6500::kWhoAmI);
+    if (!identity) return core::Unexpected{identity.error()};
+    if (*identity == variant_->identity) return {};
+    return refused(DriverErrorCode::corrupt_data, mpu6500::kWhoAmI.address);
+  }
+
+  /// @param outputs INT_STATUS and what follows
+  static constexpr std::int16_t raw_temperature(std::span<const std::uint8_t> outputs) {
+    return decode_int16(outputs[8], outputs[7]);
+  }
+
+  [[nodiscard]] GyroSample make_sample(core::Instant time,
+                                       std::span<const std::uint8_t, kSampleBytes> bytes,
+                                       std::int16_t temperature) const {
+    GyroSample sample;
+    sample.time = time;
+    sample.has_temperature = variant_->counts_per_degree > 0.0F;
+    if (sample.has_temperature) {
+      sample.temperature = mpu6500::decode_temperature(*variant_, temperature);
+    }
+    set_rates(sample,
+              {decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
+               decode_int16(bytes[5], bytes[4])},
+              lsb_, mpu6500::kFullScaleRaw);
+    return sample;
+  }
+
+  Bus bus_;
+  mpu6500::Settings settings_;
+  core::AngularRate lsb_;
+  const mpu6500::Variant* variant_ = nullptr;  ///< not null while it runs
+  ConfigurationTable<kEntries> configuration_;
+  SampleClock sample_clock_;
+  core::Instant reset_at_;
+  core::Instant settled_at_;
+  bool is_shifted_ = false;  ///< where a sample begins in the FIFO is not known
+  Stage stage_ = Stage::off;
+};
+
+}  // namespace zerorate::drivers

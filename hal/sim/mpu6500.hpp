@@ -1,0 +1,90 @@
+/// @file
+/// An MPU-6500 or MPU-6050 at the level of its registers, fed with physical values.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <string_view>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/register_chip.hpp"
+
+namespace zerorate::hal::sim {
+
+/// The gyro half of the chip (InvenSense RM-MPU-6500A-00, RM-MPU-6000A-00): identity, reset values,
+/// reset of the device and of the signal paths, sleep, standby of single axes, start-up transient,
+/// rounding and clipping, offset registers, sample rate divider, data-ready, FIFO of bytes without
+/// tags with overflow in both modes, temperature, INT pulsed or latched, high or low.
+///
+/// Not modelled: the accelerometer (it reads 0, also in the FIFO), filters, self-test, wake on
+/// motion, FSYNC, the I2C master (its registers are memory), DMP, low-power cycles.
+///
+/// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
+/// the clock.
+class SimulatedMpu6500 : public SimulatedRegisters<128> {
+ public:
+  static constexpr std::string_view kName = "mpu6500";
+  static constexpr std::uint8_t kIdentityMpu6050 = 0x68;
+  static constexpr std::uint8_t kIdentityMpu6500 = 0x70;
+
+  /// @param clock the simulation's time; must outlive the chip
+  /// @param identity of WHO_AM_I. That of the MPU-6050 brings its FIFO, thermometer and reset
+  /// values;
+  ///   with any other the chip is an MPU-6500 that says so.
+  explicit SimulatedMpu6500(const SimulatedClock& clock, std::uint8_t identity = kIdentityMpu6500)
+      : SimulatedRegisters(clock), identity_(identity) {
+    reset_registers();
+  }
+
+  /// One conversion: rounds to the LSB, clips, raises data-ready, fills the FIFO. Does nothing
+  /// while the chip sleeps or is in reset; without the gyro it measures the temperature alone.
+  void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
+
+  /// True if some axis of the gyro is on.
+  [[nodiscard]] bool is_powered() const;
+  /// Nominal period of the configured rate; zero when asleep.
+  [[nodiscard]] core::Duration sample_period() const;
+
+  /// Interrupted supply: everything is as after power-on.
+  void cycle_power() { reset_registers(); }
+
+  // The bus's side (RegisterChip).
+  std::uint8_t read_register(std::uint8_t address);
+  void write_register(std::uint8_t address, std::uint8_t value);
+  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
+
+ private:
+  [[nodiscard]] bool is_mpu6050() const { return identity_ == kIdentityMpu6050; }
+  [[nodiscard]] bool is_awake() const;
+  [[nodiscard]] double offset_dps(std::size_t axis) const;
+  void reset_registers();
+  void set_word(std::uint8_t address, std::int16_t value);
+  void push_sample();
+  void push_bytes(std::span<const std::uint8_t> bytes);
+  std::uint8_t read_fifo_byte();
+  std::uint8_t take_status();
+  void reset_parts(std::uint8_t address, std::uint8_t value);
+  void drive_int(bool is_active);
+  void announce(unsigned events);
+
+  std::uint8_t identity_;
+  std::deque<std::uint8_t> fifo_;
+  std::uint8_t last_fifo_byte_ = 0;   ///< what an empty FIFO gives
+  std::uint8_t latched_count_l_ = 0;  ///< FIFO_COUNTL as of the newest reading of FIFO_COUNTH
+  core::Instant powered_at_;
+};
+static_assert(RegisterChip<SimulatedMpu6500>);
+
+/// The MPU-6050, which has I2C alone.
+class SimulatedMpu6050 : public SimulatedMpu6500 {
+ public:
+  explicit SimulatedMpu6050(const SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityMpu6050) {}
+};
+
+}  // namespace zerorate::hal::sim
