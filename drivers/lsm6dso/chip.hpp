@@ -1,7 +1,8 @@
 /// @file
-/// The LSM6DSO in the table of chips.
+/// The LSM6DSO and its relatives in the table of chips.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -14,12 +15,12 @@
 
 namespace zerorate::drivers::lsm6dso {
 
-/// See drivers::ChipEntry.
-struct Chip {
-  static constexpr std::string_view kName = "lsm6dso";
+/// See drivers::ChipEntry. What all of them have in common.
+template <Model kModel>
+struct ChipOf {
   template <RegisterBus Bus>
   using Driver = Lsm6dso<Bus>;
-  using Settings = lsm6dso::Settings;
+  using Settings = SettingsOf<kModel>;
   static constexpr std::size_t kAxes = 3;
   static constexpr auto kRates =
       std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
@@ -32,17 +33,24 @@ struct Chip {
                                              {1666.0, OutputDataRate::hz_1666},
                                              {3332.0, OutputDataRate::hz_3332},
                                              {6664.0, OutputDataRate::hz_6664}});
-  static constexpr auto kFullScales =
-      std::to_array<Choice<FullScale>>({{125.0, FullScale::dps_125},
-                                        {250.0, FullScale::dps_250},
-                                        {500.0, FullScale::dps_500},
-                                        {1000.0, FullScale::dps_1000},
-                                        {2000.0, FullScale::dps_2000}});
+  static constexpr auto kFullScales = [] {
+    constexpr std::size_t kCount = variant(kModel).has_4000_dps ? 6 : 5;
+    constexpr auto kAll = std::to_array<Choice<FullScale>>({{125.0, FullScale::dps_125},
+                                                            {250.0, FullScale::dps_250},
+                                                            {500.0, FullScale::dps_500},
+                                                            {1000.0, FullScale::dps_1000},
+                                                            {2000.0, FullScale::dps_2000},
+                                                            {4000.0, FullScale::dps_4000}});
+    std::array<Choice<FullScale>, kCount> choices{};
+    std::copy_n(kAll.begin(), kCount, choices.begin());
+    return choices;
+  }();
   static constexpr double kCounts = 1000.0 / 0.035;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
   static constexpr std::array kAddresses{kAddressSa0Low, kAddressSa0High};
-  static constexpr auto kIdentity = kWhoAmI;
+  static constexpr Register<kWhoAmI.address, Access::read_only, variant(kModel).identity>
+      kIdentity{};
   static constexpr std::uint8_t kSpiMode = 3;
   static constexpr std::uint32_t kHighestSpi_hz = 10'000'000;
 
@@ -51,6 +59,18 @@ struct Chip {
         .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
   }
 };
+
+struct Chip : ChipOf<Model::lsm6dso> {
+  static constexpr std::string_view kName = "lsm6dso";
+};
+struct Ism330dhcx : ChipOf<Model::ism330dhcx> {
+  static constexpr std::string_view kName = "ism330dhcx";
+};
+struct Asm330lhh : ChipOf<Model::asm330lhh> {
+  static constexpr std::string_view kName = "asm330lhh";
+};
 static_assert(RegisterChipEntry<Chip>);
+static_assert(RegisterChipEntry<Ism330dhcx>);
+static_assert(RegisterChipEntry<Asm330lhh>);
 
 }  // namespace zerorate::drivers::lsm6dso

@@ -1,6 +1,7 @@
 /// @file
-/// Meaning of the LSM6DSO's bits, as pure functions. Sources: ST DS12140 (table 2 for
-/// sensitivities, chapter 9 for fields); README.md names what the datasheet leaves open.
+/// Meaning of the bits of the LSM6DSO and its relatives, as pure functions. Sources: ST DS12140
+/// (table 2 for sensitivities, chapter 9 for fields); README.md names what the datasheet leaves
+/// open.
 #pragma once
 
 #include <array>
@@ -13,13 +14,31 @@
 
 namespace zerorate::drivers::lsm6dso {
 
-/// Nominal full scale; the values are the bits FS_G and FS_125 in place (CTRL2_G).
+/// Chip of the family.
+enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh };
+
+/// Figures in which the chips differ. Addresses, fields, rates, FIFO and times that the driver uses
+/// are the same in all of them.
+struct Variant {
+  std::uint8_t identity;  ///< of WHO_AM_I; two of them answer alike
+  bool has_4000_dps;
+};
+
+/// By Model.
+inline constexpr std::array kVariants{Variant{0x6C, false}, Variant{0x6B, true},
+                                      Variant{0x6B, true}};
+[[nodiscard]] constexpr Variant variant(Model model) {
+  return kVariants[static_cast<std::size_t>(model)];
+}
+
+/// Nominal full scale; the values are the bits FS_G, FS_125 and FS_4000 in place (CTRL2_G).
 enum class FullScale : std::uint8_t {
   dps_125 = 0x02,
   dps_250 = 0x00,
   dps_500 = 0x04,
   dps_1000 = 0x08,
   dps_2000 = 0x0C,
+  dps_4000 = 0x01,  ///< not of the LSM6DSO
 };
 
 /// Output data rate by its nominal name; the values are the code of ODR_G and BDR_GY.
@@ -52,9 +71,11 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
     case FullScale::dps_1000:
       return core::deg_per_s(35e-3F);
     case FullScale::dps_2000:
+      return core::deg_per_s(70e-3F);
+    case FullScale::dps_4000:
       break;
   }
-  return core::deg_per_s(70e-3F);
+  return core::deg_per_s(140e-3F);
 }
 
 /// 256 LSB a degree, 0 at 25 degC (DS12140, temperature sensor characteristics).

@@ -1,5 +1,6 @@
 /// @file
-/// Driver of the gyro in ST's LSM6DSO, over SPI or I2C, polled by data-ready or through the FIFO.
+/// Driver of the gyro in ST's LSM6DSO, ISM330DHCX and ASM330LHH, over SPI or I2C, polled by
+/// data-ready or through the FIFO.
 #pragma once
 
 #include <array>
@@ -27,13 +28,15 @@ enum class Mode : std::uint8_t {
   fifo,        ///< the chip keeps up to 512 samples; INT1 rises at the watermark
 };
 
-/// Chosen once, for the life of the driver.
-struct Settings {
+/// Chosen once, for the life of the driver; a type for each chip, since two chips answer alike.
+template <Model kModel>
+struct SettingsOf {
   FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 8.75 mdps at 250 deg/s
   OutputDataRate rate = OutputDataRate::hz_104;
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
 };
+using Settings = SettingsOf<Model::lsm6dso>;
 
 }  // namespace lsm6dso
 
@@ -47,11 +50,17 @@ class Lsm6dso {
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
-      : bus_(bus),
-        settings_(settings),
-        lsb_(lsm6dso::lsb(settings.full_scale)),
-        period_(lsm6dso::decode_period(settings.rate, 0)),
-        configuration_(configuration(settings)) {}
+      : Lsm6dso(bus, settings, lsm6dso::Model::lsm6dso) {}
+  /// A relative, by the type of its settings. One class drives them all: an image with two of them
+  /// has its code once.
+  template <lsm6dso::Model kModel>
+  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kModel>& settings)
+      : Lsm6dso(bus,
+                {.full_scale = settings.full_scale,
+                 .rate = settings.rate,
+                 .mode = settings.mode,
+                 .fifo_watermark = settings.fifo_watermark},
+                kModel) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// the chip has left reset (50 us), then configuration (33 transactions) and success. When it
@@ -88,6 +97,14 @@ class Lsm6dso {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:
+  constexpr Lsm6dso(Bus bus, const lsm6dso::Settings& settings, lsm6dso::Model model)
+      : bus_(bus),
+        settings_(settings),
+        lsb_(lsm6dso::lsb(settings.full_scale)),
+        period_(lsm6dso::decode_period(settings.rate, 0)),
+        configuration_(configuration(settings)),
+        identity_(lsm6dso::variant(model).identity) {}
+
   enum class Stage : std::uint8_t { off, resetting, running };
   static constexpr std::size_t kEntries = 11;
 
@@ -121,7 +138,7 @@ class Lsm6dso {
   core::Result<void, DriverError> check_identity() {
     const auto identity = read_register(bus_, lsm6dso::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
-    if (*identity != lsm6dso::kWhoAmI.reset) {
+    if (*identity != identity_) {
       return refused(DriverErrorCode::wrong_identity, lsm6dso::kWhoAmI.address);
     }
     return {};
@@ -239,6 +256,7 @@ class Lsm6dso {
   SampleClock sample_clock_;
   OverrunReport overrun_report_;
   core::Instant settled_at_;
+  std::uint8_t identity_ = lsm6dso::kWhoAmI.reset;
   Stage stage_ = Stage::off;
 };
 

@@ -1,6 +1,6 @@
 /// @file
 /// The registers and bits of the LSM6DSO that the driver uses; ST DS12140, chapters 8 and 9.
-/// Names are ST's.
+/// Names are ST's. The ISM330DHCX and the ASM330LHH have the same.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,8 @@
 
 namespace zerorate::hal::sim {
 
-using AllSimulatedChips = core::TypeList<SimulatedAdxrs453, SimulatedBmi088, SimulatedIcm42688,
-                                         SimulatedLsm6dso, SimulatedMpu6500>;
+using AllSimulatedChips =
+    core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedIcm42688,
+                   SimulatedIsm330dhcx, SimulatedLsm6dso, SimulatedMpu6500>;
 
 }  // namespace zerorate::hal::sim

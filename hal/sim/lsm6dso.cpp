@@ -53,7 +53,8 @@ bool is_read_only(std::uint8_t address) {
          address == internal_freq_fine || address >= fifo_data_out_tag;
 }
 
-double dps_per_lsb(std::uint8_t ctrl2) {
+double dps_per_lsb(std::uint8_t ctrl2, bool has_4000_dps) {
+  if (has_4000_dps && (ctrl2 & 0x01U) != 0) return 0.14;
   if ((ctrl2 & 0x02U) != 0) return 0.004375;
   constexpr std::array kByRange{0.00875, 0.0175, 0.035, 0.07};
   return kByRange[(ctrl2 >> 2U) & 3U];
@@ -65,7 +66,7 @@ void SimulatedLsm6dso::reset_registers() {
   registers_.fill(0);
   for (auto& bank : other_banks_) bank.fill(0);
   registers_[0x02] = 0x3F;
-  registers_[who_am_i] = 0x6C;
+  registers_[who_am_i] = identity_;
   registers_[ctrl3_c] = 0x04;
   registers_[ctrl9_xl] = 0xE0;
   registers_[internal_freq_fine] = static_cast<std::uint8_t>(trim_);
@@ -115,7 +116,7 @@ bool SimulatedLsm6dso::is_masked() const {
 std::int16_t SimulatedLsm6dso::quantize(core::AngularRate rate) const {
   const double rate_dps =
       in_deg_per_s(rate) + start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
-  return to_counts(rate_dps / dps_per_lsb(registers_[ctrl2_g]));
+  return to_counts(rate_dps / dps_per_lsb(registers_[ctrl2_g], identity_ != kIdentity));
 }
 
 void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,

@@ -1,5 +1,5 @@
 /// @file
-/// An LSM6DSO at the level of its registers, fed with physical values.
+/// An LSM6DSO or a relative at the level of its registers, fed with physical values.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@ namespace zerorate::hal::sim {
 /// The gyro half of the chip (ST DS12140): identity, reset values, software reset, power-up
 /// transient, rounding and saturation, block data update, data-ready, FIFO with tags, watermark and
 /// overrun, time stamps (read and batched with every sample), temperature, oscillator trim, INT1,
-/// data-ready mask, the banks of the embedded functions and of the sensor hub as memory.
+/// data-ready mask, the banks of the embedded functions and of the sensor hub as memory. Of the
+/// relatives their identity and their range of 4000 deg/s; what they lack is there all the same.
 ///
 /// Not modelled: accelerometer, low-pass and high-pass filters, FIFO compression, batching at less
 /// than the output rate, batched temperature, the FIFO modes with triggers (they behave as bypass),
@@ -35,9 +36,7 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   /// @param clock the simulation's time; must outlive the chip
   /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.15 % faster for each count
   explicit SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim = 0)
-      : SimulatedRegisters(clock), trim_(trim) {
-    reset_registers();
-  }
+      : SimulatedLsm6dso(clock, trim, kIdentity) {}
 
   /// One conversion: rounds to the LSB, saturates at 16 bits, raises data-ready, fills the FIFO.
   /// Does nothing while the gyro is powered down or in reset.
@@ -55,7 +54,14 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   void write_register(std::uint8_t address, std::uint8_t value);
   [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
 
+ protected:
+  SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim, std::uint8_t identity)
+      : SimulatedRegisters(clock), trim_(trim), identity_(identity) {
+    reset_registers();
+  }
+
  private:
+  static constexpr std::uint8_t kIdentity = 0x6C;
   static constexpr std::size_t kFifoCapacity = 512;  // 3 kbyte of data, six bytes a word
   using FifoWord = std::array<std::uint8_t, 7>;
 
@@ -82,6 +88,7 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   void drive_int1();
 
   std::int8_t trim_;
+  std::uint8_t identity_;
   std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
   std::deque<FifoWord> fifo_;
   bool is_fifo_overrun_ = false;          // FIFO_OVR_IA
@@ -93,5 +100,20 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   std::array<std::array<std::uint8_t, 128>, 2> other_banks_{};
 };
 static_assert(RegisterChip<SimulatedLsm6dso>);
+
+class SimulatedIsm330dhcx : public SimulatedLsm6dso {
+ public:
+  static constexpr std::string_view kName = "ism330dhcx";
+  explicit SimulatedIsm330dhcx(const SimulatedClock& clock, std::int8_t trim = 0)
+      : SimulatedLsm6dso(clock, trim, 0x6B) {}
+};
+
+/// Answers as the ISM330DHCX does.
+class SimulatedAsm330lhh : public SimulatedLsm6dso {
+ public:
+  static constexpr std::string_view kName = "asm330lhh";
+  explicit SimulatedAsm330lhh(const SimulatedClock& clock, std::int8_t trim = 0)
+      : SimulatedLsm6dso(clock, trim, 0x6B) {}
+};
 
 }  // namespace zerorate::hal::sim

@@ -73,6 +73,36 @@ struct Lsm6dso {
   static constexpr core::Duration kLatest = core::Duration::microseconds(118'100);
 };
 
+/// A relative with one range more.
+struct Ism330dhcx : Lsm6dso {
+  static constexpr const char* kName = "Ism330dhcx";
+  using Simulated = hal::sim::SimulatedIsm330dhcx;
+  using Settings = drivers::lsm6dso::Ism330dhcx::Settings;
+
+  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
+};
+
+/// Relative of the relative, for cars.
+struct Asm330lhh : Ism330dhcx {
+  static constexpr const char* kName = "Asm330lhh";
+  using Simulated = hal::sim::SimulatedAsm330lhh;
+  using Settings = drivers::lsm6dso::Asm330lhh::Settings;
+
+  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
+};
+
 struct Icm42688 {
   static constexpr const char* kName = "Icm42688";
   using Simulated = hal::sim::SimulatedIcm42688;
@@ -263,9 +293,11 @@ struct OverFrames {
 };
 
 /// Every chip with a FIFO in every wiring.
-using WiringsWithFifo = core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>,
-                                       OverI2c<Icm42688>, OverSpi<Bmi088>, OverI2c<Bmi088>,
-                                       OverSpi<Mpu6500>, OverI2c<Mpu6500>, OverI2c<Mpu6050>>;
+using WiringsWithFifo =
+    core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
+                   OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
+                   OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
+                   OverI2c<Asm330lhh>>;
 /// The other chips.
 using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
 

@@ -31,10 +31,13 @@ struct ChipUnderTest {
   double lsb_dps;  ///< of the datasheet, at 250 deg/s, or of the only range
   recording::Columns columns;
 };
-constexpr std::array kChips{
-    ChipUnderTest{"lsm6dso", 8.75e-3, kRates}, ChipUnderTest{"icm42688", 1.0 / 131.072, kRates},
-    ChipUnderTest{"mpu6500", 1.0 / 131.072, kRates}, ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
-    ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate}};
+constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
+                            ChipUnderTest{"ism330dhcx", 8.75e-3, kRates},
+                            ChipUnderTest{"asm330lhh", 8.75e-3, kRates},
+                            ChipUnderTest{"icm42688", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"mpu6500", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate}};
 
 void expect_identical(const Replayed& a, const Replayed& b) {
   EXPECT_EQ(a.messages, b.messages);

@@ -26,8 +26,8 @@ struct Range {
 };
 constexpr std::array kRanges{
     Range{FullScale::dps_125, 125, 4.375}, Range{FullScale::dps_250, 250, 8.75},
-    Range{FullScale::dps_500, 500, 17.5}, Range{FullScale::dps_1000, 1000, 35},
-    Range{FullScale::dps_2000, 2000, 70}};
+    Range{FullScale::dps_500, 500, 17.5},  Range{FullScale::dps_1000, 1000, 35},
+    Range{FullScale::dps_2000, 2000, 70},  Range{FullScale::dps_4000, 4000, 140}};
 
 double rad_s(double mdps) {
   return mdps * 1e-3 * std::numbers::pi / 180.0;
@@ -61,6 +61,7 @@ TEST(Ctrl2G, HoldsRateAboveRange) {
   EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_104, FullScale::dps_250), 0x40);
   EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_416, FullScale::dps_125), 0x62);
   EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_6664, FullScale::dps_2000), 0xAC);
+  EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_104, FullScale::dps_4000), 0x41);
 }
 
 TEST(FifoStatus, JoinsTheTenBitsOfTheLevel) {
@@ -124,6 +125,40 @@ TEST(Lsm6dso, ConfiguresTheRegistersThatTheDatasheetNames) {
   EXPECT_EQ(rig.chip.read_register(0x12), 0x44);  // CTRL3_C: BDU, IF_INC
   EXPECT_EQ(rig.chip.read_register(0x11), 0x40);  // CTRL2_G: 104 Hz, 250 deg/s
   EXPECT_EQ(rig.chip.read_register(0x18), 0xE2);  // CTRL9_XL: reset value and I3C_disable
+}
+
+template <class Chip, class Driven>
+core::Result<void, DriverError> started_as() {
+  support::GyroRig<support::OverSpi<Driven>> rig;
+  Chip chip{rig.clock};
+  hal::sim::SimulatedSpiDevice<Chip> bus{chip};
+  Lsm6dso driver{SpiRegisters{bus}, typename Driven::Settings{}};
+  auto started = driver.start(rig.clock.now());
+  rig.clock.advance(core::Duration::milliseconds(1));
+  return rig.is_waiting(started) ? driver.start(rig.clock.now()) : started;
+}
+
+TEST(Lsm6dsoRelatives, AreNotTakenForAnLsm6dsoNorTheOtherWayRound) {
+  constexpr DriverError kWrong{DriverErrorCode::wrong_identity, {}, 0x0F};
+  using hal::sim::SimulatedAsm330lhh;
+  using hal::sim::SimulatedIsm330dhcx;
+  using hal::sim::SimulatedLsm6dso;
+  EXPECT_EQ((started_as<SimulatedIsm330dhcx, support::Lsm6dso>().error()), kWrong);
+  EXPECT_EQ((started_as<SimulatedAsm330lhh, support::Lsm6dso>().error()), kWrong);
+  EXPECT_EQ((started_as<SimulatedLsm6dso, support::Ism330dhcx>().error()), kWrong);
+  EXPECT_EQ((started_as<SimulatedLsm6dso, support::Asm330lhh>().error()), kWrong);
+}
+
+TEST(Lsm6dsoRelatives, ThatAnswerAlikeAreTakenForEachOther) {
+  EXPECT_TRUE((started_as<hal::sim::SimulatedAsm330lhh, support::Ism330dhcx>()));
+  EXPECT_TRUE((started_as<hal::sim::SimulatedIsm330dhcx, support::Asm330lhh>()));
+}
+
+TEST(Lsm6dsoRelatives, HaveOneRangeMore) {
+  EXPECT_EQ(lsm6dso::Chip::kFullScales.size(), 5U);
+  EXPECT_EQ(lsm6dso::Chip::kFullScales.back().value, 2000.0);
+  EXPECT_EQ(lsm6dso::Ism330dhcx::kFullScales.back().value, 4000.0);
+  EXPECT_EQ(lsm6dso::Asm330lhh::kFullScales.back().value, 4000.0);
 }
 
 TEST(Lsm6dso, ReportsARegisterThatDoesNotTakeItsValue) {

@@ -51,6 +51,22 @@ TEST_F(SimulatedLsm6dsoTest, HasTheResetValuesOfTheDatasheet) {
   }
 }
 
+TEST_F(SimulatedLsm6dsoTest, HasRelativesThatGoTo4000DegreesPerSecond) {
+  SimulatedIsm330dhcx industrial{clock_};
+  SimulatedAsm330lhh automotive{clock_};
+  EXPECT_EQ(industrial.read_register(0x0F), 0x6B);
+  EXPECT_EQ(automotive.read_register(0x0F), 0x6B);
+  for (SimulatedLsm6dso* chip : {&chip_, &static_cast<SimulatedLsm6dso&>(industrial),
+                                 &static_cast<SimulatedLsm6dso&>(automotive)}) {
+    chip->write_register(0x11, 0x41);  // CTRL2_G: 104 Hz, FS_4000
+    clock_.advance(core::Duration::seconds(1));
+    chip->measure({deg_per_s(14.0F), {}, {}}, kRoomTemperature);
+    const unsigned low = chip->read_register(0x22);
+    const unsigned high = chip->read_register(0x23);
+    EXPECT_EQ(low | (high << 8U), chip == &chip_ ? 1600U : 100U);
+  }
+}
+
 TEST_F(SimulatedLsm6dsoTest, IgnoresWritesToReadOnlyRegistersAndCountsReservedOnes) {
   chip_.write_register(0x0F, 0x00);
   chip_.write_register(0x22, 0x55);

@@ -64,10 +64,13 @@ std::set<std::string> found_registers_on_spi() {
   return found_on_spi(device);
 }
 
-TEST(ProbeOfSpi, NamesTheChipAndNoOther) {
-  hal::sim::AllSimulatedChips::for_each([]<class Chip> {
+TEST(ProbeOfSpi, NamesTheChipAndNoneThatAnswersOtherwise) {
+  const std::set<std::string> alike{"asm330lhh", "ism330dhcx"};
+  hal::sim::AllSimulatedChips::for_each([&]<class Chip> {
     if constexpr (hal::sim::RegisterChip<Chip>) {
-      EXPECT_EQ(found_registers_on_spi<Chip>(), std::set<std::string>{std::string{Chip::kName}});
+      const std::string name{Chip::kName};
+      EXPECT_EQ(found_registers_on_spi<Chip>(),
+                alike.contains(name) ? alike : std::set<std::string>{name});
     }
   });
   hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
