@@ -178,8 +178,8 @@ void run(const CampaignOptions& options) {
     return;
   }
   const Tally tally = run_campaign(options);
-  fmt::print("{}\n", tally.markdown());
-  if (!options.json.empty()) std::ofstream{options.json} << tally.json();
+  if (options.json != "-") fmt::print("{}\n", tally.markdown());
+  if (!options.json.empty()) cli::write_text(options.json, tally.json() + "\n");
 }
 
 /// Adds the options to the program itself, which has one command.
@@ -207,7 +207,7 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
   app.add_option("--zerorate", options.zerorate, "the program that is tried")
       ->check(CLI::ExistingFile)
       ->capture_default_str();
-  app.add_option("--json", options.json, "write the counts as JSON");
+  app.add_option("--json", options.json, "write the counts as JSON; - for standard output");
   app.add_option("--document", options.document,
                  "run at 40 and at 25 nats and write the tables into this document");
   app.add_flag("--gain", options.gain,
