@@ -12,7 +12,8 @@
 namespace zerorate::drivers {
 
 /// ChipEntries, by name.
-using AllChips = core::TypeList<adxrs453::Chip, lsm6dso::Asm330lhh, bmi088::Chip, icm42688::Chip,
-                                lsm6dso::Ism330dhcx, lsm6dso::Chip, mpu6500::Chip>;
+using AllChips =
+    core::TypeList<adxrs453::Chip, lsm6dso::Asm330lhh, bmi088::Chip, icm42688::Chip,
+                   lsm6dso::Ism330dhcx, lsm6dso::Chip, lsm6dso::Lsm6dsv16x, mpu6500::Chip>;
 
 }  // namespace zerorate::drivers

@@ -15,6 +15,33 @@
 
 namespace zerorate::drivers::lsm6dso {
 
+/// Rates of a chip by their names in its data sheet.
+template <Model kModel>
+inline constexpr auto kRates =
+    std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
+                                           {26.0, OutputDataRate::hz_26},
+                                           {52.0, OutputDataRate::hz_52},
+                                           {104.0, OutputDataRate::hz_104},
+                                           {208.0, OutputDataRate::hz_208},
+                                           {416.0, OutputDataRate::hz_416},
+                                           {833.0, OutputDataRate::hz_833},
+                                           {1666.0, OutputDataRate::hz_1666},
+                                           {3332.0, OutputDataRate::hz_3332},
+                                           {6664.0, OutputDataRate::hz_6664}});
+template <>
+inline constexpr auto kRates<Model::lsm6dsv16x> =
+    std::to_array<Choice<DsvRate>>({{7.5, DsvRate::hz_7_5},
+                                    {15.0, DsvRate::hz_15},
+                                    {30.0, DsvRate::hz_30},
+                                    {60.0, DsvRate::hz_60},
+                                    {120.0, DsvRate::hz_120},
+                                    {240.0, DsvRate::hz_240},
+                                    {480.0, DsvRate::hz_480},
+                                    {960.0, DsvRate::hz_960},
+                                    {1920.0, DsvRate::hz_1920},
+                                    {3840.0, DsvRate::hz_3840},
+                                    {7680.0, DsvRate::hz_7680}});
+
 /// See drivers::ChipEntry. What all of them have in common.
 template <Model kModel>
 struct ChipOf {
@@ -22,17 +49,7 @@ struct ChipOf {
   using Driver = Lsm6dso<Bus>;
   using Settings = SettingsOf<kModel>;
   static constexpr std::size_t kAxes = 3;
-  static constexpr auto kRates =
-      std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
-                                             {26.0, OutputDataRate::hz_26},
-                                             {52.0, OutputDataRate::hz_52},
-                                             {104.0, OutputDataRate::hz_104},
-                                             {208.0, OutputDataRate::hz_208},
-                                             {416.0, OutputDataRate::hz_416},
-                                             {833.0, OutputDataRate::hz_833},
-                                             {1666.0, OutputDataRate::hz_1666},
-                                             {3332.0, OutputDataRate::hz_3332},
-                                             {6664.0, OutputDataRate::hz_6664}});
+  static constexpr auto kRates = lsm6dso::kRates<kModel>;
   static constexpr auto kFullScales = [] {
     constexpr std::size_t kCount = variant(kModel).has_4000_dps ? 6 : 5;
     constexpr auto kAll = std::to_array<Choice<FullScale>>({{125.0, FullScale::dps_125},
@@ -54,7 +71,7 @@ struct ChipOf {
   static constexpr std::uint8_t kSpiMode = 3;
   static constexpr std::uint32_t kHighestSpi_hz = 10'000'000;
 
-  static constexpr Settings settings(OutputDataRate rate, FullScale full_scale, bool is_fifo) {
+  static constexpr Settings settings(RateOf<kModel> rate, FullScale full_scale, bool is_fifo) {
     return {
         .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
   }
@@ -69,8 +86,12 @@ struct Ism330dhcx : ChipOf<Model::ism330dhcx> {
 struct Asm330lhh : ChipOf<Model::asm330lhh> {
   static constexpr std::string_view kName = "asm330lhh";
 };
+struct Lsm6dsv16x : ChipOf<Model::lsm6dsv16x> {
+  static constexpr std::string_view kName = "lsm6dsv16x";
+};
 static_assert(RegisterChipEntry<Chip>);
 static_assert(RegisterChipEntry<Ism330dhcx>);
 static_assert(RegisterChipEntry<Asm330lhh>);
+static_assert(RegisterChipEntry<Lsm6dsv16x>);
 
 }  // namespace zerorate::drivers::lsm6dso

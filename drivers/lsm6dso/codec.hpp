@@ -15,23 +15,57 @@
 namespace zerorate::drivers::lsm6dso {
 
 /// Chip of the family.
-enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh };
+enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
 
-/// Figures in which the chips differ. Addresses, fields, rates, FIFO and times that the driver uses
-/// are the same in all of them.
+/// Figures in which the chips differ. Addresses and fields of outputs, status, identity and FIFO
+/// data are the same in all of them.
 struct Variant {
   std::uint8_t identity;  ///< of WHO_AM_I; two of them answer alike
   bool has_4000_dps;
+  bool has_new_layout;  ///< range in CTRL6, FIFO_STATUS1 at 1Bh, trim at 4Fh
+  bool has_tag_parity;
+  std::uint8_t status_always_zero;  ///< bits of STATUS_REG
+  std::uint8_t level_high_bits;     ///< of the FIFO's level in FIFO_STATUS2
+  std::uint8_t level_always_zero;   ///< bits of FIFO_STATUS2
+  std::uint8_t fastest_code;        ///< of the output data rate
+  std::uint16_t fastest_hz;         ///< each code below it halves the rate
+  std::uint8_t trim_step;           ///< of the oscillator [0.01 %]
 };
 
 /// By Model.
-inline constexpr std::array kVariants{Variant{0x6C, false}, Variant{0x6B, true},
-                                      Variant{0x6B, true}};
-[[nodiscard]] constexpr Variant variant(Model model) {
+inline constexpr Variant kLsm6dso{.identity = 0x6C,
+                                  .has_4000_dps = false,
+                                  .has_new_layout = false,
+                                  .has_tag_parity = true,
+                                  .status_always_zero = 0xF8,
+                                  .level_high_bits = 0x03,
+                                  .level_always_zero = 0x04,
+                                  .fastest_code = 10,
+                                  .fastest_hz = 6667,
+                                  .trim_step = 15};
+inline constexpr Variant kIsm330dhcx = [] {
+  Variant relative = kLsm6dso;
+  relative.identity = 0x6B;
+  relative.has_4000_dps = true;
+  return relative;
+}();
+inline constexpr std::array kVariants{kLsm6dso, kIsm330dhcx, kIsm330dhcx,
+                                      Variant{.identity = 0x70,
+                                              .has_4000_dps = true,
+                                              .has_new_layout = true,
+                                              .has_tag_parity = false,
+                                              .status_always_zero = 0x40,
+                                              .level_high_bits = 0x01,
+                                              .level_always_zero = 0x06,
+                                              .fastest_code = 12,
+                                              .fastest_hz = 7680,
+                                              .trim_step = 13}};
+[[nodiscard]] constexpr const Variant& variant(Model model) {
   return kVariants[static_cast<std::size_t>(model)];
 }
 
-/// Nominal full scale; the values are the bits FS_G, FS_125 and FS_4000 in place (CTRL2_G).
+/// Nominal full scale; the values are the bits FS_G, FS_125 and FS_4000 in place (CTRL2_G of all
+/// but the LSM6DSV16X).
 enum class FullScale : std::uint8_t {
   dps_125 = 0x02,
   dps_250 = 0x00,
@@ -41,7 +75,8 @@ enum class FullScale : std::uint8_t {
   dps_4000 = 0x01,  ///< not of the LSM6DSO
 };
 
-/// Output data rate by its nominal name; the values are the code of ODR_G and BDR_GY.
+/// Output data rate of all but the LSM6DSV16X by its nominal name; the values are the code of ODR_G
+/// and BDR_GY.
 enum class OutputDataRate : std::uint8_t {
   hz_12_5 = 1,
   hz_26 = 2,
@@ -53,6 +88,20 @@ enum class OutputDataRate : std::uint8_t {
   hz_1666 = 8,
   hz_3332 = 9,
   hz_6664 = 10,
+};
+/// Output data rate of the LSM6DSV16X.
+enum class DsvRate : std::uint8_t {
+  hz_7_5 = 2,
+  hz_15 = 3,
+  hz_30 = 4,
+  hz_60 = 5,
+  hz_120 = 6,
+  hz_240 = 7,
+  hz_480 = 8,
+  hz_960 = 9,
+  hz_1920 = 10,
+  hz_3840 = 11,
+  hz_7680 = 12,
 };
 
 /// In every range the nominal full scale is this many LSB: 125 / 0.004375 = 250 / 0.00875 = ...
@@ -87,39 +136,66 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
 struct FifoStatus {
   std::uint16_t words;  ///< unread, at most 1023
   bool is_overrun;      ///< words were overwritten since FIFO_STATUS2 was last read
-  bool is_plausible;    ///< the bit that is always 0 is 0
+  bool is_plausible;    ///< the bits that are always 0 are 0
 };
-[[nodiscard]] constexpr FifoStatus decode_fifo_status(std::uint8_t status1, std::uint8_t status2) {
-  return {static_cast<std::uint16_t>(status1 | ((status2 & bits::kFifoStatus2Diff) << 8U)),
+[[nodiscard]] constexpr FifoStatus decode_fifo_status(const Variant& variant, std::uint8_t status1,
+                                                      std::uint8_t status2) {
+  return {static_cast<std::uint16_t>(status1 | ((status2 & variant.level_high_bits) << 8U)),
           (status2 & bits::kFifoStatus2OvrLatched) != 0,
-          (status2 & bits::kFifoStatus2AlwaysZero) == 0};
+          (status2 & variant.level_always_zero) == 0};
 }
 
-/// True if a FIFO word's tag byte says gyro and its parity, even over all eight bits, is right.
-[[nodiscard]] constexpr bool is_gyro_tag(std::uint8_t tag) {
-  return (tag >> 3U) == kTagGyro && std::popcount(tag) % 2 == 0;
+/// True if a FIFO word's tag byte says gyro and its parity, even over all eight bits, is right
+/// where it has one.
+[[nodiscard]] constexpr bool is_gyro_tag(const Variant& variant, std::uint8_t tag) {
+  return (tag >> 3U) == kTagGyro && (!variant.has_tag_parity || std::popcount(tag) % 2 == 0);
 }
 
-/// CTRL2_G: the sensor runs at this rate and range.
-[[nodiscard]] constexpr std::uint8_t encode_ctrl2_g(OutputDataRate rate, FullScale full_scale) {
-  return static_cast<std::uint8_t>((static_cast<unsigned>(rate) << 4U) |
-                                   static_cast<unsigned>(full_scale));
+/// CTRL2_G of all but the LSM6DSV16X: the sensor runs at this rate and range.
+/// @param rate  code of the output data rate
+[[nodiscard]] constexpr std::uint8_t encode_ctrl2_g(std::uint8_t rate, FullScale full_scale) {
+  return static_cast<std::uint8_t>((unsigned{rate} << 4U) | static_cast<unsigned>(full_scale));
 }
 
-/// The true period of a chip whose INTERNAL_FREQ_FINE holds this trim: its rate is
-/// 6667 Hz (1 + 0.0015 trim) / 2^k; nominal "104 Hz" is 104.17 Hz.
-[[nodiscard]] constexpr core::Duration decode_period(OutputDataRate rate, std::int8_t trim) {
-  const std::int64_t divider = std::int64_t{1} << (10U - static_cast<unsigned>(rate));
-  const std::int64_t tenth_mhz = std::int64_t{6667} * (10'000 + 15 * trim);
+/// FS_G of the LSM6DSV16X (CTRL6).
+[[nodiscard]] constexpr std::uint8_t encode_ctrl6(FullScale full_scale) {
+  switch (full_scale) {
+    case FullScale::dps_125:
+      return 0x0;
+    case FullScale::dps_250:
+      return 0x1;
+    case FullScale::dps_500:
+      return 0x2;
+    case FullScale::dps_1000:
+      return 0x3;
+    case FullScale::dps_2000:
+      return 0x4;
+    case FullScale::dps_4000:
+      break;
+  }
+  return 0xC;
+}
+
+/// The true period of a chip with this trim, a count of INTERNAL_FREQ_FINE: the LSM6DSO's rate is
+/// 6667 Hz (1 + 0.0015 trim) / 2^k, and its nominal "104 Hz" is 104.17 Hz.
+/// @param rate  code of the output data rate
+[[nodiscard]] constexpr core::Duration decode_period(const Variant& variant, unsigned rate,
+                                                     std::int8_t trim) {
+  const std::int64_t divider = std::int64_t{1} << (variant.fastest_code - rate);
+  const std::int64_t tenth_mhz =
+      std::int64_t{variant.fastest_hz} * (10'000 + variant.trim_step * trim);
   return core::Duration::nanoseconds(divider * 10'000'000'000'000 / tenth_mhz);
 }
 
 /// How long after power-up the output may not be used: 70 ms and a number of samples that depends
 /// on the rate, with LPF1 off and in high-performance mode (AN5040, tables 14 and 15), and one more
-/// sample, since the chip's samples are not aligned with our clock.
-[[nodiscard]] constexpr core::Duration settling_time(OutputDataRate rate, core::Duration period) {
-  constexpr std::array<std::uint16_t, 10> kDiscard{2, 3, 3, 3, 3, 3, 3, 135, 270, 540};
-  const std::int64_t samples = kDiscard[static_cast<std::size_t>(rate) - 1] + 1;
+/// sample, since the chip's samples are not aligned with our clock. Of the other chips it is
+/// assumed.
+/// @param rate  code of the output data rate
+[[nodiscard]] constexpr core::Duration settling_time(const Variant& variant, unsigned rate,
+                                                     core::Duration period) {
+  constexpr std::array<std::uint16_t, 13> kDiscard{540, 270, 135, 3, 3, 3, 3, 3, 3, 2, 2, 2, 2};
+  const std::int64_t samples = kDiscard[variant.fastest_code - rate] + 1;
   return core::Duration::milliseconds(70) + period * samples;
 }
 

@@ -1,12 +1,13 @@
 /// @file
-/// Driver of the gyro in ST's LSM6DSO, ISM330DHCX and ASM330LHH, over SPI or I2C, polled by
-/// data-ready or through the FIFO.
+/// Driver of the gyro in ST's LSM6DSO, ISM330DHCX, ASM330LHH and LSM6DSV16X, over SPI or I2C,
+/// polled by data-ready or through the FIFO.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
@@ -28,11 +29,20 @@ enum class Mode : std::uint8_t {
   fifo,        ///< the chip keeps up to 512 samples; INT1 rises at the watermark
 };
 
+/// Output data rates of a chip.
+template <Model kModel>
+using RateOf = std::conditional_t<variant(kModel).has_new_layout, DsvRate, OutputDataRate>;
+
 /// Chosen once, for the life of the driver; a type for each chip, since two chips answer alike.
 template <Model kModel>
 struct SettingsOf {
   FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 8.75 mdps at 250 deg/s
-  OutputDataRate rate = OutputDataRate::hz_104;
+  RateOf<kModel> rate = [] {
+    if constexpr (variant(kModel).has_new_layout)
+      return DsvRate::hz_120;
+    else
+      return OutputDataRate::hz_104;
+  }();
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
 };
@@ -50,17 +60,12 @@ class Lsm6dso {
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
-      : Lsm6dso(bus, settings, lsm6dso::Model::lsm6dso) {}
+      : Lsm6dso(bus, chosen(settings)) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
   template <lsm6dso::Model kModel>
   constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kModel>& settings)
-      : Lsm6dso(bus,
-                {.full_scale = settings.full_scale,
-                 .rate = settings.rate,
-                 .mode = settings.mode,
-                 .fifo_watermark = settings.fifo_watermark},
-                kModel) {}
+      : Lsm6dso(bus, chosen(settings)) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// the chip has left reset (50 us), then configuration (33 transactions) and success. When it
@@ -97,33 +102,53 @@ class Lsm6dso {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:
-  constexpr Lsm6dso(Bus bus, const lsm6dso::Settings& settings, lsm6dso::Model model)
+  /// Settings of any chip.
+  struct Chosen {
+    const lsm6dso::Variant* variant;
+    lsm6dso::FullScale full_scale;
+    std::uint8_t rate;  ///< its code
+    lsm6dso::Mode mode;
+    std::uint8_t fifo_watermark;
+  };
+  template <lsm6dso::Model kModel>
+  static constexpr Chosen chosen(const lsm6dso::SettingsOf<kModel>& settings) {
+    return {.variant = &lsm6dso::variant(kModel),
+            .full_scale = settings.full_scale,
+            .rate = static_cast<std::uint8_t>(settings.rate),
+            .mode = settings.mode,
+            .fifo_watermark = settings.fifo_watermark};
+  }
+  constexpr Lsm6dso(Bus bus, const Chosen& settings)
       : bus_(bus),
         settings_(settings),
         lsb_(lsm6dso::lsb(settings.full_scale)),
-        period_(lsm6dso::decode_period(settings.rate, 0)),
-        configuration_(configuration(settings)),
-        identity_(lsm6dso::variant(model).identity) {}
+        period_(lsm6dso::decode_period(*settings.variant, settings.rate, 0)),
+        configuration_(configuration(settings)) {}
 
   enum class Stage : std::uint8_t { off, resetting, running };
   static constexpr std::size_t kEntries = 11;
 
-  static constexpr ConfigurationTable<kEntries> configuration(const lsm6dso::Settings& settings) {
+  static constexpr ConfigurationTable<kEntries> configuration(const Chosen& settings) {
     using namespace lsm6dso;
     namespace b = lsm6dso::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
-    const auto batch = static_cast<std::uint8_t>(static_cast<unsigned>(settings.rate) << 4U);
+    const bool is_new = settings.variant->has_new_layout;
+    const auto batch = static_cast<std::uint8_t>(unsigned{settings.rate} << 4U);
     const std::uint8_t fifo_mode = is_fifo ? b::kFifoModeContinuous : std::uint8_t{0};
     constexpr std::uint8_t kFifoCtrl2Used = b::kFifoCtrl2StopOnWtm | b::kFifoCtrl2FifoComprRtEn |
                                             b::kFifoCtrl2OdrChgEn | b::kFifoCtrl2Wtm8;
     return ConfigurationTable<kEntries>{{{
         // The whole register: its ones and zeros tell a line that is stuck either way.
         configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
-        configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
-        configure(kCtrl4C, b::kCtrl4CSleepG | b::kCtrl4CLpf1SelG, 0),
+        is_new ? configure(kDsvCtrl6, b::kDsvCtrl6All, encode_ctrl6(settings.full_scale))
+               : configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
+        is_new ? configure(kDsvCtrl4, b::kDsvCtrl4Drdy, 0)
+               : configure(kCtrl4C, b::kCtrl4CSleepG | b::kCtrl4CLpf1SelG, 0),
         // High-performance mode, and no high-pass filter: it would remove the bias we estimate.
-        configure(kCtrl7G, b::kCtrl7GGHmMode | b::kCtrl7GHpEnG, 0),
-        configure(kCtrl1Xl, b::kCtrl1XlOdrXl, 0),
+        is_new ? configure(kDsvCtrl7, b::kDsvCtrl7Off, 0)
+               : configure(kCtrl7G, b::kCtrl7GGHmMode | b::kCtrl7GHpEnG, 0),
+        is_new ? configure(kDsvCtrl1, b::kDsvCtrl1OdrXl, 0)
+               : configure(kCtrl1Xl, b::kCtrl1XlOdrXl, 0),
         configure(kInt1Ctrl, 0xFF, is_fifo ? b::kInt1FifoTh : b::kInt1DrdyG),
         configure(kFifoCtrl1, 0xFF, settings.fifo_watermark),
         configure(kFifoCtrl2, kFifoCtrl2Used, 0),
@@ -131,14 +156,16 @@ class Lsm6dso {
         configure(kFifoCtrl4,
                   b::kFifoCtrl4DecTsBatch | b::kFifoCtrl4OdrTBatch | b::kFifoCtrl4FifoMode,
                   fifo_mode),
-        configure(kCtrl2G, b::kCtrl2GAll, encode_ctrl2_g(settings.rate, settings.full_scale)),
+        is_new
+            ? configure(kDsvCtrl2, b::kDsvCtrl2All, settings.rate)
+            : configure(kCtrl2G, b::kCtrl2GAll, encode_ctrl2_g(settings.rate, settings.full_scale)),
     }}};
   }
 
   core::Result<void, DriverError> check_identity() {
     const auto identity = read_register(bus_, lsm6dso::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
-    if (*identity != identity_) {
+    if (*identity != settings_.variant->identity) {
       return refused(DriverErrorCode::wrong_identity, lsm6dso::kWhoAmI.address);
     }
     return {};
@@ -159,10 +186,12 @@ class Lsm6dso {
       return refused(DriverErrorCode::not_ready, lsm6dso::kCtrl3C.address);
     }
     if (const auto done = configuration_.apply(bus_); !done) return done;
-    const auto trim = read_register(bus_, lsm6dso::kInternalFreqFine);
+    const lsm6dso::Variant& variant = *settings_.variant;
+    const auto trim = variant.has_new_layout ? read_register(bus_, lsm6dso::kDsvInternalFreq)
+                                             : read_register(bus_, lsm6dso::kInternalFreqFine);
     if (!trim) return core::Unexpected{trim.error()};
-    period_ = lsm6dso::decode_period(settings_.rate, static_cast<std::int8_t>(*trim));
-    settled_at_ = now + lsm6dso::settling_time(settings_.rate, period_);
+    period_ = lsm6dso::decode_period(variant, settings_.rate, static_cast<std::int8_t>(*trim));
+    settled_at_ = now + lsm6dso::settling_time(variant, settings_.rate, period_);
     sample_clock_.restart(now, period_);
     stage_ = Stage::running;
     return {};
@@ -171,7 +200,8 @@ class Lsm6dso {
   core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {
     const auto status = read_register(bus_, lsm6dso::kStatusReg);
     if (!status) return core::Unexpected{status.error()};
-    if ((*status & lsm6dso::bits::kStatusAlwaysZero) != 0) {
+    const unsigned always_zero = settings_.variant->status_always_zero;
+    if ((*status & always_zero) != 0) {
       return refused(DriverErrorCode::corrupt_data, lsm6dso::kStatusReg.address);
     }
     if ((*status & lsm6dso::bits::kStatusGda) == 0) return std::size_t{0};
@@ -183,8 +213,7 @@ class Lsm6dso {
       return core::Unexpected{done.error()};
     }
     const unsigned again = bytes[0];
-    if ((again & (lsm6dso::bits::kStatusAlwaysZero | lsm6dso::bits::kStatusGda)) !=
-        lsm6dso::bits::kStatusGda) {
+    if ((again & (always_zero | lsm6dso::bits::kStatusGda)) != lsm6dso::bits::kStatusGda) {
       return refused(DriverErrorCode::corrupt_data, lsm6dso::kStatusReg.address);
     }
     if (now < settled_at_) return std::size_t{0};
@@ -207,17 +236,18 @@ class Lsm6dso {
   }
 
   core::Result<std::uint16_t, DriverError> read_fifo_level() {
+    const lsm6dso::Variant& variant = *settings_.variant;
+    const std::uint8_t address =
+        variant.has_new_layout ? lsm6dso::kDsvFifoStatus1.address : lsm6dso::kFifoStatus1.address;
     std::array<std::uint8_t, 2> bytes{};
-    if (const auto done = read_registers(bus_, lsm6dso::kFifoStatus1, bytes); !done) {
-      return core::Unexpected{done.error()};
+    if (const auto done = bus_.read(address, bytes); !done) {
+      return bus_failed(done.error(), address);
     }
-    const lsm6dso::FifoStatus status = lsm6dso::decode_fifo_status(bytes[0], bytes[1]);
-    if (!status.is_plausible) {
-      return refused(DriverErrorCode::corrupt_data, lsm6dso::kFifoStatus1.address);
-    }
+    const auto status = lsm6dso::decode_fifo_status(variant, bytes[0], bytes[1]);
+    if (!status.is_plausible) return refused(DriverErrorCode::corrupt_data, address);
     if (overrun_report_.is_due(status.is_overrun)) {
       sample_clock_.lose_count();
-      return refused(DriverErrorCode::fifo_overrun, lsm6dso::kFifoStatus1.address);
+      return refused(DriverErrorCode::fifo_overrun, address);
     }
     return status.words;
   }
@@ -226,7 +256,7 @@ class Lsm6dso {
                                                core::Temperature temperature) {
     constexpr std::size_t kWordBytes = lsm6dso::kFifoWordBytes;
     const auto decode = [&](std::span<const std::uint8_t, kWordBytes> word, GyroSample& sample) {
-      if (!lsm6dso::is_gyro_tag(word[0])) return Frame::corrupt;
+      if (!lsm6dso::is_gyro_tag(*settings_.variant, word[0])) return Frame::corrupt;
       const core::Instant time = sample_clock_.next();
       if (time < settled_at_) return Frame::no_sample;
       sample = make_sample(time, word.template subspan<1, 6>(), temperature);
@@ -249,14 +279,13 @@ class Lsm6dso {
   }
 
   Bus bus_;
-  lsm6dso::Settings settings_;
+  Chosen settings_;
   core::AngularRate lsb_;
   core::Duration period_;
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;
   OverrunReport overrun_report_;
   core::Instant settled_at_;
-  std::uint8_t identity_ = lsm6dso::kWhoAmI.reset;
   Stage stage_ = Stage::off;
 };
 

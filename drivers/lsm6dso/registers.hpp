@@ -1,6 +1,7 @@
 /// @file
 /// The registers and bits of the LSM6DSO that the driver uses; ST DS12140, chapters 8 and 9.
-/// Names are ST's. The ISM330DHCX and the ASM330LHH have the same.
+/// Names are ST's. The ISM330DHCX and the ASM330LHH have the same; what differs in the LSM6DSV16X
+/// is named Dsv (lsm6dsv16x-pid).
 #pragma once
 
 #include <cstdint>
@@ -32,6 +33,14 @@ inline constexpr Register<0x3A, Access::read_only> kFifoStatus1;
 inline constexpr Register<0x63, Access::read_only> kInternalFreqFine;
 inline constexpr Register<0x78, Access::read_only> kFifoDataOutTag;  // 6 bytes of data follow
 
+inline constexpr Register<0x10, Access::read_write> kDsvCtrl1;
+inline constexpr Register<0x11, Access::read_write> kDsvCtrl2;
+inline constexpr Register<0x13, Access::read_write> kDsvCtrl4;
+inline constexpr Register<0x15, Access::read_write> kDsvCtrl6;
+inline constexpr Register<0x16, Access::read_write> kDsvCtrl7;
+inline constexpr Register<0x1B, Access::read_only> kDsvFifoStatus1;
+inline constexpr Register<0x4F, Access::read_only> kDsvInternalFreq;
+
 /// Bits and fields, named register_field.
 namespace bits {
 inline constexpr std::uint8_t kFifoCtrl2StopOnWtm = 0x80;
@@ -57,10 +66,12 @@ inline constexpr std::uint8_t kCtrl7GGHmMode = 0x80;
 inline constexpr std::uint8_t kCtrl7GHpEnG = 0x40;
 inline constexpr std::uint8_t kCtrl9XlI3cDisable = 0x02;
 inline constexpr std::uint8_t kStatusGda = 0x02;
-inline constexpr std::uint8_t kStatusAlwaysZero = 0xF8;
 inline constexpr std::uint8_t kFifoStatus2OvrLatched = 0x08;
-inline constexpr std::uint8_t kFifoStatus2AlwaysZero = 0x04;
-inline constexpr std::uint8_t kFifoStatus2Diff = 0x03;
+inline constexpr std::uint8_t kDsvCtrl1OdrXl = 0x0F;
+inline constexpr std::uint8_t kDsvCtrl2All = 0x7F;   // mode and rate
+inline constexpr std::uint8_t kDsvCtrl4Drdy = 0x0A;  // pulsed, masked
+inline constexpr std::uint8_t kDsvCtrl6All = 0x7F;   // bandwidth of LPF1, range
+inline constexpr std::uint8_t kDsvCtrl7Off = 0x81;   // Qvar, LPF1
 }  // namespace bits
 
 /// Data words of the FIFO: one tag byte, then six bytes (DS12140, section 6.5.7).

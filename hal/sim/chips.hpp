@@ -7,12 +7,13 @@
 #include "hal/sim/bmi088.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/lsm6dsv16x.hpp"
 #include "hal/sim/mpu6500.hpp"
 
 namespace zerorate::hal::sim {
 
 using AllSimulatedChips =
     core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedIcm42688,
-                   SimulatedIsm330dhcx, SimulatedLsm6dso, SimulatedMpu6500>;
+                   SimulatedIsm330dhcx, SimulatedLsm6dso, SimulatedLsm6dsv16x, SimulatedMpu6500>;
 
 }  // namespace zerorate::hal::sim

@@ -103,6 +103,32 @@ struct Asm330lhh : Ism330dhcx {
       Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
 };
 
+/// A younger relative with its range in another register.
+struct Lsm6dsv16x : Ism330dhcx {
+  static constexpr const char* kName = "Lsm6dsv16x";
+  using Simulated = hal::sim::SimulatedLsm6dsv16x;
+  using Settings = drivers::lsm6dso::Lsm6dsv16x::Settings;
+
+  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
+  static constexpr std::size_t kFifoCapacity = 256;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x15, 0x7F}, ConfiguredBits{0x13, 0x0A},
+      ConfiguredBits{0x16, 0x81}, ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x0D, 0xFF},
+      ConfiguredBits{0x07, 0xFF}, ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF},
+      ConfiguredBits{0x0A, 0xF7}, ConfiguredBits{0x11, 0x7F}};
+  /// 70 ms and three samples of 120 Hz, and two more.
+  static constexpr core::Duration kEarliest = core::Duration::microseconds(95'000);
+  static constexpr core::Duration kLatest = core::Duration::microseconds(111'700);
+};
+
 struct Icm42688 {
   static constexpr const char* kName = "Icm42688";
   using Simulated = hal::sim::SimulatedIcm42688;
@@ -297,7 +323,7 @@ using WiringsWithFifo =
     core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
                    OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
                    OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
-                   OverI2c<Asm330lhh>>;
+                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>>;
 /// The other chips.
 using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
 

@@ -34,6 +34,7 @@ struct ChipUnderTest {
 constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
                             ChipUnderTest{"ism330dhcx", 8.75e-3, kRates},
                             ChipUnderTest{"asm330lhh", 8.75e-3, kRates},
+                            ChipUnderTest{"lsm6dsv16x", 8.75e-3, kRates},
                             ChipUnderTest{"icm42688", 1.0 / 131.072, kRates},
                             ChipUnderTest{"mpu6500", 1.0 / 131.072, kRates},
                             ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -57,48 +58,93 @@ TEST(Temperature, Is25DegreesAtZeroAnd256CountsADegree) {
   EXPECT_EQ(decode_temperature(kMax).degc(), 153.0F - 1.0F / 256.0F);
 }
 
+constexpr const Variant& kDsv = variant(Model::lsm6dsv16x);
+
+constexpr std::uint8_t code(auto rate) {
+  return static_cast<std::uint8_t>(rate);
+}
+
 TEST(Ctrl2G, HoldsRateAboveRange) {
-  EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_104, FullScale::dps_250), 0x40);
-  EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_416, FullScale::dps_125), 0x62);
-  EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_6664, FullScale::dps_2000), 0xAC);
-  EXPECT_EQ(encode_ctrl2_g(OutputDataRate::hz_104, FullScale::dps_4000), 0x41);
+  EXPECT_EQ(encode_ctrl2_g(code(OutputDataRate::hz_104), FullScale::dps_250), 0x40);
+  EXPECT_EQ(encode_ctrl2_g(code(OutputDataRate::hz_416), FullScale::dps_125), 0x62);
+  EXPECT_EQ(encode_ctrl2_g(code(OutputDataRate::hz_6664), FullScale::dps_2000), 0xAC);
+  EXPECT_EQ(encode_ctrl2_g(code(OutputDataRate::hz_104), FullScale::dps_4000), 0x41);
+}
+
+TEST(Ctrl6, HoldsTheRangeOfTheLsm6dsv16x) {
+  constexpr std::array<std::uint8_t, kRanges.size()> kCodes{0x0, 0x1, 0x2, 0x3, 0x4, 0xC};
+  for (std::size_t i = 0; i < kRanges.size(); ++i) {
+    EXPECT_EQ(encode_ctrl6(kRanges.at(i).full_scale), kCodes.at(i));
+  }
+}
+
+TEST(FifoStatus, HasNineBitsOfLevelInTheLsm6dsv16x) {
+  EXPECT_EQ(decode_fifo_status(kDsv, 0x00, 0xE1).words, 256);
+  EXPECT_TRUE(decode_fifo_status(kDsv, 0x00, 0xE9).is_overrun);
+  EXPECT_TRUE(decode_fifo_status(kDsv, 0xFF, 0xF9).is_plausible);
+  EXPECT_FALSE(decode_fifo_status(kDsv, 0x00, 0xE2).is_plausible);
+  EXPECT_FALSE(decode_fifo_status(kDsv, 0xFF, 0xFF).is_plausible);
+}
+
+TEST(GyroTag, HasNoParityInTheLsm6dsv16x) {
+  EXPECT_TRUE(is_gyro_tag(kDsv, 0b00001'00'0));
+  EXPECT_TRUE(is_gyro_tag(kDsv, 0b00001'11'1));
+  EXPECT_FALSE(is_gyro_tag(kDsv, 0b00010'00'0)) << "accelerometer";
+  EXPECT_FALSE(is_gyro_tag(kDsv, 0b00000'00'0)) << "empty";
 }
 
 TEST(FifoStatus, JoinsTheTenBitsOfTheLevel) {
-  EXPECT_EQ(decode_fifo_status(0xFF, 0x03).words, 1023);
-  EXPECT_EQ(decode_fifo_status(0x00, 0xE2).words, 512);
-  EXPECT_FALSE(decode_fifo_status(0x00, 0xE2).is_overrun);
-  EXPECT_TRUE(decode_fifo_status(0x00, 0xEA).is_overrun);
-  EXPECT_TRUE(decode_fifo_status(0x00, 0xFB).is_plausible);
-  EXPECT_FALSE(decode_fifo_status(0xFF, 0xFF).is_plausible);
+  EXPECT_EQ(decode_fifo_status(kLsm6dso, 0xFF, 0x03).words, 1023);
+  EXPECT_EQ(decode_fifo_status(kLsm6dso, 0x00, 0xE2).words, 512);
+  EXPECT_FALSE(decode_fifo_status(kLsm6dso, 0x00, 0xE2).is_overrun);
+  EXPECT_TRUE(decode_fifo_status(kLsm6dso, 0x00, 0xEA).is_overrun);
+  EXPECT_TRUE(decode_fifo_status(kLsm6dso, 0x00, 0xFB).is_plausible);
+  EXPECT_FALSE(decode_fifo_status(kLsm6dso, 0xFF, 0xFF).is_plausible);
 }
 
 TEST(GyroTag, NeedsTheSensorAndEvenParity) {
-  EXPECT_TRUE(is_gyro_tag(0b00001'00'1));
-  EXPECT_TRUE(is_gyro_tag(0b00001'01'0));
-  EXPECT_TRUE(is_gyro_tag(0b00001'11'1));
-  EXPECT_FALSE(is_gyro_tag(0b00001'00'0)) << "parity";
-  EXPECT_FALSE(is_gyro_tag(0b00010'00'1)) << "accelerometer";
-  EXPECT_FALSE(is_gyro_tag(0b00011'00'0)) << "temperature";
+  EXPECT_TRUE(is_gyro_tag(kLsm6dso, 0b00001'00'1));
+  EXPECT_TRUE(is_gyro_tag(kLsm6dso, 0b00001'01'0));
+  EXPECT_TRUE(is_gyro_tag(kLsm6dso, 0b00001'11'1));
+  EXPECT_FALSE(is_gyro_tag(kLsm6dso, 0b00001'00'0)) << "parity";
+  EXPECT_FALSE(is_gyro_tag(kLsm6dso, 0b00010'00'1)) << "accelerometer";
+  EXPECT_FALSE(is_gyro_tag(kLsm6dso, 0b00011'00'0)) << "temperature";
 }
 
 TEST(Period, FollowsTheOscillatorsTrim) {
-  for (int code = 1; code <= 10; ++code) {
+  for (unsigned rate = 1; rate <= 10; ++rate) {
     for (const int trim : {-128, -1, 0, 1, 127}) {
-      const double hz = 6667.0 * (1.0 + 0.0015 * trim) * std::exp2(code - 10);
-      const auto period =
-          decode_period(static_cast<OutputDataRate>(code), static_cast<std::int8_t>(trim));
-      EXPECT_NEAR(static_cast<double>(period.ns()), 1e9 / hz, 1.0) << code << ' ' << trim;
+      const double hz = 6667.0 * (1.0 + 0.0015 * trim) * std::exp2(static_cast<int>(rate) - 10);
+      const auto period = decode_period(kLsm6dso, rate, static_cast<std::int8_t>(trim));
+      EXPECT_NEAR(static_cast<double>(period.ns()), 1e9 / hz, 1.0) << rate << ' ' << trim;
+    }
+  }
+}
+
+TEST(Period, OfTheLsm6dsv16xIsOfAnotherOscillator) {
+  double nominal_hz = 7.5;
+  for (unsigned rate = 2; rate <= 12; ++rate, nominal_hz *= 2.0) {
+    for (const int trim : {-128, 0, 127}) {
+      const double hz = nominal_hz * (1.0 + 0.0013 * trim);
+      const auto period = decode_period(kDsv, rate, static_cast<std::int8_t>(trim));
+      EXPECT_NEAR(static_cast<double>(period.ns()), 1e9 / hz, 1.0) << rate << ' ' << trim;
     }
   }
 }
 
 TEST(SettlingTime, IsTheTurnOnTimeAndTheSamplesToDiscard) {
-  const auto period = core::Duration::milliseconds(10);
-  EXPECT_EQ(settling_time(OutputDataRate::hz_12_5, period), core::Duration::milliseconds(70 + 30));
-  EXPECT_EQ(settling_time(OutputDataRate::hz_104, period), core::Duration::milliseconds(70 + 40));
-  EXPECT_EQ(settling_time(OutputDataRate::hz_6664, period),
-            core::Duration::milliseconds(70 + 5410));
+  const auto settling_ms = [](const Variant& variant, auto rate) {
+    return settling_time(variant, code(rate), core::Duration::milliseconds(10)).ns() / 1'000'000;
+  };
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_12_5), 70 + 30);
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_26), 70 + 40);
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_104), 70 + 40);
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_833), 70 + 40);
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_1666), 70 + 1360);
+  EXPECT_EQ(settling_ms(kLsm6dso, OutputDataRate::hz_6664), 70 + 5410);
+  EXPECT_EQ(settling_ms(kDsv, DsvRate::hz_7_5), 70 + 30);
+  EXPECT_EQ(settling_ms(kDsv, DsvRate::hz_120), 70 + 40);
+  EXPECT_EQ(settling_ms(kDsv, DsvRate::hz_7680), 70 + 5410);
 }
 
 }  // namespace
@@ -147,6 +193,20 @@ TEST(Lsm6dsoRelatives, AreNotTakenForAnLsm6dsoNorTheOtherWayRound) {
   EXPECT_EQ((started_as<SimulatedAsm330lhh, support::Lsm6dso>().error()), kWrong);
   EXPECT_EQ((started_as<SimulatedLsm6dso, support::Ism330dhcx>().error()), kWrong);
   EXPECT_EQ((started_as<SimulatedLsm6dso, support::Asm330lhh>().error()), kWrong);
+  EXPECT_EQ((started_as<SimulatedLsm6dso, support::Lsm6dsv16x>().error()), kWrong);
+  EXPECT_EQ((started_as<hal::sim::SimulatedLsm6dsv16x, support::Lsm6dso>().error()), kWrong);
+}
+
+TEST(Lsm6dsoRelatives, AreConfiguredInTheirOwnLayout) {
+  support::GyroRig<support::OverSpi<support::Lsm6dsv16x>> rig{
+      {.full_scale = lsm6dso::FullScale::dps_4000, .rate = lsm6dso::DsvRate::hz_240}};
+  ASSERT_TRUE(rig.start());
+  EXPECT_EQ(rig.chip.read_register(0x11), 0x07);  // CTRL2: high performance, 240 Hz
+  EXPECT_EQ(rig.chip.read_register(0x12), 0x44);  // CTRL3: BDU, IF_INC
+  EXPECT_EQ(rig.chip.read_register(0x15), 0x0C);  // CTRL6: 4000 deg/s
+  EXPECT_EQ(rig.chip.read_register(0x18), 0x00);  // CTRL9 is the accelerometer's: not touched
+  EXPECT_NEAR(static_cast<double>(rig.chip.sample_period().ns()),
+              static_cast<double>(rig.driver.sample_period().ns()), 1.0);
 }
 
 TEST(Lsm6dsoRelatives, ThatAnswerAlikeAreTakenForEachOther) {

@@ -20,9 +20,9 @@ TEST(Catalogue, HoldsTheSensors) {
   for (const CatalogueEntry& entry : catalogue()) {
     names.push_back(entry.name);
   }
-  EXPECT_THAT(names,
-              testing::ElementsAre("adis16405", "adxrs453", "asm330lhh", "bmi088", "icm42688",
-                                   "ism330dhcx", "lsm6dso", "mpu6050", "mpu6500", "paper"));
+  EXPECT_THAT(names, testing::ElementsAre("adis16405", "adxrs453", "asm330lhh", "bmi088",
+                                          "icm42688", "ism330dhcx", "lsm6dso", "lsm6dsv16x",
+                                          "mpu6050", "mpu6500", "paper"));
 }
 
 TEST(CatalogueEntries, AreValidAndNameTheSourceOfEveryFigure) {
@@ -38,7 +38,7 @@ TEST(CatalogueEntries, AreValidAndNameTheSourceOfEveryFigure) {
 }
 
 TEST(CatalogueEntriesWithoutADataSheetFigure, SaySo) {
-  for (const std::string_view name : {"lsm6dso", "icm42688", "mpu6050", "mpu6500"}) {
+  for (const std::string_view name : {"lsm6dso", "lsm6dsv16x", "icm42688", "mpu6050", "mpu6500"}) {
     EXPECT_THAT(find_model(name).flicker->source, testing::StartsWith("Estimated")) << name;
   }
   for (const std::string_view name : {"asm330lhh", "ism330dhcx"}) {
@@ -53,6 +53,7 @@ TEST(CatalogueEntries, BoundTheBiasWhereAFigureForItIsKnown) {
     return sensor.zero_rate ? sensor.zero_rate->limit_rad_s / kDegPerHour / 3600.0 : 0.0;
   };
   EXPECT_NEAR(limit_dps("lsm6dso"), 5.0, 1e-9);
+  EXPECT_NEAR(limit_dps("lsm6dsv16x"), 5.0, 1e-9);
   EXPECT_NEAR(limit_dps("asm330lhh"), 5.0, 1e-9);
   EXPECT_NEAR(limit_dps("ism330dhcx"), 5.0, 1e-9);
   EXPECT_NEAR(limit_dps("bmi088"), 5.0, 1e-9);

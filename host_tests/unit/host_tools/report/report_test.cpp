@@ -1,13 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 
 #include "host_tests/support/folders.hpp"
+#include "host_tools/lib/report/chart.hpp"
 #include "host_tools/lib/report/markup.hpp"
 #include "host_tools/lib/report/report.hpp"
 #include "host_tools/lib/report/table.hpp"
@@ -174,6 +177,157 @@ TEST(TableWithARowTooShort, IsRefusedByName) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "table \"Results\": a row of 1 cells under 2 columns");
   }
+}
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+
+/// The data that the browser will find in the figure.
+nlohmann::json data_of(const std::string& html) {
+  const std::string opening = "<script type=\"application/json\">";
+  const std::size_t begin = html.find(opening) + opening.size();
+  return nlohmann::json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+Chart chart_of(Series series) {
+  return {.title = "Bias",
+          .x = {.label = "Time", .unit = "s"},
+          .y = {.label = "Bias", .unit = "deg/h"},
+          .series = {std::move(series)}};
+}
+
+std::string refusal_of(const auto& chart) {
+  try {
+    (void)render(chart);
+    return "accepted";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(Chart, HandsItsSeriesToTheBrowser) {
+  const auto data = data_of(render(chart_of({.name = "kalman",
+                                             .x = {0, 1, 2.5},
+                                             .y = {-1, 1.0 / 3, 4e-9},
+                                             .style = SeriesStyle::steps,
+                                             .colour = Colour::green,
+                                             .dashed = true})));
+  const auto& series = data["series"][0];
+  EXPECT_EQ(series["name"], "kalman");
+  EXPECT_EQ(series["style"], "steps");
+  EXPECT_EQ(series["ink"], "green");
+  EXPECT_EQ(series["dashed"], true);
+  EXPECT_EQ(series["x"], nlohmann::json({0.0, 1.0, 2.5}));
+  EXPECT_EQ(series["y"], nlohmann::json({-1.0, 0.3333333, 4e-9}));
+  EXPECT_EQ(data["y"]["unit"], "deg/h");
+  EXPECT_FALSE(series.contains("lo"));
+}
+
+TEST(Chart, GivesColoursByPositionInTurn) {
+  Chart chart = chart_of({.name = "0"});
+  for (int i = 1; i < 7; ++i) chart.series.push_back({.name = std::to_string(i)});
+  const auto data = data_of(render(chart));
+  EXPECT_EQ(data["series"][0]["ink"], "blue");
+  EXPECT_EQ(data["series"][1]["ink"], "vermilion");
+  EXPECT_EQ(data["series"][6]["ink"], "blue");
+}
+
+TEST(Chart, IsDescribedToThoseWhoDoNotSeeIt) {
+  EXPECT_THAT(render(chart_of({.name = "kalman \"2\""})),
+              HasSubstr("role=\"img\" aria-label=\"Line chart: Bias. Bias, deg/h over Time, s. "
+                        "Shown: kalman &quot;2&quot;.\""));
+}
+
+TEST(ChartWithValuesThatAreNotFinite, HasGapsThere) {
+  const auto data = data_of(render(
+      chart_of({.x = {0, 1, 2, 3}, .y = {1, kGap, std::numeric_limits<double>::infinity(), 2}})));
+  EXPECT_EQ(data["series"][0]["y"], nlohmann::json({1.0, nullptr, nullptr, 2.0}));
+}
+
+TEST(ChartOnLogarithmicAxes, LeavesOutWhatHasNoLogarithm) {
+  Chart chart = chart_of({.x = {-1, 0, 1, 10}, .y = {5, 5, 0, 2}});
+  chart.x.scale = Scale::logarithmic;
+  chart.y.scale = Scale::logarithmic;
+  const auto data = data_of(render(chart));
+  EXPECT_EQ(data["series"][0]["x"], nlohmann::json({1.0, 10.0}));
+  EXPECT_EQ(data["series"][0]["y"], nlohmann::json({nullptr, 2.0}));
+}
+
+TEST(ChartOfAMillionPoints, IsASmallFile) {
+  Series series{.name = "rate"};
+  for (int i = 0; i < 1'000'000; ++i) {
+    series.x.push_back(0.01 * i);
+    series.y.push_back(std::sin(0.37 * i));
+  }
+  const std::string html = render(chart_of(series));
+  EXPECT_LT(html.size(), 150'000U);
+  EXPECT_EQ(data_of(html)["series"][0]["x"].back(), 9999.99);
+}
+
+TEST(ChartThatIsThinned, SaysHowManyOfItsPointsItHolds) {
+  Series series{.name = "flat", .x = std::vector<double>(20'000), .y = {}};
+  for (std::size_t i = 0; i < series.x.size(); ++i) series.x[i] = static_cast<double>(i);
+  series.y.assign(series.x.size(), 1.0);
+  // The first point of a flat column is also the least and the greatest: two per column are left.
+  EXPECT_THAT(render(chart_of(series)), HasSubstr("2000 of 20\u202f000 points"));
+  EXPECT_THAT(render(chart_of({.x = {1}, .y = {1}})), Not(HasSubstr("points:")));
+}
+
+TEST(ChartWithMarkupInItsTexts, KeepsItAsText) {
+  const std::string evil = "</script><script>alert(1)</script><!--";
+  Chart chart = chart_of({.name = evil});
+  chart.title = evil;
+  chart.shaded_name = evil;
+  const std::string html = render(chart);
+  EXPECT_EQ(data_of(html)["series"][0]["name"], evil);
+  EXPECT_EQ(data_of(html)["shadedName"], evil);
+  EXPECT_THAT(html, Not(HasSubstr("<script>")));
+  EXPECT_THAT(html, Not(HasSubstr("<!--")));
+  EXPECT_EQ(html.find("</script>"), html.rfind("</script>"));
+}
+
+TEST(ChartWithANameThatIsNotUtf8, IsStillWritten) {
+  EXPECT_EQ(data_of(render(chart_of({.name = "bad\xff"})))["series"][0]["name"], "bad\ufffd");
+}
+
+TEST(ChartWithInconsistentSeries, IsRefusedByName) {
+  EXPECT_EQ(refusal_of(chart_of({.name = "a", .x = {1, 2}, .y = {1}})),
+            "chart \"Bias\", series \"a\": x and y differ in length");
+  EXPECT_EQ(refusal_of(chart_of({.name = "a", .x = {2, 1}, .y = {1, 1}})),
+            "chart \"Bias\", series \"a\": x decreases");
+  EXPECT_EQ(refusal_of(chart_of({.name = "a", .x = {kGap}, .y = {1}})),
+            "chart \"Bias\", series \"a\": x is not finite");
+  EXPECT_EQ(refusal_of(chart_of({.name = "a", .x = {1}, .y = {1}, .lo = {1}})),
+            "chart \"Bias\", series \"a\": the band is not as long as y");
+}
+
+TEST(BarChart, HandsItsGroupsToTheBrowser) {
+  const std::string html = render(BarChart{
+      .title = "Drift",
+      .y = {.label = "Ratio"},
+      .categories = {"15/60", "30/120"},
+      .groups = {{.name = "kalman", .values = {0.65, kGap}, .lo = {0.6, kGap}, .hi = {0.7, kGap}}},
+      .reference = Reference{"calibration mean", 1}});
+  const auto data = data_of(html);
+  EXPECT_EQ(data["groups"][0]["values"], nlohmann::json({0.65, nullptr}));
+  EXPECT_EQ(data["groups"][0]["hi"], nlohmann::json({0.7, nullptr}));
+  EXPECT_EQ(data["reference"]["value"], 1.0);
+  EXPECT_THAT(html, HasSubstr("data-chart=\"bars\""));
+}
+
+TEST(BarChartWithInconsistentGroups, IsRefusedByName) {
+  BarChart chart{
+      .title = "Drift", .categories = {"a", "b"}, .groups = {{.name = "k", .values = {1}}}};
+  EXPECT_EQ(refusal_of(chart), "chart \"Drift\", group \"k\": not one value a category");
+  chart.groups[0].values = {1, 2};
+  chart.groups[0].hi = {2, 3};
+  EXPECT_EQ(refusal_of(chart),
+            "chart \"Drift\", group \"k\": the error bars are not as many as the values");
+  chart.groups[0].hi.clear();
+  chart.y.scale = Scale::logarithmic;
+  EXPECT_EQ(refusal_of(chart), "chart \"Drift\": bars have no logarithmic axis");
 }
 
 }  // namespace

@@ -2,9 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
 
+#include "firmware/model/node_model.hpp"
+#include "host_tests/support/dense_noise.hpp"
 #include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/identify/innovations_likelihood.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
@@ -112,6 +121,117 @@ TEST(InnovationsFit, RefusesWhatItCannotJudge) {
                recording::DataError);
   EXPECT_THROW((void)fit_of(simulate::Signal(5'000, kPeriod), {.starts = {kStart}}),
                recording::DataError);
+}
+
+constexpr core::Duration kSamplePeriod = core::Duration::milliseconds(100);
+
+model::SensorModel sample_model() {
+  model::SensorModel model{.name = "sample"};
+  model.white.angle_random_walk_rad_per_sqrt_s = 7e-4;
+  model.flicker = model::Flicker{.bias_instability_rad_s = 2e-4, .order = 0.6};
+  return model;
+}
+
+/// Ticks with holes and with few samples; rates of about the size that the model expects.
+std::vector<TickMean> ticks_with_holes(float bias_rad_s = 0.0F) {
+  const random::RandomStream stream(3);
+  std::vector<TickMean> ticks;
+  std::uint32_t tick = 2;
+  for (std::int64_t k = 0; k < 60; ++k) {
+    const auto samples = static_cast<std::uint32_t>(1 + k % 5);
+    const auto rate = static_cast<float>(1e-3 * stream.normal(k));
+    ticks.push_back({.tick = tick, .samples = samples, .rate_rad_s = {0.0F, bias_rad_s + rate}});
+    tick += k % 20 == 19 ? 137U : 1U;
+  }
+  return ticks;
+}
+
+/// The density of all differences from the first tick, from their covariance matrix.
+double dense_minus_two_log(const std::vector<TickMean>& ticks, const model::SensorModel& model) {
+  const auto node =
+      model::make_node_model<core::ModelShape{.decaying = 6}>(model, kSamplePeriod, kTick);
+  const Eigen::MatrixXd bias =
+      zerorate::testing::bias_covariance(node.modes, static_cast<int>(ticks.back().tick) + 1);
+  const auto size = static_cast<Eigen::Index>(ticks.size());
+  Eigen::MatrixXd covariance(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const TickMean& a = ticks[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < size; ++j) {
+      covariance(i, j) = bias(a.tick, ticks[static_cast<std::size_t>(j)].tick);
+    }
+    covariance(i, i) += double{node.white_variance_rad2_s2} / a.samples;
+  }
+  Eigen::MatrixXd contrast(size - 1, size);
+  contrast << -Eigen::VectorXd::Ones(size - 1), Eigen::MatrixXd::Identity(size - 1, size - 1);
+  Eigen::VectorXd rates(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    rates(i) = double{ticks[static_cast<std::size_t>(i)].rate_rad_s[1]};
+  }
+  const Eigen::VectorXd differences = contrast * rates;
+  const Eigen::LDLT<Eigen::MatrixXd> factors(contrast * covariance * contrast.transpose());
+  return factors.vectorD().array().log().sum() + differences.dot(factors.solve(differences));
+}
+
+TEST(InnovationsLikelihood, EqualsTheDenseGaussianDensityOfTheDifferences) {
+  const std::vector<TickMean> ticks = ticks_with_holes();
+  const InnovationsLikelihood likelihood{ticks, 1, kSamplePeriod, kTick};
+  for (const double order : {0.3, 0.5, 0.8}) {
+    model::SensorModel model = sample_model();
+    model.flicker->order = order;
+    // Single precision: some 1e-6 a tick.
+    EXPECT_NEAR(likelihood(model).minus_two_log(), dense_minus_two_log(ticks, model), 1e-3)
+        << order;
+  }
+}
+
+TEST(InnovationsLikelihood, OfAZeroStartEqualsTheDenseOneToo) {
+  const std::vector<TickMean> ticks = ticks_with_holes();
+  model::SensorModel model = sample_model();
+  model.node.start = core::Start::zero;
+  EXPECT_NEAR((InnovationsLikelihood{ticks, 1, kSamplePeriod, kTick}(model).minus_two_log()),
+              dense_minus_two_log(ticks, model), 1e-3);
+}
+
+TEST(InnovationsLikelihood, LeavesOutTheFirstInnovation) {
+  const std::vector<TickMean> ticks = ticks_with_holes();
+  const InnovationsLikelihood likelihood{ticks, 1, kSamplePeriod, kTick};
+  EXPECT_EQ(likelihood(sample_model()).innovations, ticks.size() - 1);
+}
+
+TEST(InnovationsLikelihood, DoesNotDependOnTheBias) {
+  const double without =
+      InnovationsLikelihood{ticks_with_holes(), 1, kSamplePeriod, kTick}(sample_model())
+          .minus_two_log();
+  // 10 deg/s; a tick's rate of 0.17 rad/s is rounded by up to 7.5e-9 rad/s, 1e-5 of its sigma.
+  const double with =
+      InnovationsLikelihood{ticks_with_holes(0.17F), 1, kSamplePeriod, kTick}(sample_model())
+          .minus_two_log();
+  EXPECT_NEAR(with, without, 1e-2);
+}
+
+TEST(InnovationsLikelihood, IsLargestNearTheModelThatMadeTheRecord) {
+  // White noise of 5 samples a tick: the variance of a tick is N^2 / tick.
+  const random::RandomStream stream(4);
+  std::vector<TickMean> ticks;
+  const double sigma = 7e-4 / std::sqrt(0.5);
+  for (std::uint32_t k = 0; k < 2000; ++k) {
+    ticks.push_back(
+        {.tick = k, .samples = 5, .rate_rad_s = {static_cast<float>(sigma * stream.normal(k))}});
+  }
+  const InnovationsLikelihood likelihood{ticks, 0, kSamplePeriod, kTick};
+  model::SensorModel model{.name = "white"};
+  const auto at = [&](double factor) {
+    model.white.angle_random_walk_rad_per_sqrt_s = 7e-4 * factor;
+    return likelihood(model).minus_two_log();
+  };
+  // The curvature is 4 n in log N: 2000 ticks at 1.1 cost 2 * 2000 * log(1.1)^2 = 36.
+  EXPECT_GT(at(1.1) - at(1.0), 20.0);
+  EXPECT_GT(at(0.9) - at(1.0), 20.0);
+}
+
+TEST(InnovationsLikelihood, RefusesASingleTick) {
+  const std::vector<TickMean> one(1);
+  EXPECT_THROW((InnovationsLikelihood{one, 0, kSamplePeriod, kTick}), recording::DataError);
 }
 
 }  // namespace

@@ -1,0 +1,83 @@
+/// @file
+/// An LSM6DSV16X at the level of its registers, fed with physical values.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string_view>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "hal/sim/clock.hpp"
+#include "hal/sim/register_chip.hpp"
+
+namespace zerorate::hal::sim {
+
+/// The gyro half of the chip as ST's lsm6dsv16x-pid describes it: identity, reset values, software
+/// reset, turn-on transient, rounding and saturation, block data update, data-ready, FIFO with
+/// tags, watermark and overrun, temperature, oscillator trim, INT1, sleep.
+///
+/// Not modelled: accelerometer, filters, high-accuracy rates, low-power mode, FIFO compression,
+/// time stamps, the other banks, EIS, OIS, Qvar.
+///
+/// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
+/// the clock.
+class SimulatedLsm6dsv16x : public SimulatedRegisters<128> {
+ public:
+  static constexpr std::string_view kName = "lsm6dsv16x";
+
+  /// @param clock the simulation's time; must outlive the chip
+  /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.13 % faster for each count
+  explicit SimulatedLsm6dsv16x(const SimulatedClock& clock, std::int8_t trim = 0)
+      : SimulatedRegisters(clock), trim_(trim) {
+    reset_registers();
+  }
+
+  /// One conversion: rounds to the LSB, saturates at 16 bits, raises data-ready, fills the FIFO.
+  /// Does nothing while the gyro is powered down, asleep or in reset.
+  void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
+
+  [[nodiscard]] bool is_powered() const;
+  /// Nominal period of the configured rate, trim included; zero when powered down.
+  [[nodiscard]] core::Duration sample_period() const;
+
+  /// Interrupted supply: everything is as after power-on.
+  void cycle_power() { reset_registers(); }
+
+  // The bus's side (RegisterChip).
+  std::uint8_t read_register(std::uint8_t address);
+  void write_register(std::uint8_t address, std::uint8_t value);
+  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
+
+ private:
+  static constexpr std::size_t kFifoCapacity = 256;  // 1.5 kbyte of data, six bytes a word
+  using FifoWord = std::array<std::uint8_t, 7>;
+
+  /// A 16-bit output; with block data update, reading the low byte holds the pair until the high
+  /// byte is read.
+  struct Output {
+    std::int16_t value = 0;
+    std::optional<std::int16_t> held;
+  };
+
+  void reset_registers();
+  std::uint8_t read_output(std::uint8_t address);
+  std::uint8_t read_fifo_byte(std::uint8_t address);
+  std::uint8_t read_fifo_status2();
+  void push_fifo_word();
+  [[nodiscard]] std::size_t fifo_capacity() const;
+  void drive_int1();
+
+  std::int8_t trim_;
+  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
+  std::deque<FifoWord> fifo_;
+  bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
+  std::uint8_t time_slot_ = 0;            // TAG_CNT
+  core::Instant powered_at_;
+};
+static_assert(RegisterChip<SimulatedLsm6dsv16x>);
+
+}  // namespace zerorate::hal::sim
