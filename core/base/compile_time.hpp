@@ -2,11 +2,15 @@
 /// Lists of types, and loops that the compiler writes out.
 #pragma once
 
+#include <cstddef>
+
 namespace zerorate::core {
 
 /// A list of types.
 template <class... Types>
 struct TypeList {
+  static constexpr std::size_t kSize = sizeof...(Types);
+
   /// Calls `visit.template operator()<Type>()` for each type, in order.
   template <class Visit>
   static constexpr void for_each(Visit visit) {

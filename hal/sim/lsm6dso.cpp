@@ -37,7 +37,6 @@ enum Address : std::uint8_t {
 constexpr core::Duration kResetTime = core::Duration::microseconds(50);
 constexpr core::Duration kBootTime = core::Duration::milliseconds(10);
 constexpr std::uint8_t kBoot = 0x80;  // of CTRL3_C
-constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(70);
 
 // The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
 bool is_writable(std::uint8_t address) {
@@ -62,6 +61,131 @@ double dps_per_lsb(std::uint8_t ctrl2, bool has_4000_dps) {
 
 }  // namespace
 
+void SimulatedStModule::reset_data() {
+  outputs_ = {};
+  fifo_.clear();
+  has_overwritten_ = false;
+  is_overrun_latched_ = false;
+  time_slot_ = 0;
+}
+
+bool SimulatedStModule::is_settling() const {
+  return clock_->now() - powered_at_ < data_path_.turn_on_time;
+}
+
+void SimulatedStModule::convert(const std::array<core::AngularRate, 3>& rate,
+                                core::Temperature temperature, double dps_per_lsb) {
+  outputs_[0].value = to_counts((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
+  const double transient_dps =
+      start_up_transient_dps(clock_->now() - powered_at_, data_path_.turn_on_time);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    outputs_[axis + 1].value = to_counts((in_deg_per_s(rate[axis]) + transient_dps) / dps_per_lsb);
+  }
+}
+
+std::array<std::int16_t, 3> SimulatedStModule::rates() const {
+  return {outputs_[1].value, outputs_[2].value, outputs_[3].value};
+}
+
+std::size_t SimulatedStModule::watermark() const {
+  const bool is_high = (registers_[fifo_ctrl2] & data_path_.watermark_high_bit) != 0;
+  return registers_[fifo_ctrl1] + (is_high ? 256U : 0U);
+}
+
+bool SimulatedStModule::is_at_watermark() const {
+  return watermark() > 0 && fifo_.size() >= watermark();
+}
+
+std::size_t SimulatedStModule::fifo_capacity() const {
+  const bool stops_on_watermark = (registers_[fifo_ctrl2] & 0x80U) != 0;
+  return stops_on_watermark ? watermark() : data_path_.fifo_words;
+}
+
+bool SimulatedStModule::is_batched() const {
+  return (registers_[fifo_ctrl3] & 0xF0U) != 0;
+}
+
+bool SimulatedStModule::push_fifo_word(unsigned tag, const std::array<std::int16_t, 3>& values) {
+  constexpr unsigned kFifoMode = 1;
+  constexpr unsigned kContinuous = 6;
+  const unsigned mode = registers_[fifo_ctrl4] & 0x07U;
+  if (mode != kFifoMode && mode != kContinuous) return false;
+  if (fifo_.size() >= fifo_capacity()) {
+    has_overwritten_ = true;
+    is_overrun_latched_ = true;
+    if (mode == kFifoMode) return false;
+    fifo_.pop_front();
+  }
+  FifoWord word{static_cast<std::uint8_t>(tag)};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::int16_t value = values.at(i / 2);
+    word.at(i + 1) = i % 2 == 1 ? high_byte(value) : low_byte(value);
+  }
+  fifo_.push_back(word);
+  return true;
+}
+
+std::uint8_t SimulatedStModule::read_output(std::uint8_t address) {
+  const std::size_t offset = static_cast<std::size_t>(address) - out_temp_l;
+  Output& output = outputs_.at(offset / 2);
+  const bool is_high = offset % 2 == 1;
+  const bool is_blocked = (registers_[ctrl3_c] & 0x40U) != 0;
+  const std::int16_t value = output.held.value_or(output.value);
+  if (is_high) {
+    output.held.reset();
+    const bool is_temperature = offset < 2;
+    registers_[status_reg] &= is_temperature ? 0xFBU : 0xFDU;  // TDA, GDA
+  } else if (is_blocked) {
+    output.held = value;
+  }
+  return is_high ? high_byte(value) : low_byte(value);
+}
+
+std::uint8_t SimulatedStModule::read_fifo_byte(std::uint8_t address) {
+  if (fifo_.empty()) return 0;
+  const std::uint8_t byte = fifo_.front().at(static_cast<std::size_t>(address) - fifo_data_out_tag);
+  if (address == fifo_data_out_z_h) {
+    fifo_.pop_front();
+    has_overwritten_ = false;
+  }
+  return byte;
+}
+
+std::optional<std::uint8_t> SimulatedStModule::read_data(std::uint8_t address) {
+  if (address >= out_temp_l && address <= outz_h_g) return read_output(address);
+  if (address >= fifo_data_out_tag && address <= fifo_data_out_z_h) return read_fifo_byte(address);
+  return std::nullopt;
+}
+
+std::uint8_t SimulatedStModule::take_fifo_status2(bool is_overrun) {
+  auto status = static_cast<unsigned>(fifo_.size() >> 8U);
+  if (is_at_watermark()) status |= 0x80U;
+  if (is_overrun) status |= 0x40U;
+  if (fifo_.size() + 1 >= fifo_capacity()) status |= 0x20U;
+  if (is_overrun_latched_) status |= 0x08U;
+  is_overrun_latched_ = false;
+  return static_cast<std::uint8_t>(status);
+}
+
+void SimulatedStModule::end_write(std::uint8_t address) {
+  const bool is_bypass = (registers_[fifo_ctrl4] & 0x07U) == 0;
+  if (address == fifo_ctrl4 && is_bypass) fifo_.clear();
+  drive_int1();
+}
+
+std::uint8_t SimulatedStModule::next_address(std::uint8_t address) const {
+  const bool increments = (registers_[ctrl3_c] & 0x04U) != 0;
+  if (!increments) return address;
+  if (address == fifo_data_out_z_h) return fifo_data_out_tag;  // bursts of words
+  return static_cast<std::uint8_t>((address + 1U) & 0x7FU);
+}
+
+void SimulatedStModule::drive_int1() {
+  const unsigned routed = registers_[int1_ctrl];
+  const bool is_ready = (registers_[status_reg] & 0x02U) != 0 && (routed & 0x02U) != 0;
+  interrupt_.drive(is_ready || (is_at_watermark() && (routed & 0x08U) != 0), clock_->now());
+}
+
 void SimulatedLsm6dso::reset_registers() {
   registers_.fill(0);
   for (auto& bank : other_banks_) bank.fill(0);
@@ -70,11 +194,7 @@ void SimulatedLsm6dso::reset_registers() {
   registers_[ctrl3_c] = 0x04;
   registers_[ctrl9_xl] = 0xE0;
   registers_[internal_freq_fine] = static_cast<std::uint8_t>(trim_);
-  outputs_ = {};
-  fifo_.clear();
-  is_fifo_overrun_ = false;
-  is_fifo_overrun_latched_ = false;
-  time_slot_ = 0;
+  reset_data();
   boot_until_ = clock_->now();
   drive_int1();
 }
@@ -110,125 +230,51 @@ std::uint32_t SimulatedLsm6dso::timestamp() const {
 
 /// While the filters settle, DRDY_MASK holds data-ready back and marks what goes into the FIFO.
 bool SimulatedLsm6dso::is_masked() const {
-  return (registers_[ctrl4_c] & 0x08U) != 0 && clock_->now() - powered_at_ < kTurnOnTime;
-}
-
-std::int16_t SimulatedLsm6dso::quantize(core::AngularRate rate) const {
-  const double rate_dps =
-      in_deg_per_s(rate) + start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
-  return to_counts(rate_dps / dps_per_lsb(registers_[ctrl2_g], identity_ != kIdentity));
+  return (registers_[ctrl4_c] & 0x08U) != 0 && is_settling();
 }
 
 void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
                                core::Temperature temperature) {
   if (!is_powered()) return;
-  outputs_[0].value = to_counts((static_cast<double>(temperature.degc()) - 25.0) * 256.0);
-  for (std::size_t axis = 0; axis < 3; ++axis) outputs_[axis + 1].value = quantize(rate[axis]);
+  convert(rate, temperature, dps_per_lsb(registers_[ctrl2_g], identity_ != kIdentity));
   if (!is_masked()) registers_[status_reg] = 0x06;  // GDA, TDA
   batch();
   drive_int1();
 }
 
-std::size_t SimulatedLsm6dso::watermark() const {
-  return registers_[fifo_ctrl1] + 256U * (registers_[fifo_ctrl2] & 0x01U);
-}
-
-std::size_t SimulatedLsm6dso::fifo_capacity() const {
-  const bool stops_on_watermark = (registers_[fifo_ctrl2] & 0x80U) != 0;
-  return stops_on_watermark ? watermark() : kFifoCapacity;
-}
-
 /// One time slot of the FIFO: the time stamp first, where it is batched, and the gyro's word.
 void SimulatedLsm6dso::batch() {
-  constexpr std::uint8_t kGyro = 1;
-  constexpr std::uint8_t kTimeStamp = 4;
-  const bool is_batched = (registers_[fifo_ctrl3] & 0xF0U) != 0;
-  if (!is_batched) return;
+  constexpr unsigned kGyro = 1;
+  constexpr unsigned kTimeStamp = 4;
+  if (!is_batched()) return;
   if ((registers_[fifo_ctrl4] & 0xC0U) == 0x40U && (registers_[ctrl10_c] & 0x20U) != 0) {
     const std::uint32_t ticks = timestamp();
-    push_fifo_word(kTimeStamp, {static_cast<std::int16_t>(ticks & 0xFFFFU),
-                                static_cast<std::int16_t>(ticks >> 16U), 0});
+    push_tagged(kTimeStamp, {static_cast<std::int16_t>(ticks & 0xFFFFU),
+                             static_cast<std::int16_t>(ticks >> 16U), 0});
   }
   constexpr std::int16_t kInvalid = 0x7FFF;
-  std::array<std::int16_t, 3> rates{kInvalid, kInvalid, kInvalid};
-  for (std::size_t i = 0; i < 3 && !is_masked(); ++i) rates.at(i) = outputs_.at(i + 1).value;
-  push_fifo_word(kGyro, rates);
+  push_tagged(kGyro, is_masked() ? std::array{kInvalid, kInvalid, kInvalid} : rates());
   time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
 }
 
-void SimulatedLsm6dso::push_fifo_word(std::uint8_t sensor,
-                                      const std::array<std::int16_t, 3>& values) {
-  constexpr unsigned kFifoMode = 1;
-  constexpr unsigned kContinuous = 6;
-  const unsigned mode = registers_[fifo_ctrl4] & 0x07U;
-  if (mode != kFifoMode && mode != kContinuous) return;
-  if (fifo_.size() >= fifo_capacity()) {
-    is_fifo_overrun_ = true;
-    is_fifo_overrun_latched_ = true;
-    if (mode == kFifoMode) return;
-    fifo_.pop_front();
-  }
-  unsigned tag = (static_cast<unsigned>(sensor) << 3U) | (static_cast<unsigned>(time_slot_) << 1U);
-  tag |= static_cast<unsigned>(std::popcount(tag)) & 1U;  // parity: an even number of ones
-  FifoWord word{static_cast<std::uint8_t>(tag)};
-  for (std::size_t i = 0; i < 6; ++i) {
-    const std::int16_t value = values.at(i / 2);
-    word[i + 1] = i % 2 == 1 ? high_byte(value) : low_byte(value);
-  }
-  fifo_.push_back(word);
-}
-
-std::uint8_t SimulatedLsm6dso::read_output(std::uint8_t address) {
-  const std::size_t offset = static_cast<std::size_t>(address) - out_temp_l;
-  Output& output = outputs_[offset / 2];
-  const bool is_high = offset % 2 == 1;
-  const bool is_blocked = (registers_[ctrl3_c] & 0x40U) != 0;
-  const std::int16_t value = output.held.value_or(output.value);
-  if (is_high) {
-    output.held.reset();
-    const bool is_temperature = offset < 2;
-    registers_[status_reg] &= is_temperature ? 0xFBU : 0xFDU;  // TDA, GDA
-  } else if (is_blocked) {
-    output.held = value;
-  }
-  return is_high ? high_byte(value) : low_byte(value);
-}
-
-std::uint8_t SimulatedLsm6dso::read_fifo_byte(std::uint8_t address) {
-  if (fifo_.empty()) return 0;
-  const std::uint8_t byte = fifo_.front()[static_cast<std::size_t>(address) - fifo_data_out_tag];
-  if (address == fifo_data_out_z_h) {
-    fifo_.pop_front();
-    is_fifo_overrun_ = false;
-  }
-  return byte;
-}
-
-std::uint8_t SimulatedLsm6dso::read_fifo_status2() {
-  const std::size_t words = fifo_.size();
-  unsigned status = static_cast<unsigned>(words >> 8U) & 3U;
-  if (watermark() > 0 && words >= watermark()) status |= 0x80U;
-  if (is_fifo_overrun_) status |= 0x40U;
-  if (words + 1 >= fifo_capacity()) status |= 0x20U;
-  if (is_fifo_overrun_latched_) status |= 0x08U;
-  is_fifo_overrun_latched_ = false;
-  return static_cast<std::uint8_t>(status);
+void SimulatedLsm6dso::push_tagged(unsigned sensor, const std::array<std::int16_t, 3>& values) {
+  const unsigned tag = (sensor << 3U) | (unsigned{time_slot_} << 1U);
+  // Parity: an even number of ones.
+  push_fifo_word(tag | (static_cast<unsigned>(std::popcount(tag)) & 1U), values);
 }
 
 std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
   address &= 0x7FU;
   if (address != func_cfg_access && other_bank() != nullptr) return other_bank()->at(address);
   std::uint8_t value = registers_[address];
-  if (address >= timestamp0 && address < timestamp0 + 4) {
+  if (const auto data = read_data(address)) {
+    value = *data;
+  } else if (address >= timestamp0 && address < timestamp0 + 4) {
     value = static_cast<std::uint8_t>(timestamp() >> (8U * (address - timestamp0)));
-  } else if (address >= out_temp_l && address <= outz_h_g) {
-    value = read_output(address);
-  } else if (address >= fifo_data_out_tag && address <= fifo_data_out_z_h) {
-    value = read_fifo_byte(address);
   } else if (address == fifo_status1) {
-    value = static_cast<std::uint8_t>(fifo_.size() & 0xFFU);
+    value = static_cast<std::uint8_t>(fifo_words() & 0xFFU);
   } else if (address == fifo_status2) {
-    value = read_fifo_status2();
+    value = take_fifo_status2(has_overwritten());
   } else if (address == ctrl3_c && is_resetting()) {
     value |= 0x01U;
   } else if (address == ctrl3_c && clock_->now() < boot_until_) {
@@ -267,24 +313,7 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
   note_time_of(address, value);
   if (address == ctrl3_c) value &= static_cast<std::uint8_t>(~kBoot);  // the chip clears it
   registers_[address] = value;
-  const bool is_bypass = (registers_[fifo_ctrl4] & 0x07U) == 0;
-  if (address == fifo_ctrl4 && is_bypass) fifo_.clear();
-  drive_int1();
-}
-
-std::uint8_t SimulatedLsm6dso::next_address(std::uint8_t address) const {
-  const bool increments = (registers_[ctrl3_c] & 0x04U) != 0;
-  if (!increments) return address;
-  if (address == fifo_data_out_z_h) return fifo_data_out_tag;  // bursts of words
-  return static_cast<std::uint8_t>((address + 1U) & 0x7FU);
-}
-
-void SimulatedLsm6dso::drive_int1() {
-  const unsigned routed = registers_[int1_ctrl];
-  const bool is_ready = (registers_[status_reg] & 0x02U) != 0 && (routed & 0x02U) != 0;
-  const bool is_at_watermark =
-      watermark() > 0 && fifo_.size() >= watermark() && (routed & 0x08U) != 0;
-  interrupt_.drive(is_ready || is_at_watermark, clock_->now());
+  end_write(address);
 }
 
 }  // namespace zerorate::hal::sim

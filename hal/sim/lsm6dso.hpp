@@ -1,5 +1,6 @@
 /// @file
-/// An LSM6DSO or a relative at the level of its registers, fed with physical values.
+/// An LSM6DSO or a relative at the level of its registers, fed with physical values, and what it
+/// has in common with ST's younger modules.
 #pragma once
 
 #include <array>
@@ -16,6 +17,74 @@
 
 namespace zerorate::hal::sim {
 
+/// Data path that ST's modules have in common, at the same addresses: outputs with block data
+/// update, FIFO of tagged words, INT1, bursts.
+class SimulatedStModule : public SimulatedRegisters<128> {
+ public:
+  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
+
+ protected:
+  /// Figures in which the modules' data paths differ.
+  struct DataPath {
+    std::size_t fifo_words;
+    std::uint8_t watermark_high_bit;  ///< of FIFO_CTRL2; 0: the watermark has eight bits
+    core::Duration turn_on_time;
+  };
+
+  SimulatedStModule(const SimulatedClock& clock, const DataPath& data_path)
+      : SimulatedRegisters(clock), data_path_(data_path) {}
+
+  /// Clears outputs, FIFO and time slot, as power-on does. The registers stay.
+  void reset_data();
+  /// One conversion: rounds to the LSB, saturates at 16 bits. The gyro settles since powered_at_.
+  void convert(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature,
+               double dps_per_lsb);
+  /// Newest counts of x, y and z.
+  [[nodiscard]] std::array<std::int16_t, 3> rates() const;
+  [[nodiscard]] bool is_settling() const;
+
+  /// False if the FIFO is off, or full and keeps what it has.
+  bool push_fifo_word(unsigned tag, const std::array<std::int16_t, 3>& values);
+  [[nodiscard]] bool is_batched() const;
+  [[nodiscard]] std::size_t fifo_words() const { return fifo_.size(); }
+  [[nodiscard]] std::size_t fifo_capacity() const;
+  /// True from the loss of the oldest word to the next reading of a word.
+  [[nodiscard]] bool has_overwritten() const { return has_overwritten_; }
+  /// FIFO_STATUS2, which forgets FIFO_OVR_LATCHED.
+  /// @param is_overrun FIFO_OVR_IA
+  std::uint8_t take_fifo_status2(bool is_overrun);
+
+  /// Byte of an output or of the FIFO; nullopt for any other register.
+  std::optional<std::uint8_t> read_data(std::uint8_t address);
+  /// Empties the FIFO if the register was FIFO_CTRL4 and it says bypass; drives INT1.
+  void end_write(std::uint8_t address);
+  void drive_int1();
+
+  core::Instant powered_at_;
+  std::uint8_t time_slot_ = 0;  ///< TAG_CNT
+
+ private:
+  using FifoWord = std::array<std::uint8_t, 7>;
+
+  /// A 16-bit output; with block data update, reading the low byte holds the pair until the high
+  /// byte is read.
+  struct Output {
+    std::int16_t value = 0;
+    std::optional<std::int16_t> held;
+  };
+
+  std::uint8_t read_output(std::uint8_t address);
+  std::uint8_t read_fifo_byte(std::uint8_t address);
+  [[nodiscard]] std::size_t watermark() const;
+  [[nodiscard]] bool is_at_watermark() const;
+
+  DataPath data_path_;
+  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
+  std::deque<FifoWord> fifo_;
+  bool has_overwritten_ = false;
+  bool is_overrun_latched_ = false;  // FIFO_OVR_LATCHED
+};
+
 /// The gyro half of the chip (ST DS12140): identity, reset values, software reset, power-up
 /// transient, rounding and saturation, block data update, data-ready, FIFO with tags, watermark and
 /// overrun, time stamps (read and batched with every sample), temperature, oscillator trim, INT1,
@@ -29,7 +98,7 @@ namespace zerorate::hal::sim {
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock, so that a recording of any rate can be sent through it. For a chip that samples by
 /// itself, advance the clock by sample_period() before each call.
-class SimulatedLsm6dso : public SimulatedRegisters<128> {
+class SimulatedLsm6dso : public SimulatedStModule {
  public:
   static constexpr std::string_view kName = "lsm6dso";
 
@@ -52,49 +121,29 @@ class SimulatedLsm6dso : public SimulatedRegisters<128> {
   // The bus's side (RegisterChip).
   std::uint8_t read_register(std::uint8_t address);
   void write_register(std::uint8_t address, std::uint8_t value);
-  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
 
  protected:
   SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim, std::uint8_t identity)
-      : SimulatedRegisters(clock), trim_(trim), identity_(identity) {
+      : SimulatedStModule(clock, kDataPath), trim_(trim), identity_(identity) {
     reset_registers();
   }
 
  private:
   static constexpr std::uint8_t kIdentity = 0x6C;
-  static constexpr std::size_t kFifoCapacity = 512;  // 3 kbyte of data, six bytes a word
-  using FifoWord = std::array<std::uint8_t, 7>;
-
-  /// A 16-bit output; with block data update, reading the low byte holds the pair until the high
-  /// byte is read.
-  struct Output {
-    std::int16_t value = 0;
-    std::optional<std::int16_t> held;
-  };
+  static constexpr DataPath kDataPath{.fifo_words = 512,  // 3 kbyte of data, six bytes a word
+                                      .watermark_high_bit = 0x01,
+                                      .turn_on_time = core::Duration::milliseconds(70)};
 
   void reset_registers();
-  [[nodiscard]] std::int16_t quantize(core::AngularRate rate) const;
-  std::uint8_t read_output(std::uint8_t address);
-  std::uint8_t read_fifo_byte(std::uint8_t address);
-  std::uint8_t read_fifo_status2();
   void note_time_of(std::uint8_t address, std::uint8_t value);
   void batch();
-  void push_fifo_word(std::uint8_t sensor, const std::array<std::int16_t, 3>& values);
+  void push_tagged(unsigned sensor, const std::array<std::int16_t, 3>& values);
   std::array<std::uint8_t, 128>* other_bank();
   [[nodiscard]] std::uint32_t timestamp() const;
   [[nodiscard]] bool is_masked() const;
-  [[nodiscard]] std::size_t watermark() const;
-  [[nodiscard]] std::size_t fifo_capacity() const;
-  void drive_int1();
 
   std::int8_t trim_;
   std::uint8_t identity_;
-  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
-  std::deque<FifoWord> fifo_;
-  bool is_fifo_overrun_ = false;          // FIFO_OVR_IA
-  bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
-  std::uint8_t time_slot_ = 0;            // TAG_CNT
-  core::Instant powered_at_;
   core::Instant boot_until_;
   core::Instant timestamp_zero_;
   std::array<std::array<std::uint8_t, 128>, 2> other_banks_{};

@@ -5,13 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <optional>
 #include <string_view>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "hal/sim/clock.hpp"
+#include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
@@ -25,14 +24,14 @@ namespace zerorate::hal::sim {
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
-class SimulatedLsm6dsv16x : public SimulatedRegisters<128> {
+class SimulatedLsm6dsv16x : public SimulatedStModule {
  public:
   static constexpr std::string_view kName = "lsm6dsv16x";
 
   /// @param clock the simulation's time; must outlive the chip
   /// @param trim INTERNAL_FREQ_FINE: the oscillator is 0.13 % faster for each count
   explicit SimulatedLsm6dsv16x(const SimulatedClock& clock, std::int8_t trim = 0)
-      : SimulatedRegisters(clock), trim_(trim) {
+      : SimulatedStModule(clock, kDataPath), trim_(trim) {
     reset_registers();
   }
 
@@ -50,33 +49,16 @@ class SimulatedLsm6dsv16x : public SimulatedRegisters<128> {
   // The bus's side (RegisterChip).
   std::uint8_t read_register(std::uint8_t address);
   void write_register(std::uint8_t address, std::uint8_t value);
-  [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
 
  private:
-  static constexpr std::size_t kFifoCapacity = 256;  // 1.5 kbyte of data, six bytes a word
-  using FifoWord = std::array<std::uint8_t, 7>;
-
-  /// A 16-bit output; with block data update, reading the low byte holds the pair until the high
-  /// byte is read.
-  struct Output {
-    std::int16_t value = 0;
-    std::optional<std::int16_t> held;
-  };
+  static constexpr DataPath kDataPath{.fifo_words = 256,  // 1.5 kbyte of data, six bytes a word
+                                      .watermark_high_bit = 0,
+                                      .turn_on_time = core::Duration::milliseconds(30)};
 
   void reset_registers();
-  std::uint8_t read_output(std::uint8_t address);
-  std::uint8_t read_fifo_byte(std::uint8_t address);
-  std::uint8_t read_fifo_status2();
-  void push_fifo_word();
-  [[nodiscard]] std::size_t fifo_capacity() const;
-  void drive_int1();
+  void batch();
 
   std::int8_t trim_;
-  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
-  std::deque<FifoWord> fifo_;
-  bool is_fifo_overrun_latched_ = false;  // FIFO_OVR_LATCHED
-  std::uint8_t time_slot_ = 0;            // TAG_CNT
-  core::Instant powered_at_;
 };
 static_assert(RegisterChip<SimulatedLsm6dsv16x>);
 

@@ -3,6 +3,7 @@
 /// order to expect something of its driver. Numbers are the datasheets', not the drivers'.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,10 +34,11 @@ struct ConfiguredBits {
   std::uint8_t bits;
 };
 
-struct Lsm6dso {
-  static constexpr const char* kName = "Lsm6dso";
-  using Simulated = hal::sim::SimulatedLsm6dso;
-  using Settings = drivers::lsm6dso::Settings;
+/// ST's family. `SettingsOfChip` says which of them the driver is for.
+template <class SimulatedChip, class SettingsOfChip, bool kHas4000Dps>
+struct Lsm6Family {
+  using Simulated = SimulatedChip;
+  using Settings = SettingsOfChip;
   using FullScale = drivers::lsm6dso::FullScale;
   template <class Bus>
   using Driver = drivers::Lsm6dso<Bus>;
@@ -44,12 +46,18 @@ struct Lsm6dso {
 
   static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
   static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
-  static constexpr std::array kRanges{
-      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F}};
+  static constexpr auto kRanges = [] {
+    constexpr std::array kAll{
+        Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
+        Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
+        Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
+        Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
+        Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
+        Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
+    std::array<Range<Settings>, kAll.size() - (kHas4000Dps ? 0 : 1)> ranges{};
+    std::copy_n(kAll.begin(), ranges.size(), ranges.begin());
+    return ranges;
+  }();
   static constexpr float kLsbDps = 8.75e-3F;
   static constexpr float kFullScaleDps = 250.0F;
   static constexpr std::int16_t kLowestRaw = -32768;
@@ -73,51 +81,24 @@ struct Lsm6dso {
   static constexpr core::Duration kLatest = core::Duration::microseconds(118'100);
 };
 
-/// A relative with one range more.
-struct Ism330dhcx : Lsm6dso {
+struct Lsm6dso : Lsm6Family<hal::sim::SimulatedLsm6dso, drivers::lsm6dso::Settings, false> {
+  static constexpr const char* kName = "Lsm6dso";
+};
+
+struct Ism330dhcx
+    : Lsm6Family<hal::sim::SimulatedIsm330dhcx, drivers::lsm6dso::Ism330dhcx::Settings, true> {
   static constexpr const char* kName = "Ism330dhcx";
-  using Simulated = hal::sim::SimulatedIsm330dhcx;
-  using Settings = drivers::lsm6dso::Ism330dhcx::Settings;
-
-  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
-  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
-  static constexpr std::array kRanges{
-      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
 };
 
-/// Relative of the relative, for cars.
-struct Asm330lhh : Ism330dhcx {
+struct Asm330lhh
+    : Lsm6Family<hal::sim::SimulatedAsm330lhh, drivers::lsm6dso::Asm330lhh::Settings, true> {
   static constexpr const char* kName = "Asm330lhh";
-  using Simulated = hal::sim::SimulatedAsm330lhh;
-  using Settings = drivers::lsm6dso::Asm330lhh::Settings;
-
-  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
-  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
-  static constexpr std::array kRanges{
-      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
 };
 
-/// A younger relative with its range in another register.
-struct Lsm6dsv16x : Ism330dhcx {
+/// The youngest, with its range in another register.
+struct Lsm6dsv16x
+    : Lsm6Family<hal::sim::SimulatedLsm6dsv16x, drivers::lsm6dso::Lsm6dsv16x::Settings, true> {
   static constexpr const char* kName = "Lsm6dsv16x";
-  using Simulated = hal::sim::SimulatedLsm6dsv16x;
-  using Settings = drivers::lsm6dso::Lsm6dsv16x::Settings;
-
-  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
-  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
-  static constexpr std::array kRanges{
-      Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
-      Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
   static constexpr std::size_t kFifoCapacity = 256;
   static constexpr std::array kConfigured{
       ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x15, 0x7F}, ConfiguredBits{0x13, 0x0A},

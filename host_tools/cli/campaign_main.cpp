@@ -129,7 +129,7 @@ void write_document(const std::string& path, const std::string& figures) {
     throw std::runtime_error(path + " has no marks between which the figures belong");
   }
   text.replace(begin + kBegin.size(), end - begin - kBegin.size(), figures);
-  std::ofstream{path} << text;
+  cli::write_text(path, text);
 }
 
 void run_document(CampaignOptions options) {
