@@ -84,7 +84,7 @@ void SimulatedIcm42688::reset_registers() {
   registers_[0x62] = 0x10;
   registers_[0x64] = 0x10;
   registers_[int_source0] = 0x10;
-  registers_[who_am_i] = 0x47;
+  registers_[who_am_i] = identity_;
   fifo_.clear();
   fifo_cursor_ = 0;
 }

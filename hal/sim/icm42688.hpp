@@ -27,9 +27,13 @@ namespace zerorate::hal::sim {
 class SimulatedIcm42688 : public SimulatedRegisters<128> {
  public:
   static constexpr std::string_view kName = "icm42688";
+  static constexpr std::uint8_t kIdentityIcm42605 = 0x42;
+  static constexpr std::uint8_t kIdentityIcm42688 = 0x47;
 
   /// @param clock the simulation's time; must outlive the chip
-  explicit SimulatedIcm42688(const SimulatedClock& clock) : SimulatedRegisters(clock) {
+  /// @param identity of WHO_AM_I
+  explicit SimulatedIcm42688(const SimulatedClock& clock, std::uint8_t identity = kIdentityIcm42688)
+      : SimulatedRegisters(clock), identity_(identity) {
     reset_registers();
   }
 
@@ -60,10 +64,18 @@ class SimulatedIcm42688 : public SimulatedRegisters<128> {
   [[nodiscard]] std::size_t watermark_bytes() const;
   void pulse_int1();
 
+  std::uint8_t identity_;
   std::deque<Packet> fifo_;
   std::size_t fifo_cursor_ = 0;  ///< bytes of the oldest packet that were read
   core::Instant powered_at_;
 };
 static_assert(RegisterChip<SimulatedIcm42688>);
+
+/// The older sister, whose gyro has the same registers.
+class SimulatedIcm42605 : public SimulatedIcm42688 {
+ public:
+  explicit SimulatedIcm42605(const SimulatedClock& clock)
+      : SimulatedIcm42688(clock, kIdentityIcm42605) {}
+};
 
 }  // namespace zerorate::hal::sim

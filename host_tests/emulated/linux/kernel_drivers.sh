@@ -11,7 +11,17 @@ seconds=$3
 runs=$4
 preset=linux-arm64
 source "$repository/host_tests/emulated/linux/machine.sh"
-show_kernel='dmesg | grep -E " (st_lsm6dsx|adxrs450|bmg160|iio)"'
+show_kernel='dmesg | grep -E " (st_lsm6dsx|adxrs450|bmg160|inv-|iio)"'
+
+# inv_icm42600 knows a chip by the device tree alone: to QEMU's own a node without address and bus is added, which the
+# test bus takes for the chip (kernel/zerorate_bus.c).
+add_device_tree() {
+  local tree="$out/virt.dtb"
+  "${qemu[@]}" -machine "dumpdtb=$tree" </dev/null
+  fdtput -c "$tree" /zerorate /zerorate/gyro
+  fdtput -t s "$tree" /zerorate/gyro compatible invensense,icm42605
+  qemu+=(-dtb "$tree")
+}
 
 fetch
 build zerorate_world
@@ -19,8 +29,10 @@ build_modules
 # shellcheck disable=SC2046 # a list of files
 pack zerorate_world "zerorate_world drivers $seconds || cat /run/zerorated.log
 $show_kernel
-poweroff -f" $(module_files i2c-dev vcan can-raw st_lsm6dsx_spi st_lsm6dsx_i2c adxrs450 bmg160_spi) "${our_modules[@]}"
+poweroff -f" $(module_files i2c-dev vcan can-raw st_lsm6dsx_spi st_lsm6dsx_i2c adxrs450 bmg160_spi \
+  inv-mpu6050-spi inv-mpu6050-i2c inv-icm42600-i2c) "${our_modules[@]}"
 take_turns
+add_device_tree
 for ((run = 1; run <= runs; ++run)); do
   "${qemu[@]}" </dev/null | stdbuf -oL tr -d '\r' | tee "$out/drivers-$run.log"
   grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/drivers-$run.log"

@@ -19,7 +19,7 @@ namespace zerorate::emulated {
 
 /// A gyro as the world plays it and as zerorated is told of it.
 struct GyroSetup {
-  std::unique_ptr<PlayedChip> (*make)() = lsm6dso_on_spi;
+  std::unique_ptr<PlayedChip> (*make)() = on_spi<hal::sim::SimulatedLsm6dso>;
   /// Empty: what `zerorate probe` prints.
   std::string toml =
       "chip = \"lsm6dso\"\nbus = \"spi\"\ndevice = \"/dev/spidev0.0\"\nspeed_hz = 8_000_000\n"

@@ -26,7 +26,8 @@ void lose_the_gyro(DeviceWorld& world, Verdict& verdict, BusFault fault, const c
   bench.schedule->run(2.0);
   world.set_fault(fault);
   check_silence(bench);
-  if (fault == BusFault::unplugged) world.insert(lsm6dso_on_spi());  // it comes back unconfigured
+  if (fault == BusFault::unplugged)
+    world.insert(on_spi<hal::sim::SimulatedLsm6dso>());  // it comes back unconfigured
   world.set_fault(BusFault::none);
   check_recovery(bench);
 }
@@ -42,11 +43,12 @@ void frozen_chip(DeviceWorld& world, Verdict& verdict) {
 }
 
 void wrong_chip(DeviceWorld& world, Verdict& verdict) {
-  Bench bench{world, verdict, "another chip's WHO_AM_I", {.make = icm42688_on_spi}};
+  Bench bench{
+      world, verdict, "another chip's WHO_AM_I", {.make = on_spi<hal::sim::SimulatedIcm42688>}};
   check_silence(bench);
   verdict.check("the log names it",
                 DaemonProcess::has_logged(", lsm6dso answers 0x6c: is it another chip?"), 0);
-  world.insert(lsm6dso_on_spi());
+  world.insert(on_spi<hal::sim::SimulatedLsm6dso>());
   check_recovery(bench);
 }
 
@@ -54,7 +56,7 @@ void nack_bursts(DeviceWorld& world, Verdict& verdict) {
   Bench bench{world,
               verdict,
               "bursts of missing acknowledges on I2C",
-              {.make = lsm6dso_on_i2c,
+              {.make = on_i2c<hal::sim::SimulatedLsm6dso, 0x6A>,
                .toml = "chip = \"lsm6dso\"\nbus = \"i2c\"\ndevice = \"/dev/i2c-7\"\n"
                        "rate_hz = 104\nfull_scale_dps = 250\n"}};
   bench.schedule->run(3.0);
@@ -74,7 +76,7 @@ void bit_errors(DeviceWorld& world, Verdict& verdict) {
   Bench bench{world,
               verdict,
               "bit errors on the ADXRS453's bus",
-              {.make = adxrs453_on_spi,
+              {.make = on_frames<hal::sim::SimulatedAdxrs453>,
                .toml = "chip = \"adxrs453\"\nbus = \"spi\"\ndevice = \"/dev/spidev0.0\"\n"
                        "rate_hz = 200\nfull_scale_dps = 300\n",
                .has_data_ready = false,

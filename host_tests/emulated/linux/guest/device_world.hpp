@@ -139,7 +139,7 @@ class DeviceWorld {
 
   std::unique_ptr<Wires> wires_;
   std::mutex mutex_;
-  std::unique_ptr<PlayedChip> chip_ = lsm6dso_on_spi();
+  std::unique_ptr<PlayedChip> chip_ = on_spi<hal::sim::SimulatedLsm6dso>();
   std::atomic<BusFault> fault_ = BusFault::none;
   std::atomic<bool> is_data_ready_broken_ = false;
   std::atomic<int> spi_mode_ = -1;

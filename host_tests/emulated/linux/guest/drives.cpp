@@ -166,7 +166,7 @@ void measure_cost(DeviceWorld& world, Verdict& verdict) {
   Bench bench{world,
               verdict,
               "three axes at 1 kHz",
-              {.make = icm42688_on_spi,
+              {.make = on_spi<hal::sim::SimulatedIcm42688>,
                .toml = "chip = \"icm42688\"\nbus = \"spi\"\ndevice = \"/dev/spidev0.0\"\n"
                        "speed_hz = 8_000_000\nrate_hz = 1000\nfull_scale_dps = 250\n",
                .lsb_dps = 1.0F / 131.0F,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace {
 /// A chip as one of the two drivers reads it.
 struct Reading {
   GyroSetup setup;
-  double rate_hz = 104.0;
+  double rate_hz = 100.0;
 };
 
 /// A chip, once read by our driver and once through IIO by the kernel's.
@@ -28,57 +29,87 @@ struct Wiring {
 /// known.
 constexpr double kStampsWithBuffer_ms = 2.0;
 
-constexpr const char* kForSpidev = "spi dh2228fv";
+using Make = std::unique_ptr<PlayedChip> (*)();
 
-Wiring wiring(const char* name, const Reading& ours, double rate_hz, std::string toml,
-              std::string binding, double stamps_ms = kStampsWithBuffer_ms) {
-  Wiring both{name, ours, ours, stamps_ms};
-  both.kernels.rate_hz = rate_hz;
+/// Lines of `[gyro]`, but for bus and device.
+std::string lines(const std::string& chip, int rate_hz, int full_scale_dps) {
+  return "chip = \"" + chip + "\"\nrate_hz = " + std::to_string(rate_hz) +
+         "\nfull_scale_dps = " + std::to_string(full_scale_dps) + "\n";
+}
+
+/// A chip of three axes with an interrupt line, which our driver reads.
+Reading on_spi_by_ours(Make make, const std::string& chip, int rate_hz) {
+  return {
+      .setup = {.make = make,
+                .toml = lines(chip, rate_hz, 250) + "bus = \"spi\"\ndevice = \"/dev/spidev0.0\"\n",
+                .lsb_dps = 250.0F / 32768.0F,
+                .sample_ns = std::llround(1e9 / rate_hz),
+                .binding = "spi dh2228fv"},  // for spidev
+      .rate_hz = static_cast<double>(rate_hz)};
+}
+Reading on_i2c_by_ours(Make make, const std::string& chip, int rate_hz) {
+  Reading ours = on_spi_by_ours(make, chip, rate_hz);
+  ours.setup.toml = lines(chip, rate_hz, 250) + "bus = \"i2c\"\ndevice = \"/dev/i2c-7\"\n";
+  ours.setup.binding = "none";
+  return ours;
+}
+
+/// @param iio_lines `[gyro]`, but for the bus
+/// @param binding the chip as the test bus shows it to the kernel's driver
+Wiring wiring(const char* name, const Reading& ours, const std::string& iio_lines,
+              const char* binding) {
+  Wiring both{name, ours, ours, kStampsWithBuffer_ms};
   both.kernels.setup.has_data_ready = false;  // the kernel's driver has the line
-  both.kernels.setup.toml = std::move(toml);
-  both.kernels.setup.binding = std::move(binding);
+  both.kernels.setup.toml = "bus = \"iio\"\n" + iio_lines;
+  both.kernels.setup.binding = binding;
   return both;
 }
 
+std::vector<Wiring> wirings_of_st() {
+  Reading spi = on_spi_by_ours(on_spi<hal::sim::SimulatedLsm6dso>, "lsm6dso", 104);
+  Reading i2c = on_i2c_by_ours(on_i2c<hal::sim::SimulatedLsm6dso, 0x6A>, "lsm6dso", 104);
+  spi.setup.lsb_dps = i2c.setup.lsb_dps = kLsbDps;
+  const std::string iio = "device = \"lsm6dso_gyro\"\n" + lines("lsm6dso", 104, 250);
+  return {wiring("st_lsm6dsx over SPI", spi, iio, "spi lsm6dso 0 0"),
+          wiring("st_lsm6dsx over I2C", i2c, iio, "i2c lsm6dso 6a 0")};
+}
+
+/// The chip converts when it is asked: our driver asks 200 times a second, the kernel's 100 times.
+Wiring wiring_of_adxrs450() {
+  Reading ours = on_spi_by_ours(on_frames<hal::sim::SimulatedAdxrs453>, "adxrs453", 200);
+  ours.setup.toml = lines("adxrs453", 200, 300) + "bus = \"spi\"\ndevice = \"/dev/spidev0.0\"\n";
+  ours.setup.has_data_ready = false;
+  ours.setup.axes = 1;
+  ours.setup.lsb_dps = 1.0F / 80.0F;
+  Wiring both = wiring("adxrs450, without a buffer", ours,
+                       "device = \"adxrs450\"\n" + lines("adxrs453", 100, 300), "spi adxrs453");
+  both.kernels.rate_hz = 100.0;
+  both.stamps_ms = 5.0;  // of 10 ms between two polls
+  return both;
+}
+
+std::vector<Wiring> wirings_of_invensense() {
+  const std::string mpu6500 = "device = \"mpu6500\"\n" + lines("mpu6500", 100, 250);
+  const Reading spi = on_spi_by_ours(on_spi<hal::sim::SimulatedMpu6500>, "mpu6500", 100);
+  const Reading i2c = on_i2c_by_ours(on_i2c<hal::sim::SimulatedMpu6500, 0x68>, "mpu6500", 100);
+  // Linux 6.1 knows no ICM-42688, but an older sister, by the device tree.
+  Wiring sister = wiring("inv_icm42600 over I2C",
+                         on_i2c_by_ours(on_i2c<hal::sim::SimulatedIcm42688, 0x68>, "icm42688", 100),
+                         "device = \"icm42605-gyro\"\n" + lines("icm42688", 100, 250),
+                         "i2c invensense,icm42605 68 0");
+  sister.kernels.setup.make = on_i2c<hal::sim::SimulatedIcm42605, 0x68>;
+  return {wiring("inv_mpu6050 over SPI", spi, mpu6500, "spi mpu6500 0 0"),
+          wiring("inv_mpu6050 over I2C", i2c, mpu6500, "i2c mpu6500 68 0"), sister};
+}
+
 std::vector<Wiring> wirings() {
-  const std::string rate = "rate_hz = 104\nfull_scale_dps = 250\n";
-  const std::string lsm6dso = "bus = \"iio\"\ndevice = \"lsm6dso_gyro\"\n" + rate;
-  Reading on_spi;
-  on_spi.setup.binding = kForSpidev;
-  const Reading on_i2c{
-      .setup = {.make = lsm6dso_on_i2c,
-                .toml = "chip = \"lsm6dso\"\nbus = \"i2c\"\ndevice = \"/dev/i2c-7\"\n" + rate,
-                .binding = "none"}};
-  // The chip converts when it is asked: our driver asks 200 times a second, the kernel's 100 times.
-  const Reading frames{
-      .setup = {.make = adxrs453_on_spi,
-                .toml = "chip = \"adxrs453\"\nbus = \"spi\"\ndevice = "
-                        "\"/dev/spidev0.0\"\nrate_hz = 200\nfull_scale_dps = 300\n",
-                .has_data_ready = false,
-                .axes = 1,
-                .lsb_dps = 1.0F / 80.0F,
-                .sample_ns = 5'000'000,
-                .binding = kForSpidev},
-      .rate_hz = 200.0};
-  const std::string at_100 = "rate_hz = 100\nfull_scale_dps = 250\n";
-  const Reading bosch{.setup = {.make = bmi088_on_spi,
-                                .toml = "chip = \"bmi088\"\nbus = \"spi\"\ndevice = "
-                                        "\"/dev/spidev0.0\"\n" +
-                                        at_100,
-                                .lsb_dps = 250.0F / 32768.0F,
-                                .sample_ns = 10'000'000,
-                                .binding = kForSpidev},
-                      .rate_hz = 100.0};
-  constexpr double kPolled_ms = 5.0;  // of 10 ms between two polls
-  return {wiring("st_lsm6dsx over SPI", on_spi, 104.0, lsm6dso, "spi lsm6dso 0 0"),
-          wiring("st_lsm6dsx over I2C", on_i2c, 104.0, lsm6dso, "i2c lsm6dso 6a 0"),
-          wiring("adxrs450, without a buffer", frames, 100.0,
-                 "chip = \"adxrs453\"\nbus = \"iio\"\ndevice = \"adxrs450\"\nrate_hz = 100\n"
-                 "full_scale_dps = 300\n",
-                 "spi adxrs453", kPolled_ms),
-          wiring("bmg160", bosch, 100.0,
-                 "chip = \"bmi088\"\nbus = \"iio\"\ndevice = \"bmi088_gyro\"\n" + at_100,
-                 "spi bmi088_gyro 0 0")};
+  std::vector<Wiring> all = wirings_of_st();
+  all.push_back(wiring_of_adxrs450());
+  all.push_back(wiring("bmg160", on_spi_by_ours(on_spi<hal::sim::SimulatedBmi088>, "bmi088", 100),
+                       "device = \"bmi088_gyro\"\n" + lines("bmi088", 100, 250),
+                       "spi bmi088_gyro 0 0"));
+  std::ranges::move(wirings_of_invensense(), std::back_inserter(all));
+  return all;
 }
 
 double in_lsb(core::AngularRate difference, float lsb_dps) {

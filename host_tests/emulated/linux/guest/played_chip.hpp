@@ -15,6 +15,7 @@
 #include "hal/sim/clock.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/lsm6dso.hpp"
+#include "hal/sim/mpu6500.hpp"
 #include "host_tests/emulated/linux/kernel/zerorate_bus.h"
 
 namespace zerorate::emulated {
@@ -82,24 +83,17 @@ class Wired final : public PlayedChip {
   Wiring wiring_;
 };
 
-inline std::unique_ptr<PlayedChip> lsm6dso_on_spi() {
-  using Chip = hal::sim::SimulatedLsm6dso;
+/// Chips with registers on SPI and on I2C, and with frames of 32 bits on SPI.
+template <class Chip>
+std::unique_ptr<PlayedChip> on_spi() {
   return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
 }
-inline std::unique_ptr<PlayedChip> icm42688_on_spi() {
-  using Chip = hal::sim::SimulatedIcm42688;
-  return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
+template <class Chip, std::uint8_t kAddress>
+std::unique_ptr<PlayedChip> on_i2c() {
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedI2cBus<Chip>>>(hal::I2cAddress{kAddress});
 }
-inline std::unique_ptr<PlayedChip> bmi088_on_spi() {
-  using Chip = hal::sim::SimulatedBmi088;
-  return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
-}
-inline std::unique_ptr<PlayedChip> lsm6dso_on_i2c() {
-  using Chip = hal::sim::SimulatedLsm6dso;
-  return std::make_unique<Wired<Chip, hal::sim::SimulatedI2cBus<Chip>>>(hal::I2cAddress{0x6A});
-}
-inline std::unique_ptr<PlayedChip> adxrs453_on_spi() {
-  using Chip = hal::sim::SimulatedAdxrs453;
+template <class Chip>
+std::unique_ptr<PlayedChip> on_frames() {
   return std::make_unique<Wired<Chip, hal::sim::SimulatedFrameSpi<Chip>>>();
 }
 

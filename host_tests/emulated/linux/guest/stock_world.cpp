@@ -49,7 +49,7 @@ int main() {
   verdict.check("zerorate probe finds the gyro", probed == 0, probed);
   stop_drive_stop(world, verdict, "spidev by CUSE, lines by a PL061", {});
   stop_drive_stop(world, verdict, "i2c-dev by CUSE, lines by a PL061",
-                  {.make = lsm6dso_on_i2c,
+                  {.make = on_i2c<hal::sim::SimulatedLsm6dso, 0x6A>,
                    .toml = "chip = \"lsm6dso\"\nbus = \"i2c\"\ndevice = \"/dev/i2c-7\"\n"
                            "rate_hz = 104\nfull_scale_dps = 250\n"});
   const int result = verdict.report();

@@ -8,6 +8,7 @@
 #include <linux/miscdevice.h>
 #include <linux/module.h>
 #include <linux/mutex.h>
+#include <linux/of.h>
 #include <linux/platform_device.h>
 #include <linux/slab.h>
 #include <linux/spi/spi.h>
@@ -119,7 +120,7 @@ static int i2c_transfer_messages(struct i2c_adapter *from, struct i2c_msg *messa
 
 static u32 i2c_functions(struct i2c_adapter *of)
 {
-	return I2C_FUNC_I2C;
+	return I2C_FUNC_I2C | I2C_FUNC_SMBUS_EMUL;
 }
 
 static const struct i2c_algorithm algorithm = {
@@ -232,13 +233,16 @@ static int add_spi_chip(const char *name, int irq)
 	return spi_chip ? 0 : -ENODEV;
 }
 
+/* With the node of the device tree that is compatible with the name: some drivers look nowhere else. */
 static int add_i2c_chip(const char *name, unsigned short address, int irq)
 {
 	struct i2c_board_info info = { .addr = address, .irq = irq };
 	struct i2c_client *client;
 
 	strscpy(info.type, name, sizeof(info.type));
+	info.of_node = of_find_compatible_node(NULL, NULL, name);
 	client = i2c_new_client_device(&adapter, &info);
+	of_node_put(info.of_node);
 	if (IS_ERR(client))
 		return PTR_ERR(client);
 	i2c_chip = client;

@@ -49,6 +49,12 @@ TEST_F(SimulatedIcm42688Test, ReadsAsInvalidUntilItMeasures) {
   EXPECT_EQ(read_word(0x25), 1311);
 }
 
+TEST_F(SimulatedIcm42688Test, ItsOlderSisterHasAnotherIdentity) {
+  SimulatedIcm42605 sister{clock_};
+  EXPECT_EQ(chip_.read_register(0x75), 0x47);
+  EXPECT_EQ(sister.read_register(0x75), 0x42);
+}
+
 TEST_F(SimulatedIcm42688Test, ClipsOneLsbShortOfTheInvalidValue) {
   power_up();
   measure_x(1000.0F);
