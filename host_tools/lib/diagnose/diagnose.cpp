@@ -143,7 +143,7 @@ std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& re
 /// An axis, what was selected for it, and what the others say.
 struct Axis {
   Record record;
-  Selection selection;
+  Selection selection{};               ///< of the slow effects alone, where means show them
   std::optional<OrderProfile> others;  ///< of the order, if it is in common
 };
 
@@ -171,16 +171,33 @@ void choose_model(const Axis& axis, const NodeModels& models, const DiagnoseOpti
   }
 }
 
-Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
+/// Values whose means show slow effects as well as the values do, so that these are judged on the
+/// same means however the data were sampled. 1 where a record is too short for means.
+std::size_t values_a_mean(const EvenSeries& series) {
+  constexpr double kLongestMean_s = 1.0;  // shorter than any stop or drive
+  constexpr std::size_t kFewestMeans = 8192;
+  constexpr std::size_t kFewestValues = 4;  // else nothing would be saved
+  const auto longest = static_cast<std::size_t>(std::lround(kLongestMean_s / series.period_s));
+  const std::size_t values = std::min(longest, series.size() / kFewestMeans);
+  return values < kFewestValues ? 1 : values;
+}
+
+/// The effects of one pace, of values that are judged by means of so many.
+Scope scope_of(Pace pace, const EvenSeries& series, std::size_t values) {
+  constexpr double kMeans = 4.0;  // that a slow effect lasts for
+  return {.pace = pace, .slow_from_s = kMeans * static_cast<double>(values) * series.period_s};
+}
+
+Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Selection& selection,
+                       const DiagnoseOptions& options) {
   const Record& record = axis.record;
-  const PreparedAxis prepared(record, options.seed);
   const EvenSeries& series = prepared.series();
   const FitData& data = prepared.data();
   const Hypothesis fitted_base(data, {});
-  Hypothesis hypothesis(data, axis.selection.parts, &fitted_base);
+  Hypothesis hypothesis(data, selection.parts, &fitted_base);
   const Hypothesis base = options.base_model ? hypothesis_of(data, *options.base_model)
                                              : base_beside_fast_effects(fitted_base, hypothesis);
-  std::vector<Choice> choices = axis.selection.choices;
+  std::vector<Choice> choices = selection.choices;
   const NodeModels models(record, hypothesis, choices, options.recording);
   Diagnosis diagnosis{.axis = record.axis,
                       .samples = record.size(),
@@ -188,7 +205,7 @@ Diagnosis diagnosis_of(const Axis& axis, const DiagnoseOptions& options) {
                       .is_base_given = options.base_model.has_value(),
                       .base_adequacy = examine_adequacy(options.base_model ? base : fitted_base),
                       .base_model = options.base_model.value_or(models.base()),
-                      .evidence = axis.selection.evidence,
+                      .evidence = selection.evidence,
                       .thinned = thinned(series)};
 
   const bool is_given_enough = options.base_model && diagnosis.base_adequacy.holds &&
@@ -246,7 +263,8 @@ class DiagnosisRun {
     agree_on_order();
     std::vector<Diagnosis> diagnoses;
     for (const Axis& axis : axes_) {
-      diagnoses.push_back(diagnosis_of(axis, options_));
+      const PreparedAxis prepared(axis.record, options_.seed);
+      diagnoses.push_back(diagnosis_of(axis, prepared, selection_of(axis, prepared), options_));
       report_progress();
     }
     return diagnoses;
@@ -254,12 +272,26 @@ class DiagnosisRun {
 
  private:
   void select(Axis& axis) {
-    const PreparedAxis prepared(axis.record, options_.seed);
-    axis.selection = select_effects(prepared.data(), effects_);
-    if (axes_.size() > 1) {
-      slow_noises_.push_back(slow_noise_of(prepared.data(), axis.selection));
+    EvenSeries series = even_series_of(axis.record);
+    const std::size_t values = values_a_mean(series);
+    Scope scope;
+    if (values > 1) {
+      scope = scope_of(Pace::slow, series, values);
+      series = means_of(series, values);
     }
+    const FitData data(series, options_.seed);
+    axis.selection = select_effects(data, effects_, scope);
+    if (axes_.size() > 1) slow_noises_.push_back(slow_noise_of(data, axis.selection));
     report_progress();
+  }
+
+  /// The selection for the axis, and beside it the fast effects where means have shown the slow.
+  [[nodiscard]] Selection selection_of(const Axis& axis, const PreparedAxis& prepared) const {
+    const std::size_t values = values_a_mean(prepared.series());
+    if (values == 1) return axis.selection;
+    const EvenSeries means = means_of(prepared.series(), values);
+    return select_beside(prepared.data(), effects_, scope_of(Pace::fast, prepared.series(), values),
+                         FitData(means, options_.seed), axis.selection);
   }
 
   void agree_on_order() {

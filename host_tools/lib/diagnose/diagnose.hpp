@@ -32,7 +32,7 @@ struct DiagnoseOptions {
 
 /// The whole chain, docs/design/diagnosis.md, for the axes of one sensor: each by itself, and then
 /// what they have in common. Deterministic. Time below 2 s for 20,000 samples and
-/// about 15 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
+/// about 10 s an axis for 10^6; memory grows with the samples up to DiagnoseOptions::most_samples,
 /// by some 270 bytes each, and 24 bytes for those of other axes. Throws recording::DataError for
 /// fewer than 256 samples and a record that is not finite, constant or nearly so.
 /// @return one diagnosis an axis that was not left out

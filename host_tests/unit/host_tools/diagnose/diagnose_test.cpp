@@ -23,7 +23,10 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 using zerorate::testing::kRadPerDeg;
 
 constexpr std::size_t kSamples = 20'000;
@@ -75,6 +78,36 @@ TEST(DiagnosisOfAJump, NamesItWithHeightAndTimeInTheirIntervals) {
   EXPECT_EQ(cause.parameters[1].name, "time_s");
   EXPECT_LE(cause.parameters[1].lo, 700.0);
   EXPECT_GE(cause.parameters[1].hi, 700.0);
+}
+
+TEST(DiagnosisOfTheMeansOfARecord, NamesItsSlowCausesAndNotTheFastOne) {
+  constexpr std::size_t kManySamples = 100'000;
+  constexpr std::size_t kSamplesAMean = 10;
+  const std::vector<simulate::Effect> effects{
+      simulate::WhiteNoise{0.04 * kRadPerDeg},
+      simulate::FlickerNoise{12.0 / 3600.0 * kRadPerDeg, 0.5},
+      simulate::BiasJump{0.04 * kRadPerDeg, 6200.0},
+      simulate::PeriodicDisturbance{0.01 * kRadPerDeg, 2.3, 0.4}};
+  const simulate::Signal signal = simulate::simulate(simulate::Signal(kManySamples, kPeriod),
+                                                     effects, random::RandomStream(7, 31));
+  simulate::Signal means(kManySamples / kSamplesAMean, kPeriod * kSamplesAMean);
+  for (std::size_t k = 0; k < kManySamples; ++k) {
+    means.rate_rad_s[k / kSamplesAMean] += signal.rate_rad_s[k] / kSamplesAMean;
+  }
+  const auto diagnosis_of = [](const simulate::Signal& of) {
+    return diagnose(record_of(zerorate::testing::rest_samples_of(of), 0));
+  };
+  const Diagnosis fine = diagnosis_of(signal);
+  const Diagnosis coarse = diagnosis_of(means);
+
+  EXPECT_THAT(fine.causes, UnorderedElementsAre(Field(&Cause::effect, "periodic_disturbance"),
+                                                Field(&Cause::effect, "bias_jump")));
+  ASSERT_THAT(coarse.causes, ElementsAre(Field(&Cause::effect, "bias_jump")));
+  const auto jump = std::ranges::find(fine.causes, "bias_jump", &Cause::effect);
+  ASSERT_NE(jump, fine.causes.end());
+  // The means are those on which the slow causes of the samples are judged.
+  EXPECT_NEAR(jump->gain_nats, coarse.causes.front().gain_nats, 0.1);
+  EXPECT_NEAR(jump->parameters[0].value, coarse.causes.front().parameters[0].value, 1e-3);
 }
 
 TEST(DiagnosisOfALine, NamesItWithItsFrequency) {

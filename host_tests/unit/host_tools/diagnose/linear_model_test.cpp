@@ -141,5 +141,23 @@ TEST(ColumnOfValuesOfALongRecord, IsThatOfTheirFunction) {
   EXPECT_LT(error_of(data, column_of(data, std::span<const double>(values)), wave), 1e-5);
 }
 
+TEST(ColumnOfTheMeansOfARecord, IsThatOfItsValues) {
+  constexpr std::size_t kCount = 20;
+  EvenSeries series{.period_s = kPeriod_s, .rate_rad_s = std::vector<double>(100'000)};
+  series.lost.resize(series.size());
+  const EvenSeries of_means = means_of(series, kCount);
+  const FitData values(series, 1);
+  const FitData means(of_means, 1);
+  constexpr double kTau_s = 400.0;
+  const Column exact = decay_column(values, kTau_s);
+  const Column column = column_of_values(values, means, decay_column(means, kTau_s));
+  // A step of 2 s is 0.005 time constants; the constant of the function is nobody's.
+  for (std::size_t k = 1; k < 100; ++k) {
+    EXPECT_NEAR(column.coefficients[k - 1], exact.coefficients[k - 1],
+                0.01 * std::abs(exact.coefficients[k - 1]))
+        << k;
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::diagnose

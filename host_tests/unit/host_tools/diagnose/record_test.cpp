@@ -137,6 +137,20 @@ std::vector<double> normal_values(std::size_t size) {
   return values;
 }
 
+TEST(MeansOfASeries, AreThoseOfNeighboursAndLostWhereHalfOfThemAre) {
+  const EvenSeries series{.period_s = 0.1,
+                          .start_s = 2.0,
+                          .rate_rad_s = {1.0, 2.0, 3.0, 4.0, 9.0},
+                          .temperature_degc = {20.0, 21.0, 22.0, 24.0, 30.0},
+                          .lost = {false, false, true, false, false}};
+  const EvenSeries means = means_of(series, 2);
+  EXPECT_DOUBLE_EQ(means.period_s, 0.2);
+  EXPECT_DOUBLE_EQ(means.start_s, 2.05);
+  EXPECT_EQ(means.rate_rad_s, (std::vector{1.5, 3.5}));
+  EXPECT_EQ(means.temperature_degc, (std::vector{20.5, 23.0}));
+  EXPECT_EQ(means.lost, (std::vector{false, true}));
+}
+
 TEST(LatticeOfRoundedValues, HasTheirStepAndCountsThem) {
   std::vector<double> values = normal_values(5000);
   for (double& value : values)

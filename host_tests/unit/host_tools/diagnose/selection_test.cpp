@@ -103,5 +103,22 @@ TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured
   EXPECT_THAT(names_of(selection), Not(Contains("temperature_drift")));
 }
 
+TEST(Scope, GivesAnEffectOfEitherPaceToTheScaleOnWhichItChanges) {
+  const auto markov = make_correlated_noise();
+  const auto walk = make_rate_random_walk();
+  const Scope slow{.pace = Pace::slow, .slow_from_s = 4.0};
+  const Scope fast{.pace = Pace::fast, .slow_from_s = 4.0};
+  EXPECT_TRUE(slow.is_searched(*markov) && fast.is_searched(*markov));
+  EXPECT_TRUE(slow.is_searched(*walk));
+  EXPECT_FALSE(fast.is_searched(*walk));
+  EXPECT_TRUE(Scope{}.is_searched(*walk));
+  for (const double time_scale_s : {0.5, 100.0}) {
+    const Candidate candidate{.time_scale_s = time_scale_s};
+    EXPECT_EQ(slow.holds(*markov, candidate), time_scale_s > 4.0);
+    EXPECT_EQ(fast.holds(*markov, candidate), time_scale_s < 4.0);
+    EXPECT_TRUE(Scope{}.holds(*markov, candidate));
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::diagnose

@@ -159,6 +159,28 @@ TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOffDownToWhatRoundingLe
   EXPECT_NEAR(result.spectrum.white_variance, 1.0, 0.002);
 }
 
+TEST(SpectrumOfSingleValues, HasTheDensityOfTheirMeansWhereBothHaveFrequencies) {
+  constexpr std::size_t kMeans = 1'000'000;
+  constexpr double kCount = 50.0;
+  const NoiseSpectrum means{.white_variance = 0.3,
+                            .flicker_variance = 0.02,
+                            .flicker_order = 0.7,
+                            .walk_variance = 1e-6,
+                            .markov_variance = 0.01,
+                            .markov_samples = 300.0};
+  const NoiseSpectrum values = means.of_single_values(kCount);
+  for (const double angle_of_means : {0.001, 0.01, 0.05}) {
+    const auto density_at = [](const NoiseSpectrum& noise, double angle) {
+      return noise.density(2.0 * std::sin(0.5 * angle), 0, kMeans);
+    };
+    // A density a second is one a value times the period. Sines and exponentials are straight to
+    // the square of the angle.
+    EXPECT_NEAR(density_at(values, angle_of_means / kCount) / kCount,
+                density_at(means, angle_of_means), 2e-3 * density_at(means, angle_of_means))
+        << angle_of_means;
+  }
+}
+
 TEST(SpectralBins, HoldEveryCoefficientButTheMean) {
   const auto bins = expected_bins({.white_variance = 1.0});
   double count = 0.0;

@@ -14,17 +14,17 @@ namespace {
 
 using units::kDegPerRad;
 
-/// A bias that is another from one moment on. The part's shape: the first value after the jump and
-/// the interval that it lies in.
+/// A bias that is another from one moment on. The part's shape: the time of the first value after
+/// the jump and the interval that it lies in [s from the first value].
 class BiasJump final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "bias_jump"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const double height = fitted.amplitude(0) * kDegPerRad;
     const auto time_s = [&](std::size_t i) {
-      return fitted.hypothesis.data().series().start_s +
-             fitted.part().shape[i] * fitted.hypothesis.data().period_s();
+      return fitted.hypothesis.data().series().start_s + fitted.part().shape[i];
     };
     return {
         .parameters = {parameter("height_dps", height, fitted.amplitude_error(0) * kDegPerRad),
@@ -72,10 +72,9 @@ class BiasJump final : public Effect {
       lo = std::min(lo, j);
       hi = std::max(hi, j);
     }
-    return Part{
-        .effect = name(),
-        .columns = {step_column(scan.data(), at)},
-        .shape = {static_cast<double>(at), static_cast<double>(lo), static_cast<double>(hi)}};
+    return Part{.effect = name(),
+                .columns = {step_column(scan.data(), at)},
+                .shape = {scan.data().time_s(at), scan.data().time_s(lo), scan.data().time_s(hi)}};
   }
 };
 

@@ -23,13 +23,15 @@ Hypothesis joined(const Hypothesis& without, const Part& part) {
 
 Candidate candidate_with(const Hypothesis& without, Part part) {
   const Hypothesis with = joined(without, part);
-  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+  return {.part = std::move(part),
+          .gain_nats = with.log_likelihood() - without.log_likelihood(),
+          .noise = with.noise().spectrum};
 }
 
 Candidate placed_candidate(const Hypothesis& without, Part part) {
-  const Hypothesis with = joined(without, part);
-  part.starts = {with.noise().spectrum};
-  return {std::move(part), with.log_likelihood() - without.log_likelihood(), 0.0};
+  Candidate candidate = candidate_with(without, std::move(part));
+  candidate.part.starts = {candidate.noise};
+  return candidate;
 }
 
 namespace {
@@ -41,7 +43,7 @@ constexpr std::size_t kDrawnPoints = 1500;
 std::optional<Candidate> mean_candidate(const Hypothesis& without, const MeanSearch& search) {
   std::optional<MeanFit> fit = fit_mean(without, search);
   if (!fit) return std::nullopt;
-  return Candidate{std::move(fit->part), fit->gain_nats, 0.0};
+  return Candidate{.part = std::move(fit->part), .gain_nats = fit->gain_nats};
 }
 
 std::optional<Candidate> timed_mean_candidate(const Hypothesis& without, const MeanSearch& search,

@@ -16,6 +16,7 @@ using units::kDegPerRad;
 class CorrelatedNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "correlated_noise"; }
+  [[nodiscard]] Pace pace() const override { return Pace::either; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const SpectrumFit& noise = fitted.hypothesis.noise();
@@ -52,6 +53,7 @@ class CorrelatedNoise final : public Effect {
     Candidate candidate = candidate_with(without, std::move(part));
     candidate.surprisal_nats =
         statistics::surprisal_of_search(candidate.gain_nats, 1.0, 0.1 * std::log(size));
+    candidate.time_scale_s = candidate.noise.markov_samples * without.data().period_s();
     return candidate;
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,15 @@ struct Candidate {
   double gain_nats = 0.0;
   /// Surprisal of the gain: -log of the probability of so large a gain by chance, search included.
   double surprisal_nats = 0.0;
+  NoiseSpectrum noise{};  ///< as fitted with the part, where only terms of the noise were fitted
+  double time_scale_s = 0.0;  ///< over which the part changes, of an effect of either pace
+};
+
+/// Pace of an effect: the scale at which a record shows it.
+enum class Pace : std::uint8_t {
+  fast,    ///< in single values, or in noise between neighbours
+  slow,    ///< in means over many values as well as in the values
+  either,  ///< by the time scale of the candidate
 };
 
 /// A fitted part together with the hypothesis that contains it.
@@ -54,6 +64,7 @@ class Effect {
   [[nodiscard]] virtual std::string_view name() const = 0;
   /// True if the record contains the quantity that causes the effect (e.g. the temperature).
   [[nodiscard]] virtual bool has_measured_cause() const { return false; }
+  [[nodiscard]] virtual Pace pace() const { return Pace::fast; }
   /// Reason why a record cannot show the effect, e.g. "no temperature"; empty if it can.
   [[nodiscard]] virtual std::string_view obstacle(const Hypothesis& /*without*/) const {
     return {};

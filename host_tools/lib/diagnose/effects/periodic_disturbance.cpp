@@ -23,6 +23,7 @@ constexpr double kFewestCycles = 1.5;
 class PeriodicDisturbance final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "periodic_disturbance"; }
+  [[nodiscard]] Pace pace() const override { return Pace::either; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     return fitted.part().terms.line ? describe_wandering(fitted) : describe_sine(fitted);
@@ -57,8 +58,10 @@ class PeriodicDisturbance final : public Effect {
   [[nodiscard]] std::optional<Candidate> examine_sine(const Hypothesis& without) const {
     std::optional<Candidate> candidate =
         mean_candidate(without, [this](const ColumnSearch& scan) { return search(scan); });
-    if (candidate)
+    if (candidate) {
       candidate->surprisal_nats = surprisal_of_line(without, candidate->gain_nats, 2.0);
+      candidate->time_scale_s = 1.0 / candidate->part.shape.front();
+    }
     return candidate;
   }
 
@@ -71,6 +74,7 @@ class PeriodicDisturbance final : public Effect {
         without,
         {.effect = name(), .terms = {.line = true}, .starts = starts_in(without, *window)});
     candidate.surprisal_nats = surprisal_of_line(without, candidate.gain_nats, 1.0);
+    candidate.time_scale_s = 1.0 / frequency_hz(without.data(), candidate.noise.line_angle);
     return candidate;
   }
 

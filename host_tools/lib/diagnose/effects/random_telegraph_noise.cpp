@@ -221,6 +221,7 @@ double log_p_of_even_stays(const Path& path) {
 class RandomTelegraphNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "random_telegraph_noise"; }
+  [[nodiscard]] Pace pace() const override { return Pace::either; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const std::vector<double>& shape = fitted.part().shape;
@@ -259,7 +260,13 @@ class RandomTelegraphNoise final : public Effect {
       if (!fitted) continue;
       const double gain = fitted->gain_nats - price_of(*fitted);
       // Three parameters: height and two lengths of stay.
-      if (!best || gain > best->gain_nats) best = {std::move(fitted->part), gain, gain - 2.0};
+      if (best && gain <= best->gain_nats) continue;
+      const std::vector<double>& shape = fitted->part.shape;
+      const double shorter_stay_s = std::min(shape[2], shape[3]);
+      best = {.part = std::move(fitted->part),
+              .gain_nats = gain,
+              .surprisal_nats = gain - 2.0,
+              .time_scale_s = shorter_stay_s};
     }
     return best;
   }

@@ -14,6 +14,7 @@ using units::kDegPerRad;
 class RateRamp final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "rate_ramp"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const double slope = fitted.amplitude(0) * kDegPerRad;

@@ -127,11 +127,12 @@ Peak peak_of(Gain gain_at, double step) {
 
 /// Jumps of the bias, each of its own height, that decay with one time constant, as stress in a
 /// package relaxes. A column a jump; the part's shape: the time constant in s, the standard
-/// deviation of its logarithm, the price of a place in nats, and of each jump the first value, the
-/// earliest and the latest.
+/// deviation of its logarithm, the price of a place in nats, and of each jump the time of the first
+/// value, the earliest and the latest [s from the first value].
 class Relaxation final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "relaxation"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const std::size_t largest = largest_jump(fitted);
@@ -139,8 +140,8 @@ class Relaxation final : public Effect {
     const double decay_s = fitted.part().shape[kDecay];
     const auto jumps = static_cast<double>(fitted.part().columns.size());
     const auto time_s = [&](std::size_t i) {
-      const double value = fitted.part().shape[kFirstPlace + kPlaceFigures * largest + i];
-      return fitted.hypothesis.data().series().time_s(static_cast<std::size_t>(value));
+      return fitted.hypothesis.data().series().start_s +
+             fitted.part().shape[kFirstPlace + kPlaceFigures * largest + i];
     };
     return {.parameters = {{"jumps", jumps, jumps, jumps},
                            positive_parameter("time_constant_s", decay_s,
@@ -278,7 +279,7 @@ class Relaxation final : public Effect {
     for (const std::size_t place : places) {
       const Run about = gains.about(place);
       for (const std::size_t value : {place, about.first, about.end}) {
-        part.shape.push_back(static_cast<double>(value));
+        part.shape.push_back(scan.data().time_s(value));
       }
     }
     return part;

@@ -56,6 +56,7 @@ std::vector<double> lagged(std::vector<double> temperature, double period_s, dou
 class TemperatureDrift final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "temperature_drift"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
   [[nodiscard]] bool has_measured_cause() const override { return true; }
 
   [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {
@@ -155,6 +156,7 @@ class TemperatureDrift final : public Effect {
 class TemperatureRate final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "temperature_rate"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
   [[nodiscard]] bool has_measured_cause() const override { return true; }
 
   [[nodiscard]] std::string_view obstacle(const Hypothesis& without) const override {

@@ -20,6 +20,7 @@ constexpr double kFirstGrid = 1.5;
 class WarmUpTransient final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "warm_up_transient"; }
+  [[nodiscard]] Pace pace() const override { return Pace::slow; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
     const double amplitude = fitted.amplitude(0) * kDegPerRad;

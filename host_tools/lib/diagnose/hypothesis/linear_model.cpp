@@ -188,6 +188,20 @@ Column decay_column(const FitData& data, double tau_s) {
   return column;
 }
 
+Column column_of_values(const FitData& values, const FitData& means,
+                        const Column& column_of_means) {
+  std::vector<double> coefficients(means.size());
+  std::ranges::copy(column_of_means.coefficients,
+                    coefficients.begin() + static_cast<std::ptrdiff_t>(column_of_means.first));
+  const std::vector<double> steps = means.transform().inverse(coefficients);
+  const auto count = static_cast<std::size_t>(std::lround(means.period_s() / values.period_s()));
+  std::vector<double> function(values.size());
+  for (std::size_t k = 0; k < function.size(); ++k) {
+    function[k] = steps[std::min(k / count, steps.size() - 1)];
+  }
+  return column_of(values, function);
+}
+
 std::vector<double> mean_coefficients(const Hypothesis& hypothesis) {
   std::vector<double> mean(hypothesis.data().size());
   std::size_t amplitude = 0;

@@ -73,6 +73,11 @@ class NormalEquations {
 /// Column of e^(-t / tau).
 [[nodiscard]] Column decay_column(const FitData& data, double tau_s);
 
+/// Column of values whose means have a column.
+/// @param values, means  of one record, from the same value on
+[[nodiscard]] Column column_of_values(const FitData& values, const FitData& means,
+                                      const Column& column_of_means);
+
 /// DCT coefficients of the mean functions of a hypothesis.
 [[nodiscard]] std::vector<double> mean_coefficients(const Hypothesis& hypothesis);
 

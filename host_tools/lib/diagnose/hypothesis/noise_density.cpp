@@ -228,6 +228,17 @@ double DensityFactors::density(double sine, std::size_t index, std::size_t size)
   return NoiseDensity(*this, place).total();
 }
 
+NoiseSpectrum NoiseSpectrum::of_single_values(double count) const {
+  NoiseSpectrum values = *this;
+  values.white_variance *= count;
+  values.flicker_variance *= std::pow(count, 1.0 - 2.0 * flicker_order);
+  values.walk_variance /= count;
+  values.markov_samples *= count;
+  values.line_angle /= count;
+  values.line_samples *= count;
+  return values;
+}
+
 double NoiseSpectrum::low_pass_gain(double sine) const {
   return DensityFactors(*this).low_pass_gain(sine);
 }

@@ -60,6 +60,9 @@ struct NoiseSpectrum {
   int filter_order = kRecursive;   ///< m, or one of the constants
   double rounding_variance = 0.0;  ///< q, behind the low-pass: given, not fitted
 
+  /// The noise of single values, where this is that of means over `count` of them: the density at
+  /// frequencies that both have is the same.
+  [[nodiscard]] NoiseSpectrum of_single_values(double count) const;
   /// H.
   [[nodiscard]] double low_pass_gain(double sine) const;
   /// L, its mean over a band of angles.

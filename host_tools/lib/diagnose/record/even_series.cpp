@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/arrivals.hpp"
@@ -210,6 +211,30 @@ EvenSeries even_series_of(const Record& record) {
     return series;
   }
   return series_of_arrived(record);
+}
+
+EvenSeries means_of(const EvenSeries& series, std::size_t count) {
+  const auto width = static_cast<std::ptrdiff_t>(count);
+  const auto mean_at = [&](const std::vector<double>& values, std::size_t k) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(k) * width;
+    return std::accumulate(first, first + width, 0.0) / static_cast<double>(count);
+  };
+  EvenSeries means{
+      .period_s = series.period_s * static_cast<double>(count),
+      .start_s = series.start_s + 0.5 * series.period_s * static_cast<double>(count - 1),
+      .losses = series.losses,
+      .span_s = series.span_s,
+      .is_ticks = true};
+  for (std::size_t k = 0; k < series.size() / count; ++k) {
+    const auto first_lost = series.lost.begin() + static_cast<std::ptrdiff_t>(k) * width;
+    const auto lost = static_cast<std::size_t>(std::count(first_lost, first_lost + width, true));
+    means.rate_rad_s.push_back(mean_at(series.rate_rad_s, k));
+    means.lost.push_back(2 * lost >= count);
+    if (!series.temperature_degc.empty()) {
+      means.temperature_degc.push_back(mean_at(series.temperature_degc, k));
+    }
+  }
+  return means;
 }
 
 }  // namespace zerorate::diagnose

@@ -39,4 +39,8 @@ struct EvenSeries {
 /// sides.
 [[nodiscard]] EvenSeries even_series_of(const Record& record);
 
+/// Means over `count` neighbours; those at the end that fill no mean are left out. A mean of which
+/// half the values are lost is lost.
+[[nodiscard]] EvenSeries means_of(const EvenSeries& series, std::size_t count);
+
 }  // namespace zerorate::diagnose

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <utility>
+
+#include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -14,18 +17,25 @@ struct Proposal {
   Candidate candidate;
 };
 
+/// Effects, and which of them may be chosen.
+struct Catalogue {
+  std::span<const std::unique_ptr<Effect>> effects;
+  Scope scope;
+};
+
 /// Candidates of all effects that are not in the hypothesis yet, most surprising first.
-std::vector<Proposal> proposals_for(const Hypothesis& without,
-                                    std::span<const std::unique_ptr<Effect>> effects) {
+std::vector<Proposal> proposals_for(const Hypothesis& without, const Catalogue& catalogue) {
   std::vector<Proposal> proposals;
-  for (const auto& effect : effects) {
+  for (const auto& effect : catalogue.effects) {
     const bool is_in = std::ranges::any_of(
         without.parts(), [&](const Part& part) { return part.effect == effect->name(); });
-    if (is_in) continue;
+    if (is_in || !catalogue.scope.is_searched(*effect)) continue;
     std::optional<Candidate> candidate = effect->examine(without);
     // A fit that ran away is no offer.
-    if (candidate && std::isfinite(candidate->surprisal_nats))
+    if (candidate && std::isfinite(candidate->surprisal_nats) &&
+        catalogue.scope.holds(*effect, *candidate)) {
       proposals.push_back({effect.get(), std::move(*candidate)});
+    }
   }
   std::ranges::stable_sort(proposals, std::greater{}, [](const Proposal& proposal) {
     return proposal.candidate.surprisal_nats;
@@ -71,16 +81,24 @@ Choice choice_of(const std::vector<Proposal>& proposals) {
 
 class Selector {
  public:
-  Selector(const FitData& data, std::span<const std::unique_ptr<Effect>> effects)
-      : data_(data), effects_(effects), state_(data, {}) {}
+  Selector(const FitData& data, const Catalogue& catalogue)
+      : data_(data), catalogue_(catalogue), state_(data, {}) {}
+
+  /// Begins with choices that stay.
+  /// @param parts  of the choices, of values
+  void keep(std::vector<Choice> choices, std::vector<Part> parts) {
+    choices_ = std::move(choices);
+    kept_ = choices_.size();
+    state_ = Hypothesis(data_, std::move(parts), &state_);
+  }
 
   Selection select() {
     Selection selection;
-    std::vector<Proposal> proposals = proposals_for(state_, effects_);
+    std::vector<Proposal> proposals = proposals_for(state_, catalogue_);
     selection.evidence = evidence_of(proposals);
     add_not_examined(selection.evidence);
     grow(std::move(proposals));
-    if (split()) grow(proposals_for(state_, effects_));
+    if (split()) grow(proposals_for(state_, catalogue_));
     selection.parts = state_.parts();
     for (Part& part : selection.parts) {
       if (!part.starts.empty()) part.starts = {state_.noise().spectrum};
@@ -92,13 +110,17 @@ class Selector {
   }
 
  private:
-  [[nodiscard]] bool has_room() const { return diagnose::has_room(state_.parts(), choices_); }
+  /// Choices that stay draw nothing that is fast, and take no room.
+  [[nodiscard]] bool has_room() const {
+    return diagnose::has_room(std::span(state_.parts()).subspan(kept_),
+                              std::span(choices_).subspan(kept_));
+  }
 
   void grow(std::vector<Proposal> proposals) {
     while (has_room() && is_surprising(proposals)) {
       add(proposals);
-      if (choices_.size() > 1) reconsider();
-      if (has_room()) proposals = proposals_for(state_, effects_);
+      if (choices_.size() > kept_ + 1) reconsider();
+      if (has_room()) proposals = proposals_for(state_, catalogue_);
     }
   }
 
@@ -109,18 +131,18 @@ class Selector {
     state_ = Hypothesis(data_, std::move(parts), &state_);
   }
 
-  /// Each part but the latest, beside all others; but what is plain to see only beside the like of
-  /// it.
+  /// Each part but the latest and those that stay, beside all others; but what is plain to see only
+  /// beside the like of it.
   void reconsider() {
     const bool is_subtle_added = is_subtle(choices_.back());
-    std::size_t i = 0;
-    for (std::size_t left = choices_.size() - 1; left > 0; --left) {
+    std::size_t i = kept_;
+    for (std::size_t left = choices_.size() - 1 - kept_; left > 0; --left) {
       if ((is_subtle_added && !is_subtle(choices_[i])) || stands_beside_latest(i)) {
         ++i;
         continue;
       }
       const Hypothesis without = without_part(i);
-      const std::vector<Proposal> proposals = proposals_for(without, effects_);
+      const std::vector<Proposal> proposals = proposals_for(without, catalogue_);
       choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
       state_ = without;
       if (is_surprising(proposals)) add(proposals);
@@ -153,9 +175,9 @@ class Selector {
   /// beside it neither of the two adds much. So what was measured beside the rate is tried in its
   /// place, with the best part that is then left. True if something was changed.
   bool split() {
-    for (const auto& effect : effects_) {
-      if (!effect->has_measured_cause()) continue;
-      for (std::size_t i = 0; i < choices_.size() && has_room(); ++i) {
+    for (const auto& effect : catalogue_.effects) {
+      if (!effect->has_measured_cause() || !catalogue_.scope.is_searched(*effect)) continue;
+      for (std::size_t i = kept_; i < choices_.size() && has_room(); ++i) {
         if (state_.parts()[i].terms.has_slow_noise() && split(i, *effect)) return true;
       }
     }
@@ -172,7 +194,7 @@ class Selector {
     std::vector<Part> parts = without.parts();
     parts.push_back(first->part);
     Hypothesis beside(data_, std::move(parts), &without);
-    const std::vector<Proposal> second = proposals_for(beside, effects_);
+    const std::vector<Proposal> second = proposals_for(beside, catalogue_);
     if (!is_surprising(second)) return false;
     // Surprises along a chain add up; two choices cost once more than one.
     const double better = first->surprisal_nats + second.front().candidate.surprisal_nats -
@@ -215,7 +237,8 @@ class Selector {
   }
 
   void add_not_examined(std::vector<Evidence>& all) const {
-    for (const auto& effect : effects_) {
+    for (const auto& effect : catalogue_.effects) {
+      if (!catalogue_.scope.is_searched(*effect)) continue;
       const std::string_view obstacle = effect->obstacle(state_);
       if (obstacle.empty()) continue;
       all.push_back({.effect = std::string(effect->name()), .not_examined = std::string(obstacle)});
@@ -223,9 +246,10 @@ class Selector {
   }
 
   const FitData& data_;
-  std::span<const std::unique_ptr<Effect>> effects_;
+  Catalogue catalogue_;
   Hypothesis state_;
   std::vector<Choice> choices_;
+  std::size_t kept_ = 0;  ///< of the choices, which stay
 };
 
 }  // namespace
@@ -271,8 +295,35 @@ void mark_selected(Selection& selection) {
   }
 }
 
-Selection select_effects(const FitData& data, std::span<const std::unique_ptr<Effect>> effects) {
-  return Selector(data, effects).select();
+bool Scope::is_searched(const Effect& effect) const {
+  return pace == Pace::either || effect.pace() == Pace::either || effect.pace() == pace;
+}
+
+bool Scope::holds(const Effect& effect, const Candidate& candidate) const {
+  if (pace == Pace::either || effect.pace() != Pace::either) return true;
+  return (candidate.time_scale_s >= slow_from_s) == (pace == Pace::slow);
+}
+
+Selection select_effects(const FitData& data, std::span<const std::unique_ptr<Effect>> effects,
+                         const Scope& scope) {
+  return Selector(data, {effects, scope}).select();
+}
+
+Selection select_beside(const FitData& values, std::span<const std::unique_ptr<Effect>> effects,
+                        const Scope& scope, const FitData& means, Selection chosen) {
+  for (Part& part : chosen.parts) {
+    for (Column& column : part.columns) column = column_of_values(values, means, column);
+    for (NoiseSpectrum& start : part.starts) {
+      start = start.of_single_values(means.period_s() / values.period_s());
+    }
+  }
+  Selector selector(values, {effects, scope});
+  selector.keep(std::move(chosen.choices), std::move(chosen.parts));
+  Selection selection = selector.select();
+  std::ranges::move(chosen.evidence, std::back_inserter(selection.evidence));
+  std::ranges::stable_sort(selection.evidence, std::greater{}, &Evidence::gain_nats);
+  mark_selected(selection);
+  return selection;
 }
 
 }  // namespace zerorate::diagnose

@@ -67,10 +67,28 @@ struct Selection {
 /// Marks the evidence of the effects that were chosen.
 void mark_selected(Selection& selection);
 
+/// Effects that a selection may choose: those of one pace. An effect of either pace belongs to the
+/// scale on which its candidate changes.
+struct Scope {
+  Pace pace = Pace::either;  ///< either: all effects
+  double slow_from_s = 0.0;  ///< time scale from which on a candidate is slow
+
+  [[nodiscard]] bool is_searched(const Effect& effect) const;
+  [[nodiscard]] bool holds(const Effect& effect, const Candidate& candidate) const;
+};
+
 /// Adds the most surprising effect until none is surprising enough, or there is no room. After each
 /// addition every earlier effect is examined again beside the others: it goes if they have made it
 /// superfluous, and another takes its place if that explains more.
 [[nodiscard]] Selection select_effects(const FitData& data,
-                                       std::span<const std::unique_ptr<Effect>> effects);
+                                       std::span<const std::unique_ptr<Effect>> effects,
+                                       const Scope& scope = {});
+
+/// Selects effects of the values of a record beside those that were chosen for their means, which
+/// stay.
+/// @param chosen  for the means
+[[nodiscard]] Selection select_beside(const FitData& values,
+                                      std::span<const std::unique_ptr<Effect>> effects,
+                                      const Scope& scope, const FitData& means, Selection chosen);
 
 }  // namespace zerorate::diagnose
