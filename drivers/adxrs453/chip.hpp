@@ -33,6 +33,7 @@ struct Chip {
   static constexpr double kCounts = 300.0 * 80.0;
   static constexpr bool kHasDataReady = false;
   static constexpr bool kHasFifo = false;
+  static constexpr bool kHasThermometer = true;
   static constexpr std::uint8_t kSpiMode = 0;
   static constexpr std::uint32_t kHighestSpi_hz = 8'080'000;
 

@@ -37,6 +37,7 @@ struct Chip {
   static constexpr double kCounts = 32768.0;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
+  static constexpr bool kHasThermometer = false;
   static constexpr std::array kAddresses{kAddressSdo2Low, kAddressSdo2High};
   static constexpr auto kIdentity = kGyroChipId;
   static constexpr std::uint8_t kSpiMode = 3;

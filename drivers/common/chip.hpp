@@ -31,6 +31,7 @@ struct Fixed {};
 /// - `kCounts`         counts at full scale; one is the LSB
 /// - `kHasDataReady`   whether an edge tells of each sample
 /// - `kHasFifo`        whether is_fifo may be true
+/// - `kHasThermometer` whether samples can carry a temperature
 /// - `kAxes`           of the gyro: 3 or 1
 /// - `kSpiMode`, `kHighestSpi_hz`
 template <class Chip>
@@ -39,6 +40,7 @@ concept ChipEntry = requires {
   { Chip::kCounts } -> std::convertible_to<double>;
   { Chip::kHasDataReady } -> std::convertible_to<bool>;
   { Chip::kHasFifo } -> std::convertible_to<bool>;
+  { Chip::kHasThermometer } -> std::convertible_to<bool>;
   { Chip::kAxes } -> std::convertible_to<std::size_t>;
   { Chip::kSpiMode } -> std::convertible_to<std::uint8_t>;
   { Chip::kHighestSpi_hz } -> std::convertible_to<std::uint32_t>;

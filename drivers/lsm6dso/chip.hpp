@@ -65,6 +65,7 @@ struct ChipOf {
   static constexpr double kCounts = 1000.0 / 0.035;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
+  static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressSa0Low, kAddressSa0High};
   static constexpr Register<kWhoAmI.address, Access::read_only, variant(kModel).identity>
       kIdentity{};

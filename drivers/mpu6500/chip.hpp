@@ -39,6 +39,7 @@ struct Chip {
   static constexpr double kCounts = 32768.0;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
+  static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressAd0Low, kAddressAd0High};
   static constexpr auto kIdentity = kWhoAmI;
   static constexpr std::uint8_t kSpiMode = 3;

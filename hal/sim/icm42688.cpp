@@ -87,6 +87,7 @@ void SimulatedIcm42688::reset_registers() {
   registers_[who_am_i] = identity_;
   fifo_.clear();
   fifo_cursor_ = 0;
+  is_flushed_ = false;
 }
 
 bool SimulatedIcm42688::is_powered() const {
@@ -106,7 +107,9 @@ void SimulatedIcm42688::set_word(std::uint8_t address, std::int16_t value) {
 void SimulatedIcm42688::measure(const std::array<core::AngularRate, 3>& rate,
                                 core::Temperature temperature) {
   if (!is_powered()) return;
-  set_word(temp_data1, to_counts((static_cast<double>(temperature.degc()) - 25.0) * 132.48));
+  const bool has_thermometer = (registers_[pwr_mgmt0] & 0x20U) == 0;  // TEMP_DIS
+  const auto degc = static_cast<double>(temperature.degc());
+  if (has_thermometer) set_word(temp_data1, to_counts((degc - 25.0) * 132.48));
   const double transient_dps = start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double counts =
@@ -158,8 +161,10 @@ std::uint8_t SimulatedIcm42688::read_register(std::uint8_t address) {
   if (address == reg_bank_sel) return registers_[reg_bank_sel];
   if ((registers_[reg_bank_sel] & 7U) != 0) return 0;
   if (address == fifo_data) return read_fifo_byte();
-  fifo_cursor_ = 0;  // FIFO_RESUME_PARTIAL_RD is 0: a packet is read whole or again
-  const std::size_t level = fifo_.size() * sizeof(Packet);
+  // Without FIFO_RESUME_PARTIAL_RD a packet is read whole or again.
+  if ((registers_[fifo_config1] & 0x40U) == 0) fifo_cursor_ = 0;
+  const std::size_t level = is_flushed_ ? 0 : fifo_.size() * sizeof(Packet) - fifo_cursor_;
+  if (address == fifo_countl) is_flushed_ = false;
   if (address == fifo_counth) return static_cast<std::uint8_t>(level >> 8U);
   if (address == fifo_countl) return static_cast<std::uint8_t>(level & 0xFFU);
   const std::uint8_t value = registers_.at(address);
@@ -186,6 +191,8 @@ void SimulatedIcm42688::write_register(std::uint8_t address, std::uint8_t value)
   const bool is_flush = address == signal_path_reset && (value & 0x02U) != 0;
   const bool is_bypass = (registers_[fifo_config] >> 6U) == 0;
   if (is_flush || is_bypass) fifo_.clear();
+  if (fifo_.empty()) fifo_cursor_ = 0;
+  is_flushed_ = is_flushed_ || is_flush;
   registers_[signal_path_reset] = 0;  // clears itself
 }
 

@@ -67,6 +67,7 @@ class SimulatedIcm42688 : public SimulatedRegisters<128> {
   std::uint8_t identity_;
   std::deque<Packet> fifo_;
   std::size_t fifo_cursor_ = 0;  ///< bytes of the oldest packet that were read
+  bool is_flushed_ = false;      ///< and its level was not read since, which will read as 0
   core::Instant powered_at_;
 };
 static_assert(RegisterChip<SimulatedIcm42688>);

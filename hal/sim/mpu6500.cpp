@@ -108,7 +108,9 @@ void SimulatedMpu6500::measure(const std::array<core::AngularRate, 3>& rate,
   if (!is_awake()) return;
   const unsigned told = registers_[int_status] & kOverflow;
   const auto degc = static_cast<double>(temperature.degc());
-  set_word(temp_out_h, to_counts(is_mpu6050() ? (degc - 36.53) * 340.0 : (degc - 21.0) * 333.87));
+  const bool has_thermometer = (registers_[pwr_mgmt_1] & 0x08U) == 0;  // TEMP_DIS
+  const double warmth = is_mpu6050() ? (degc - 36.53) * 340.0 : (degc - 21.0) * 333.87;
+  if (has_thermometer) set_word(temp_out_h, to_counts(warmth));
   const double transient_dps = start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool is_on = is_powered() && (registers_[pwr_mgmt_2] & (4U >> axis)) == 0;

@@ -29,10 +29,10 @@ fetch() {
   touch "$work/fetched-$version"
 }
 
-# build WORLD: the packages, and the program that plays the devices.
+# build WORLD: the packages, and the program that plays the devices. What goes wrong is shown.
 build() {
   (cd "$repository" && cmake --preset "$preset" && cmake --build "$cross" --target zerorated zerorate zerorate_c_objects "$1" &&
-    cd "$cross" && cpack) >"$out/build.log"
+    cd "$cross" && cpack) >"$out/build.log" || { tail -n 40 "$out/build.log" && return 1; }
 }
 
 # Those in kernel/, and `our_modules`, in the order of their loading.

@@ -136,6 +136,7 @@ ChipDescription describe() {
           .addresses = kAddresses<Chip>,
           .highest_speed_hz = Chip::kHighestSpi_hz,
           .has_fifo = Chip::kHasFifo,
+          .has_thermometer = Chip::kHasThermometer,
           .counts = Chip::kCounts,
           .identity = kIdentity<Chip>,
           .make = make<Chip>};

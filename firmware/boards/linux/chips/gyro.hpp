@@ -63,6 +63,7 @@ struct ChipDescription {
   std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;
+  bool has_thermometer;
   double counts;                         ///< at full scale; one is the LSB
   std::optional<std::uint8_t> identity;  ///< answer of a chip with registers
   /// @param settings must be possible by this description

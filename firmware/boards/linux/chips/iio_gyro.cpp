@@ -22,9 +22,8 @@ constexpr core::Duration kTemperatureInterval = core::Duration::seconds(1);
 
 /// Scale of the chip's data sheet, where the driver's is that of one of its ranges, rounded: bmg160
 /// tells three digits of 0.000133158 rad/s. Else the driver's.
-double exact_scale(double told, std::string_view chip) {
+double exact_scale(double told, const ChipDescription* known) {
   constexpr double kRounding = 0.01;
-  const ChipDescription* const known = find_chip(chip);
   if (known == nullptr) return told;
   for (const double full_scale_dps : known->full_scales_dps) {
     const double scale = full_scale_dps * kRadPerDeg / known->counts;
@@ -67,7 +66,9 @@ void IioGyro::open(core::Instant now) {
       hal::linux_os::IioWishes{.rate_hz = settings_.rate_hz,
                                .full_scale_rad_s = settings_.full_scale_dps * kRadPerDeg});
   period_ = period_of(device_->rate_hz());
-  rad_s_per_count_ = exact_scale(device_->rad_s_per_count(), settings_.chip);
+  const ChipDescription* const known = find_chip(settings_.chip);
+  has_thermometer_ = known == nullptr || known->has_thermometer;  // bmg160 shows one of the BMI088
+  rad_s_per_count_ = exact_scale(device_->rad_s_per_count(), known);
   is_buffered_ = device_->has_buffer();
   temperature_ = device_->read_temperature();
   temperature_at_ = now;
@@ -176,7 +177,7 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
     if (is_saturated) sample.saturated_axes |= static_cast<std::uint8_t>(1U << row);
   }
   const auto temperature = scan.temperature ? scan.temperature : temperature_;
-  if (temperature) {
+  if (temperature && has_thermometer_) {
     sample.temperature =
         core::Temperature::from_degc(static_cast<float>(device_->celsius(*temperature)));
     sample.has_temperature = true;

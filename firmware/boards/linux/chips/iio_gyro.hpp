@@ -21,7 +21,8 @@ inline constexpr double kHighestPolledRate_hz = 100.0;
 
 /// A GyroSource over an IioDevice. The scale is the chip's own where `settings.chip` is known and
 /// the driver's is the same to 1 %. Each failure of the kernel is kept in words. A device that was
-/// unplugged is looked for again at the next start().
+/// unplugged is looked for again at the next start(). A temperature is passed on unless the chip
+/// has no thermometer.
 ///
 /// With a buffer the samples carry the kernel's stamps of the chip's interrupt, and a gap between
 /// two of them is fifo_overrun. Without one the axes are read one after the other, once a period,
@@ -54,6 +55,7 @@ class IioGyro final : public DeviceGyro {
   hal::linux_os::IioPlaces places_;
   std::optional<hal::linux_os::IioDevice> device_;
   bool is_buffered_ = false;
+  bool has_thermometer_ = true;
   double rad_s_per_count_ = 0.0;
   core::Duration period_;
   std::size_t calls_of_verify_ = 0;

@@ -113,6 +113,20 @@ class Bench {
   std::string configuration_ = "/run/zerorated.toml";
 };
 
+/// Judges four seconds, after one in which the fault is found: it is said, and nothing else is.
+inline void check_silence(Bench& bench) {
+  bench.schedule->run(1.0);
+  const Tally before = bench.tally();
+  bench.schedule->run(4.0);
+  const Tally& during = bench.tally();
+  const auto said = during.faulty - before.faulty;
+  bench.verdict.check("sensor_fault is said again and again", said >= 12, said);
+  bench.verdict.check("no rate is published", during.with_rate == before.with_rate,
+                      during.with_rate - before.with_rate);
+  bench.verdict.check("standstill is not claimed", during.still == before.still,
+                      during.still - before.still);
+}
+
 /// Judges that samples come again after a fault, and that nothing is called faulty any more.
 inline void check_recovery(Bench& bench, double settling_s = 3.0, long samples_per_s = 100) {
   bench.schedule->run(settling_s);

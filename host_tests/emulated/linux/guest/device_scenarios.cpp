@@ -6,20 +6,6 @@
 namespace zerorate::emulated {
 namespace {
 
-/// Judges four seconds, after one in which the fault is found: it is said, and nothing else is.
-void check_silence(Bench& bench) {
-  bench.schedule->run(1.0);
-  const Tally before = bench.tally();
-  bench.schedule->run(4.0);
-  const Tally& during = bench.tally();
-  const auto said = during.faulty - before.faulty;
-  bench.verdict.check("sensor_fault is said again and again", said >= 12, said);
-  bench.verdict.check("no rate is published", during.with_rate == before.with_rate,
-                      during.with_rate - before.with_rate);
-  bench.verdict.check("standstill is not claimed", during.still == before.still,
-                      during.still - before.still);
-}
-
 /// Five seconds without a gyro.
 void lose_the_gyro(DeviceWorld& world, Verdict& verdict, BusFault fault, const char* name) {
   Bench bench{world, verdict, name, {}};

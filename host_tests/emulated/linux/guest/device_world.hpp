@@ -62,6 +62,10 @@ class DeviceWorld {
     wires_->drive(kOdometerLine, false);
     return at;
   }
+  [[nodiscard]] std::size_t reserved_writes() {
+    const std::lock_guard lock(mutex_);
+    return chip_->reserved_writes();
+  }
   void set_fault(BusFault fault) { fault_ = fault; }
   void set_data_ready_broken(bool is_broken) { is_data_ready_broken_ = is_broken; }
   [[nodiscard]] int spi_mode() const { return spi_mode_; }

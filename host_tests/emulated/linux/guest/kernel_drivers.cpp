@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -22,7 +24,8 @@ struct Wiring {
   const char* name;
   Reading ours;
   Reading kernels;
-  double stamps_ms;  ///< by which the stamps of a sample may differ
+  double stamps_ms;             ///< by which the stamps of a sample may differ
+  bool writes_blindly = false;  ///< the kernel's driver, to registers that the chip does not have
 };
 
 /// 1.01 ms was seen while the vehicle drove; whether the played chip or the driver was late is not
@@ -85,6 +88,7 @@ Wiring wiring_of_adxrs450() {
                        "device = \"adxrs450\"\n" + lines("adxrs453", 100, 300), "spi adxrs453");
   both.kernels.rate_hz = 100.0;
   both.stamps_ms = 5.0;  // of 10 ms between two polls
+  both.writes_blindly = true;
   return both;
 }
 
@@ -105,9 +109,11 @@ std::vector<Wiring> wirings_of_invensense() {
 std::vector<Wiring> wirings() {
   std::vector<Wiring> all = wirings_of_st();
   all.push_back(wiring_of_adxrs450());
-  all.push_back(wiring("bmg160", on_spi_by_ours(on_spi<hal::sim::SimulatedBmi088>, "bmi088", 100),
-                       "device = \"bmi088_gyro\"\n" + lines("bmi088", 100, 250),
-                       "spi bmi088_gyro 0 0"));
+  Wiring bosch =
+      wiring("bmg160", on_spi_by_ours(on_spi<hal::sim::SimulatedBmi088>, "bmi088", 100),
+             "device = \"bmi088_gyro\"\n" + lines("bmi088", 100, 250), "spi bmi088_gyro 0 0");
+  bosch.writes_blindly = true;
+  all.push_back(bosch);
   std::ranges::move(wirings_of_invensense(), std::back_inserter(all));
   return all;
 }
@@ -138,6 +144,7 @@ struct Comparison {
   long alone = 0;  ///< that only the kernel's driver had
   double largest_lsb = 0.0;
   double largest_ms = 0.0;
+  double largest_degc = 0.0;  ///< where both tell a temperature
 };
 
 /// Compares the corrected rates of equal samples, which stand at equal times of both drives.
@@ -166,6 +173,10 @@ Comparison compare(const Drive& ours, const Drive& kernels, float lsb_dps) {
     }
     ++found.samples;
     found.largest_ms = std::max(found.largest_ms, same_ms);
+    if (same->temperature && theirs.temperature) {
+      const double degc = same->temperature->degc() - theirs.temperature->degc();
+      found.largest_degc = std::max(found.largest_degc, std::abs(degc));
+    }
     for (std::size_t i = 0; i < 3; ++i) {
       const auto difference = same->axes.at(i).corrected - theirs.axes.at(i).corrected;
       found.largest_lsb = std::max(found.largest_lsb, in_lsb(difference, lsb_dps));
@@ -201,14 +212,20 @@ Drive drive(DeviceWorld& world, Verdict& verdict, const std::string& name, const
   return driven;
 }
 
-void compare_drivers(DeviceWorld& world, Verdict& verdict, const Wiring& wiring, double seconds) {
+void compare_drivers(DeviceWorld& world, Verdict& verdict, const Wiring& wiring, double seconds,
+                     bool judges_stamps) {
   const std::string name = wiring.name;
   const Drive ours = drive(world, verdict, name + ": our driver", wiring.ours, seconds);
   const Drive kernels = drive(world, verdict, name + ": the kernel's", wiring.kernels, seconds);
+  verdict.check("and wrote to nothing that the chip does not have",
+                wiring.writes_blindly || world.reserved_writes() == 0, world.reserved_writes());
   const Comparison found = compare(ours, kernels, wiring.ours.setup.lsb_dps);
   // Where both poll, one of them can miss a sample that the other has.
   verdict.check("their samples are equal", found.alone * 20 < found.samples, found.alone);
-  verdict.check("and their stamps [ms]", found.largest_ms <= wiring.stamps_ms, found.largest_ms);
+  if (judges_stamps) {
+    verdict.check("and their stamps [ms]", found.largest_ms <= wiring.stamps_ms, found.largest_ms);
+  }
+  verdict.check("and their temperatures [degC]", found.largest_degc <= 0.5, found.largest_degc);
   verdict.check("corrected rates of both drivers are within one LSB",
                 found.samples > 0 && found.largest_lsb <= 1.0, found.largest_lsb);
 }
@@ -231,11 +248,46 @@ void take_lines_of_probe(DeviceWorld& world, Verdict& verdict) {
                 tally.out_of_order == 0 && tally.faulty == 0, tally.out_of_order + tally.faulty);
 }
 
+void write_to(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out{file};
+  if (!(out << text << std::flush)) give_up(file.c_str());
+}
+
+/// The device that the test bus shows.
+std::filesystem::path shown_device() {
+  const std::filesystem::path spi = "/sys/bus/spi/devices/spi0.0";
+  for (const auto& i2c : std::filesystem::directory_iterator{"/sys/bus/i2c/devices"}) {
+    if (i2c.path().filename().string().starts_with("7-")) return i2c.path();
+  }
+  return spi;
+}
+
+/// The driver of the kernel goes while zerorated reads through it, and comes back.
+void unbind(DeviceWorld& world, Verdict& verdict, const Wiring& wiring) {
+  const std::string name = std::string{wiring.name} + ": unbound and bound again";
+  Bench bench{world, verdict, name.c_str(), wiring.kernels.setup};
+  bench.schedule->run(2.0);
+  const std::filesystem::path device = shown_device();
+  const std::filesystem::path driver = std::filesystem::canonical(device / "driver");
+  write_to(driver / "unbind", device.filename());
+  check_silence(bench);
+  verdict.check("the log tells place, reason and cure",
+                DaemonProcess::has_logged("/sys/bus/iio/devices: no gyro is called ") &&
+                    DaemonProcess::has_logged("is the driver's module loaded and bound?"),
+                0);
+  write_to(driver / "bind", device.filename());
+  check_recovery(bench, 3.0, 95);
+}
+
 }  // namespace
 
-void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds) {
+void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds,
+                            bool judges_stamps) {
   take_lines_of_probe(world, verdict);
-  for (const Wiring& wiring : wirings()) compare_drivers(world, verdict, wiring, seconds);
+  for (const Wiring& wiring : wirings()) {
+    compare_drivers(world, verdict, wiring, seconds, judges_stamps);
+  }
+  for (const Wiring& wiring : wirings()) unbind(world, verdict, wiring);
 }
 
 }  // namespace zerorate::emulated

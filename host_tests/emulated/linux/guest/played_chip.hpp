@@ -37,7 +37,12 @@ class PlayedChip {
   [[nodiscard]] virtual bool is_data_ready() = 0;
   /// Whether the pin has risen since this was asked last, if only for a pulse.
   [[nodiscard]] virtual bool take_edge() = 0;
+  /// Writes to registers that the chip does not have.
+  [[nodiscard]] virtual std::size_t reserved_writes() const = 0;
 };
+
+/// Temperature of every chip: not where the formulas of their thermometers have their zeros.
+inline constexpr core::Temperature kPlayedTemperature = core::Temperature::from_degc(35);
 
 /// @tparam Wiring  how the chip hangs on its bus
 template <class Chip, class Wiring>
@@ -60,7 +65,7 @@ class Wired final : public PlayedChip {
   }
   void measure(const std::array<core::AngularRate, 3>& rate) override {
     clock_.advance_to(hal::linux_os::KernelClock::now());
-    chip_.measure(rate, core::Temperature::from_degc(25));
+    chip_.measure(rate, kPlayedTemperature);
   }
   [[nodiscard]] bool is_data_ready() override {
     if constexpr (requires { chip_.interrupt(); }) {
@@ -74,6 +79,13 @@ class Wired final : public PlayedChip {
       return chip_.interrupt().take_edge().has_value();
     } else {
       return false;
+    }
+  }
+  [[nodiscard]] std::size_t reserved_writes() const override {
+    if constexpr (requires { chip_.reserved_writes(); }) {
+      return chip_.reserved_writes();
+    } else {
+      return 0;
     }
   }
 

@@ -105,6 +105,39 @@ TEST_F(SimulatedIcm42688Test, StreamDropsTheOldestAndSaysFull) {
   EXPECT_EQ(pop_packet()[1], 0x05) << "the oldest left is that of 10 deg/s";
 }
 
+TEST_F(SimulatedIcm42688Test, ALevelReadsAsZeroOnceAfterAFlush) {
+  enable_fifo();
+  power_up();
+  measure_x(1.0F);
+  chip_.write_register(0x4B, 0x02);
+  measure_x(2.0F);
+  EXPECT_EQ(read_word(0x2E), 0);
+  EXPECT_EQ(read_word(0x2E), 8);
+}
+
+TEST_F(SimulatedIcm42688Test, APacketReadInPartGoesOnOrComesAgainAsConfigured) {
+  for (const bool goes_on : {false, true}) {
+    enable_fifo();
+    power_up();
+    chip_.write_register(0x5F, goes_on ? 0x46 : 0x06);
+    measure_x(10.0F);
+    EXPECT_EQ(chip_.read_register(0x30), 0x20);
+    chip_.read_register(0x2D);
+    EXPECT_EQ(chip_.read_register(0x30), goes_on ? 0x05 : 0x20);
+    chip_.write_register(0x16, 0x00);
+  }
+}
+
+TEST_F(SimulatedIcm42688Test, TheThermometerCanBeOff) {
+  power_up();
+  chip_.write_register(0x4E, 0x2C);
+  chip_.measure({}, core::Temperature::from_degc(35.0F));
+  EXPECT_EQ(read_word(0x1D), -32768);
+  chip_.write_register(0x4E, 0x0C);
+  chip_.measure({}, core::Temperature::from_degc(35.0F));
+  EXPECT_EQ(read_word(0x1D), 1325);
+}
+
 TEST_F(SimulatedIcm42688Test, OtherBanksHideTheRegisters) {
   chip_.write_register(0x76, 1);
   EXPECT_EQ(chip_.read_register(0x75), 0x00);

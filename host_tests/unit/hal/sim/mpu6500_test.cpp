@@ -65,6 +65,12 @@ TEST_F(SimulatedMpu6500Test, ThermometersDiffer) {
   EXPECT_EQ(sim::read_word(older, 0x41), -520);  // -521 in the data sheet
 }
 
+TEST_F(SimulatedMpu6500Test, TheThermometerCanBeOff) {
+  chip_.write_register(0x6B, 0x09);
+  chip_.measure({}, core::Temperature::from_degc(31.0F));
+  EXPECT_EQ(read_word(0x41), 0);
+}
+
 TEST_F(SimulatedMpu6500Test, AddsTheOffsetsInEveryRange) {
   chip_.write_register(0x15, 0x01);  // YG_OFFSET: 256 counts at 1000 deg/s, 7.8 deg/s
   measure_x(1.0F);

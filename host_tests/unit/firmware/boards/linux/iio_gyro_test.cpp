@@ -149,6 +149,18 @@ TEST(IioGyro, TurnsTheAxesByTheMountMatrix) {
   EXPECT_EQ(rig.samples[0].saturated_axes, 0b001);
 }
 
+TEST(IioGyro, GivesAChipWithoutAThermometerNoTemperature) {
+  MadeIio made;
+  made.add("iio:device0", polled());
+  GyroSettings bosch = settings("iio:device0", 50.0);
+  bosch.chip = "bmi088";
+  IioGyro gyro{bosch, made.places()};
+  ASSERT_TRUE(gyro.start(kStart));
+  std::array<GyroSample, 1> sample{};
+  ASSERT_EQ(*gyro.read(kStart, sample), 1U);
+  EXPECT_FALSE(sample[0].has_temperature);
+}
+
 TEST(IioGyro, TakesTemperatureFromTheScanWhereItIsOne) {
   Attributes warm = buffered();
   warm["in_temp_raw"] = "0";
