@@ -116,11 +116,11 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
     fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
                static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
   }
-  fmt::print("\n{:<18}{:>7}{:>13}{:>12}{:>11}{:>13}{:>13}\n", "predictor", "drives",
+  fmt::print("\n{:<18}{:>7}{:>15}{:>12}{:>11}{:>13}{:>13}\n", "predictor", "drives",
              "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
   for (const app::Predictor predictor : evaluate::kAllPredictors) {
     const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<18}{:>7}{:>13.4f}{:>12.4f}{:>11.4f}{:>13.3f}{:>13.3f}\n",
+    fmt::print("{:<18}{:>7}{:>15.4f}{:>12.4f}{:>11.4f}{:>13.3f}{:>13.3f}\n",
                evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
                score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
                score.coverage95_of_node);

@@ -9,6 +9,7 @@
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/cli/watched_replay.hpp"
+#include "host_tools/lib/evaluate/simulated_drive.hpp"
 #include "host_tools/lib/fleet/simulated_fleet.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/writer.hpp"
@@ -23,6 +24,8 @@ struct SimulateOptions {
   std::uint64_t seed = 1;
   ReplayFlags flags;
   bool is_fleet = false;
+  double rest_s = 0.0;  ///< 0: no recording at rest
+  double rate_hz = 20.0;
   fleet::SimulatedFleetOptions fleet;
 };
 
@@ -42,6 +45,7 @@ void write(const simulate::ScenarioDrive& drive, const std::filesystem::path& pa
 ExitCode run_simulate_fleet(const SimulateOptions& options) {
   fleet::SimulatedFleetOptions fleet = options.fleet;
   fleet.seed = options.seed;
+  fleet.rate_hz = options.rate_hz;
   const std::string folder = options.output.empty() ? "fleet" : options.output;
   ProgressBar progress{"simulating"};
   fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
@@ -51,10 +55,24 @@ ExitCode run_simulate_fleet(const SimulateOptions& options) {
   return success;
 }
 
+ExitCode run_simulate_rest(const SimulateOptions& options) {
+  const evaluate::SimulatedRestParams params{.model = to_replay_options(options.flags).model,
+                                             .duration_s = options.rest_s,
+                                             .sample_rate_hz = options.rate_hz,
+                                             .seed = options.seed};
+  const std::string path = options.output.empty() ? "rest.csv.gz" : options.output;
+  evaluate::write_simulated_rest(params, path);
+  fmt::print("{}: {} at rest, {:g} s at {:g} Hz\n", path, params.model.name, params.duration_s,
+             params.sample_rate_hz);
+  return success;
+}
+
 ExitCode run_simulate(const SimulateOptions& options) {
   if (options.is_fleet) return run_simulate_fleet(options);
+  if (options.rest_s > 0.0) return run_simulate_rest(options);
   if (options.scenario.empty()) {
-    throw std::invalid_argument("expected --scenario NAME, --scenario list or --fleet");
+    throw std::invalid_argument(
+        "expected --scenario NAME, --scenario list, --rest SECONDS or --fleet");
   }
   if (options.scenario == "list") return list_scenarios();
   const simulate::Scenario& scenario = simulate::find_scenario(options.scenario);
@@ -75,15 +93,16 @@ ExitCode run_simulate(const SimulateOptions& options) {
 
 void add_fleet_options(CLI::App& command, SimulateOptions& options) {
   fleet::SimulatedFleetOptions& fleet = options.fleet;
-  auto* is_fleet = command.add_flag("--fleet", options.is_fleet,
-                                    "a population of sensors at rest instead of a drive");
+  auto* is_fleet = command
+                       .add_flag("--fleet", options.is_fleet,
+                                 "a population of sensors at rest instead of a drive")
+                       ->excludes("--rest");
   const auto add = [&](const char* name, auto& value, const char* text, const auto& check) {
     command.add_option(name, value, text)->needs(is_fleet)->check(check)->capture_default_str();
   };
   add("--sensors", fleet.sensors, "of the fleet", CLI::PositiveNumber);
   add("--recordings", fleet.recordings, "of each sensor", CLI::PositiveNumber);
   add("--samples", fleet.samples, "of each recording", CLI::Range(1000, 10'000'000));
-  add("--rate-hz", fleet.rate_hz, "of the samples", CLI::PositiveNumber);
   add("--lots", fleet.lots, "of the sensors, of which one is bad", CLI::PositiveNumber);
   add("--bad-lot-factor", fleet.bad_lot_factor, "on N and B of its sensors", CLI::PositiveNumber);
   add("--hidden-share", fleet.hidden_share, "of the sensors, with a hidden effect on one axis",
@@ -96,15 +115,24 @@ void add_fleet_options(CLI::App& command, SimulateOptions& options) {
 }  // namespace
 
 Command add_simulate(CLI::App& app) {
-  auto* command =
-      app.add_subcommand("simulate", "Simulate a drive that goes wrong and replay it, or a fleet");
+  auto* command = app.add_subcommand(
+      "simulate", "Simulate a drive that goes wrong and replay it, a gyro at rest, or a fleet");
   const auto options = std::make_shared<SimulateOptions>();
-  command->add_option("--scenario", options->scenario, "its name; list: all names");
+  auto* scenario =
+      command->add_option("--scenario", options->scenario, "its name; list: all names");
+  command
+      ->add_option("--rest", options->rest_s,
+                   "seconds of a gyro at rest whose noise is that of --model, instead of a drive")
+      ->check(CLI::Range(10.0, 1e6))
+      ->excludes(scenario);
+  command->add_option("--rate-hz", options->rate_hz, "samples a second of --rest and --fleet [Hz]")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "another seed, other noise")->capture_default_str();
   command->add_option(
       "-o,--output", options->output,
-      "CSV or CSV.gz file to write, default NAME.csv.gz; folder of a fleet, default "
-      "fleet");
+      "CSV or CSV.gz file to write, default NAME.csv.gz or rest.csv.gz; folder of a fleet, "
+      "default fleet");
   add_fleet_options(*command, *options);
   options->flags.model = "lsm6dso";
   options->flags.through = "chip";
@@ -114,6 +142,7 @@ Command add_simulate(CLI::App& app) {
       "  zerorate simulate --scenario list\n"
       "  zerorate simulate --scenario dead-encoder\n"
       "  zerorate simulate --scenario cold-start --model mine.toml -o cold.csv\n"
+      "  zerorate simulate --rest 7200 --rate-hz 20 --model adis16405 -o rest.csv.gz\n"
       "  zerorate simulate --fleet --sensors 100 --seed 7 -o fleet");
   return {command, [options] { return run_simulate(*options); }};
 }

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""The manual pages say what the programs and the reference say.
+"""The manual pages and the tutorial say what the programs and the reference say.
 
 usage: man_pages_test.py REPOSITORY ZERORATE ZERORATED [unittest arguments]
 """
 
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 REPOSITORY = pathlib.Path(sys.argv.pop(1))
@@ -80,6 +82,30 @@ class ManualPages(unittest.TestCase):
             run = subprocess.run(["groff", "-man", "-Tutf8", "-ww", file], capture_output=True, text=True, timeout=20,
                                  check=True)
             self.assertEqual(run.stderr, "", file)
+
+
+class Tutorial(unittest.TestCase):
+    """Every command of the page in its order; the lines that it shows are among those that were printed."""
+
+    def test_commands_print_what_the_page_shows(self):
+        text = (REPOSITORY / "docs/tutorial/first-replay.md").read_text(encoding="utf-8")
+        printed, shown = [], 0
+        with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
+            for block in re.findall(r"^```\n(.*?)^```$", text, re.DOTALL | re.MULTILINE):
+                lines = block.splitlines()
+                if lines[0].startswith("zerorate "):
+                    printed = [line for command in lines for line in self.lines_of(command, folder)]
+                    continue
+                shown += len(lines)
+                for line in lines:
+                    self.assertIn(line, printed)
+        self.assertGreater(shown, 15)
+
+    def lines_of(self, command, folder):
+        run = subprocess.run([ZERORATE, *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True,
+                             timeout=120, check=False)
+        self.assertEqual(run.returncode, 0, f"{command}\n{run.stdout}{run.stderr}")
+        return run.stdout.splitlines()
 
 
 if __name__ == "__main__":

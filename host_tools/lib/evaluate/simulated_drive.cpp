@@ -15,9 +15,13 @@ namespace {
 
 constexpr std::size_t kYaw = 2;
 
-std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double bias_rad_s) {
+using AxisRates = std::array<std::vector<double>, 3>;  ///< [rad/s]
+
+/// Noise of one axis by the model, and a bias that is the sensor's own.
+std::vector<simulate::Effect> effects_of(const model::SensorModel& model,
+                                         const random::RandomStream& axis_stream) {
   std::vector<simulate::Effect> effects{
-      simulate::ConstantBias{.bias_rad_s = bias_rad_s},
+      simulate::ConstantBias{.bias_rad_s = double{core::kRadPerDeg} * axis_stream.normal(0)},
       simulate::WhiteNoise{.angle_random_walk_rad_rt_s =
                                model.white.angle_random_walk_rad_per_sqrt_s}};
   if (model.flicker) {
@@ -26,6 +30,25 @@ std::vector<simulate::Effect> effects_of(const model::SensorModel& model, double
                                .order = model.flicker->order});
   }
   return effects;
+}
+
+/// Rates of a gyro that does not move.
+/// @param hidden  effects that the model does not know, on the yaw axis
+AxisRates rates_at_rest(const model::SensorModel& model, std::size_t size, double period_s,
+                        const random::RandomStream& stream,
+                        std::span<const simulate::Effect> hidden) {
+  AxisRates rest;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const auto axis_stream = stream.substream("gyro").substream(i);
+    std::vector<simulate::Effect> effects = effects_of(model, axis_stream);
+    if (i == kYaw) effects.insert(effects.end(), hidden.begin(), hidden.end());
+    rest[i] = simulate::simulate({size, period_s}, effects, axis_stream).rate_rad_s;
+  }
+  return rest;
+}
+
+std::int64_t time_ns(std::size_t sample, double period_s) {
+  return std::llround(static_cast<double>(sample) * period_s * 1e9);
 }
 
 }  // namespace
@@ -48,7 +71,7 @@ void SimulatedDrive::write(const std::filesystem::path& path) const {
   recording::Writer writer{path, {.odometer = true}};
   recording::Row row;
   for (std::size_t k = 0; k < motion_.size(); ++k) {
-    row.time_ns = std::llround(static_cast<double>(k) * motion_.sample_period_s * 1e9);
+    row.time_ns = time_ns(k, motion_.sample_period_s);
     for (std::size_t i = 0; i < row.rate_rad_s.size(); ++i) {
       row.rate_rad_s[i] = static_cast<float>(motion_.rate_rad_s[k][i] + rest_rate_rad_s_[i][k]);
     }
@@ -63,8 +86,8 @@ void SimulatedDrive::write_parked(const std::filesystem::path& path, double dura
   const std::span<const double> rate = rest_rate_rad_s(kYaw);
   const auto rows = static_cast<std::size_t>(duration_s / motion_.sample_period_s);
   for (std::size_t k = 0; k < std::min(rows, rate.size()); ++k) {
-    const double time_ns = static_cast<double>(k) * motion_.sample_period_s * 1e9;
-    writer.write({.time_ns = std::llround(time_ns), .rate_rad_s = {static_cast<float>(rate[k])}});
+    writer.write({.time_ns = time_ns(k, motion_.sample_period_s),
+                  .rate_rad_s = {static_cast<float>(rate[k])}});
   }
   writer.finish();
 }
@@ -73,15 +96,22 @@ SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
   const random::RandomStream stream{params.seed};
   const double period_s = 1.0 / params.sample_rate_hz;
   auto motion = simulate::simulate_vehicle({.duration_s = params.duration_s}, period_s, stream);
-  std::array<std::vector<double>, 3> rest;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const auto axis_stream = stream.substream("gyro").substream(i);
-    const double bias_rad_s = double{core::kRadPerDeg} * axis_stream.normal(0);
-    auto effects = effects_of(params.model, bias_rad_s);
-    if (i == kYaw) effects.insert(effects.end(), params.hidden.begin(), params.hidden.end());
-    rest[i] = simulate::simulate({motion.size(), period_s}, effects, axis_stream).rate_rad_s;
-  }
+  AxisRates rest = rates_at_rest(params.model, motion.size(), period_s, stream, params.hidden);
   return {std::move(motion), std::move(rest)};
+}
+
+void write_simulated_rest(const SimulatedRestParams& params, const std::filesystem::path& path) {
+  const double period_s = 1.0 / params.sample_rate_hz;
+  const auto size = static_cast<std::size_t>(params.duration_s * params.sample_rate_hz);
+  const AxisRates rest =
+      rates_at_rest(params.model, size, period_s, random::RandomStream{params.seed}, {});
+  recording::Writer writer{path, {}};
+  for (std::size_t k = 0; k < size; ++k) {
+    writer.write({.time_ns = time_ns(k, period_s),
+                  .rate_rad_s = {static_cast<float>(rest[0][k]), static_cast<float>(rest[1][k]),
+                                 static_cast<float>(rest[2][k])}});
+  }
+  writer.finish();
 }
 
 RestRecording read_at_rest(const recording::Input& input, std::size_t axis) {

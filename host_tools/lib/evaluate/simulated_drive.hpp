@@ -1,5 +1,5 @@
 /// @file
-/// A drive whose truth is known: a vehicle and a gyro on it, as a recording.
+/// Simulated recordings whose truth is known: of a gyro on a vehicle, and of a gyro at rest.
 #pragma once
 
 #include <array>
@@ -54,6 +54,17 @@ class SimulatedDrive {
 
 /// Each axis has its own noise and a constant bias of the order of 1 deg/s.
 [[nodiscard]] SimulatedDrive simulate_drive(const SimulatedDriveParams& params);
+
+struct SimulatedRestParams {
+  model::SensorModel model;  ///< its white noise and flicker noise are simulated
+  double duration_s = 7200.0;
+  double sample_rate_hz = 20.0;
+  std::uint64_t seed = 1;
+};
+
+/// Writes a recording of three axes at rest. Each has its own noise and a constant bias of the
+/// order of 1 deg/s. Throws recording::Error.
+void write_simulated_rest(const SimulatedRestParams& params, const std::filesystem::path& path);
 
 /// One axis of a recording made at rest, complete in memory.
 struct RestRecording {
