@@ -76,7 +76,7 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
 "The bias predictor of zerorate for programs and firmware of their own:
 headers in C++, the predictor compiled with an interface in C, and drivers
 of gyroscopes.")
-# In a build with ZERORATE_PYTHON alone: cpack -D CPACK_COMPONENTS_ALL=python.
+# In a build with ZERORATE_PYTHON alone: cpack --config CPackPython.cmake.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-zerorate)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)

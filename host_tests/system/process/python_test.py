@@ -149,25 +149,43 @@ class Package(unittest.TestCase):
             zerorate.characterize(zerorate.Recording(self.recording.time_ns, turned))
 
 
+def run_in(folder, *command, environment=None):
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=LIMIT_S, cwd=folder, env=environment,
+                          check=False)
+    if done.returncode != 0:
+        raise AssertionError(done.stdout + done.stderr)
+    return done.stdout
+
+
+class DebianPackage(unittest.TestCase):
+    def test_puts_the_package_where_debians_python_looks(self):
+        with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
+            run_in(folder, "cpack", "--config", FOLDER.parent / "CPackPython.cmake", "-B", folder)
+            (package,) = pathlib.Path(folder).glob("python3-zerorate_*.deb")
+            depends = run_in(folder, "dpkg-deb", "--field", package, "Depends")
+            for name in ("python3-numpy", "libsqlite3-0", "libnlopt0"):
+                self.assertIn(name, depends)
+            run_in(folder, "dpkg-deb", "--extract", package, "root")
+            root = pathlib.Path(folder) / "root"
+            self.assertIn("/usr/lib/python3/dist-packages", sys.path)
+            where = run_in(folder, sys.executable, "-c", "import zerorate; print(zerorate.__file__, zerorate.catalogue())",
+                           environment={"PYTHONPATH": str(root / "usr/lib/python3/dist-packages")})
+            self.assertTrue(where.startswith(str(root)), where)
+
+
 class Wheel(unittest.TestCase):
     def test_installs_without_an_index_and_runs_the_notebook(self):
         wheels = list(FOLDER.glob("zerorate-*.whl"))
         self.assertEqual(len(wheels), 1)
         with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
-            def run(*command):
-                done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=LIMIT_S, cwd=folder,
-                                      check=False)
-                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-                return done.stdout
-
-            run(sys.executable, "-m", "venv", "--system-site-packages", "venv")
+            run_in(folder, sys.executable, "-m", "venv", "--system-site-packages", "venv")
             python = pathlib.Path(folder) / "venv/bin/python"
-            run(python, "-m", "pip", "install", "--no-index", "--quiet", wheels[0])
-            where = run(python, "-c", "import zerorate; print(zerorate.__file__, zerorate.catalogue())")
+            run_in(folder, python, "-m", "pip", "install", "--no-index", "--quiet", wheels[0])
+            where = run_in(folder, python, "-c", "import zerorate; print(zerorate.__file__, zerorate.catalogue())")
             self.assertTrue(where.startswith(folder), where)
             # The kernel named python3 is otherwise that of Debian, which does not see the environment.
-            run(python, "-m", "ipykernel", "install", "--sys-prefix")
-            run(python, "-m", "nbconvert", "--to", "notebook", "--execute", "--output-dir", folder, NOTEBOOK)
+            run_in(folder, python, "-m", "ipykernel", "install", "--sys-prefix")
+            run_in(folder, python, "-m", "nbconvert", "--to", "notebook", "--execute", "--output-dir", folder, NOTEBOOK)
 
 
 if __name__ == "__main__":

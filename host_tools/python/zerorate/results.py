@@ -53,7 +53,7 @@ class Model:
     """A sensor model as TOML text."""
 
     name: str
-    toml: str
+    toml: str = field(repr=False)
 
     def save(self, path: "str | pathlib.Path") -> None:
         """Writes the model for `zerorate replay --model`, zerorated and `zerorate export`."""
@@ -132,7 +132,7 @@ class AxisNoise:
     angle_random_walk_dps_per_sqrt_hz: Figure
     bias_instability_dph: Optional[Figure]
     order: Optional[Figure]
-    allan_dph: Optional[AllanDeviation]
+    allan_dph: Optional[AllanDeviation] = field(repr=False)
     model: Model
     remarks: "list[str]"
 
