@@ -205,6 +205,11 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "whose bias corrects the published rate: kalman, moving_average, calibration_mean")
       ->capture_default_str();
   app.add_option(
+         "--sample-rate", flags.sample_rate_hz,
+         "nominal rate of the samples [Hz], as a node has it from its chip; default: by the "
+         "recording's mean interval")
+      ->check(CLI::PositiveNumber);
+  app.add_option(
       "--filter-rate", flags.filter_rate_hz,
       "ticks of the predictors per second [Hz]; default 2, or the sensor's rate if lower");
   app.add_option("--settle", flags.settle_s,
@@ -237,6 +242,7 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
   options.model = chosen_model(flags);
   options.is_model_chosen =
       flags.arw_dps_rt_hz || (flags.model_option != nullptr && flags.model_option->count() > 0);
+  options.sample_rate_hz = flags.sample_rate_hz;
   options.filter_rate_hz = flags.filter_rate_hz;
   if (!flags.schedule.empty()) options.schedule = evaluate::parse_schedule(flags.schedule);
   options.through = flags.through == "chip" ? evaluate::Through::chip : evaluate::Through::source;

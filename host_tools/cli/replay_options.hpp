@@ -27,6 +27,7 @@ struct ReplayFlags {
   std::string through = "source";
   std::optional<std::string> chip;  ///< of --through chip
   std::string predictor = "kalman";
+  std::optional<double> sample_rate_hz;
   std::optional<double> filter_rate_hz;
   double settle_s = 1.0;
   double hold_back_s = 0.5;

@@ -37,7 +37,7 @@ take_turns
 boot first
 grep -q '^WORLD [0-9]* passed, 0 failed$' "$out/first.log"
 grep -q '^/etc/zerorate/zerorated.toml: valid$' "$out/first.log"
-"$zerorate" replay "$out/first.csv.gz" --model lsm6dso --filter-rate 2 --settle 1.006 --out "$out/replayed.csv" >"$out/replay.log"
+"$zerorate" replay "$out/first.csv.gz" --model lsm6dso --filter-rate 2 --settle 1.006 --sample-rate 104 --out "$out/replayed.csv" >"$out/replay.log"
 python3 -B "$here/compare_replay.py" "$out/first.csv.gz" "$out/replayed.csv"
 boot second >/dev/null
 diff "$out/first.txt" "$out/second.txt" >"$out/differences" || { head -n 20 "$out/differences"; exit 1; }

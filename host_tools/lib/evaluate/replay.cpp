@@ -54,6 +54,15 @@ class BufferedRows {
   std::int64_t period_ns_ = 0;
 };
 
+core::Duration sample_period(const ReplayOptions& options, const BufferedRows& rows) {
+  const core::Duration measured = rows.sample_period();
+  if (!options.sample_rate_hz) return measured;
+  const auto nominal = core::Duration::nanoseconds(std::llround(1e9 / *options.sample_rate_hz));
+  if (nominal < measured * 2 && measured < nominal * 2) return nominal;
+  throw std::invalid_argument("--sample-rate is not that of the recording, whose samples come at " +
+                              std::to_string(1e9 / static_cast<double>(measured.ns())) + " Hz");
+}
+
 /// Compares what a node predicts for a stop with what the stop then measures.
 template <class Node>
 class StopJudge {
@@ -352,7 +361,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
                                 std::to_string(result.axis_count));
   }
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
-  result.sample_period = rows.sample_period();
+  result.sample_period = sample_period(options, rows);
   result.filter_tick = filter_tick(options, result.sample_period);
   with_shape_of(options.model, [&]<core::ModelShape Shape>() {
     run<Shape>(rows, reader, options, observer, result);

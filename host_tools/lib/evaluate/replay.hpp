@@ -41,6 +41,9 @@ enum class Through : std::uint8_t {
 struct ReplayOptions {
   model::SensorModel model;
   bool is_model_chosen = true;  ///< false: nobody named one, the model is a default
+  /// Nominal samples per second, which a node takes from its chip; nullopt: by the recording's mean
+  /// interval.
+  std::optional<double> sample_rate_hz;
   /// Filter ticks per second; nullopt: 2, or the sensor's rate if that is lower.
   /// Shorter ticks than the model's shortest flicker decade only cost time.
   std::optional<double> filter_rate_hz;
