@@ -229,10 +229,12 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
   recording::Reader reader{recording::Input{recording}};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
   static_cast<void>(identify::require_rest(samples));
-  Acceptance acceptance{.rest_s = units::seconds(samples.span().ns())};
-  if (acceptance.rest_s < limits.shortest_s) {
+  // As many sample periods as samples; where a recording begins and ends, one more is nobody's.
+  const double period_s = units::seconds(samples.mean_period.ns());
+  Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};
+  if (acceptance.rest_s + period_s < limits.shortest_s) {
     acceptance.judgement = Judgement::too_short;
-    acceptance.reasons.push_back(fmt::format("{:.3g} s at rest; the limits want {:.3g} s",
+    acceptance.reasons.push_back(fmt::format("{:.4g} s at rest; the limits want {:.4g} s",
                                              acceptance.rest_s, limits.shortest_s));
     return acceptance;
   }
