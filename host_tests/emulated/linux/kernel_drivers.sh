@@ -3,13 +3,13 @@
 #
 # The kernel's own gyro drivers (IIO) on our simulated chips, behind the bus and the interrupt line of kernel/, and the
 # arm64 zerorated on top: each chip once through our driver and once through the kernel's. Short: 8 s each, on a host
-# that may be busy. Long: 45 s each, stamps too, twice, and the same must be printed.
+# that is busy with other tests. Long: 45 s each, stamps too, twice, and the same must be printed.
 set -euo pipefail
 repository=$(readlink -f "$1")
 work=$2
 case $3 in
-  short) drives='drivers_on_busy_host 8' runs=1 ;;
-  long) drives='drivers 45' runs=2 ;;
+  short) drives='drivers_on_busy_host 8' start=machine runs=1 ;;
+  long) drives='drivers 45' start=take_turns runs=2 ;;
 esac
 preset=linux-arm64
 source "$repository/host_tests/emulated/linux/machine.sh"
@@ -33,7 +33,7 @@ pack zerorate_world "zerorate_world $drives || cat /run/zerorated.log
 $show_kernel
 poweroff -f" $(module_files i2c-dev vcan can-raw st_lsm6dsx_spi st_lsm6dsx_i2c adxrs450 bmg160_spi \
   inv-mpu6050-spi inv-mpu6050-i2c inv-icm42600-i2c) "${our_modules[@]}"
-take_turns
+"$start"
 add_device_tree
 for ((run = 1; run <= runs; ++run)); do
   "${qemu[@]}" </dev/null | stdbuf -oL tr -d '\r' | tee "$out/drivers-$run.log"
