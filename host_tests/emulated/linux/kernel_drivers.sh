@@ -15,13 +15,19 @@ preset=linux-arm64
 source "$repository/host_tests/emulated/linux/machine.sh"
 show_kernel='dmesg | grep -E " (st_lsm6dsx|adxrs450|bmg160|inv-|iio)"'
 
-# inv_icm42600 knows a chip by the device tree alone: to QEMU's own a node without address and bus is added, which the
-# test bus takes for the chip (kernel/zerorate_bus.c).
+# inv_icm42600 knows a chip by the device tree alone: to QEMU's own are added the chip, without address and bus, and the
+# lines that its interrupt is one of. The modules in kernel/ look for both.
 add_device_tree() {
-  local tree="$out/virt.dtb"
+  local tree="$out/virt.dtb" lines=/zerorate/lines gyro=/zerorate/gyro phandle=0x9000
   "${qemu[@]}" -machine "dumpdtb=$tree" </dev/null
-  fdtput -c "$tree" /zerorate /zerorate/gyro
-  fdtput -t s "$tree" /zerorate/gyro compatible invensense,icm42605
+  fdtput --create "$tree" /zerorate $lines $gyro
+  fdtput --type s "$tree" $lines compatible zerorate,lines
+  fdtput --type s "$tree" $lines interrupt-controller
+  fdtput --type u "$tree" $lines '#interrupt-cells' 2
+  fdtput --type x "$tree" $lines phandle $phandle
+  fdtput --type s "$tree" $gyro compatible invensense,icm42605
+  fdtput --type x "$tree" $gyro interrupt-parent $phandle
+  fdtput --type u "$tree" $gyro interrupts 0 1 # line 0, rising
   qemu+=(-dtb "$tree")
 }
 
@@ -32,7 +38,7 @@ build_modules
 pack zerorate_world "zerorate_world $drives || cat /run/zerorated.log
 $show_kernel
 poweroff -f" $(module_files i2c-dev vcan can-raw st_lsm6dsx_spi st_lsm6dsx_i2c adxrs450 bmg160_spi \
-  inv-mpu6050-spi inv-mpu6050-i2c inv-icm42600-i2c) "${our_modules[@]}"
+  inv-mpu6050-spi inv-mpu6050-i2c inv-icm42600-spi inv-icm42600-i2c) "${our_modules[@]}"
 "$start"
 add_device_tree
 for ((run = 1; run <= runs; ++run)); do

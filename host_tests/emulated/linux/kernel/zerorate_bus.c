@@ -224,23 +224,40 @@ static struct i2c_client *i2c_chip;
 /* A name from spidev's own table of devices, so that spidev binds to it. */
 #define NAME_FOR_SPIDEV "dh2228fv"
 
-static int add_spi_chip(const char *name, int irq)
+/* Some drivers look nowhere but into the device tree: a chip gets the node that is compatible with its name. */
+static struct device_node *node_of(const char *name)
 {
-	struct spi_board_info info = { .max_speed_hz = 10000000, .irq = irq };
-
-	strscpy(info.modalias, name, sizeof(info.modalias));
-	spi_chip = spi_new_device(controller, &info);
-	return spi_chip ? 0 : -ENODEV;
+	return of_find_compatible_node(NULL, NULL, name);
 }
 
-/* With the node of the device tree that is compatible with the name: some drivers look nowhere else. */
+static int add_spi_chip(const char *name, int irq)
+{
+	struct spi_device *chip = spi_alloc_device(controller);
+	int error;
+
+	if (!chip)
+		return -ENOMEM;
+	chip->max_speed_hz = 10000000;
+	chip->irq = irq; /* with a node, that of the node is taken */
+	chip->dev.of_node = node_of(name);
+	strscpy(chip->modalias, name, sizeof(chip->modalias));
+	error = spi_add_device(chip);
+	if (error) {
+		of_node_put(chip->dev.of_node);
+		spi_dev_put(chip);
+		return error;
+	}
+	spi_chip = chip;
+	return 0;
+}
+
 static int add_i2c_chip(const char *name, unsigned short address, int irq)
 {
 	struct i2c_board_info info = { .addr = address, .irq = irq };
 	struct i2c_client *client;
 
 	strscpy(info.type, name, sizeof(info.type));
-	info.of_node = of_find_compatible_node(NULL, NULL, name);
+	info.of_node = node_of(name);
 	client = i2c_new_client_device(&adapter, &info);
 	of_node_put(info.of_node);
 	if (IS_ERR(client))

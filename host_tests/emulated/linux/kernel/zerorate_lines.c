@@ -9,6 +9,7 @@
 #include <linux/irqdomain.h>
 #include <linux/miscdevice.h>
 #include <linux/module.h>
+#include <linux/of.h>
 #include <linux/platform_device.h>
 #include <linux/uaccess.h>
 
@@ -136,6 +137,7 @@ static int __init zerorate_lines_init(void)
 	if (IS_ERR(parent))
 		return PTR_ERR(parent);
 	lines.parent = &parent->dev;
+	lines.fwnode = of_fwnode_handle(of_find_compatible_node(NULL, NULL, "zerorate,lines"));
 	gpio_irq_chip_set_chip(&lines.irq, &line_interrupts);
 	lines.irq.handler = handle_simple_irq;
 	lines.irq.default_type = IRQ_TYPE_NONE;
