@@ -229,7 +229,7 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
   recording::Reader reader{recording::Input{recording}};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
   static_cast<void>(identify::require_rest(samples));
-  // As many sample periods as samples; where a recording begins and ends, one more is nobody's.
+  // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
   Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};
   if (acceptance.rest_s + period_s < limits.shortest_s) {
