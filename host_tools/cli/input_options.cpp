@@ -23,13 +23,12 @@ void read_option(const char* option, const std::string& text, Take take) {
 }  // namespace
 
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
-  CLI::Option* const recording =
-      command
-          .add_option(
-              "RECORDING", flags.recording,
-              "CSV or CSV.gz file, folder of EuRoC, bag of ROS 2 (.db3 or its folder); - for "
-              "standard input")
-          ->required();
+  CLI::Option* const recording = command
+                                     .add_option("RECORDING", flags.recording,
+                                                 "CSV or CSV.gz file, folder of EuRoC, bag of ROS "
+                                                 "2 (.db3 or its folder) or ROS 1 (.bag); "
+                                                 "- for standard input")
+                                     ->required();
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
@@ -57,7 +56,7 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
           "pulses, still or speed at a rate of their own, by the clock of the recording");
   add("--odometer-columns", flags.odometer_columns, "its columns: t=NAME,speed=NAME")->needs(file);
   add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
-  add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag of ROS 2; default: the only one");
+  add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
   add("--odometry-topic", flags.odometry_topic,
       "topic of nav_msgs/Odometry in a bag, whose speed tells rest; default: the only one, if any");
   return recording;

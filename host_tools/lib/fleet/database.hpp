@@ -33,8 +33,8 @@ inline constexpr const char* kListName = "fleet.csv";
 /// A list is a text file: one recording a line, or CSV whose header names the columns `recording`,
 /// `sensor` and `lot` (also `date_code`), of which the first is needed and others are left alone.
 /// Paths are relative to the list. A folder that holds a kListName is that list; another one is
-/// searched for *.csv, *.csv.gz and *.db3, also in its folders. Throws std::runtime_error that
-/// names file, line and reason.
+/// searched for *.csv, *.csv.gz, *.db3 and *.bag, also in its folders. Throws std::runtime_error
+/// that names file, line and reason.
 [[nodiscard]] std::vector<Entry> list_recordings(const std::filesystem::path& folder_or_list);
 
 /// Recording with its results.

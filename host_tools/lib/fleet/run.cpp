@@ -26,7 +26,7 @@ constexpr std::string_view kMissing = "missing:";
 
 std::string without_extensions(const std::string& name) {
   std::string stem = fs::path(name).filename().string();
-  for (const std::string_view extension : {".gz", ".csv", ".db3"}) {
+  for (const std::string_view extension : {".gz", ".csv", ".db3", ".bag"}) {
     if (stem.ends_with(extension)) stem.erase(stem.size() - extension.size());
   }
   return stem;
@@ -34,7 +34,8 @@ std::string without_extensions(const std::string& name) {
 
 bool is_recording(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name.ends_with(".csv") || name.ends_with(".csv.gz") || name.ends_with(".db3");
+  return name.ends_with(".csv") || name.ends_with(".csv.gz") || name.ends_with(".db3") ||
+         name.ends_with(".bag");
 }
 
 std::vector<std::string> cells_of(std::string line) {
@@ -247,7 +248,7 @@ std::vector<Entry> list_recordings(const fs::path& folder_or_list) {
   if (entries.empty()) {
     throw std::runtime_error(
         fmt::format("{}: no recordings here; expected {}", folder_or_list.string(),
-                    is_folder ? "files *.csv, *.csv.gz or *.db3" : "one path a line"));
+                    is_folder ? "files *.csv, *.csv.gz, *.db3 or *.bag" : "one path a line"));
   }
   std::ranges::sort(entries, {}, &Entry::name);
   return entries;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sqlite3.h>
 
 #include <algorithm>
 #include <array>
@@ -10,45 +9,34 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <initializer_list>
 #include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/base/time.hpp"
 
 namespace zerorate::recording {
 namespace {
 
-constexpr std::string_view kSqliteMagic = "SQLite format 3";
-constexpr const char* kTopics =
-    "SELECT name FROM topics WHERE type IN (?1, ?2) AND serialization_format = 'cdr' ORDER BY name";
-constexpr const char* kMessages =
-    "SELECT timestamp, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ?1 "
-    "ORDER BY timestamp, messages.id";
-constexpr const char* kCount =
-    "SELECT COUNT(*) FROM messages JOIN topics ON topics.id = topic_id WHERE name = ?1";
-constexpr const char* kFirstTime = "SELECT COALESCE(MIN(timestamp), 0) FROM messages";
+constexpr std::string_view kRos1Magic = "#ROSBAG V";
 
-/// Name of a message's type, as ROS 2 and as ROS 1 write it.
-std::array<const char*, 2> type_names(Needs needs) {
-  if (needs == Needs::rates) return {"sensor_msgs/msg/Imu", "sensor_msgs/Imu"};
-  return {"nav_msgs/msg/Odometry", "nav_msgs/Odometry"};
-}
-
-/// Fields of a message in CDR (OMG formal/02-06-51, 15.3): each is aligned to its size, counted
-/// from the end of the four bytes that tell the byte order.
-class CdrReader {
+/// Fields of a message, one after the other. In CDR each is aligned to its size, counted from the
+/// end of the four bytes that tell the byte order.
+class FieldReader {
  public:
   struct Truncated {};
 
   /// Throws Truncated, as every function does where the message is too short.
-  explicit CdrReader(std::span<const std::byte> message) : bytes_(message) {
-    const auto options = take<kHeaderBytes>();
+  FieldReader(std::span<const std::byte> message, Serialization serialization)
+      : bytes_(message), is_cdr_(serialization == Serialization::cdr) {
+    if (!is_cdr_) return;
+    const auto options = take<kCdrHeaderBytes>();
     is_big_endian_ = (options[1] & std::byte{1}) == std::byte{0};
   }
 
+  [[nodiscard]] bool is_cdr() const { return is_cdr_; }
   std::uint32_t uint32() { return number<std::uint32_t>(); }
   double float64() { return std::bit_cast<double>(number<std::uint64_t>()); }
   void skip_float64(std::size_t count) {
@@ -61,7 +49,7 @@ class CdrReader {
   }
 
  private:
-  static constexpr std::size_t kHeaderBytes = 4;
+  static constexpr std::size_t kCdrHeaderBytes = 4;
 
   template <std::size_t Count>
   std::array<std::byte, Count> take() {
@@ -75,7 +63,7 @@ class CdrReader {
   template <class Number>
   Number number() {
     constexpr std::size_t kSize = sizeof(Number);
-    offset_ += (kSize - (offset_ - kHeaderBytes) % kSize) % kSize;
+    if (is_cdr_) offset_ += (kSize - (offset_ - kCdrHeaderBytes) % kSize) % kSize;
     auto bytes = take<kSize>();
     if (is_big_endian_ != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
     return std::bit_cast<Number>(bytes);
@@ -83,20 +71,25 @@ class CdrReader {
 
   std::span<const std::byte> bytes_;
   std::size_t offset_ = 0;
+  bool is_cdr_;
   bool is_big_endian_ = false;
 };
 
-/// std_msgs/Header; nanoseconds since 1970.
-std::int64_t take_stamp(CdrReader& message) {
+/// std_msgs/Header, which in ROS 1 begins with a number and has seconds without a sign; nanoseconds
+/// since 1970.
+std::int64_t take_stamp(FieldReader& message) {
   constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  const auto seconds = static_cast<std::int32_t>(message.uint32());
-  const std::int64_t stamp_ns = std::int64_t{seconds} * kNsPerSecond + message.uint32();
+  if (!message.is_cdr()) static_cast<void>(message.uint32());
+  const std::uint32_t bits = message.uint32();
+  const std::int64_t seconds =
+      message.is_cdr() ? static_cast<std::int32_t>(bits) : std::int64_t{bits};
+  const std::int64_t stamp_ns = seconds * kNsPerSecond + message.uint32();
   message.skip_string();
   return stamp_ns;
 }
 
 /// Rest of a sensor_msgs/Imu behind its header.
-void take_rates(CdrReader& message, Row& row) {
+void take_rates(FieldReader& message, Row& row) {
   constexpr std::size_t kOrientation = 4 + 9;
   message.skip_float64(kOrientation);
   for (float& rate : row.rate_rad_s) rate = static_cast<float>(message.float64());
@@ -105,7 +98,7 @@ void take_rates(CdrReader& message, Row& row) {
 }
 
 /// Rest of a nav_msgs/Odometry behind its header.
-void take_speed(CdrReader& message, Row& row) {
+void take_speed(FieldReader& message, Row& row) {
   constexpr std::size_t kPose = 3 + 4 + 36;
   message.skip_string();
   message.skip_float64(kPose);
@@ -113,88 +106,23 @@ void take_speed(CdrReader& message, Row& row) {
   row.speed_m_s = static_cast<float>(std::hypot(forwards, message.float64()));
 }
 
-bool is_database(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // a pipe is read once only
-  std::array<char, kSqliteMagic.size()> magic{};
-  std::ifstream{file, std::ios::binary}.read(magic.data(), magic.size());
-  return std::string_view{magic.data(), magic.size()} == kSqliteMagic;
-}
-
-}  // namespace
-
-using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
-
-/// An SQLite database that is only read. Each function throws Error.
-class Database {
- public:
-  explicit Database(const std::filesystem::path& file) : file_(file) {
-    sqlite3* opened = nullptr;
-    const int fault = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY, nullptr);
-    handle_.reset(opened);
-    if (fault != SQLITE_OK) throw unreadable();
-  }
-
-  [[nodiscard]] Statement prepare(const char* sql, std::initializer_list<const char*> texts = {}) {
-    sqlite3_stmt* prepared = nullptr;
-    const int fault = sqlite3_prepare_v2(handle_.get(), sql, -1, &prepared, nullptr);
-    Statement statement{prepared, &sqlite3_finalize};
-    if (fault != SQLITE_OK) throw unreadable();
-    int index = 0;
-    for (const char* text : texts) sqlite3_bind_text(prepared, ++index, text, -1, SQLITE_TRANSIENT);
-    return statement;
-  }
-
-  /// Moves to the next row of a result; false at its end.
-  [[nodiscard]] bool step(const Statement& statement) const {
-    const int result = sqlite3_step(statement.get());
-    if (result != SQLITE_ROW && result != SQLITE_DONE) throw unreadable();
-    return result == SQLITE_ROW;
-  }
-
-  /// The first number of a result; 0 where it is empty.
-  [[nodiscard]] std::int64_t number(const char* sql,
-                                    std::initializer_list<const char*> texts = {}) {
-    const Statement statement = prepare(sql, texts);
-    return step(statement) ? sqlite3_column_int64(statement.get(), 0) : 0;
-  }
-
- private:
-  [[nodiscard]] Error unreadable() const {
-    return Error{{file_.string()},
-                 sqlite3_errmsg(handle_.get()),
-                 "a bag of ROS 2 (rosbag2_storage_sqlite3)",
-                 "See whether ros2 bag info reads it; a compressed bag is to be unpacked first."};
-  }
-
-  std::filesystem::path file_;
-  std::unique_ptr<sqlite3, decltype(&sqlite3_close)> handle_{nullptr, &sqlite3_close};
-};
-
-namespace {
-
 /// The topic that is meant: the one named, or the only one with such messages.
-std::string choose_topic(const std::filesystem::path& file, Needs needs, const std::string& named) {
-  const std::vector<std::string> topics = bag_topics(file, needs);
+std::string choose_topic(Bag& bag, Needs needs, const std::string& named) {
+  const std::vector<std::string> topics = bag.topics(needs);
   const char* const option = needs == Needs::rates ? "--topic" : "--odometry-topic";
-  const char* const type = type_names(needs)[0];
+  const std::string_view type = bag.format().type(needs);
   const std::string list = fmt::format("{}", fmt::join(topics, ", "));
+  const Place place{bag.file().string()};
   if (topics.empty()) {
-    throw Error{{file.string()},
-                fmt::format("no topic with messages of {}", type),
-                "one such topic",
-                "See what the bag holds: ros2 bag info."};
+    throw Error{place, fmt::format("no topic with messages of {}", type), "one such topic",
+                fmt::format("See what the bag holds: {}.", bag.format().info_command)};
   }
   if (!named.empty() && std::ranges::find(topics, named) == topics.end()) {
-    throw Error{{file.string()},
-                fmt::format("no topic {} with messages of {}", excerpt(named), type),
-                list,
+    throw Error{place, fmt::format("no topic {} with messages of {}", excerpt(named), type), list,
                 fmt::format("Name one of them: {}.", option)};
   }
   if (named.empty() && topics.size() > 1) {
-    throw Error{{file.string()},
-                fmt::format("{} topics with messages of {}", topics.size(), type),
-                list,
+    throw Error{place, fmt::format("{} topics with messages of {}", topics.size(), type), list,
                 fmt::format("Name the one that is meant: {}.", option)};
   }
   return named.empty() ? topics.front() : named;
@@ -202,98 +130,68 @@ std::string choose_topic(const std::filesystem::path& file, Needs needs, const s
 
 }  // namespace
 
-std::vector<std::filesystem::path> bag_files(const std::filesystem::path& path) {
+bool file_begins_with(const std::filesystem::path& file, std::string_view text) {
   std::error_code ignored;
-  if (!std::filesystem::is_directory(path, ignored)) {
-    return is_database(path) ? std::vector{path} : std::vector<std::filesystem::path>{};
-  }
-  std::vector<std::pair<std::int64_t, std::filesystem::path>> found;
-  for (const auto& entry : std::filesystem::directory_iterator{path, ignored}) {
-    if (entry.path().extension() != ".db3") continue;
-    found.emplace_back(Database{entry.path()}.number(kFirstTime), entry.path());
-  }
-  std::ranges::sort(found);
-  std::vector<std::filesystem::path> files;
-  files.reserve(found.size());
-  for (auto& [time, file] : found) files.push_back(std::move(file));
-  return files;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // a pipe is read once only
+  std::string begin(text.size(), '\0');
+  std::ifstream{file, std::ios::binary}.read(begin.data(),
+                                             static_cast<std::streamsize>(begin.size()));
+  return begin == text;
 }
 
-std::vector<std::string> bag_topics(const std::filesystem::path& file, Needs needs) {
-  Database database{file};
-  const auto types = type_names(needs);
-  const Statement query = database.prepare(kTopics, {types[0], types[1]});
-  std::vector<std::string> topics;
-  while (database.step(query)) {
-    topics.emplace_back(reinterpret_cast<const char*>(sqlite3_column_text(query.get(), 0)));
-  }
-  return topics;
+std::unique_ptr<Bag> open_bag(const std::filesystem::path& path) {
+  if (!file_begins_with(path, kRos1Magic)) return open_ros2_bag(path);
+#ifdef ZERORATE_HAS_ROSBAG
+  return open_ros1_bag(path);
+#else
+  throw Error{{path.string()},
+              "a bag of ROS 1, for which this build lacks a library",
+              "a CSV or CSV.gz file, or a bag of ROS 2",
+              "Install librosbag-storage-dev and build again, or convert the bag: "
+              "rosbags-convert --src run.bag --dst run_db3."};
+#endif
 }
 
-struct BagRows::OpenFile {
-  OpenFile(const std::filesystem::path& file, const std::string& topic)
-      : database(file), messages(database.prepare(kMessages, {topic.c_str()})) {}
-
-  Database database;
-  Statement messages;
-};
-
-BagRows::BagRows(std::vector<std::filesystem::path> files, Needs needs, const std::string& topic)
-    : files_(std::move(files)),
+BagRows::BagRows(std::unique_ptr<Bag> bag, Needs needs, const std::string& topic)
+    : bag_(std::move(bag)),
       needs_(needs),
-      topic_(choose_topic(files_.front(), needs, topic)),
-      columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion} {
-  for (const auto& file : files_) {
-    messages_known_ += static_cast<std::uint64_t>(Database{file}.number(kCount, {topic_.c_str()}));
-  }
-  open_next();
-}
-
-BagRows::~BagRows() = default;
-
-void BagRows::open_next() {
-  open_ = std::make_unique<OpenFile>(files_[opened_], topic_);
-  ++opened_;
-}
+      topic_(choose_topic(*bag_, needs, topic)),
+      columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion},
+      messages_known_(bag_->select(topic_, needs)) {}
 
 bool BagRows::next(Row& row) {
-  while (!open_->database.step(open_->messages)) {
-    if (opened_ == files_.size()) {
-      if (messages_ > 0) return false;
-      throw Error{{files_.front().string()},
-                  "no messages of " + topic_,
-                  "at least one message",
-                  "Check that the bag was recorded to its end."};
-    }
-    open_next();
+  BagMessage message;
+  if (!bag_->next(message)) {
+    if (messages_ > 0) return false;
+    throw Error{{bag_->file().string()},
+                "no messages of " + topic_,
+                "at least one message",
+                "Check that the bag was recorded to its end."};
   }
   ++messages_;
-  sqlite3_stmt* const message = open_->messages.get();
-  const auto* const bytes = static_cast<const std::byte*>(sqlite3_column_blob(message, 1));
-  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(message, 1));
-  row = decode(sqlite3_column_int64(message, 0), {bytes, size});
+  row = decode(message);
   return true;
 }
 
-Row BagRows::decode(std::int64_t recorded_ns, std::span<const std::byte> message) const {
-  const auto bad = [&](const char* found, const char* expected) {
-    return Error{{files_[opened_ - 1].string()},
+Row BagRows::decode(const BagMessage& message) const {
+  const auto bad = [&](const char* found, std::string_view expected) {
+    return Error{{bag_->file().string()},
                  fmt::format("{} as message {} of {}", found, messages_, topic_),
-                 expected,
+                 std::string(expected),
                  "The bag may be damaged, or its type of message another one."};
   };
   Row row;
   try {
-    CdrReader reader{message};
+    FieldReader reader{message.bytes, bag_->format().serialization};
     const std::int64_t stamp_ns = take_stamp(reader);
-    row.time_ns = stamp_ns != 0 ? stamp_ns : recorded_ns;
+    row.time_ns = stamp_ns != 0 ? stamp_ns : message.recorded_ns;
     if (needs_ == Needs::rates) {
       take_rates(reader, row);
     } else {
       take_speed(reader, row);
     }
-  } catch (const CdrReader::Truncated&) {
-    throw bad("a message that ends early", type_names(needs_)[0]);
+  } catch (const FieldReader::Truncated&) {
+    throw bad("a message that ends early", bag_->format().type(needs_));
   }
   if (!core::is_in_range(core::Instant::from_ns(row.time_ns)))
     throw bad("an impossible time", "a time since 1970");

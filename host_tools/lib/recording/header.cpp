@@ -296,8 +296,8 @@ std::string_view find_header_line(LineReader& lines) {
   std::string_view line;
   while (lines.next(line)) {
     if (line.starts_with("#ROSBAG V")) {
-      throw Error{lines.place(), "a bag of ROS 1", "a CSV or CSV.gz file, or a bag of ROS 2",
-                  "Convert it: rosbags-convert --src run.bag --dst run_db3."};
+      throw Error{lines.place(), "the bytes of a bag of ROS 1", "a CSV or CSV.gz file",
+                  "Give its path to zerorate of the host tools, which opens it by itself."};
     }
     if (line.starts_with('#') && is_header(line.substr(1))) return line.substr(1);
     if (!line.empty() && !line.starts_with('#')) return line;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/lib/recording/error.hpp"
@@ -26,9 +27,9 @@ namespace zerorate::recording {
 class Reader {
  public:
   /// Opens the input and reads its header. Throws Error.
-  explicit Reader(const Input& input);
+  explicit Reader(const Input& input) : Reader(open_rows(input)) {}
   /// Reads from a source that is already open.
-  explicit Reader(std::unique_ptr<RowSource> rows);
+  explicit Reader(std::unique_ptr<RowSource> rows) : rows_(std::move(rows)) {}
 
   [[nodiscard]] const Columns& columns() const { return rows_->columns(); }
   /// Names of the columns that are not read, in the order of the file.
@@ -38,7 +39,11 @@ class Reader {
 
   /// Reads the next row; false at the end of the file, with `row` as it was. Throws Error, also at
   /// the end of a file without any row. After an Error the reader is not to be used further.
-  [[nodiscard]] bool next(Row& row);
+  [[nodiscard]] bool next(Row& row) {
+    if (!rows_->next(row)) return false;
+    findings_.examine(row, rows_->columns(), rows_->line());
+    return true;
+  }
 
   /// The line of the row last read, from 1.
   [[nodiscard]] std::uint64_t line() const { return rows_->line(); }

@@ -44,21 +44,22 @@ std::unique_ptr<RowSource> with_odometer_file(std::unique_ptr<RowSource> rates,
 
 #ifdef ZERORATE_HAS_SQLITE
 
-std::unique_ptr<RowSource> open_bag(const Input& input) {
-  std::vector<std::filesystem::path> files = bag_files(input.path);
-  if (files.empty()) return nullptr;
+std::unique_ptr<RowSource> open_rows_of_bag(const Input& input) {
+  std::unique_ptr<Bag> bag = open_bag(input.path);
+  if (!bag) return nullptr;
   if (!input.layout.columns.empty() || !input.layout.units.empty()) {
     throw Error{{input.path.string()},
-                "a bag of ROS 2",
+                std::string(bag->format().name),
                 "no columns and units: its messages tell them",
                 "Leave out --columns and --units; --topic names what is read."};
   }
-  auto rates = std::make_unique<BagRows>(files, Needs::rates, input.topic);
-  const bool has_odometry =
-      !input.odometry_topic.empty() || !bag_topics(files.front(), Needs::motion).empty();
+  const bool has_odometry = !input.odometry_topic.empty() || !bag->topics(Needs::motion).empty();
+  auto rates = std::make_unique<BagRows>(std::move(bag), Needs::rates, input.topic);
   if (!has_odometry || !input.odometer_path.empty())
     return with_odometer_file(std::move(rates), input);
-  auto motion = std::make_unique<BagRows>(std::move(files), Needs::motion, input.odometry_topic);
+  // Opened once more, because a chunk is unpacked again when two read at places of their own.
+  auto motion =
+      std::make_unique<BagRows>(open_bag(input.path), Needs::motion, input.odometry_topic);
   return std::make_unique<WithMotion>(std::move(rates), std::move(motion),
                                       input.speed.value_or(SpeedRule{}));
 }
@@ -66,7 +67,7 @@ std::unique_ptr<RowSource> open_bag(const Input& input) {
 #else
 
 /// This build reads no bags.
-std::unique_ptr<RowSource> open_bag(const Input& /*input*/) {
+std::unique_ptr<RowSource> open_rows_of_bag(const Input& /*input*/) {
   return nullptr;
 }
 
@@ -75,7 +76,7 @@ std::unique_ptr<RowSource> open_bag(const Input& /*input*/) {
 }  // namespace
 
 std::unique_ptr<RowSource> open_rows(const Input& input) {
-  if (auto bag = open_bag(input)) return bag;
+  if (auto bag = open_rows_of_bag(input)) return bag;
   return with_odometer_file(
       std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates), input);
 }

@@ -29,7 +29,7 @@ class RowSource {
   [[nodiscard]] virtual std::vector<std::string> ignored_columns() const { return {}; }
 };
 
-/// Opens a text file, a folder of EuRoC or a bag of ROS 2, joined with its odometer. Throws Error.
+/// Opens a text file, a folder of EuRoC or a bag, joined with its odometer. Throws Error.
 [[nodiscard]] std::unique_ptr<RowSource> open_rows(const Input& input);
 
 }  // namespace zerorate::recording

@@ -35,7 +35,7 @@ ModelOrName = Union[str, "os.PathLike[str]", Model]
 
 
 def read(path: Union[str, "os.PathLike[str]"], *, columns: str = "", units: str = "", delimiter: str = "") -> Recording:
-    """Reads a recording: CSV or CSV.gz, a folder of EuRoC, a bag of ROS 2.
+    """Reads a recording: CSV or CSV.gz, a folder of EuRoC, a bag of ROS.
 
     `columns`, `units` and `delimiter` are those of the command line, for files of other formats:
     `columns="t=stamp,gx=wx,gy=wy,gz=wz", units="time=ns,rate=radps"`. Raises RecordingError.

@@ -1,0 +1,72 @@
+/// @file
+/// A bag of ROS 1 or ROS 2: its topics, and their messages as bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/recording/header.hpp"
+
+namespace zerorate::recording {
+
+/// Rules by which the fields of a message become bytes: CDR (OMG formal/02-06-51, 15.3) in ROS 2,
+/// packed fields in little-endian order in ROS 1.
+enum class Serialization : std::uint8_t { cdr, ros1 };
+
+/// Differences between the bags of the two.
+struct BagFormat {
+  Serialization serialization;
+  std::string_view name;  ///< for messages
+  std::string_view imu_type;
+  std::string_view odometry_type;
+  std::string_view info_command;  ///< shows its user what a bag holds
+
+  [[nodiscard]] std::string_view type(Needs needs) const {
+    return needs == Needs::rates ? imu_type : odometry_type;
+  }
+};
+
+/// One message.
+struct BagMessage {
+  std::int64_t recorded_ns = 0;      ///< since 1970
+  std::span<const std::byte> bytes;  ///< until the next message is read
+};
+
+/// Gives the messages of one topic. Each function throws Error.
+class Bag {
+ public:
+  virtual ~Bag() = default;
+
+  [[nodiscard]] virtual const BagFormat& format() const = 0;
+  /// Names of the topics with messages for rates or motion, in alphabetical order.
+  [[nodiscard]] virtual std::vector<std::string> topics(Needs needs) = 0;
+  /// Begins with the first message of a topic; gives how many there are.
+  virtual std::uint64_t select(const std::string& topic, Needs needs) = 0;
+  /// Reads the next message, in the order of recording; false at the end.
+  [[nodiscard]] virtual bool next(BagMessage& message) = 0;
+  /// File of the message that was read last.
+  [[nodiscard]] virtual const std::filesystem::path& file() const = 0;
+};
+
+/// Opens a bag: a .db3 file, a folder of them, or a .bag file; null where the path is none of them.
+/// Throws Error, also for a .bag file where the build lacks the library for it.
+[[nodiscard]] std::unique_ptr<Bag> open_bag(const std::filesystem::path& path);
+
+/// Opens the database of a bag of ROS 2, or all of its folder in the order of their messages; null
+/// where there is none. Throws Error.
+[[nodiscard]] std::unique_ptr<Bag> open_ros2_bag(const std::filesystem::path& path);
+
+/// Opens a bag of ROS 1. Throws Error. Only where Debian's librosbag-storage is there.
+[[nodiscard]] std::unique_ptr<Bag> open_ros1_bag(const std::filesystem::path& path);
+
+/// Whether a file, which is no pipe, begins with this text.
+[[nodiscard]] bool file_begins_with(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace zerorate::recording
