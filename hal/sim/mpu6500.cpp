@@ -10,11 +10,16 @@ namespace {
 
 // Written apart from the driver's tables, so that each checks the other.
 enum Address : std::uint8_t {
+  xg_offs_tc = 0x00,
   xg_offset_h = 0x13,
   smplrt_div = 0x19,
   config = 0x1A,
   gyro_config = 0x1B,
   fifo_en = 0x23,
+  i2c_slv0_addr = 0x25,
+  i2c_slv0_reg = 0x26,
+  i2c_slv0_ctrl = 0x27,
+  i2c_mst_status = 0x36,
   int_pin_cfg = 0x37,
   int_enable = 0x38,
   int_status = 0x3A,
@@ -22,6 +27,7 @@ enum Address : std::uint8_t {
   temp_out_h = 0x41,
   gyro_xout_h = 0x43,
   gyro_zout_l = 0x48,
+  ext_sens_data_00 = 0x49,
   signal_path_reset = 0x68,
   user_ctrl = 0x6A,
   pwr_mgmt_1 = 0x6B,
@@ -57,11 +63,18 @@ double dps_per_lsb(std::uint8_t gyro) {
   return 250.0 * std::exp2((gyro >> 3U) & 3U) / 32768.0;
 }
 
+std::uint8_t byte_of_magnetometer(unsigned address) {
+  if (address == 0x00) return 0x48;                    // WIA
+  if (address >= 0x10 && address <= 0x12) return 128;  // ASAX to ASAZ: a factor of 1
+  return 0;
+}
+
 }  // namespace
 
 void SimulatedMpu6500::reset_registers() {
   registers_.fill(0);
   registers_[pwr_mgmt_1] = is_mpu6050() ? 0x40 : 0x01;
+  if (is_mpu6050()) registers_[xg_offs_tc] = 0x01;  // OTP_BNK_VLD
   registers_[who_am_i] = identity_;
   fifo_.clear();
   last_fifo_byte_ = 0;
@@ -227,6 +240,25 @@ void SimulatedMpu6500::announce(unsigned events) {
   const bool is_latched = (registers_[int_pin_cfg] & 0x20U) != 0;
   drive_int(true);
   if (!is_latched) drive_int(false);
+}
+
+void SimulatedMpu9250::write_register(std::uint8_t address, std::uint8_t value) {
+  SimulatedMpu6500::write_register(address, value);
+  if ((address & 0x7FU) == user_ctrl && (value & 0x20U) != 0) serve_first_slave();  // I2C_MST_EN
+}
+
+/// Whoever is not the magnetometer does not answer. What is written to it is forgotten.
+void SimulatedMpu9250::serve_first_slave() {
+  constexpr unsigned kMagnetometer = 0x0C;
+  const unsigned address = registers_[i2c_slv0_addr];
+  const unsigned control = registers_[i2c_slv0_ctrl];
+  if ((control & 0x80U) == 0) return;
+  const bool has_answered = (address & 0x7FU) == kMagnetometer;
+  const bool is_reading = (address & 0x80U) != 0;
+  registers_[i2c_mst_status] = has_answered ? 0x00 : 0x01;  // I2C_SLV0_NACK
+  for (unsigned i = 0; has_answered && is_reading && i < (control & 0x0FU); ++i) {
+    registers_.at(ext_sens_data_00 + i) = byte_of_magnetometer(registers_[i2c_slv0_reg] + i);
+  }
 }
 
 }  // namespace zerorate::hal::sim

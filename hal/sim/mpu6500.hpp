@@ -22,7 +22,8 @@ namespace zerorate::hal::sim {
 /// tags with overflow in both modes, temperature, INT pulsed or latched, high or low.
 ///
 /// Not modelled: the accelerometer (it reads 0, also in the FIFO), filters, self-test, wake on
-/// motion, FSYNC, the I2C master (its registers are memory), DMP, low-power cycles.
+/// motion, FSYNC, the I2C master (its registers are memory, but see SimulatedMpu9250), DMP,
+/// low-power cycles.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
@@ -31,6 +32,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
   static constexpr std::string_view kName = "mpu6500";
   static constexpr std::uint8_t kIdentityMpu6050 = 0x68;
   static constexpr std::uint8_t kIdentityMpu6500 = 0x70;
+  static constexpr std::uint8_t kIdentityMpu9250 = 0x71;
 
   /// @param clock the simulation's time; must outlive the chip
   /// @param identity of WHO_AM_I. That of the MPU-6050 brings its FIFO, thermometer and reset
@@ -85,5 +87,20 @@ class SimulatedMpu6050 : public SimulatedMpu6500 {
   explicit SimulatedMpu6050(const SimulatedClock& clock)
       : SimulatedMpu6500(clock, kIdentityMpu6050) {}
 };
+
+/// The MPU-9250, and of its magnetometer, an AK8963 behind the I2C master, its identity and the
+/// factors in its fuses, here all 1. Of the master's slaves the first alone is modelled: it is
+/// served once, when the master is switched on.
+class SimulatedMpu9250 : public SimulatedMpu6500 {
+ public:
+  explicit SimulatedMpu9250(const SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityMpu9250) {}
+
+  void write_register(std::uint8_t address, std::uint8_t value);
+
+ private:
+  void serve_first_slave();
+};
+static_assert(RegisterChip<SimulatedMpu9250>);
 
 }  // namespace zerorate::hal::sim

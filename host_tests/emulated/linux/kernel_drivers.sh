@@ -3,7 +3,8 @@
 #
 # The kernel's own gyro drivers (IIO) on our simulated chips, behind the bus and the interrupt line of kernel/, and the
 # arm64 zerorated on top: each chip once through our driver and once through the kernel's. Short: 8 s each, on a host
-# that is busy with other tests. Long: 45 s each, stamps too, twice, and the same must be printed.
+# that is busy with other tests. Long: 45 s each, stamps and the chips' relatives too, twice, and the same must be
+# printed.
 set -euo pipefail
 repository=$(readlink -f "$1")
 work=$2

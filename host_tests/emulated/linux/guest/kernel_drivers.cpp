@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tests/emulated/linux/guest/bench.hpp"
@@ -68,13 +70,49 @@ Wiring wiring(const char* name, const Reading& ours, const std::string& iio_line
   return both;
 }
 
-std::vector<Wiring> wirings_of_st() {
-  Reading spi = on_spi_by_ours(on_spi<hal::sim::SimulatedLsm6dso>, "lsm6dso", 104);
-  Reading i2c = on_i2c_by_ours(on_i2c<hal::sim::SimulatedLsm6dso, 0x6A>, "lsm6dso", 104);
-  spi.setup.lsb_dps = i2c.setup.lsb_dps = kLsbDps;
-  const std::string iio = "device = \"lsm6dso_gyro\"\n" + lines("lsm6dso", 104, 250);
-  return {wiring("st_lsm6dsx over SPI", spi, iio, "spi lsm6dso 0 0"),
-          wiring("st_lsm6dsx over I2C", i2c, iio, "i2c lsm6dso 6a 0")};
+/// A chip whose two readings differ in nothing but the driver.
+struct Row {
+  const char* name;
+  Make make;
+  const char* chip;  ///< in a configuration
+  int rate_hz;
+  float lsb_dps;
+  const char* iio;      ///< name that the kernel's driver gives it
+  const char* binding;  ///< see GyroSetup
+};
+
+constexpr float kLsbMpuDps = 250.0F / 32768.0F;
+
+constexpr std::array kRows{
+    Row{"st_lsm6dsx over SPI", on_spi<hal::sim::SimulatedLsm6dso>, "lsm6dso", 104, kLsbDps,
+        "lsm6dso_gyro", "spi lsm6dso 0 0"},
+    Row{"st_lsm6dsx over I2C", on_i2c<hal::sim::SimulatedLsm6dso, 0x6A>, "lsm6dso", 104, kLsbDps,
+        "lsm6dso_gyro", "i2c lsm6dso 6a 0"},
+    Row{"inv_mpu6050 over SPI", on_spi<hal::sim::SimulatedMpu6500>, "mpu6500", 100, kLsbMpuDps,
+        "mpu6500", "spi mpu6500 0 0"},
+    Row{"inv_mpu6050 over I2C", on_i2c<hal::sim::SimulatedMpu6500, 0x68>, "mpu6500", 100,
+        kLsbMpuDps, "mpu6500", "i2c mpu6500 68 0"},
+};
+
+/// Relatives that Linux 6.1 knows too.
+constexpr std::array kRelatives{
+    Row{"st_lsm6dsx, ISM330DHCX over SPI", on_spi<hal::sim::SimulatedIsm330dhcx>, "ism330dhcx", 104,
+        kLsbDps, "ism330dhcx_gyro", "spi ism330dhcx 0 0"},
+    Row{"st_lsm6dsx, ASM330LHH over I2C", on_i2c<hal::sim::SimulatedAsm330lhh, 0x6A>, "asm330lhh",
+        104, kLsbDps, "asm330lhh_gyro", "i2c asm330lhh 6a 0"},
+    Row{"inv_mpu6050, MPU-6050 over I2C", on_i2c<hal::sim::SimulatedMpu6050, 0x68>, "mpu6500", 100,
+        kLsbMpuDps, "mpu6050", "i2c mpu6050 68 0"},
+    Row{"inv_mpu6050, MPU-9250 over SPI", on_spi<hal::sim::SimulatedMpu9250>, "mpu6500", 100,
+        kLsbMpuDps, "mpu9250", "spi mpu9250 0 0"},
+};
+
+Wiring wiring_of(const Row& row) {
+  const bool is_spi = std::string_view{row.binding}.starts_with("spi");
+  Reading ours = (is_spi ? on_spi_by_ours : on_i2c_by_ours)(row.make, row.chip, row.rate_hz);
+  ours.setup.lsb_dps = row.lsb_dps;
+  return wiring(row.name, ours,
+                "device = \"" + std::string{row.iio} + "\"\n" + lines(row.chip, row.rate_hz, 250),
+                row.binding);
 }
 
 /// The chip converts when it is asked: our driver asks 200 times a second, the kernel's 100 times.
@@ -92,14 +130,6 @@ Wiring wiring_of_adxrs450() {
   return both;
 }
 
-std::vector<Wiring> wirings_of_mpu6500() {
-  const std::string iio = "device = \"mpu6500\"\n" + lines("mpu6500", 100, 250);
-  const Reading spi = on_spi_by_ours(on_spi<hal::sim::SimulatedMpu6500>, "mpu6500", 100);
-  const Reading i2c = on_i2c_by_ours(on_i2c<hal::sim::SimulatedMpu6500, 0x68>, "mpu6500", 100);
-  return {wiring("inv_mpu6050 over SPI", spi, iio, "spi mpu6500 0 0"),
-          wiring("inv_mpu6050 over I2C", i2c, iio, "i2c mpu6500 68 0")};
-}
-
 /// Linux 6.1 knows no ICM-42688, but an older sister, by the device tree.
 std::vector<Wiring> wirings_of_icm42688() {
   const std::string iio = "device = \"icm42605-gyro\"\n" + lines("icm42688", 100, 250);
@@ -114,14 +144,14 @@ std::vector<Wiring> wirings_of_icm42688() {
 }
 
 std::vector<Wiring> wirings() {
-  std::vector<Wiring> all = wirings_of_st();
+  std::vector<Wiring> all;
+  std::ranges::transform(kRows, std::back_inserter(all), wiring_of);
   all.push_back(wiring_of_adxrs450());
   Wiring bosch =
       wiring("bmg160", on_spi_by_ours(on_spi<hal::sim::SimulatedBmi088>, "bmi088", 100),
              "device = \"bmi088_gyro\"\n" + lines("bmi088", 100, 250), "spi bmi088_gyro 0 0");
   bosch.writes_blindly = true;
   all.push_back(bosch);
-  std::ranges::move(wirings_of_mpu6500(), std::back_inserter(all));
   std::ranges::move(wirings_of_icm42688(), std::back_inserter(all));
   return all;
 }
@@ -290,11 +320,15 @@ void unbind(DeviceWorld& world, Verdict& verdict, const Wiring& wiring) {
 
 }  // namespace
 
-void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds,
-                            bool judges_stamps) {
+void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds, bool is_whole) {
   take_lines_of_probe(world, verdict);
   for (const Wiring& wiring : wirings()) {
-    compare_drivers(world, verdict, wiring, seconds, judges_stamps);
+    compare_drivers(world, verdict, wiring, seconds, is_whole);
+  }
+  if (is_whole) {
+    for (const Row& relative : kRelatives) {
+      compare_drivers(world, verdict, wiring_of(relative), seconds, true);
+    }
   }
   for (const Wiring& wiring : wirings()) unbind(world, verdict, wiring);
 }

@@ -2,8 +2,8 @@
 //
 // usage: zerorate_world node|drivers|drivers_on_busy_host SECONDS
 // Goes through the scenarios of the node, the undisturbed one for so long, or compares the drivers
-// of the kernel with ours, each for so long; on a busy host without the stamps. Prints one line a
-// finding and a last line "WORLD n passed, m failed".
+// of the kernel with ours, each for so long; on a busy host without the stamps and the chips'
+// relatives. Prints one line a finding and a last line "WORLD n passed, m failed".
 
 #include <cstdio>
 #include <cstdlib>

@@ -41,6 +41,29 @@ TEST_F(SimulatedMpu6500Test, RunsFromPowerOnAndTheMpu6050Sleeps) {
   EXPECT_EQ(older.read_register(0x75), 0x68);
   EXPECT_EQ(older.read_register(0x6B), 0x40);
   EXPECT_FALSE(older.is_powered());
+  EXPECT_EQ(older.read_register(0x00) & 0x01, 0x01) << "OTP_BNK_VLD";
+}
+
+TEST_F(SimulatedMpu6500Test, MagnetometerOfTheMpu9250AnswersThroughTheFirstSlave) {
+  SimulatedMpu9250 chip(clock_);
+  EXPECT_EQ(chip.read_register(0x75), 0x71);
+  const auto ask = [&](std::uint8_t address, std::uint8_t from, std::uint8_t control) {
+    chip.write_register(0x25, address);
+    chip.write_register(0x26, from);
+    chip.write_register(0x27, control);
+    chip.write_register(0x6A, 0x20);
+    chip.write_register(0x6A, 0x00);
+    return chip.read_register(0x36) & 0x01;  // I2C_SLV0_NACK
+  };
+  EXPECT_EQ(ask(0x8C, 0x00, 0x81), 0);
+  EXPECT_EQ(chip.read_register(0x49), 0x48);
+  EXPECT_EQ(ask(0x8C, 0x0F, 0x85), 0) << "three factors of 1, and what is not modelled around them";
+  EXPECT_EQ(chip.read_register(0x49), 0);
+  for (const std::uint8_t at : {0x4A, 0x4B, 0x4C}) EXPECT_EQ(chip.read_register(at), 128);
+  EXPECT_EQ(chip.read_register(0x4D), 0);
+  EXPECT_EQ(ask(0x0C, 0x0B, 0x81), 0) << "written to";
+  EXPECT_EQ(ask(0x8D, 0x00, 0x81), 1) << "nobody is there";
+  EXPECT_EQ(ask(0x8C, 0x00, 0x01), 1) << "switched off: the status stays";
 }
 
 TEST_F(SimulatedMpu6500Test, HasFourRangesAndClips) {
