@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -108,7 +109,8 @@ GainSummary gains_of(const std::string& effect, const CampaignOptions& options) 
     write_recording(scenario, recording);
     const Answer answer = answer_of(options, recording);
     if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
-      gains.add(answer.gain);
+      gains.add(answer.gain,
+                std::ranges::find(answer.extensions, effect) != answer.extensions.end());
     }
     progress.update(static_cast<double>(gains.size()) /
                     static_cast<double>(options.gain_recordings));

@@ -75,20 +75,23 @@ TEST(GainSummary, HoldsMediansAndMeansAgainstTheBars) {
                .heading_drift_ratio = 0.8,
                .coverage95_base = 0.8,
                .coverage95_extended = 0.95 + 0.1 * off,
-               .log_score_gain_nats_per_sample = 2e-3 + off * off});
+               .log_score_gain_nats_per_sample = 2e-3 + off * off},
+              off > 0.0);
   }
   EXPECT_DOUBLE_EQ(tally.median(&Gain::rsse_ratio).value, 1.0);
   EXPECT_DOUBLE_EQ(tally.mean(&Gain::coverage95_extended).value, 0.95 + 0.016);
   EXPECT_TRUE(tally.scores_better() && tally.errs_no_more() && tally.covers());
-  EXPECT_NE(tally.row().find("| rate_ramp | 3 | 2.4 ("), std::string::npos);
-  EXPECT_NE(tally.row().find("| yes |"), std::string::npos);
+  EXPECT_NE(tally.row().find("| rate_ramp | 3 | 1 | 2.4 ("), std::string::npos);
+  EXPECT_NE(tally.row().find("| pay |"), std::string::npos);
   tally.add({.rsse_ratio = 1.1,
              .heading_drift_ratio = 0.8,
              .coverage95_base = 0.8,
              .coverage95_extended = 0.7,
-             .log_score_gain_nats_per_sample = -1.0});
+             .log_score_gain_nats_per_sample = -1.0},
+            true);
   EXPECT_FALSE(tally.errs_no_more() || tally.covers() || tally.scores_better());
-  EXPECT_NE(tally.row().find("| not: log score error coverage |"), std::string::npos);
+  EXPECT_FALSE(tally.scores_worse());
+  EXPECT_NE(tally.row().find("| harm: error coverage |"), std::string::npos);
 }
 
 TEST(ScenarioOfAnAwkwardLength, HasThatLengthAndRate) {

@@ -60,6 +60,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 void add_cause(const nlohmann::json& cause, Answer& answer) {
   constexpr std::string_view kEnd = "_ci95";
   answer.causes.push_back(cause.at("name"));
+  if (cause.at("in_model").get<bool>()) answer.extensions.push_back(answer.causes.back());
   for (const auto& [key, interval] : cause.at("parameters").items()) {
     if (!key.ends_with(kEnd) || interval[0].is_null() || interval[1].is_null()) continue;
     answer.intervals[answer.causes.back()][key.substr(0, key.size() - kEnd.size())] = {

@@ -32,6 +32,7 @@ struct Answer {
   std::string verdict;
   std::vector<std::string> causes;        ///< strongest first
   std::vector<std::string> alternatives;  ///< of all causes
+  std::vector<std::string> extensions;    ///< causes that the extended model has
   Gain gain;
   /// 95 % intervals of the parameters of each cause, by its name and theirs.
   std::map<std::string, std::map<std::string, std::pair<double, double>>> intervals;

@@ -51,6 +51,9 @@ statistics::BootstrapFigure GainSummary::mean(double Gain::*figure) const {
 bool GainSummary::scores_better() const {
   return median(&Gain::log_score_gain_nats_per_sample).lo > 0.0;
 }
+bool GainSummary::scores_worse() const {
+  return median(&Gain::log_score_gain_nats_per_sample).hi < 0.0;
+}
 bool GainSummary::errs_no_more() const {
   return median(&Gain::rsse_ratio).value <= kGreatestErrorRatio &&
          median(&Gain::heading_drift_ratio).value <= kGreatestErrorRatio;
@@ -61,26 +64,26 @@ bool GainSummary::covers() const {
 }
 
 std::string GainSummary::header() {
-  return "| hidden effect | recordings | log score gain, 10^-3 nats a sample | RSSE | heading "
-         "drift "
-         "| coverage before | after | holds |\n|---|---|---|---|---|---|---|---|\n";
+  return "| hidden effect | recordings | in the model | log score gain, 10^-3 nats a sample | RSSE "
+         "| heading drift | coverage before | after | the models |\n"
+         "|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string GainSummary::row() const {
   const auto score = median(&Gain::log_score_gain_nats_per_sample);
   const auto after = mean(&Gain::coverage95_extended);
   std::string misses;
-  if (!scores_better()) misses += " log score";
+  if (scores_worse()) misses += " log score";
   if (!errs_no_more()) misses += " error";
   if (!covers()) misses += " coverage";
   return fmt::format(
-      "| {} | {} | {:.3g} ({:.3g} to {:.3g}) | {:.4f} | {:.3f} | {:.3f} | {:.3f} ({:.3f} to "
+      "| {} | {} | {} | {:.3g} ({:.3g} to {:.3g}) | {:.4f} | {:.3f} | {:.3f} | {:.3f} ({:.3f} to "
       "{:.3f}) "
       "| {} |\n",
-      effect_, size(), 1e3 * score.value, 1e3 * score.lo, 1e3 * score.hi,
+      effect_, size(), extensions_, 1e3 * score.value, 1e3 * score.lo, 1e3 * score.hi,
       median(&Gain::rsse_ratio).value, median(&Gain::heading_drift_ratio).value,
       mean(&Gain::coverage95_base).value, after.value, after.lo, after.hi,
-      misses.empty() ? "yes" : "not:" + misses);
+      misses.empty() ? (scores_better() ? "pay" : "do no harm") : "harm:" + misses);
 }
 
 namespace {

@@ -21,7 +21,11 @@ class GainSummary {
   GainSummary(std::string effect, std::uint64_t seed) : effect_(std::move(effect)), seed_(seed) {}
 
   /// Counts an answer that has a gain.
-  void add(const Gain& gain) { gains_.push_back(gain); }
+  /// @param is_in_model  the effect is an extension of the model that was written
+  void add(const Gain& gain, bool is_in_model) {
+    gains_.push_back(gain);
+    if (is_in_model) ++extensions_;
+  }
   [[nodiscard]] std::size_t size() const { return gains_.size(); }
 
   /// Median over the recordings, and its interval by drawing recordings.
@@ -29,9 +33,10 @@ class GainSummary {
   /// Mean over the recordings; of coverages that over all drives, for each recording has as many.
   [[nodiscard]] statistics::BootstrapFigure mean(double Gain::*figure) const;
 
-  /// The bars: a log score that is surely better (the whole interval of the median), errors not
-  /// worse by more than 1 %, and a coverage between 0.93 and 0.97.
+  /// The bars: a log score that is surely better, or worse (the whole interval of the median),
+  /// errors not worse by more than 1 %, and a coverage between 0.93 and 0.97.
   [[nodiscard]] bool scores_better() const;
+  [[nodiscard]] bool scores_worse() const;
   [[nodiscard]] bool errs_no_more() const;
   [[nodiscard]] bool covers() const;
 
@@ -43,6 +48,7 @@ class GainSummary {
   std::string effect_;
   std::uint64_t seed_;
   std::vector<Gain> gains_;
+  std::size_t extensions_ = 0;
 };
 
 /// A share of runs.

@@ -171,17 +171,6 @@ void choose_model(const Axis& axis, const NodeModels& models, const DiagnoseOpti
   }
 }
 
-/// Values whose means show slow effects as well as the values do, so that these are judged on the
-/// same means however the data were sampled. 1 where a record is too short for means.
-std::size_t values_a_mean(const EvenSeries& series) {
-  constexpr double kLongestMean_s = 1.0;  // shorter than any stop or drive
-  constexpr std::size_t kFewestMeans = 8192;
-  constexpr std::size_t kFewestValues = 4;  // else nothing would be saved
-  const auto longest = static_cast<std::size_t>(std::lround(kLongestMean_s / series.period_s));
-  const std::size_t values = std::min(longest, series.size() / kFewestMeans);
-  return values < kFewestValues ? 1 : values;
-}
-
 /// The effects of one pace, of values that are judged by means of so many.
 Scope scope_of(Pace pace, const EvenSeries& series, std::size_t values) {
   constexpr double kMeans = 4.0;  // that a slow effect lasts for
@@ -273,7 +262,7 @@ class DiagnosisRun {
  private:
   void select(Axis& axis) {
     EvenSeries series = even_series_of(axis.record);
-    const std::size_t values = values_a_mean(series);
+    const std::size_t values = values_a_slow_mean(series);
     Scope scope;
     if (values > 1) {
       scope = scope_of(Pace::slow, series, values);
@@ -287,11 +276,11 @@ class DiagnosisRun {
 
   /// The selection for the axis, and beside it the fast effects where means have shown the slow.
   [[nodiscard]] Selection selection_of(const Axis& axis, const PreparedAxis& prepared) const {
-    const std::size_t values = values_a_mean(prepared.series());
+    const std::size_t values = values_a_slow_mean(prepared.series());
     if (values == 1) return axis.selection;
-    const EvenSeries means = means_of(prepared.series(), values);
+    const PreparedAxis means(means_of(prepared.series(), values), options_.seed);
     return select_beside(prepared.data(), effects_, scope_of(Pace::fast, prepared.series(), values),
-                         FitData(means, options_.seed), axis.selection);
+                         means.data(), axis.selection);
   }
 
   void agree_on_order() {

@@ -32,15 +32,26 @@ struct Refitted {
   std::vector<std::size_t> places;  ///< of these among all
 };
 
-Refitted refit(const FitData& data, const std::vector<Choice>& wanted,
+Hypothesis with(const Hypothesis& hypothesis, Part part) {
+  std::vector<Part> parts = hypothesis.parts();
+  parts.push_back(std::move(part));
+  return {hypothesis.data(), std::move(parts), &hypothesis};
+}
+
+/// Finds each choice where the whole record showed it: in the values, or in their means.
+Refitted refit(const FitData& values, const FitData& means, const std::vector<Choice>& wanted,
                const std::optional<OrderProfile>& others) {
-  Refitted refitted{.full = Hypothesis(data, {})};
+  Refitted refitted{.full = Hypothesis(values, {})};
+  Hypothesis of_means(means, {});
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    std::optional<Part> part = part_of(wanted[i], others, refitted.full);
+    const bool is_of_means = wanted[i].is_of_means;
+    std::optional<Part> part = part_of(wanted[i], others, is_of_means ? of_means : refitted.full);
     if (!part) continue;
-    std::vector<Part> parts = refitted.full.parts();
-    parts.push_back(std::move(*part));
-    refitted.full = Hypothesis(data, std::move(parts), &refitted.full);
+    if (is_of_means) {
+      of_means = with(of_means, *part);
+      part = carried_over(std::move(*part), means, values);
+    }
+    refitted.full = with(refitted.full, std::move(*part));
     refitted.choices.push_back(wanted[i]);
     refitted.places.push_back(i);
   }
@@ -83,7 +94,10 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
       static_cast<std::size_t>((1.0 - hold_out.share) * static_cast<double>(record.size())));
   if (hold_out.share <= 0.0 || first.size() < kFewestSamples) return chosen;
   const PreparedAxis axis(first, hold_out.seed);
-  const Refitted refitted = refit(axis.data(), wanted, others);
+  const std::size_t values = values_a_slow_mean(axis.series());
+  std::optional<PreparedAxis> means;
+  if (values > 1) means.emplace(means_of(axis.series(), values), hold_out.seed);
+  const Refitted refitted = refit(axis.data(), means ? means->data() : axis.data(), wanted, others);
   const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
   const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "host_tools/lib/diagnose/hypothesis/part.hpp"
@@ -78,7 +79,9 @@ class FitData {
 class PreparedAxis {
  public:
   PreparedAxis(const Record& record, std::uint64_t seed)
-      : series_(even_series_of(record)), data_(series_, seed) {}
+      : PreparedAxis(even_series_of(record), seed) {}
+  PreparedAxis(EvenSeries series, std::uint64_t seed)
+      : series_(std::move(series)), data_(series_, seed) {}
   PreparedAxis(const PreparedAxis&) = delete;
   PreparedAxis& operator=(const PreparedAxis&) = delete;
 

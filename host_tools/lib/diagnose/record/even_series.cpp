@@ -213,6 +213,15 @@ EvenSeries even_series_of(const Record& record) {
   return series_of_arrived(record);
 }
 
+std::size_t values_a_slow_mean(const EvenSeries& series) {
+  constexpr double kLongestMean_s = 1.0;  // shorter than any stop or drive
+  constexpr std::size_t kFewestMeans = 8192;
+  constexpr std::size_t kFewestValues = 4;  // else nothing would be saved
+  const auto longest = static_cast<std::size_t>(std::lround(kLongestMean_s / series.period_s));
+  const std::size_t values = std::min(longest, series.size() / kFewestMeans);
+  return values < kFewestValues ? 1 : values;
+}
+
 EvenSeries means_of(const EvenSeries& series, std::size_t count) {
   const auto width = static_cast<std::ptrdiff_t>(count);
   const auto mean_at = [&](const std::vector<double>& values, std::size_t k) {

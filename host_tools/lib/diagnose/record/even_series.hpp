@@ -39,6 +39,10 @@ struct EvenSeries {
 /// sides.
 [[nodiscard]] EvenSeries even_series_of(const Record& record);
 
+/// Number of values whose means show slow effects as well as the values do, so that these are
+/// judged on the same means however the data were sampled. 1 where a record is too short for means.
+[[nodiscard]] std::size_t values_a_slow_mean(const EvenSeries& series);
+
 /// Means over `count` neighbours; those at the end that fill no mean are left out. A mean of which
 /// half the values are lost is lost.
 [[nodiscard]] EvenSeries means_of(const EvenSeries& series, std::size_t count);

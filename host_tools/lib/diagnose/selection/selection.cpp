@@ -309,14 +309,18 @@ Selection select_effects(const FitData& data, std::span<const std::unique_ptr<Ef
   return Selector(data, {effects, scope}).select();
 }
 
+Part carried_over(Part part, const FitData& means, const FitData& values) {
+  for (Column& column : part.columns) column = column_of_values(values, means, column);
+  for (NoiseSpectrum& start : part.starts) {
+    start = start.of_single_values(means.period_s() / values.period_s());
+  }
+  return part;
+}
+
 Selection select_beside(const FitData& values, std::span<const std::unique_ptr<Effect>> effects,
                         const Scope& scope, const FitData& means, Selection chosen) {
-  for (Part& part : chosen.parts) {
-    for (Column& column : part.columns) column = column_of_values(values, means, column);
-    for (NoiseSpectrum& start : part.starts) {
-      start = start.of_single_values(means.period_s() / values.period_s());
-    }
-  }
+  for (Part& part : chosen.parts) part = carried_over(std::move(part), means, values);
+  for (Choice& choice : chosen.choices) choice.is_of_means = true;
   Selector selector(values, {effects, scope});
   selector.keep(std::move(chosen.choices), std::move(chosen.parts));
   Selection selection = selector.select();

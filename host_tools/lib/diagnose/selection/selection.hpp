@@ -27,6 +27,7 @@ struct Choice {
   std::vector<Alternative> alternatives;
   std::vector<Explanation> explanations = {};  ///< that were fitted, weighed; see weigh()
   std::size_t axes = 1;                        ///< that gain and surprise are of
+  bool is_of_means = false;                    ///< it was chosen for means of the record
   bool in_model = true;                        ///< it is an extension of the model that is written
   std::string left_out_because;                ///< reason where it is not
   std::optional<statistics::BootstrapFigure> heading_drift_ratio{};  ///< see Cause
@@ -83,6 +84,9 @@ struct Scope {
 [[nodiscard]] Selection select_effects(const FitData& data,
                                        std::span<const std::unique_ptr<Effect>> effects,
                                        const Scope& scope = {});
+
+/// Part for the values of a record, of one that was fitted to their means.
+[[nodiscard]] Part carried_over(Part part, const FitData& means, const FitData& values);
 
 /// Selects effects of the values of a record beside those that were chosen for their means, which
 /// stay.
