@@ -59,7 +59,9 @@ TEST_F(SimulatedMpu6500Test, MagnetometerOfTheMpu9250AnswersThroughTheFirstSlave
   EXPECT_EQ(chip.read_register(0x49), 0x48);
   EXPECT_EQ(ask(0x8C, 0x0F, 0x85), 0) << "three factors of 1, and what is not modelled around them";
   EXPECT_EQ(chip.read_register(0x49), 0);
-  for (const std::uint8_t at : {0x4A, 0x4B, 0x4C}) EXPECT_EQ(chip.read_register(at), 128);
+  for (const int at : {0x4A, 0x4B, 0x4C}) {
+    EXPECT_EQ(chip.read_register(static_cast<std::uint8_t>(at)), 128);
+  }
   EXPECT_EQ(chip.read_register(0x4D), 0);
   EXPECT_EQ(ask(0x0C, 0x0B, 0x81), 0) << "written to";
   EXPECT_EQ(ask(0x8D, 0x00, 0x81), 1) << "nobody is there";
