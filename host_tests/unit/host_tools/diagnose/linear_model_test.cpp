@@ -151,7 +151,7 @@ TEST(ColumnOfTheMeansOfARecord, IsThatOfItsValues) {
   constexpr double kTau_s = 400.0;
   const Column exact = decay_column(values, kTau_s);
   const Column column = column_of_values(values, means, decay_column(means, kTau_s));
-  // A step of 2 s is 0.005 time constants; the constant of the function is nobody's.
+  // A mean of 2 s is 0.005 time constants; the constant of the function is nobody's.
   for (std::size_t k = 1; k < 100; ++k) {
     EXPECT_NEAR(column.coefficients[k - 1], exact.coefficients[k - 1],
                 0.01 * std::abs(exact.coefficients[k - 1]))

@@ -193,11 +193,16 @@ Column column_of_values(const FitData& values, const FitData& means,
   std::vector<double> coefficients(means.size());
   std::ranges::copy(column_of_means.coefficients,
                     coefficients.begin() + static_cast<std::ptrdiff_t>(column_of_means.first));
-  const std::vector<double> steps = means.transform().inverse(coefficients);
-  const auto count = static_cast<std::size_t>(std::lround(means.period_s() / values.period_s()));
+  const std::vector<double> middles = means.transform().inverse(coefficients);
+  const double count = means.period_s() / values.period_s();
   std::vector<double> function(values.size());
   for (std::size_t k = 0; k < function.size(); ++k) {
-    function[k] = steps[std::min(k / count, steps.size() - 1)];
+    // On the straight line through the neighbouring means, also beyond the first and the last.
+    const double place = (static_cast<double>(k) + 0.5) / count - 0.5;
+    const auto last = static_cast<double>(middles.size() - 2);
+    const auto low = static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, last));
+    const double share = place - static_cast<double>(low);
+    function[k] = (1.0 - share) * middles[low] + share * middles[low + 1];
   }
   return column_of(values, function);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/arrivals.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
@@ -205,12 +206,13 @@ EvenSeries series_of_arrived(const Record& record) {
 
 EvenSeries even_series_of(const Record& record) {
   const std::vector<std::size_t> repeated = find_repeated_samples(record);
-  if (!repeated.empty()) {
-    EvenSeries series = series_of_arrived(without_samples(record, repeated));
-    series.losses.repeated = repeated.size();
-    return series;
-  }
-  return series_of_arrived(record);
+  EvenSeries series =
+      series_of_arrived(repeated.empty() ? record : without_samples(record, repeated));
+  series.losses.repeated = repeated.size();
+  // Values and means have to cover the same time.
+  const std::size_t count = values_a_slow_mean(series);
+  if (count > 1) keep(series, 0, count * spectrum::fast_length_below(series.size() / count));
+  return series;
 }
 
 std::size_t values_a_slow_mean(const EvenSeries& series) {
@@ -218,8 +220,16 @@ std::size_t values_a_slow_mean(const EvenSeries& series) {
   constexpr std::size_t kFewestMeans = 8192;
   constexpr std::size_t kFewestValues = 4;  // else nothing would be saved
   const auto longest = static_cast<std::size_t>(std::lround(kLongestMean_s / series.period_s));
-  const std::size_t values = std::min(longest, series.size() / kFewestMeans);
-  return values < kFewestValues ? 1 : values;
+  std::size_t best = 1;
+  std::size_t most = 0;
+  for (std::size_t count = std::min(longest, series.size() / kFewestMeans); count >= kFewestValues;
+       --count) {
+    const std::size_t covered = count * spectrum::fast_length_below(series.size() / count);
+    if (spectrum::fast_length_below(2 * count) != 2 * count || covered <= most) continue;
+    best = count;
+    most = covered;
+  }
+  return best;
 }
 
 EvenSeries means_of(const EvenSeries& series, std::size_t count) {

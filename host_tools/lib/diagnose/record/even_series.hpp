@@ -41,6 +41,7 @@ struct EvenSeries {
 
 /// Number of values whose means show slow effects as well as the values do, so that these are
 /// judged on the same means however the data were sampled. 1 where a record is too short for means.
+/// The number has small factors, and its means cover as much of the record as a fast transform can.
 [[nodiscard]] std::size_t values_a_slow_mean(const EvenSeries& series);
 
 /// Means over `count` neighbours; those at the end that fill no mean are left out. A mean of which
