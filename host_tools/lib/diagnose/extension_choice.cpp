@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -32,26 +33,22 @@ struct Refitted {
   std::vector<std::size_t> places;  ///< of these among all
 };
 
-Hypothesis with(const Hypothesis& hypothesis, Part part) {
-  std::vector<Part> parts = hypothesis.parts();
-  parts.push_back(std::move(part));
-  return {hypothesis.data(), std::move(parts), &hypothesis};
-}
-
 /// Finds each choice where the whole record showed it: in the values, or in their means.
-Refitted refit(const FitData& values, const FitData& means, const std::vector<Choice>& wanted,
+/// @param means  of the values; null where no choice was made for them, or there are too few
+Refitted refit(const FitData& values, const FitData* means, const std::vector<Choice>& wanted,
                const std::optional<OrderProfile>& others) {
   Refitted refitted{.full = Hypothesis(values, {})};
-  Hypothesis of_means(means, {});
+  std::optional<Hypothesis> of_means;
+  if (means != nullptr) of_means.emplace(*means, std::vector<Part>{});
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const bool is_of_means = wanted[i].is_of_means;
-    std::optional<Part> part = part_of(wanted[i], others, is_of_means ? of_means : refitted.full);
+    const bool is_of_means = of_means && wanted[i].is_of_means;
+    std::optional<Part> part = part_of(wanted[i], others, is_of_means ? *of_means : refitted.full);
     if (!part) continue;
     if (is_of_means) {
-      of_means = with(of_means, *part);
-      part = carried_over(std::move(*part), means, values);
+      of_means = of_means->with(*part);
+      part = carried_over(std::move(*part), *means, values);
     }
-    refitted.full = with(refitted.full, std::move(*part));
+    refitted.full = refitted.full.with(std::move(*part));
     refitted.choices.push_back(wanted[i]);
     refitted.places.push_back(i);
   }
@@ -96,8 +93,10 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
   const PreparedAxis axis(first, hold_out.seed);
   const std::size_t values = values_a_slow_mean(axis.series());
   std::optional<PreparedAxis> means;
-  if (values > 1) means.emplace(means_of(axis.series(), values), hold_out.seed);
-  const Refitted refitted = refit(axis.data(), means ? means->data() : axis.data(), wanted, others);
+  if (values > 1 && std::ranges::any_of(wanted, &Choice::is_of_means)) {
+    means.emplace(means_of(axis.series(), values), hold_out.seed);
+  }
+  const Refitted refitted = refit(axis.data(), means ? &means->data() : nullptr, wanted, others);
   const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
   const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
 

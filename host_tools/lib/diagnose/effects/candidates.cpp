@@ -11,18 +11,8 @@
 
 namespace zerorate::diagnose {
 
-namespace {
-
-Hypothesis joined(const Hypothesis& without, const Part& part) {
-  std::vector<Part> parts = without.parts();
-  parts.push_back(part);
-  return {without.data(), std::move(parts), &without};
-}
-
-}  // namespace
-
 Candidate candidate_with(const Hypothesis& without, Part part) {
-  const Hypothesis with = joined(without, part);
+  const Hypothesis with = without.with(part);
   return {.part = std::move(part),
           .gain_nats = with.log_likelihood() - without.log_likelihood(),
           .noise = with.noise().spectrum};

@@ -152,13 +152,10 @@ std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& sea
   std::optional<MeanFit> best;
   std::optional<Part> part = search(ColumnSearch(without));
   for (int round = 0; part && round < 2; ++round) {
-    std::vector<Part> parts = without.parts();
-    parts.push_back(*part);
-    const std::size_t last = parts.size() - 1;
-    const Hypothesis with(without.data(), std::move(parts), &without);
+    const Hypothesis with = without.with(*part);
     const double gain = with.log_likelihood() - without.log_likelihood();
     if (!best || gain > best->gain_nats) best = {std::move(*part), gain, with};
-    if (round == 0) part = search(ColumnSearch(with, last));
+    if (round == 0) part = search(ColumnSearch(with, without.parts().size()));
   }
   return best;
 }

@@ -94,6 +94,12 @@ void Hypothesis::mark_replaced() {
   is_replaced_ = std::make_shared<const std::vector<bool>>(std::move(is_replaced));
 }
 
+Hypothesis Hypothesis::with(Part part) const {
+  std::vector<Part> parts = parts_;
+  parts.push_back(std::move(part));
+  return {*data_, std::move(parts), this};
+}
+
 void Hypothesis::fit(const Hypothesis* before) {
   residual_ = coefficients_;
   std::vector<SpectralBin> bins = this->bins();

@@ -26,6 +26,9 @@ class Hypothesis {
   /// The amplitudes of the parts are fitted.
   Hypothesis(const FitData& data, std::vector<Part> parts, std::vector<double> density);
 
+  /// This hypothesis and a part more, fitted from the noise of this one.
+  [[nodiscard]] Hypothesis with(Part part) const;
+
   [[nodiscard]] const FitData& data() const { return *data_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const SpectrumFit& noise() const { return noise_; }

@@ -206,8 +206,8 @@ EvenSeries series_of_arrived(const Record& record) {
 
 EvenSeries even_series_of(const Record& record) {
   const std::vector<std::size_t> repeated = find_repeated_samples(record);
-  EvenSeries series =
-      series_of_arrived(repeated.empty() ? record : without_samples(record, repeated));
+  EvenSeries series = repeated.empty() ? series_of_arrived(record)
+                                       : series_of_arrived(without_samples(record, repeated));
   series.losses.repeated = repeated.size();
   // Values and means have to cover the same time.
   const std::size_t count = values_a_slow_mean(series);

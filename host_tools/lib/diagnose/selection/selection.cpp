@@ -125,10 +125,8 @@ class Selector {
   }
 
   void add(const std::vector<Proposal>& proposals) {
-    std::vector<Part> parts = state_.parts();
-    parts.push_back(proposals.front().candidate.part);
     choices_.push_back(choice_of(proposals));
-    state_ = Hypothesis(data_, std::move(parts), &state_);
+    state_ = state_.with(proposals.front().candidate.part);
   }
 
   /// Each part but the latest and those that stay, beside all others; but what is plain to see only
@@ -191,9 +189,7 @@ class Selector {
     const std::optional<Candidate> whole = one.effect->examine(without);
     const std::optional<Candidate> first = measured.examine(without);
     if (!whole || !first || !(first->surprisal_nats > kSelectionThreshold_nats)) return false;
-    std::vector<Part> parts = without.parts();
-    parts.push_back(first->part);
-    Hypothesis beside(data_, std::move(parts), &without);
+    Hypothesis beside = without.with(first->part);
     const std::vector<Proposal> second = proposals_for(beside, catalogue_);
     if (!is_surprising(second)) return false;
     // Surprises along a chain add up; two choices cost once more than one.
