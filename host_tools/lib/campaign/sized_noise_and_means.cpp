@@ -217,8 +217,9 @@ SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
     // Each in a part of the record of its own. The largest is at most 1.5 times the smallest, so
     // that each can pay for its own place.
     const double share = (i + draws.uniform(0.1, 0.9)) / jumps;
-    of_unit_size.push_back(
-        {setting.record_s() * (0.05 + 0.9 * share), draws.sign() * draws.log_uniform(1.0, 1.5)});
+    const double sign = draws.sign();
+    const double height = sign * draws.log_uniform(1.0, 1.5);
+    of_unit_size.push_back({setting.record_s() * (0.05 + 0.9 * share), height});
   }
   SizedEffect mean = added_mean(setting, "relaxation", [=](double height) -> Effect {
     simulate::Relaxation relaxation{of_unit_size, time_constant_s};

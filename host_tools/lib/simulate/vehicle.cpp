@@ -136,6 +136,8 @@ class Driver {
   }
 
  private:
+  // Two draws in one expression or call come in an order that the compiler chooses: each has a
+  // name.
   double uniform() { return stream_.uniform(next_++); }
   double around(double value) { return value * (0.6 + 0.8 * uniform()); }
   double exponential(double mean) { return -mean * std::log(uniform()); }
@@ -156,8 +158,10 @@ class Driver {
 
   void creep() {
     const double speed_m_s = around(params_.creep_speed_m_s);
-    go(around(params_.creep_s), speed_m_s, turn_dps(speed_m_s),
-       around(params_.pulls_away_with_m_s2));
+    const double acceleration_m_s2 = around(params_.pulls_away_with_m_s2);
+    const double bend_dps = turn_dps(speed_m_s);
+    const double held_s = around(params_.creep_s);
+    go(held_s, speed_m_s, bend_dps, acceleration_m_s2);
   }
 
   /// Yaw rate in a bend at random.
@@ -171,7 +175,9 @@ class Driver {
   /// Maybe with a creep, and in a bend until it has gathered speed.
   void pull_away() {
     if (happens(params_.creeping_share)) creep();
-    go(0.0, kGathered_m_s, turn_dps(kGathered_m_s), around(params_.pulls_away_with_m_s2));
+    const double acceleration_m_s2 = around(params_.pulls_away_with_m_s2);
+    const double bend_dps = turn_dps(kGathered_m_s);
+    go(0.0, kGathered_m_s, bend_dps, acceleration_m_s2);
   }
 
   void cruise() {

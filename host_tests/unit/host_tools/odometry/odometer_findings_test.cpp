@@ -57,7 +57,8 @@ std::vector<double> speeds_in_town(std::uint64_t seed, bool inches) {
       change_to(0.0, 0.5);
       hold(between(3.0, 10.0));
     }
-    change_to(between(6.0, 14.0), between(0.7, 1.5));
+    const double acceleration_m_s2 = between(0.7, 1.5);
+    change_to(between(6.0, 14.0), acceleration_m_s2);
     hold(between(10.0, 60.0));
     change_to(0.0, between(0.7, 1.5));
   }

@@ -206,9 +206,11 @@ std::string mutated(std::string bytes, std::mt19937_64& random) {
       case 2:
         bytes.erase(at, 1 + pick(20));
         break;
-      case 3:
-        bytes.insert(at, bytes.substr(pick(bytes.size()), 1 + pick(60)));
+      case 3: {
+        const std::size_t length = 1 + pick(60);
+        bytes.insert(at, bytes.substr(pick(bytes.size()), length));
         break;
+      }
       default:
         bytes.resize(at);
     }

@@ -96,6 +96,23 @@ TEST(Driver, IsTheSameForASeedAndEndsAtRest) {
   EXPECT_EQ(legs.back().speed_m_s, 0.0);
 }
 
+// The order of the draws is the driver's and not the compiler's: a seed is the same drive with all.
+TEST(Driver, DrawsTheSameLegsWithEveryCompiler) {
+  const auto legs = drive_in_traffic({.creeping_share = 1.0}, random::RandomStream{3});
+  const std::vector<Leg> expected{{30.2, 0.0, 0.0, 0.2},  // stands, creeps, pulls away, cruises
+                                  {3.348372, 0.465003, 0.021062, 0.572830},
+                                  {2.035567, 2.0, 0.245917, 2.035567},
+                                  {12.416538, 5.731424, 0.0, 3.467330},
+                                  {4.2, 5.731424, 0.756702, 0.2}};
+  ASSERT_GT(legs.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(legs[i].length_s, expected[i].length_s, 1e-6) << i;
+    EXPECT_NEAR(legs[i].speed_m_s, expected[i].speed_m_s, 1e-6) << i;
+    EXPECT_NEAR(legs[i].turn_dps, expected[i].turn_dps, 1e-6) << i;
+    EXPECT_NEAR(legs[i].ramp_s, expected[i].ramp_s, 1e-6) << i;
+  }
+}
+
 /// The scenario as a recording of both speeds at 10.4 Hz, its odometer by pulses.
 odometry::OdometerFigures figures_of(std::string_view name) {
   const ScenarioDrive drive = find_scenario(name).make(1);
