@@ -103,6 +103,33 @@ TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured
   EXPECT_THAT(names_of(selection), Not(Contains("temperature_drift")));
 }
 
+TEST(SelectionBesideThatOfMeans, HasOneEntryAnEffectOfTheScaleOnWhichItIsStronger) {
+  const EvenSeries series = simulated(
+      {simulate::PeriodicDisturbance{.amplitude_rad_s = 0.02 * kRadPerDeg, .frequency_hz = 0.1}},
+      3);
+  constexpr std::size_t kValues = 20;
+  const EvenSeries of_means = means_of(series, kValues);
+  const FitData values(series, 1);
+  const FitData means(of_means, 1);
+  std::vector<std::unique_ptr<Effect>> effects;
+  effects.push_back(make_periodic_disturbance());
+  effects.push_back(make_correlated_noise());
+  const Scope slow{.pace = Pace::slow, .slow_from_s = 4.0 * kValues};
+  const Scope fast{.pace = Pace::fast, .slow_from_s = 4.0 * kValues};
+
+  const Selection weak = select_effects(means, effects, slow);
+  const Selection both = select_beside(values, effects, fast, means, weak);
+
+  ASSERT_THAT(weak.evidence, Contains(Field(&Evidence::effect, "periodic_disturbance")));
+  for (const auto& effect : effects) {
+    EXPECT_LE(std::ranges::count(both.evidence, effect->name(), &Evidence::effect), 1);
+  }
+  const auto line = std::ranges::find(both.evidence, "periodic_disturbance", &Evidence::effect);
+  ASSERT_NE(line, both.evidence.end());
+  EXPECT_GT(line->gain_nats, 100.0);
+  EXPECT_TRUE(line->selected);
+}
+
 TEST(Scope, GivesAnEffectOfEitherPaceToTheScaleOnWhichItChanges) {
   const auto markov = make_correlated_noise();
   const auto walk = make_rate_random_walk();

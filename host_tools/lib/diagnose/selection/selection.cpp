@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -248,6 +248,26 @@ class Selector {
   std::size_t kept_ = 0;  ///< of the choices, which stay
 };
 
+/// Surprisal beyond the threshold, by which effects are chosen; what was not examined has the
+/// least.
+double strength(const Evidence& evidence) {
+  return evidence.not_examined.empty() ? evidence.gain_nats - evidence.price_nats
+                                       : -std::numeric_limits<double>::infinity();
+}
+
+/// Adds evidence of another scale. An effect of either pace may be on both: the stronger stays.
+void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all) {
+  for (Evidence& evidence : more) {
+    const auto known = std::ranges::find(all, evidence.effect, &Evidence::effect);
+    if (known == all.end()) {
+      all.push_back(std::move(evidence));
+    } else if (strength(evidence) > strength(*known)) {
+      *known = std::move(evidence);
+    }
+  }
+  std::ranges::stable_sort(all, std::greater{}, &Evidence::gain_nats);
+}
+
 }  // namespace
 
 std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
@@ -320,8 +340,7 @@ Selection select_beside(const FitData& values, std::span<const std::unique_ptr<E
   Selector selector(values, {effects, scope});
   selector.keep(std::move(chosen.choices), std::move(chosen.parts));
   Selection selection = selector.select();
-  std::ranges::move(chosen.evidence, std::back_inserter(selection.evidence));
-  std::ranges::stable_sort(selection.evidence, std::greater{}, &Evidence::gain_nats);
+  add_stronger(std::move(chosen.evidence), selection.evidence);
   mark_selected(selection);
   return selection;
 }

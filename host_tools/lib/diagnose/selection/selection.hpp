@@ -89,7 +89,7 @@ struct Scope {
 [[nodiscard]] Part carried_over(Part part, const FitData& means, const FitData& values);
 
 /// Selects effects of the values of a record beside those that were chosen for their means, which
-/// stay.
+/// stay. Evidence of an effect of either pace is that of the scale on which it is stronger.
 /// @param chosen  for the means
 [[nodiscard]] Selection select_beside(const FitData& values,
                                       std::span<const std::unique_ptr<Effect>> effects,
