@@ -21,12 +21,10 @@ namespace {
 struct SimulateOptions {
   std::string scenario;
   std::string output;
-  std::uint64_t seed = 1;
   ReplayFlags flags;
   bool is_fleet = false;
-  double rest_s = 0.0;  ///< 0: no recording at rest
-  double rate_hz = 20.0;
-  fleet::SimulatedFleetOptions fleet;
+  double rest_s = 0.0;                 ///< 0: no recording at rest
+  fleet::SimulatedFleetOptions fleet;  ///< its seed and rate are those of all kinds
 };
 
 ExitCode list_scenarios() {
@@ -43,9 +41,7 @@ void write(const simulate::ScenarioDrive& drive, const std::filesystem::path& pa
 }
 
 ExitCode run_simulate_fleet(const SimulateOptions& options) {
-  fleet::SimulatedFleetOptions fleet = options.fleet;
-  fleet.seed = options.seed;
-  fleet.rate_hz = options.rate_hz;
+  const fleet::SimulatedFleetOptions& fleet = options.fleet;
   const std::string folder = options.output.empty() ? "fleet" : options.output;
   ProgressBar progress{"simulating"};
   fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
@@ -58,8 +54,8 @@ ExitCode run_simulate_fleet(const SimulateOptions& options) {
 ExitCode run_simulate_rest(const SimulateOptions& options) {
   const evaluate::SimulatedRestParams params{.model = to_replay_options(options.flags).model,
                                              .duration_s = options.rest_s,
-                                             .sample_rate_hz = options.rate_hz,
-                                             .seed = options.seed};
+                                             .sample_rate_hz = options.fleet.rate_hz,
+                                             .seed = options.fleet.seed};
   const std::string path = options.output.empty() ? "rest.csv.gz" : options.output;
   evaluate::write_simulated_rest(params, path);
   fmt::print("{}: {} at rest, {:g} s at {:g} Hz\n", path, params.model.name, params.duration_s,
@@ -79,7 +75,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   const std::string path =
       options.output.empty() ? std::string{scenario.name} + ".csv.gz" : options.output;
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
-  const simulate::ScenarioDrive drive = scenario.make(options.seed);
+  const simulate::ScenarioDrive drive = scenario.make(options.fleet.seed);
   write(drive, path);
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
@@ -125,10 +121,13 @@ Command add_simulate(CLI::App& app) {
                    "seconds of a gyro at rest whose noise is that of --model, instead of a drive")
       ->check(CLI::Range(10.0, 1e6))
       ->excludes(scenario);
-  command->add_option("--rate-hz", options->rate_hz, "samples a second of --rest and --fleet [Hz]")
+  command
+      ->add_option("--rate-hz", options->fleet.rate_hz,
+                   "samples a second of --rest and --fleet [Hz]")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "another seed, other noise")->capture_default_str();
+  command->add_option("--seed", options->fleet.seed, "another seed, other noise")
+      ->capture_default_str();
   command->add_option(
       "-o,--output", options->output,
       "CSV or CSV.gz file to write, default NAME.csv.gz or rest.csv.gz; folder of a fleet, "
