@@ -249,6 +249,27 @@ class BagOfRos1(unittest.TestCase):
             self.assertIn(run.returncode, (0, BAD_DATA), run.stderr)
 
 
+    def test_with_an_index_that_leads_astray_in_a_compressed_chunk_is_refused_with_its_place(self):
+        for compression in ("bz2", "lz4"):
+            self.write([("/imu", imu(at(k))) for k in range(300)], compression=compression)
+            whole = bytearray(self.bag.read_bytes())
+            first_entry = whole.index(b"count=", whole.index(b"op=\x04")) + len("count=") + 4 + 4
+            entry = first_entry + 3 * 12
+            for offset in (1, 5, 2**32 - 1):
+                struct.pack_into("<I", whole, entry + 8, offset)
+                self.bag.write_bytes(whole)
+                self.assert_refused(f"an index entry at byte {entry} that leads to no message", "rosbag reindex")
+
+    def test_with_a_compressed_chunk_that_is_damaged_is_refused_with_its_place(self):
+        for compression in ("bz2", "lz4"):
+            self.write([("/imu", imu(at(k))) for k in range(300)], compression=compression)
+            whole = bytearray(self.bag.read_bytes())
+            chunk = whole.index(b"op=\x05") - 8  # behind two lengths
+            whole[chunk + 1000] ^= 255
+            self.bag.write_bytes(whole)
+            self.assert_refused(f"a damaged chunk at byte {chunk}", "rosbag reindex")
+
+
 def obstacle_to_bags():
     if not rosbag:
         return "python3-rosbag, python3-sensor-msgs or python3-nav-msgs is not installed"

@@ -1,6 +1,8 @@
 // Compiled only where Debian's librosbag-storage is installed.
 #include <fmt/format.h>
 #include <rosbag/bag.h>
+#include <rosbag/constants.h>
+#include <rosbag/stream.h>
 #include <rosbag/view.h>
 
 #include <exception>
@@ -39,8 +41,8 @@ Unsigned little_endian(std::string_view bytes) {
 }
 
 /// Looks through the records of a bag (ROS wiki, Bags/Format/2.0) before the library does, which
-/// follows the places and lengths that a damaged bag states out of its memory. What lies in a
-/// compressed chunk is guarded by the check sums of bzip2 and LZ4, and not looked at.
+/// follows the places and lengths that a damaged bag states out of its memory. A compressed chunk
+/// is unpacked for that.
 class RecordCheck {
  public:
   /// Throws Error.
@@ -91,18 +93,22 @@ class RecordCheck {
     std::uint64_t chunk_place = 0;  ///< of a chunk info
     std::uint32_t count = 0;        ///< of an index or a chunk info
     std::uint32_t size = 0;         ///< of a chunk when unpacked
-    bool is_packed = false;         ///< of a chunk
+    std::string packing;            ///< of a chunk, e.g. "lz4"
 
     [[nodiscard]] std::uint64_t data_size() const { return end - data; }
+    [[nodiscard]] bool is_packed() const {
+      return !packing.empty() && packing != rosbag::COMPRESSION_NONE;
+    }
   };
 
   void examine(std::uint64_t place, const Record& record) {
     constexpr std::uint64_t kChunkInfoEntry = 8;
     switch (record.op) {
       case Op::chunk:
-        if (!record.is_packed && record.size != record.data_size()) throw damaged(place);
+        if (!record.is_packed() && record.size != record.data_size()) throw damaged(place);
         chunks_.insert(place);
         chunk_ = record;
+        if (record.is_packed()) unpacked_ = unpack(place, record);
         break;
       case Op::index:
         if (record.data_size() != record.count * kIndexEntry) throw damaged(place);
@@ -128,15 +134,62 @@ class RecordCheck {
     for (std::size_t at = 0; at < entries.size(); at += kIndexEntry) {
       const auto offset =
           little_endian<std::uint32_t>(std::string_view{entries}.substr(at + kOffset, 4));
-      if (!chunk_ || offset >= chunk_->size) throw damaged(index.data + at);
-      if (chunk_->is_packed) continue;
-      Record record;
-      std::uint64_t place = chunk_->data + offset;
-      do {
-        record = record_at(place, chunk_->end);
-        place = record.end;
-      } while (record.op == Op::connection);
-      if (record.op != Op::message) throw damaged(index.data + at);
+      if (!chunk_ || offset >= chunk_->size) throw leads_astray(index.data + at);
+      const bool leads_to_message = chunk_->is_packed()
+                                        ? is_message(std::string_view{unpacked_}.substr(offset))
+                                        : is_message_at(chunk_->data + offset, chunk_->end);
+      if (!leads_to_message) throw leads_astray(index.data + at);
+    }
+  }
+
+  /// True if a message stands at a place of the file, maybe behind connections.
+  bool is_message_at(std::uint64_t place, std::uint64_t limit) {
+    Record record;
+    do {
+      record = record_at(place, limit);
+      place = record.end;
+    } while (record.op == Op::connection);
+    return record.op == Op::message;
+  }
+
+  /// True if bytes of an unpacked chunk begin with a message, maybe behind connections.
+  static bool is_message(std::string_view chunk) {
+    std::optional<Record> record = first_record(chunk);
+    while (record && record->op == Op::connection) {
+      chunk.remove_prefix(record->end);
+      record = first_record(chunk);
+    }
+    return record && record->op == Op::message;
+  }
+
+  static std::optional<Record> first_record(std::string_view chunk) {
+    Record record;
+    const auto length_at = [&](std::uint64_t place) -> std::uint64_t {
+      return little_endian<std::uint32_t>(chunk.substr(std::min(place, chunk.size()), kLength));
+    };
+    record.data = kLength + length_at(0) + kLength;
+    if (record.data > chunk.size()) return std::nullopt;
+    record.end = record.data + length_at(record.data - kLength);
+    const bool is_whole = record.end <= chunk.size() &&
+                          take_fields(chunk.substr(kLength, record.data - 2 * kLength), record);
+    return is_whole ? std::optional{record} : std::nullopt;
+  }
+
+  /// Bytes of a compressed chunk.
+  std::string unpack(std::uint64_t place, const Record& chunk) {
+    std::string packed{bytes_at(chunk.data, chunk.data_size())};
+    const auto bytes_of = [](std::string& text) {
+      return reinterpret_cast<std::uint8_t*>(text.data());
+    };
+    try {
+      std::string bytes(chunk.size, '\0');
+      const auto type = chunk.packing == rosbag::COMPRESSION_LZ4 ? rosbag::compression::LZ4
+                                                                 : rosbag::compression::BZ2;
+      rosbag::StreamFactory{nullptr}.getStream(type)->decompress(
+          bytes_of(bytes), chunk.size, bytes_of(packed), static_cast<unsigned>(packed.size()));
+      return bytes;
+    } catch (const std::exception& error) {
+      throw bad_bag(path_, fmt::format("a damaged chunk at byte {} ({})", place, error.what()));
     }
   }
 
@@ -148,18 +201,23 @@ class RecordCheck {
     record.data = fields_end + kLength;
     record.end = record.data + length_at(fields_end, limit);
     if (record.end > limit) throw limit == size_ ? ends_early() : damaged(place);
-    std::string_view left = bytes_at(fields, fields_end - fields);
+    if (!take_fields(bytes_at(fields, fields_end - fields), record)) throw damaged(place);
+    return record;
+  }
+
+  /// False if the fields of a header do not fit into it.
+  static bool take_fields(std::string_view left, Record& record) {
     while (!left.empty()) {
       const auto length = little_endian<std::uint32_t>(left.substr(0, kLength));
       const std::size_t equals = left.find('=', kLength);
       if (length > left.size() - std::min(kLength, left.size()) || equals >= kLength + length) {
-        throw damaged(place);
+        return false;
       }
       take(left.substr(kLength, equals - kLength),
            left.substr(equals + 1, kLength + length - equals - 1), record);
       left.remove_prefix(kLength + length);
     }
-    return record;
+    return true;
   }
 
   static void take(std::string_view name, std::string_view value, Record& record) {
@@ -168,7 +226,7 @@ class RecordCheck {
     if (name == "chunk_pos") record.chunk_place = little_endian<std::uint64_t>(value);
     if (name == "count") record.count = little_endian<std::uint32_t>(value);
     if (name == "size") record.size = little_endian<std::uint32_t>(value);
-    if (name == "compression") record.is_packed = value != "none";
+    if (name == "compression") record.packing = value;
   }
 
   /// The length that stands at a place.
@@ -195,6 +253,9 @@ class RecordCheck {
   [[nodiscard]] Error damaged(std::uint64_t place) const {
     return bad_bag(path_, fmt::format("a damaged record at byte {}", place));
   }
+  [[nodiscard]] Error leads_astray(std::uint64_t place) const {
+    return bad_bag(path_, fmt::format("an index entry at byte {} that leads to no message", place));
+  }
 
   static constexpr std::size_t kLength = 4;
   static constexpr std::size_t kIndexEntry = 12;
@@ -207,6 +268,7 @@ class RecordCheck {
   std::uint64_t index_place_ = 0;
   std::set<std::uint64_t> chunks_;
   std::optional<Record> chunk_;  ///< the last one
+  std::string unpacked_;         ///< bytes of the last compressed one
 };
 
 /// Takes the bytes of a message from the library.
