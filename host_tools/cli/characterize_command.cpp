@@ -234,9 +234,7 @@ Command add_characterize(CLI::App& app) {
   const auto options = std::make_shared<CharacterizeOptions>();
   add_input_options(*command, options->input);
   add_rest_options(*command, options->still_from);
-  command->add_option("--axis", options->axis, "x, y, z or all")
-      ->check(CLI::IsMember({"x", "y", "z", "all"}))
-      ->capture_default_str();
+  add_axis_option(*command, options->axis);
   command
       ->add_option("--order", options->order,
                    "order d of the flicker noise: free (estimated where the recording is long "

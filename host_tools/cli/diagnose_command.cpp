@@ -342,9 +342,7 @@ Command add_diagnose(CLI::App& app) {
   const auto options = std::make_shared<DiagnoseOptions>();
   add_input_options(*command, options->input_flags);
   add_rest_options(*command, options->still_from);
-  command->add_option("--axis", options->axis, "x, y, z or all")
-      ->check(CLI::IsMember({"x", "y", "z", "all"}))
-      ->capture_default_str();
+  add_axis_option(*command, options->axis);
   command->add_option(
       "--model", options->model,
       "sensor model to be tested as it stands, not fitted: a TOML file or a name from 'zerorate "

@@ -214,12 +214,14 @@ CLI::App* add_merge(CLI::App& fleet, MergeOptions& options) {
   return command;
 }
 
+void add_database_to_read(CLI::App& command, std::string& database) {
+  command.add_option("--db", database, "database")->check(CLI::ExistingFile)->capture_default_str();
+}
+
 CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
   auto* command = fleet.add_subcommand(
       "report", "Distributions, causes, sensors that leave the population, lots, changes");
-  command->add_option("--db", options.database, "database")
-      ->check(CLI::ExistingFile)
-      ->capture_default_str();
+  add_database_to_read(*command, options.database);
   add_output_options(*command, options.outputs);
   command->add_option("--csv", options.csv, "write one line an axis; - is standard output");
   command->add_option("--limits-out", options.limits_out,
@@ -252,9 +254,7 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
 CLI::App* add_prior(CLI::App& fleet, PriorOptions& options) {
   auto* command = fleet.add_subcommand(
       "prior", "Write the model from which the next sensor of the type learns");
-  command->add_option("--db", options.database, "database")
-      ->check(CLI::ExistingFile)
-      ->capture_default_str();
+  add_database_to_read(*command, options.database);
   command->add_option("--model-out", options.model_out, "model file; - is standard output")
       ->required();
   command->add_option("--name", options.name, "name of the model")->capture_default_str();

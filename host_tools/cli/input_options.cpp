@@ -62,6 +62,12 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   return recording;
 }
 
+void add_axis_option(CLI::App& command, std::string& axis) {
+  command.add_option("--axis", axis, "x, y, z or all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->capture_default_str();
+}
+
 void add_rest_options(CLI::App& command, std::string& still_from) {
   command
       .add_option("--still-from", still_from,

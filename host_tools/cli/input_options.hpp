@@ -36,6 +36,9 @@ struct InputFlags {
 /// Adds RECORDING, which it returns, and the options for files of other formats.
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
 
+/// Adds --axis: x, y, z or all.
+void add_axis_option(CLI::App& command, std::string& axis);
+
 /// Adds --still-from for commands that want rest alone.
 void add_rest_options(CLI::App& command, std::string& still_from);
 

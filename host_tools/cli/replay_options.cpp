@@ -14,6 +14,7 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/sensor_model.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
@@ -178,9 +179,7 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
 }  // namespace
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
-  app.add_option("--axis", flags.axis, "x, y, z or all")
-      ->check(CLI::IsMember({"x", "y", "z", "all"}))
-      ->capture_default_str();
+  add_axis_option(app, flags.axis);
   auto* model = app.add_option("--model", flags.model,
                                "sensor model: a TOML file or a name from 'zerorate model list'");
   model->capture_default_str();
