@@ -61,6 +61,17 @@ struct NodeModel {
 /// runs in a node of six decaying modes.
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
+/// Calls `run` with the shape of the filter that a model takes, as a template argument: six decades
+/// where these are enough, as for most models, otherwise `Largest`.
+template <core::ModelShape Largest, class Run>
+auto with_shape_of(const SensorModel& model, Run run) {
+  if (fits_six_decades(model)) {
+    return run
+        .template operator()<core::ModelShape{.decaying = 6, .hypotheses = Largest.hypotheses}>();
+  }
+  return run.template operator()<Largest>();
+}
+
 namespace detail {
 template <class Mode>
 [[nodiscard]] constexpr bool is_active(const Mode& mode) {

@@ -163,7 +163,7 @@ class Node {
     const core::Duration period = sample_period(samples);
     const evaluate::SampleTiming timing{period, evaluate::filter_tick(options_, period)};
     const std::int64_t first_ns = samples.time_ns.data()[0];
-    node_ = evaluate::with_shape_of(
+    node_ = model::with_shape_of<model::kLargestLearningShape>(
         options_.model, [&]<core::ModelShape Shape>() -> std::unique_ptr<AnyNode> {
           return std::make_unique<NodeOfShape<Shape>>(options_, columns, timing, first_ns);
         });

@@ -363,7 +363,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
   result.sample_period = sample_period(options, rows);
   result.filter_tick = filter_tick(options, result.sample_period);
-  with_shape_of(options.model, [&]<core::ModelShape Shape>() {
+  model::with_shape_of<model::kLargestLearningShape>(options.model, [&]<core::ModelShape Shape>() {
     run<Shape>(rows, reader, options, observer, result);
   });
   return result;

@@ -131,15 +131,4 @@ class ReplayNode {
   core::Instant latest_ = kStart;  ///< time of the recording so far
 };
 
-/// Calls `run` with the shape of the node that a model takes, as a template argument. Most models
-/// are six flicker decades; the larger node takes every other one.
-template <class Run>
-auto with_shape_of(const model::SensorModel& model, Run run) {
-  if (model::fits_six_decades(model)) {
-    return run.template
-    operator()<core::ModelShape{.decaying = 6, .hypotheses = model::kMostHypotheses}>();
-  }
-  return run.template operator()<model::kLargestLearningShape>();
-}
-
 }  // namespace zerorate::evaluate

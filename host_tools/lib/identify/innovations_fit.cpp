@@ -69,12 +69,16 @@ IntervalEstimate order_from(double logit, double error) {
           order_of(logit + kNormal95 * error)};
 }
 
-/// The maximum over white noise and flicker noise.
-struct Maximum {
+/// Highest likelihood over white noise and flicker noise.
+struct Peak {
   Parameters parameters;
   Eigen::VectorXd theta;
-  Eigen::MatrixXd covariance;
   double minus_two_log;
+};
+
+/// Peak with the covariance of its parameters.
+struct Maximum : Peak {
+  Eigen::MatrixXd covariance;
 
   [[nodiscard]] double error(Eigen::Index i) const { return std::sqrt(covariance(i, i)); }
   [[nodiscard]] IntervalEstimate bias_instability() const {
@@ -118,22 +122,28 @@ class Fitter {
   }
 
   /// White and flicker noise of this order.
-  Maximum maximum(double order) { return maximum(options_.starts.front(), order, false); }
+  Peak peak(double order) { return peak(options_.starts.front(), order, false); }
 
   /// White and flicker noise of any order: the best from all starts.
-  Maximum maximum_of_free_order() {
-    std::optional<Maximum> best;
+  Peak peak_of_free_order() {
+    std::optional<Peak> best;
     for (const StartValues& start : options_.starts) {
-      Maximum found = maximum(start, start.order, true);
+      Peak found = peak(start, start.order, true);
       if (!best || found.minus_two_log < best->minus_two_log) best = std::move(found);
     }
     return *best;
   }
 
+  /// Some twenty passes: for the peak that is wanted alone.
+  Maximum with_errors(const Peak& peak) {
+    return {peak, covariance(objective(peak.parameters), {peak.theta, peak.minus_two_log},
+                             step_of(peak.theta.size()))};
+  }
+
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
  private:
-  Maximum maximum(const StartValues& start, double order, bool order_is_free) {
+  Peak peak(const StartValues& start, double order, bool order_is_free) {
     const double white = start.angle_random_walk_rad_per_sqrt_s;
     const double slowest =
         2.0 * std::numbers::pi / (tick_s() * static_cast<double>(longest().ticks()));
@@ -149,16 +159,20 @@ class Fitter {
     theta(1) =
         std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
     if (order_is_free) theta(2) = logit_of(order);
-    const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
-    const Objective objective = [&](const Eigen::VectorXd& x) {
-      ++evaluations_;
-      return likelihood(parameters.model(x)).minus_two_log();
-    };
-    const Eigen::VectorXd room = kRoom.head(theta.size());
-    const Minimum minimum = minimise(objective, theta, step, room);
-    return {parameters, minimum.at, covariance(objective, minimum, step), minimum.value};
+    const Minimum minimum =
+        minimise(objective(parameters), theta, step_of(theta.size()), kRoom.head(theta.size()));
+    return {parameters, minimum.at, minimum.value};
   }
 
+  [[nodiscard]] static Eigen::VectorXd step_of(Eigen::Index size) {
+    return Eigen::Vector3d(0.02, 0.2, 0.4).head(size);
+  }
+  Objective objective(const Parameters& parameters) {
+    return [this, parameters](const Eigen::VectorXd& theta) {
+      ++evaluations_;
+      return likelihood(parameters.model(theta)).minus_two_log();
+    };
+  }
   [[nodiscard]] double tick_s() const { return static_cast<double>(longest().tick().ns()) * 1e-9; }
   [[nodiscard]] const InnovationsLikelihood& longest() const {
     return *std::ranges::max_element(likelihoods_, {}, &InnovationsLikelihood::ticks);
@@ -205,12 +219,12 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
 }
 
 /// Fit with the record's own order, if the record determines it; else the fit of the prior.
-Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedFlicker>& flicker) {
-  Maximum free = fitter.maximum_of_free_order();
+Maximum choose_order(Fitter& fitter, const Peak& prior, std::optional<FittedFlicker>& flicker) {
+  Maximum free = fitter.with_errors(fitter.peak_of_free_order());
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
   const IntervalEstimate order = free.order();
   if (contradicts && order.value > kOrderLimit) {
-    Maximum at_limit = fitter.maximum(kHighestOrder);
+    Maximum at_limit = fitter.with_errors(fitter.peak(kHighestOrder));
     flicker = flicker_of(at_limit, OrderSource::limit);
     return at_limit;
   }
@@ -218,9 +232,10 @@ Maximum choose_order(Fitter& fitter, const Maximum& prior, std::optional<FittedF
     flicker = flicker_of(free, OrderSource::estimated);
     return free;
   }
-  flicker = flicker_of(prior, OrderSource::prior);
+  Maximum of_prior = fitter.with_errors(prior);
+  flicker = flicker_of(of_prior, OrderSource::prior);
   flicker->rejected_order = order;
-  return prior;
+  return of_prior;
 }
 
 }  // namespace
@@ -257,17 +272,15 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   require_usable(likelihoods, options);
   Fitter fitter{likelihoods, options};
   InnovationsFit fit = fitter.white_alone();
-  Maximum best = fitter.maximum(options.order.value_or(kPriorOrder));
-  fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - best.minus_two_log);
+  const Peak peak = fitter.peak(options.order.value_or(kPriorOrder));
+  fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - peak.minus_two_log);
   fit.p_value = p_value_at_edge(fit.likelihood_ratio);
   fit.evaluations = fitter.evaluations();
   if (fit.p_value > options.significance) return fit;
 
-  if (options.order) {
-    fit.flicker = flicker_of(best, OrderSource::given);
-  } else {
-    best = choose_order(fitter, best, fit.flicker);
-  }
+  const Maximum best =
+      options.order ? fitter.with_errors(peak) : choose_order(fitter, peak, fit.flicker);
+  if (options.order) fit.flicker = flicker_of(best, OrderSource::given);
   fit.angle_random_walk_rad_per_sqrt_s =
       IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;

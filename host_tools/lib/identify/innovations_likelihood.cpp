@@ -1,10 +1,9 @@
 #include "host_tools/lib/identify/innovations_likelihood.hpp"
 
-#include <cmath>
-
 #include "core/estimator/kalman_predictor.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -34,6 +33,7 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
   const core::KalmanCoefficients<Shape> coefficients{node.modes, node.gate};
   core::KalmanPredictor<Shape> filter{coefficients};
   Likelihood likelihood;
+  statistics::SumOfLogs log_variances;
   for (const Measurement& measurement : measurements_) {
     const core::Innovation innovation =
         filter.step(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks),
@@ -41,17 +41,17 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
     if (innovation.first) continue;
     const double variance = double{innovation.variance_rad2_s2};
     const double residual = double{innovation.residual_rad_s};
-    likelihood.log_variances += std::log(variance);
+    log_variances.add(variance);
     likelihood.squared_innovations += residual * residual / variance;
     ++likelihood.innovations;
   }
+  likelihood.log_variances = log_variances.value();
   return likelihood;
 }
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
-  // A replay chooses likewise: six flicker decades, or the largest node.
-  return model::fits_six_decades(model) ? run<core::ModelShape{.decaying = 6}>(model)
-                                        : run<kLargestWithoutTemperature>(model);
+  return model::with_shape_of<kLargestWithoutTemperature>(
+      model, [&]<core::ModelShape Shape>() { return run<Shape>(model); });
 }
 
 }  // namespace zerorate::identify

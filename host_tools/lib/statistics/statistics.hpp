@@ -63,6 +63,23 @@ inline constexpr double kHalfChiSquared95 = 1.92;
   return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
 }
 
+/// A sum of logarithms, taken of products: one logarithm for some twenty numbers.
+class SumOfLogs {
+ public:
+  /// @param x  positive, between 1e-150 and 1e150
+  void add(double x) {
+    product_ *= x;
+    if (product_ > 1e-150 && product_ < 1e150) return;
+    sum_ += std::log(product_);
+    product_ = 1.0;
+  }
+  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
+
+ private:
+  double sum_ = 0.0;
+  double product_ = 1.0;
+};
+
 /// Median; of an even number of values the upper one of the middle two. Linear in their number.
 /// @param values  at least one
 [[nodiscard]] inline double median_of(std::vector<double> values) {

@@ -40,8 +40,11 @@ struct Profile {
 
   [[nodiscard]] double variance(std::size_t k, std::size_t size) const {
     if (kind == Kind::steps) return k >= first && k < end ? ratio : 1.0;
-    const double at = turn(k, size);
-    return std::max(1.0 + cosine * std::cos(at) + sine * std::sin(at), 1.0 - kDeepest);
+    return variance_at(std::polar(1.0, turn(k, size)));
+  }
+  /// @param place  cosine and sine of the turn
+  [[nodiscard]] double variance_at(std::complex<double> place) const {
+    return std::max(1.0 + cosine * place.real() + sine * place.imag(), 1.0 - kDeepest);
   }
   [[nodiscard]] double turn(std::size_t k, std::size_t size) const {
     return 2.0 * std::numbers::pi * cycles * static_cast<double>(k) / static_cast<double>(size);
@@ -157,23 +160,26 @@ Profile fit_depth(std::span<const double> relative, const Squares& squares, Prof
   const auto width = static_cast<double>(block);
   Profile best = start;
   best.gain_nats = 0.0;
+  std::vector<std::complex<double>> places(n);
+  for (std::size_t b = 0; b < n; ++b) {
+    places[b] = std::polar(1.0, start.turn(b * block + block / 2, squares.size()));
+  }
   for (int i = 0; i < 12; ++i) {
-    double log_sum = 0.0;
+    statistics::SumOfLogs log_variances;
     double scaled = 0.0;
     std::array<double, 2> score{};
     double information = 0.0;
     for (std::size_t b = 0; b < n; ++b) {
-      const std::size_t centre = b * block + block / 2;
-      const double variance = best.variance(centre, squares.size());
-      const double turn = best.turn(centre, squares.size());
-      log_sum += std::log(variance);
+      const double variance = best.variance_at(places[b]);
+      log_variances.add(variance);
       scaled += relative[b] / variance;
-      score[0] += (relative[b] / variance - 1.0) * std::cos(turn) / variance;
-      score[1] += (relative[b] / variance - 1.0) * std::sin(turn) / variance;
+      score[0] += (relative[b] / variance - 1.0) * places[b].real() / variance;
+      score[1] += (relative[b] / variance - 1.0) * places[b].imag() / variance;
       information += 0.5 / (variance * variance);
     }
     const auto all = static_cast<double>(n);
-    const double gain = 0.5 * width * squares.freedom() * (-log_sum - all * std::log(scaled / all));
+    const double gain =
+        0.5 * width * squares.freedom() * (-log_variances.value() - all * std::log(scaled / all));
     best.gain_nats = std::max(best.gain_nats, gain);
     best.cosine += score[0] / information;
     best.sine += score[1] / information;

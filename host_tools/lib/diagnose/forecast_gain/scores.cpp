@@ -17,19 +17,19 @@ namespace zerorate::diagnose {
 
 namespace {
 
-using Filter = core::KalmanPredictor<model::kLargestShape>;
-using Noise = core::TransitionOf<model::kLargestShape>;
-using NodeModel = model::NodeModel<model::kLargestShape>;
-
 /// The filter at a tick; what is between the ticks that it measures is a gap.
+template <core::ModelShape Shape>
 class Node {
  public:
-  Node(const NodeModel& node, core::Duration tick)
+  using Filter = core::KalmanPredictor<Shape>;
+  using Noise = core::TransitionOf<Shape>;
+
+  Node(const model::NodeModel<Shape>& node, core::Duration tick)
       : node_(node),
         tick_(tick),
         one_tick_(node.modes.one_tick()),
-        coefficients_(node.modes, node.gate, node.temperature),
-        temperature_(node.temperature) {}
+        coefficients_(node.modes, node.gate, drift_of(node)),
+        temperature_(drift_of(node)) {}
 
   /// Time goes on to the end of this tick.
   void enter(const identify::TickMean& mean, float temperature_degc) {
@@ -80,35 +80,40 @@ class Node {
   }
   /// Heading sigma of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
-    Filter::Transition drive{node_.modes.over(lead_.ticks)};
+    typename Filter::Transition drive{node_.modes.over(lead_.ticks)};
     temperature_.over_drive(lead_, lead_.ticks, drive);
-    const Filter::Transition none{node_.modes.over(0)};
+    const typename Filter::Transition none{node_.modes.over(0)};
     return double{filter_.predict_heading(none, drive).sigma_rad()};
   }
 
  private:
+  [[nodiscard]] static core::TemperatureBlock<Shape.temperature_weights> drift_of(
+      const model::NodeModel<Shape>& node) {
+    if constexpr (Shape.temperature_weights > 0) return node.temperature;
+    return {};
+  }
   [[nodiscard]] float white_variance() const {
     return level_.level() * node_.white_variance_rad2_s2;
   }
   core::Innovation measure(std::uint32_t tick, float rate_rad_s, float samples) {
-    Filter::Transition since_last = lead_;
+    typename Filter::Transition since_last = lead_;
     temperature_.measure(temperature_.tick(), since_last);
     measured_ticks_ = tick + 1;
     return filter_.step(since_last, rate_rad_s,
                         white_variance() / samples + node_.measurement_floor_variance_rad2_s2);
   }
 
-  const NodeModel& node_;
+  const model::NodeModel<Shape>& node_;
   core::Duration tick_;
   Noise one_tick_;  ///< the span of nearly all steps
-  Filter::Coefficients coefficients_;
+  typename Filter::Coefficients coefficients_;
   Filter filter_{coefficients_};
-  core::TemperatureTrack<model::kLargestShape.temperature_weights> temperature_;
+  [[no_unique_address]] core::TemperatureTrack<Shape.temperature_weights> temperature_;
   core::SampleScreen screen_{node_.samples};
   core::NoiseLevelTrack level_{node_.samples.level};
-  Filter::Transition lead_{};         ///< from the newest measurement to the tick entered last
-  std::uint32_t measured_ticks_ = 0;  ///< up to and with the newest measurement
-  std::uint32_t level_ticks_ = 0;     ///< up to and with the tick entered last
+  typename Filter::Transition lead_{};  ///< from the newest measurement to the tick entered last
+  std::uint32_t measured_ticks_ = 0;    ///< up to and with the newest measurement
+  std::uint32_t level_ticks_ = 0;       ///< up to and with the tick entered last
 };
 
 /// Calls visit(mean, temperature, samples) for all ticks in order.
@@ -126,7 +131,8 @@ void for_each_tick(const ScoredTicks& scored, Visit visit) {
 }
 
 /// Looks at every sample only where the model asks for it: the filter is the same otherwise.
-void learn(Node& node, const NodeModel& model, const identify::TickMean& mean,
+template <core::ModelShape Shape>
+void learn(Node<Shape>& node, const model::NodeModel<Shape>& model, const identify::TickMean& mean,
            std::span<const double> samples) {
   if (model.samples.needs_screen()) {
     node.learn(mean, samples, [](const auto& /*forecast*/, double /*rate*/) {});
@@ -142,7 +148,8 @@ double log_density(const core::Innovation& innovation) {
 }
 
 /// At an end of the range a tenth of the noise: as a histogram tells it.
-Scale scale_of(const NodeModel& model, double level_step_rad_s) {
+template <core::ModelShape Shape>
+Scale scale_of(const model::NodeModel<Shape>& model, double level_step_rad_s) {
   const double step = double{model.quantization_step_rad_s};
   const double of_means = double{model.measurement_floor_variance_rad2_s2};
   return {.step_rad_s = step,
@@ -152,8 +159,10 @@ Scale scale_of(const NodeModel& model, double level_step_rad_s) {
           .range = model.samples.range};
 }
 
-std::vector<double> log_scores(const NodeModel& model, const ScoredTicks& scored, ScoreOf what) {
-  Node node(model, scored.tick);
+template <core::ModelShape Shape>
+std::vector<double> log_scores(const model::NodeModel<Shape>& model, const ScoredTicks& scored,
+                               ScoreOf what) {
+  Node<Shape> node(model, scored.tick);
   const Scale scale = scale_of(model, scored.level_step_rad_s);
   std::vector<double> scores;
   scores.reserve(scored.ticks.size());
@@ -174,8 +183,9 @@ std::vector<double> log_scores(const NodeModel& model, const ScoredTicks& scored
   return scores;
 }
 
-std::vector<ScoredDrive> drives(const NodeModel& model, const ScoredTicks& scored) {
-  Node node(model, scored.tick);
+template <core::ModelShape Shape>
+std::vector<ScoredDrive> drives(const model::NodeModel<Shape>& model, const ScoredTicks& scored) {
+  Node<Shape> node(model, scored.tick);
   std::vector<ScoredDrive> all;
   const double tick_s = static_cast<double>(scored.tick.ns()) * 1e-9;
   const std::uint32_t cycle = scored.stop_ticks + scored.drive_ticks;
@@ -209,8 +219,12 @@ std::vector<ScoredDrive> drives(const NodeModel& model, const ScoredTicks& score
   return all;
 }
 
-NodeModel node_model_of(const model::SensorModel& model, const ScoredTicks& ticks) try {
-  return model::make_node_model<model::kLargestShape>(model, ticks.sample_period, ticks.tick);
+/// Calls `run` with the model of the node, of the shape that the model takes.
+template <class Run>
+auto with_node_model(const model::SensorModel& model, const ScoredTicks& ticks, Run run) try {
+  return model::with_shape_of<model::kLargestShape>(model, [&]<core::ModelShape Shape>() {
+    return run(model::make_node_model<Shape>(model, ticks.sample_period, ticks.tick));
+  });
 } catch (const std::invalid_argument& reason) {
   throw ModelCannotRun(reason.what());
 }
@@ -225,12 +239,13 @@ ScoreOf level_of(const model::SensorModel& model) {
 }
 
 std::vector<ScoredDrive> score_drives(const model::SensorModel& model, const ScoredTicks& ticks) {
-  return drives(node_model_of(model, ticks), ticks);
+  return with_node_model(model, ticks, [&](const auto& node) { return drives(node, ticks); });
 }
 
 NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what) {
-  const NodeModel node = node_model_of(model, ticks);
-  return {drives(node, ticks), log_scores(node, ticks, what)};
+  return with_node_model(model, ticks, [&](const auto& node) {
+    return NodeScores{drives(node, ticks), log_scores(node, ticks, what)};
+  });
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/diagnose/hypothesis/noise_density.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -59,11 +60,13 @@ void Hypothesis::repair_values() {
 }
 
 double Hypothesis::log_likelihood_of_coefficients() const {
-  double sum = 0.0;
+  statistics::SumOfLogs logs;
+  double squares = 0.0;
   for (std::size_t k = 1; k < residual().size(); ++k) {
-    sum += std::log(density()[k]) + residual()[k] * residual()[k] / density()[k];
+    logs.add(density()[k]);
+    squares += residual()[k] * residual()[k] / density()[k];
   }
-  return -0.5 * sum;
+  return -0.5 * (logs.value() + squares);
 }
 
 std::size_t Hypothesis::first_amplitude(std::size_t part) const {
