@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include "host_tools/lib/experiments/paper/predictors.hpp"
 #include "host_tools/lib/experiments/paper/table1.hpp"
@@ -37,6 +38,29 @@ TEST(ForEachInParallel, DoesEachPieceOnceAndReportsTheWhole) {
 TEST(ForEachInParallel, PassesAnExceptionOn) {
   EXPECT_THROW(parallel::for_each(10, 2, [](std::size_t) { throw std::runtime_error("one"); }, {}),
                std::runtime_error);
+}
+
+TEST(ForEachInParallel, KeepsWorkInsideOfAPieceOnItsThread) {
+  std::atomic<int> elsewhere = 0;
+  parallel::for_each(4, 2,
+                     [&](std::size_t) {
+                       const std::thread::id piece = std::this_thread::get_id();
+                       parallel::together(std::vector<std::function<void()>>(
+                           8, [&] { elsewhere += std::this_thread::get_id() != piece ? 1 : 0; }));
+                     },
+                     {});
+  EXPECT_EQ(elsewhere, 0);
+}
+
+TEST(Lazy, IsMadeOnceForAllThreadsAndCopies) {
+  const parallel::Lazy<int> value;
+  const parallel::Lazy<int> copy = value;
+  std::atomic<int> made = 0;
+  const auto get = [&](const parallel::Lazy<int>& lazy) {
+    EXPECT_EQ(lazy.get([&] { return ++made; }), 1);
+  };
+  parallel::for_each(100, 4, [&](std::size_t i) { get(i % 2 == 0 ? value : copy); }, {});
+  EXPECT_EQ(made, 1);
 }
 
 // In fixed memory the node forms the suffix means of eq. 8 from blocks, see core/estimator; as

@@ -21,6 +21,7 @@
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -187,15 +188,19 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   const Hypothesis base = options.base_model ? hypothesis_of(data, *options.base_model)
                                              : base_beside_fast_effects(fitted_base, hypothesis);
   std::vector<Choice> choices = selection.choices;
-  const NodeModels models(record, hypothesis, choices, options.recording);
   Diagnosis diagnosis{.axis = record.axis,
                       .samples = record.size(),
                       .sample_period_s = record.sample_period_s,
                       .is_base_given = options.base_model.has_value(),
-                      .base_adequacy = examine_adequacy(options.base_model ? base : fitted_base),
-                      .base_model = options.base_model.value_or(models.base()),
                       .evidence = selection.evidence,
                       .thinned = thinned(series)};
+  std::optional<NodeModels> models;
+  parallel::together({[&] { models.emplace(record, hypothesis, choices, options.recording); },
+                      [&] {
+                        diagnosis.base_adequacy =
+                            examine_adequacy(options.base_model ? base : fitted_base);
+                      }});
+  diagnosis.base_model = options.base_model.value_or(models->base());
 
   const bool is_given_enough = options.base_model && diagnosis.base_adequacy.holds &&
                                is_enough(base, *options.base_model, hypothesis);
@@ -204,13 +209,19 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
     choices.clear();
     diagnosis.evidence.clear();
     diagnosis.extended_model = diagnosis.base_model;
-  } else {
-    choose_model(axis, models, options, choices, diagnosis);
   }
+  Envelopes envelopes;
+  parallel::together({[&] {
+                        if (is_given_enough) return;
+                        choose_model(axis, *models, options, choices, diagnosis);
+                      },
+                      [&] {
+                        diagnosis.extended_adequacy = examine_adequacy(hypothesis);
+                        envelopes = simulate_envelopes(base, hypothesis);
+                      }});
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);
-  diagnosis.extended_adequacy = examine_adequacy(hypothesis);
   if (!is_given_enough) {
     doubt_many_slow_causes(choices, hypothesis, diagnosis.extended_adequacy);
   }
@@ -218,7 +229,6 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   if (diagnosis.verdict == Verdict::unexplained) {
     diagnosis.materiality = weigh_remainder(hypothesis, diagnosis.extended_model);
   }
-  Envelopes envelopes = simulate_envelopes(base, hypothesis);
   diagnosis.allan = std::move(envelopes.allan);
   diagnosis.density = std::move(envelopes.density);
   diagnosis.misfit = std::move(envelopes.misfit);

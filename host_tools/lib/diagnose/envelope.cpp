@@ -10,6 +10,7 @@
 
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -37,40 +38,43 @@ double quantile_of_family(std::size_t rows) {
 /// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.
 class SimulatedAllan {
  public:
-  SimulatedAllan(const Hypothesis& hypothesis, std::span<const std::size_t> factors)
+  SimulatedAllan(const Hypothesis& hypothesis, std::span<const std::size_t> factors,
+                 std::size_t runs)
       : data_(&hypothesis.data()),
         mean_(mean_coefficients(hypothesis)),
         sigma_(hypothesis.density()),
         factors_(factors),
-        sums_(factors.size()),
-        squares_(factors.size()) {
+        log_deviations_(runs) {
     for (double& sigma : sigma_) sigma = std::sqrt(sigma);
   }
 
-  /// One more simulation, by independent normal numbers.
-  void add(const std::vector<double>& normal) {
+  /// One simulation, by independent normal numbers. Runs may be made at the same time.
+  void make(std::size_t run, const std::vector<double>& normal) {
     std::vector<double> coefficients(normal.size());
     for (std::size_t k = 1; k < normal.size(); ++k) {
       coefficients[k] = mean_[k] + normal[k] * sigma_[k];
     }
     const std::vector<double> rate = data_->transform().inverse(coefficients);
-    const std::vector<double> variances = identify::allan_variances(rate, factors_);
-    for (std::size_t i = 0; i < factors_.size(); ++i) {
-      const double log_deviation = 0.5 * std::log(std::max(variances[i], 1e-300));
-      sums_[i] += log_deviation;
-      squares_[i] += log_deviation * log_deviation;
+    for (const double variance : identify::allan_variances(rate, factors_)) {
+      log_deviations_[run].push_back(0.5 * std::log(std::max(variance, 1e-300)));
     }
-    count_ += 1.0;
   }
 
   [[nodiscard]] std::vector<Band> bands() const {
     const double z = quantile_of_family(factors_.size());
+    const auto count = static_cast<double>(log_deviations_.size());
     std::vector<Band> bands;
     bands.reserve(factors_.size());
     for (std::size_t i = 0; i < factors_.size(); ++i) {
-      const double middle = sums_[i] / count_;
+      double sum = 0.0;
+      double squares = 0.0;
+      for (const std::vector<double>& run : log_deviations_) {
+        sum += run[i];
+        squares += run[i] * run[i];
+      }
+      const double middle = sum / count;
       const double spread =
-          std::sqrt(std::max(0.0, (squares_[i] - count_ * middle * middle) / (count_ - 1.0)));
+          std::sqrt(std::max(0.0, (squares - count * middle * middle) / (count - 1.0)));
       bands.push_back(
           {std::exp(middle - z * spread), std::exp(middle), std::exp(middle + z * spread)});
     }
@@ -82,9 +86,7 @@ class SimulatedAllan {
   std::vector<double> mean_;
   std::vector<double> sigma_;
   std::span<const std::size_t> factors_;
-  std::vector<double> sums_;
-  std::vector<double> squares_;
-  double count_ = 0.0;
+  std::vector<std::vector<double>> log_deviations_;  ///< at each factor, of each run
 };
 
 /// Both hypotheses are simulated with the same random numbers.
@@ -92,19 +94,20 @@ std::vector<CurvePoint> allan_curve(const Hypothesis& base, const Hypothesis& ex
   const FitData& data = base.data();
   const auto factors = identify::averaging_factors(data.size(), kTausPerDecade);
   const std::vector<double> measured = identify::allan_variances(data.rate_rad_s(), factors);
-  SimulatedAllan simulated_base(base, factors);
-  SimulatedAllan simulated_extended(extended, factors);
   const std::size_t n = data.size();
   const auto runs =
       std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
                  kFewestSimulations, kMostSimulations);
+  SimulatedAllan simulated_base(base, factors, runs);
+  SimulatedAllan simulated_extended(extended, factors, runs);
   const random::RandomStream stream = random::RandomStream(data.seed()).substream("envelope");
-  std::vector<double> normal(n);
-  for (std::size_t run = 0; run < runs; ++run) {
+  const auto simulate = [&](std::size_t run) {
+    std::vector<double> normal(n);
     stream.substream(run).fill_normal(0, normal);
-    simulated_base.add(normal);
-    simulated_extended.add(normal);
-  }
+    simulated_base.make(run, normal);
+    simulated_extended.make(run, normal);
+  };
+  parallel::for_each(runs, parallel::kAllThreads, simulate, {});
   const std::vector<Band> before = simulated_base.bands();
   const std::vector<Band> after = simulated_extended.bands();
   std::vector<CurvePoint> curve;

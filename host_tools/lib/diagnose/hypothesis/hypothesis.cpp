@@ -38,7 +38,7 @@ Hypothesis::Hypothesis(const FitData& data, std::vector<Part> parts, const Hypot
 Hypothesis::Hypothesis(const FitData& data, std::vector<Part> parts, std::vector<double> density)
     : data_(&data), parts_(std::move(parts)) {
   density[0] = std::numeric_limits<double>::infinity();
-  density_ = std::make_shared<const std::vector<double>>(std::move(density));
+  given_density_ = std::make_shared<const std::vector<double>>(std::move(density));
   mark_replaced();
   repair_values();
   residual_ = coefficients_;
@@ -193,43 +193,39 @@ void Hypothesis::subtract_means(std::vector<double>& residual) const {
 }
 
 std::vector<double> Hypothesis::density_below(std::size_t end) const {
-  if (density_) return {density_->begin(), density_->begin() + static_cast<std::ptrdiff_t>(end)};
+  if (given_density_) {
+    return {given_density_->begin(), given_density_->begin() + static_cast<std::ptrdiff_t>(end)};
+  }
   return density_table(noise_.spectrum, data_->sines(), end);
 }
 
 const std::vector<double>& Hypothesis::density() const {
-  if (!density_) {
-    density_ = std::make_shared<const std::vector<double>>(density_below(data_->size()));
-  }
-  return *density_;
+  if (given_density_) return *given_density_;
+  return density_.get([&] { return density_below(data_->size()); });
 }
 
 double Hypothesis::mean_precision() const {
-  if (!mean_precision_) {
+  return mean_precision_.get([&] {
     double sum = 0.0;
     for (std::size_t k = 1; k < data_->size(); ++k) sum += 1.0 / density()[k];
-    mean_precision_ = sum / static_cast<double>(data_->size());
-  }
-  return *mean_precision_;
+    return sum / static_cast<double>(data_->size());
+  });
 }
 
 const std::vector<double>& Hypothesis::whitened() const {
-  if (!whitened_) {
+  return whitened_.get([&] {
     std::vector<double> flat(residual().size());
     for (std::size_t k = 1; k < flat.size(); ++k) flat[k] = residual()[k] / std::sqrt(density()[k]);
-    whitened_ = std::make_shared<const std::vector<double>>(data_->transform().inverse(flat));
-  }
-  return *whitened_;
+    return data_->transform().inverse(flat);
+  });
 }
 
 const std::vector<double>& Hypothesis::precision_weighted_residual() const {
-  if (!precision_weighted_residual_) {
+  return precision_weighted_residual_.get([&] {
     std::vector<double> divided(residual().size());
     for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual()[k] / density()[k];
-    precision_weighted_residual_ =
-        std::make_shared<const std::vector<double>>(data_->transform().inverse(divided));
-  }
-  return *precision_weighted_residual_;
+    return data_->transform().inverse(divided);
+  });
 }
 
 bool Hypothesis::is_coarse() const {

@@ -4,17 +4,17 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
 #include "host_tools/lib/diagnose/hypothesis/part.hpp"
 #include "host_tools/lib/diagnose/hypothesis/spectrum_fit.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::diagnose {
 
 /// Parts with everything that can be fitted. Arrays as long as the record are shared among copies,
-/// and among hypotheses that agree on them.
+/// and among hypotheses that agree on them. Threads may share a const object.
 class Hypothesis {
  public:
   /// Fits the noise and all amplitudes: generalised least squares and Whittle fit in turn.
@@ -94,10 +94,11 @@ class Hypothesis {
   Values repaired_;
   Values coefficients_;  ///< of the repaired values
   Values residual_;
-  mutable Values density_;  ///< derived when asked for, as are the members that follow
-  mutable Values whitened_;
-  mutable Values precision_weighted_residual_;
-  mutable std::optional<double> mean_precision_;
+  Values given_density_;  ///< null where the noise is fitted
+  parallel::Lazy<std::vector<double>> density_;
+  parallel::Lazy<std::vector<double>> whitened_;
+  parallel::Lazy<std::vector<double>> precision_weighted_residual_;
+  parallel::Lazy<double> mean_precision_;
 };
 
 /// Residual of a record under a hypothesis, which must outlive it.

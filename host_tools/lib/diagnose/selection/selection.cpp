@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -25,16 +26,21 @@ struct Catalogue {
 
 /// Candidates of all effects that are not in the hypothesis yet, most surprising first.
 std::vector<Proposal> proposals_for(const Hypothesis& without, const Catalogue& catalogue) {
-  std::vector<Proposal> proposals;
-  for (const auto& effect : catalogue.effects) {
+  std::vector<std::optional<Candidate>> candidates(catalogue.effects.size());
+  const auto examine = [&](std::size_t i) {
+    const Effect& effect = *catalogue.effects[i];
     const bool is_in = std::ranges::any_of(
-        without.parts(), [&](const Part& part) { return part.effect == effect->name(); });
-    if (is_in || !catalogue.scope.is_searched(*effect)) continue;
-    std::optional<Candidate> candidate = effect->examine(without);
+        without.parts(), [&](const Part& part) { return part.effect == effect.name(); });
+    if (!is_in && catalogue.scope.is_searched(effect)) candidates[i] = effect.examine(without);
+  };
+  parallel::for_each(candidates.size(), parallel::kAllThreads, examine, {});
+  std::vector<Proposal> proposals;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Effect& effect = *catalogue.effects[i];
     // A fit that ran away is no offer.
-    if (candidate && std::isfinite(candidate->surprisal_nats) &&
-        catalogue.scope.holds(*effect, *candidate)) {
-      proposals.push_back({effect.get(), std::move(*candidate)});
+    if (candidates[i] && std::isfinite(candidates[i]->surprisal_nats) &&
+        catalogue.scope.holds(effect, *candidates[i])) {
+      proposals.push_back({&effect, std::move(*candidates[i])});
     }
   }
   std::ranges::stable_sort(proposals, std::greater{}, [](const Proposal& proposal) {
