@@ -66,6 +66,19 @@ TEST(AdequacyWithASweep, FailsAndSaysSo) {
   EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("tone moves")));
 }
 
+// Each gains 41 nats (8192 values, amplitude 0.1): the powers of eight stretches alone would not
+// do.
+TEST(AdequacyWithASmallSweep, FailsInSlowAndFastOnes) {
+  for (const double cycles : {80.0, 300.0, 900.0}) {
+    std::vector<double> values = white(2);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double share = static_cast<double>(k) / kSamples;
+      values[k] += 0.1414 * std::cos(2.0 * std::numbers::pi * cycles * (1.0 + share) * share);
+    }
+    EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("tone moves"))) << cycles;
+  }
+}
+
 TEST(AdequacyWithPeriodicStrength, FailsAndSaysSo) {
   std::vector<double> values = white(3);
   for (std::size_t k = 0; k < values.size(); ++k) {
