@@ -13,7 +13,7 @@ namespace zerorate::parallel {
 /// Told, from one thread at a time, what share of the work is done, 0 to 1.
 using Progress = std::function<void(double share)>;
 
-/// As many threads as the machine has.
+/// Number that stands for as many threads as the machine has.
 inline constexpr unsigned kAllThreads = 0;
 
 /// Calls work(0) .. work(count - 1), each once, on so many threads. Each piece writes its own
