@@ -14,7 +14,9 @@
 namespace zerorate::core {
 
 /// Factor, at least 1, of the variances that a learning bank predicts for a drive: by maximum
-/// likelihood in fixed memory (docs/design/learning.md, section 5).
+/// likelihood in fixed memory (docs/design/learning.md, section 5). The estimate itself may be
+/// below 1: were it not, its chance alone would widen the interval of a sensor that is as
+/// predicted.
 ///
 /// The innovations within a stop are many and tell of the white noise. Those between stops are few
 /// and tell what the interval of a drive is worth: a sensor outside the family shows in these
@@ -34,7 +36,7 @@ class DriveScale {
 
   /// Part that is worth keeping while the power is off.
   struct Memory {
-    float scale = 1.0F;
+    float scale = 1.0F;                     ///< estimate
     float information = kPriorInformation;  ///< about the logarithm of the scale
 
     constexpr bool operator==(const Memory&) const = default;
@@ -52,11 +54,11 @@ class DriveScale {
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
   constexpr void restore(const Memory& memory) { state_ = {.memory = memory}; }
-  [[nodiscard]] constexpr float scale() const { return state_.memory.scale; }
+  [[nodiscard]] constexpr float scale() const { return std::max(state_.memory.scale, 1.0F); }
 
   /// Whether memory from outside may be such a memory, or such a state.
   [[nodiscard]] static constexpr bool is_possible(const Memory& memory) {
-    return memory.scale >= 1.0F && is_plausible(memory.scale) &&
+    return memory.scale >= kLeast && is_plausible(memory.scale) &&
            memory.information >= kPriorInformation && memory.information <= kMostInformation;
   }
   [[nodiscard]] static constexpr bool is_possible(const State& state) {
@@ -104,14 +106,14 @@ class DriveScale {
       const float resolved = share * state_.before[i].variance_rad2_s2;
       // An axis without any noise is not there.
       if (!is_finite_positive(resolved) || moved == 0.0F) continue;
-      const float surprise = std::min(moved * moved / (scale() * resolved), kLargest);
+      const float surprise = std::min(moved * moved / (state_.memory.scale * resolved), kLargest);
       score += 0.5F * share * (surprise - 1.0F);
       information += 0.5F * share * share;
     }
     Memory& memory = state_.memory;
     memory.information = std::min(memory.information + information, kMostInformation);
     memory.scale *= 1.0F + std::clamp(score / memory.information, kLargestFall, kLargestRise);
-    memory.scale = std::max(memory.scale, 1.0F);
+    memory.scale = std::max(memory.scale, kLeast);
   }
 
  private:
@@ -128,6 +130,8 @@ class DriveScale {
     }
     return 1.0F - after / before;
   }
+  /// Estimate from which that of a sensor that grows noisier is soon above 1.
+  static constexpr float kLeast = 0.1F;
   static constexpr float kPriorInformation = 6.0F;  ///< a factor of 1.5 either way
   static constexpr float kMostInformation = 30.0F;  ///< memory of some twenty stops
   static constexpr std::uint8_t kTicks = 20;

@@ -20,9 +20,9 @@ struct FlickerHypothesis {
   double log_prior = 0.0;  ///< less a constant
 };
 
-/// Hypotheses of a model, on a grid of its prior: orders d within one standard deviation of the
-/// middle, by four amplitudes each half or one and a half standard deviations from the model's
-/// (docs/design/learning.md, section 1). None where the model has no flicker or learns nothing.
+/// Hypotheses of a model, on a grid of its prior: two orders d within one standard deviation of the
+/// middle, by six amplitudes each, or one by four (docs/design/learning.md, section 1). None where
+/// the model has no flicker or learns nothing.
 [[nodiscard]] std::vector<FlickerHypothesis> hypotheses_of(const SensorModel& model);
 
 }  // namespace zerorate::model
