@@ -176,23 +176,36 @@ class Population(unittest.TestCase):
     def simulate(cls, name, *options):
         successful("simulate", "--fleet", *options, "--jobs", 0, "-o", cls.folder / name, timeout=None)
 
-    def test_means_and_spreads_are_those_of_the_simulation(self):
-        order = 0.55 * math.exp(0.005)  # of a lognormal quantity: mean, and standard deviation below
-        for key, kind, mean, spread in (("angle_random_walk_dps_per_sqrt_hz", "log_", math.log(0.005), 0.15),
-                                        ("bias_instability_dph", "log_", math.log(12.0), 0.3),
-                                        ("order", "", order, order * math.sqrt(math.expm1(0.01)))):
+    def test_means_and_spreads_are_those_of_the_sensors(self):
+        # Eighty sensors differ from what they are drawn from by chance: that is no error of the report.
+        for key, kind, column, coordinate in (
+                ("angle_random_walk_dps_per_sqrt_hz", "log_", "white_dps_per_sqrt_hz", math.log),
+                ("bias_instability_dph", "log_", "flicker_dph", math.log), ("order", "", "order", float)):
+            sensors = {}
+            for row in self.truth:
+                if row["lot_is_bad"] == "0":
+                    sensors.setdefault(row["sensor"], []).append(coordinate(float(row[column])))
+            means = [statistics.mean(axes) for axes in sensors.values()]
+            sampling = statistics.stdev(means) / math.sqrt(len(means))
             figure = self.report["distributions"][key]
-            error = figure["mean_standard_error"]
-            deviation, ratio = figure[f"{kind}mean"] - mean, figure[f"{kind}spread"] / spread
-            print(f"{key}: mean off by {deviation:.4f} = {deviation / error:.2f} errors, spread {ratio:.3f} of the truth")
+            error, deviation = figure["mean_standard_error"], figure[f"{kind}mean"] - statistics.mean(means)
+            ratio = figure[f"{kind}spread"] / statistics.pstdev(value for axes in sensors.values() for value in axes)
+            print(f"{key}: mean off by {deviation:.4f} = {deviation / error:.2f} errors, spread {ratio:.3f} of the truth, "
+                  f"error {error / sampling:.2f} times that of the sampling")
+            # The standard error counts both the sampling, known within 1 / sqrt(2 sensors), and the errors of the
+            # recordings, which double it at most. Only the latter are in the deviation.
             self.assertLess(abs(deviation), 3.0 * error)
-            # Three axes of a sensor that have half of their variance in common: without errors of the recordings the
-            # spread is known within 1 / (2 sqrt(sensors)); they double it at most.
-            self.assertLess(abs(ratio - 1.0), 3.0 / math.sqrt(SENSORS))
+            self.assertGreater(error / sampling, 1.0 - 3.0 / math.sqrt(2.0 * len(means)))
+            self.assertLess(error / sampling, 2.0)
+            # Three axes of a sensor have half of their variance in common: sampling leaves the spread an error of
+            # 1 / (2 sqrt(sensors)), and what doubles it at most adds sqrt(3) times as much.
+            self.assertLess(abs(ratio - 1.0), 3.0 * math.sqrt(3.0) / (2.0 * math.sqrt(len(means))))
 
     def test_hidden_effects_and_the_bad_lot_are_named(self):
         bad = {row["lot"] for row in self.truth if row["lot_is_bad"] == "1"}
-        self.assertEqual({row["lot"] for row in self.report["lots"] if row["differs"]}, bad)
+        differing = {row["lot"] for row in self.report["lots"] if row["differs"]}
+        self.assertLessEqual(bad, differing)
+        self.assertLessEqual(len(differing - bad), 1)  # at a false discovery rate of 0.05 one fleet in twenty has one
         hidden = {row["sensor"]: row["effect"] for row in self.truth if row["effect"] and row["lot"] not in bad}
         named = {row["sensor"] for row in self.report["outliers"] if row["lot"] not in bad}
         missed = {sensor: effect for sensor, effect in hidden.items() if sensor not in named}

@@ -72,6 +72,19 @@ double log_p_of_even_lengths(std::span<const std::vector<double>> groups) {
   return freedom > 0.0 ? log_chi_squared_lower_tail(statistic, freedom) : 0.0;
 }
 
+std::vector<double> rank_sum_tail(std::size_t own, std::size_t others) {
+  // Orders by their pairs: the coefficients of prod_i (1 - q^(others + i)) / (1 - q^i), as shares.
+  std::vector<double> tail(own * others / 2 + 1);
+  tail[0] = 1.0;
+  for (std::size_t i = 1; i <= own; ++i) {
+    for (std::size_t u = tail.size(); u-- > others + i;) tail[u] -= tail[u - others - i];
+    for (double& one : tail) one *= static_cast<double>(i) / static_cast<double>(others + i);
+    for (std::size_t u = i; u < tail.size(); ++u) tail[u] += tail[u - i];
+  }
+  std::partial_sum(tail.begin(), tail.end(), tail.begin());
+  return tail;
+}
+
 double log_of_smallest(double log_p, double places) {
   return std::min(0.0, log_p + std::log(std::max(1.0, places)));
 }

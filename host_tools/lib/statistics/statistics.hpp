@@ -37,6 +37,9 @@ inline constexpr double kHalfChiSquared95 = 1.92;
 /// the test of [Bartlett 1937] at its lower end.
 /// @param groups  lengths, all above 0; each group has a mean of its own
 [[nodiscard]] double log_p_of_even_lengths(std::span<const std::vector<double>> groups);
+/// P that a group of `own` precedes the `others`, drawn alike, in at most 0, 1, ... pairs, up to
+/// half of all: exact at either end (Mann and Whitney 1947). Cost: own * own * others.
+[[nodiscard]] std::vector<double> rank_sum_tail(std::size_t own, std::size_t others);
 /// The smallest of `places` such probabilities, at least.
 [[nodiscard]] double log_of_smallest(double log_p, double places);
 /// Chi squared made standard normal (Wilson and Hilferty 1931).

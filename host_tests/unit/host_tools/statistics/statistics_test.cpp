@@ -78,6 +78,22 @@ TEST(EvenLengths, ArePlainWhereAllAreAlike) {
   EXPECT_EQ(log_p_of_even_lengths(single), 0.0);
 }
 
+TEST(RankSumTail, CountsTheOrdersOfTwoGroups) {
+  // Orders of four and four with 0, 1, 2, 3 and 4 pairs: 1, 1, 2, 3 and 5 of 70.
+  const std::vector<double> tail = rank_sum_tail(4, 4);
+  ASSERT_EQ(tail.size(), 9U);
+  const std::array orders{1.0, 2.0, 4.0, 7.0, 12.0};
+  for (std::size_t u = 0; u < orders.size(); ++u) EXPECT_NEAR(tail[u], orders[u] / 70.0, 1e-15);
+}
+
+TEST(RankSumTail, IsThatOfOneInAllOrdersAtItsEndAndHalfInTheMiddle) {
+  // Forty of a thousand, whose orders are 1e72 in number.
+  const std::vector<double> tail = rank_sum_tail(40, 960);
+  const double orders = std::lgamma(1001.0) - std::lgamma(41.0) - std::lgamma(961.0);
+  EXPECT_NEAR(std::log(tail.front()), -orders, 1e-9);
+  EXPECT_NEAR(tail.back(), 0.5, 1e-3);  // and half of the order in the middle
+}
+
 TEST(SurpriseOfNoGain, IsNothing) {
   EXPECT_EQ(surprisal_of_free(0.0, 1.0), 0.0);
   EXPECT_EQ(surprisal_of_strength(0.0), 0.0);
