@@ -92,12 +92,69 @@ void test_patches(const StandardisedResidual& residual, Tests& tests) {
                                    2.0 * kGrids)});
 }
 
+/// Turning back by some cycles.
+std::complex<double> turn_of(double cycles) {
+  return std::polar(1.0, -2.0 * std::numbers::pi * cycles);
+}
+
+/// Sums of values over each of `blocks`, turned back along a straight line.
+/// @param from cycles a value at the first  @param rate growth of them from value to value
+std::vector<std::complex<double>> block_sums(std::span<const double> values, std::size_t blocks,
+                                             double from, double rate) {
+  const std::size_t length = values.size() / blocks;
+  const std::complex<double> growth = turn_of(rate);
+  std::vector<std::complex<double>> sums(blocks);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto begin = static_cast<double>(b * length);
+    // In cycles: from t + rate t^2 / 2, and its step to the next value, which grows by rate.
+    std::complex<double> turn = turn_of(from * begin + 0.5 * rate * begin * begin);
+    std::complex<double> step = turn_of(from + rate * (begin + 0.5));
+    for (const double value : values.subspan(b * length, length)) {
+      sums[b] += value * turn;
+      turn = spectrum::product(turn, step);
+      step = spectrum::product(step, growth);
+    }
+  }
+  return sums;
+}
+
+/// Sweeps to try, in both directions.
+struct Sweeps {
+  double widest;         ///< cycles over the record
+  double step;           ///< the same
+  double turned_at;      ///< place in its block where a sum is turned: it moves the bins a little
+  std::size_t fft_size;  ///< beyond the blocks it places the frequency more finely
+};
+
+/// The most power in one bin of block sums that are turned back at each of the sweeps.
+double most_power(std::span<const std::complex<double>> sums, const Sweeps& sweeps) {
+  const auto blocks = static_cast<double>(sums.size());
+  const kissfft<double> fft(sweeps.fft_size, false);
+  std::vector<std::complex<double>> turned(sweeps.fft_size);
+  std::vector<std::complex<double>> bins(sweeps.fft_size);
+  std::vector<std::complex<double>> steps(sums.size());
+  for (std::size_t b = 0; b < sums.size(); ++b) {
+    const double place = (static_cast<double>(b) + sweeps.turned_at) / blocks - 0.5;
+    turned[b] = sums[b] * turn_of(-0.5 * sweeps.widest * place * place);
+    steps[b] = turn_of(0.5 * sweeps.step * place * place);
+  }
+  double most = 0.0;
+  for (double sweep = -sweeps.widest; sweep <= sweeps.widest; sweep += sweeps.step) {
+    fft.transform(turned.data(), bins.data());
+    for (const std::complex<double>& bin : bins) most = std::max(most, std::norm(bin));
+    std::ranges::transform(std::span(turned).first(steps.size()), steps, turned.begin(),
+                           spectrum::product);
+  }
+  return most;
+}
+
 /// A tone whose frequency moves at a constant rate. Each stretch is turned back at the rate before
 /// it is transformed, so that a fast sweep keeps its power in one bin; the powers along the line
 /// are then summed. The values are real, so the negative frequencies of a transform are what
 /// turning at the opposite rate gives.
 class MovingTone {
  public:
+  /// Searches.
   MovingTone(std::span<const double> values, std::size_t stretches)
       : values_(values),
         stretches_(stretches),
@@ -113,29 +170,22 @@ class MovingTone {
       const double place = (static_cast<double>(i) + 0.5) / length - 0.5;
       turn_[i] = std::polar(1.0, -std::numbers::pi * kSweepStep * place * place);
     }
+    search();
+    std::ranges::sort(strongest_, std::ranges::greater{}, &Line::power);
   }
 
-  [[nodiscard]] double log_p() {
-    const double fastest = kWidestSweep * static_cast<double>(length_) /
-                           static_cast<double>(stretches_);  // bins in a stretch
-    for (double sweep = 0.0; sweep <= fastest; sweep += kSweepStep) {
-      transform();
-      sum_near(rising_, sweep);
-      if (sweep > 0.0) sum_near(falling_, -sweep);
-      turn_further();
-    }
+  [[nodiscard]] double log_p() const {
     const double freedom = 2.0 * static_cast<double>(stretches_);
     return statistics::log_of_smallest(
-        statistics::log_chi_squared_tail(2.0 * strongest().power, freedom), lines_);
+        statistics::log_chi_squared_tail(2.0 * strongest_.front().power, freedom), lines_);
   }
 
-  /// Probability of the coherent power of the strongest lines over all values, after log_p(). At
-  /// one line it is exponential with mean 1. It exceeds a level G anywhere with at most the area of
-  /// frequencies and sweeps times sqrt(det L) / pi (G - 1/2) e^(-G), where L is the covariance of
-  /// the derivatives of the phase by the two (Adler and Taylor 2007).
-  [[nodiscard]] double log_p_of_coherent() {
+  /// Probability of the coherent power of the strongest lines over all values. At one line it is
+  /// exponential with mean 1. It exceeds a level G anywhere with at most the area of frequencies
+  /// and sweeps times sqrt(det L) / pi (G - 1/2) e^(-G), where L is the covariance of the
+  /// derivatives of the phase by the two (Adler and Taylor 2007).
+  [[nodiscard]] double log_p_of_coherent() const {
     constexpr std::size_t kMostLines = 16;
-    std::ranges::sort(strongest_, std::ranges::greater{}, &Line::power);
     double most = 1.0;
     for (const Line& line : std::span(strongest_).first(std::min(kMostLines, strongest_.size()))) {
       most = std::max(most, coherent_power(line));
@@ -159,8 +209,15 @@ class MovingTone {
     double sweep = 0.0;  ///< bins from stretch to stretch
   };
 
-  [[nodiscard]] const Line& strongest() const {
-    return *std::ranges::max_element(strongest_, {}, &Line::power);
+  void search() {
+    const double fastest = kWidestSweep * static_cast<double>(length_) /
+                           static_cast<double>(stretches_);  // bins in a stretch
+    for (double sweep = 0.0; sweep <= fastest; sweep += kSweepStep) {
+      transform();
+      sum_near(rising_, sweep);
+      if (sweep > 0.0) sum_near(falling_, -sweep);
+      turn_further();
+    }
   }
 
   [[nodiscard]] std::size_t half() const { return length_ / 2; }
@@ -215,47 +272,19 @@ class MovingTone {
 
   /// Power of the values at the best straight line near one: they are turned back along it and
   /// summed in blocks, among whose few frequencies and sweeps the best is found.
-  [[nodiscard]] double coherent_power(const Line& line) {
+  [[nodiscard]] double coherent_power(const Line& line) const {
     constexpr std::size_t kBlocks = 64;
-    constexpr std::size_t kPadded = 4 * kBlocks;
     constexpr double kFinest = 2.0;  // cycles: loses at most 5 % of the power
-    const std::size_t length = values_.size() / kBlocks;
     const std::size_t values_per_stretch = values_.size() / stretches_;
     const auto hop = static_cast<double>(values_per_stretch);
     const double rate = line.sweep / (hop * static_cast<double>(length_));
-    const double first = line.from / static_cast<double>(length_) - 0.5 * rate * hop;
-    std::vector<std::complex<double>> sums(kBlocks);
-    for (std::size_t b = 0; b < kBlocks; ++b) {
-      const auto begin = static_cast<double>(b * length);
-      // In cycles: first t + rate t^2 / 2, and its step to the next value, which grows by rate.
-      std::complex<double> turn = turn_of(first * begin + 0.5 * rate * begin * begin);
-      std::complex<double> step = turn_of(first + rate * (begin + 0.5));
-      const std::complex<double> growth = turn_of(rate);
-      for (std::size_t i = 0; i < length; ++i) {
-        sums[b] += values_[b * length + i] * turn;
-        turn = spectrum::product(turn, step);
-        step = spectrum::product(step, growth);
-      }
-    }
-    const kissfft<double> fft(kPadded, false);
-    std::vector<std::complex<double>> turned(kPadded);
-    std::vector<std::complex<double>> bins(kPadded);
-    const double reach = static_cast<double>(stretches_);  // a bin of a stretch
-    double most = 0.0;
-    for (double sweep = -reach; sweep <= reach; sweep += kFinest) {
-      for (std::size_t b = 0; b < kBlocks; ++b) {
-        const double place = (static_cast<double>(b) + 0.5) / kBlocks - 0.5;
-        turned[b] = sums[b] * turn_of(0.5 * sweep * place * place);
-      }
-      fft.transform(turned.data(), bins.data());
-      for (const std::complex<double>& bin : bins) most = std::max(most, std::norm(bin));
-    }
-    return most / static_cast<double>(values_.size());
-  }
-
-  /// Turning back by some cycles.
-  static std::complex<double> turn_of(double cycles) {
-    return std::polar(1.0, -2.0 * std::numbers::pi * cycles);
+    const double from = line.from / static_cast<double>(length_) - 0.5 * rate * hop;
+    const Sweeps near{.widest = static_cast<double>(stretches_),  // a bin of a stretch
+                      .step = kFinest,
+                      .turned_at = 0.5,
+                      .fft_size = 4 * kBlocks};
+    return most_power(block_sums(values_, kBlocks, from, rate), near) /
+           static_cast<double>(values_.size());
   }
 
   std::span<const double> values_;
@@ -284,7 +313,7 @@ Test moving_tone(const std::vector<double>& values) {
     const std::size_t stretches = std::max<std::size_t>(8, size / kLongest);
     if (stretches > kMostStretches) continue;
     for (std::size_t part = 0; part < parts; ++part) {
-      MovingTone tone{std::span(values).subspan(part * size, size), stretches};
+      const MovingTone tone{std::span(values).subspan(part * size, size), stretches};
       least = std::min(least, tone.log_p());
       places += 1.0;
       if (parts > 1) continue;
@@ -295,35 +324,16 @@ Test moving_tone(const std::vector<double>& values) {
   return {"a tone moves through the spectrum", statistics::log_of_smallest(least, places)};
 }
 
-/// Sums of `values` over each of `blocks`, turned back by an angle a value.
-std::vector<std::complex<double>> base_band(const std::vector<double>& values, double angle,
-                                            std::size_t blocks) {
-  const std::size_t length = values.size() / blocks;
-  std::vector<std::complex<double>> sums(blocks);
-  for (std::size_t k = 0; k < blocks * length; ++k) {
-    sums[k / length] += std::polar(values[k], -angle * static_cast<double>(k));
-  }
-  return sums;
-}
-
 /// The best log likelihood of a tone near an angle that moves at a constant rate.
 /// @param weighted Sigma^-1 y  @param density at the angle
 double gain_of_sweep(const std::vector<double>& weighted, double density, double angle,
                      std::size_t blocks) {
-  const std::vector<std::complex<double>> slow = base_band(weighted, angle, blocks);
-  const kissfft<double> fft(blocks, false);
-  std::vector<std::complex<double>> turned(blocks);
-  std::vector<std::complex<double>> bins(blocks);
-  double most = 0.0;
-  const double fastest = 0.5 * static_cast<double>(blocks);
-  for (double sweep = -fastest; sweep <= fastest; sweep += 1.0) {
-    for (std::size_t i = 0; i < blocks; ++i) {
-      const double place = static_cast<double>(i) / static_cast<double>(blocks) - 0.5;
-      turned[i] = slow[i] * std::polar(1.0, -std::numbers::pi * sweep * place * place);
-    }
-    fft.transform(turned.data(), bins.data());
-    for (const std::complex<double>& bin : bins) most = std::max(most, std::norm(bin));
-  }
+  const auto sums = block_sums(weighted, blocks, angle / (2.0 * std::numbers::pi), 0.0);
+  const Sweeps all{.widest = 0.5 * static_cast<double>(blocks),
+                   .step = 1.0,
+                   .turned_at = 0.0,
+                   .fft_size = blocks};
+  const double most = most_power(sums, all);
   return most * density / static_cast<double>(weighted.size());
 }
 
