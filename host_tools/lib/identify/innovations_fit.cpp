@@ -218,6 +218,13 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
   return {maximum.bias_instability(), maximum.order(), source, std::nullopt};
 }
 
+/// Fit of the given order.
+Maximum keep_order(Fitter& fitter, const Peak& given, std::optional<FittedFlicker>& flicker) {
+  Maximum maximum = fitter.with_errors(given);
+  flicker = flicker_of(maximum, OrderSource::given);
+  return maximum;
+}
+
 /// Fit with the record's own order, if the record determines it; else the fit of the prior.
 Maximum choose_order(Fitter& fitter, const Peak& prior, std::optional<FittedFlicker>& flicker) {
   Maximum free = fitter.with_errors(fitter.peak_of_free_order());
@@ -278,9 +285,8 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   fit.evaluations = fitter.evaluations();
   if (fit.p_value > options.significance) return fit;
 
-  const Maximum best =
-      options.order ? fitter.with_errors(peak) : choose_order(fitter, peak, fit.flicker);
-  if (options.order) fit.flicker = flicker_of(best, OrderSource::given);
+  const auto maximum_of = options.order ? keep_order : choose_order;
+  const Maximum best = maximum_of(fitter, peak, fit.flicker);
   fit.angle_random_walk_rad_per_sqrt_s =
       IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;
