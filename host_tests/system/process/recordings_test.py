@@ -113,6 +113,12 @@ class BagOfRos1(unittest.TestCase):
             for topic, message, *recorded in messages:
                 bag.write(topic, message, *(recorded or [message.header.stamp]))
 
+    def compressed_bags(self):
+        """The bytes of a bag in each compression."""
+        for compression in ("bz2", "lz4"):
+            self.write([("/imu", imu(at(k))) for k in range(300)], compression=compression)
+            yield bytearray(self.bag.read_bytes())
+
     def run_zerorate(self, command, *arguments):
         return subprocess.run([ZERORATE, *command.split(), *map(str, arguments)], capture_output=True, text=True,
                               timeout=300, check=False)
@@ -248,11 +254,8 @@ class BagOfRos1(unittest.TestCase):
             run = self.run_zerorate("convert", self.bag, "-o", self.folder / "rows.csv")
             self.assertIn(run.returncode, (0, BAD_DATA), run.stderr)
 
-
     def test_with_an_index_that_leads_astray_in_a_compressed_chunk_is_refused_with_its_place(self):
-        for compression in ("bz2", "lz4"):
-            self.write([("/imu", imu(at(k))) for k in range(300)], compression=compression)
-            whole = bytearray(self.bag.read_bytes())
+        for whole in self.compressed_bags():
             first_entry = whole.index(b"count=", whole.index(b"op=\x04")) + len("count=") + 4 + 4
             entry = first_entry + 3 * 12
             for offset in (1, 5, 2**32 - 1):
@@ -261,9 +264,7 @@ class BagOfRos1(unittest.TestCase):
                 self.assert_refused(f"an index entry at byte {entry} that leads to no message", "rosbag reindex")
 
     def test_with_a_compressed_chunk_that_is_damaged_is_refused_with_its_place(self):
-        for compression in ("bz2", "lz4"):
-            self.write([("/imu", imu(at(k))) for k in range(300)], compression=compression)
-            whole = bytearray(self.bag.read_bytes())
+        for whole in self.compressed_bags():
             chunk = whole.index(b"op=\x05") - 8  # behind two lengths
             whole[chunk + 1000] ^= 255
             self.bag.write_bytes(whole)
