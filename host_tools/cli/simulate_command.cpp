@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -18,13 +20,20 @@
 namespace zerorate::cli {
 namespace {
 
+/// What several kinds of simulation have in common.
+struct CommonOptions {
+  std::string output;  ///< empty: named after what is simulated
+  std::uint64_t seed = 1;
+  double rate_hz = 20.0;  ///< a scenario has its own
+};
+
 struct SimulateOptions {
+  CommonOptions common;
   std::string scenario;
-  std::string output;
   ReplayFlags flags;
+  double rest_s = 0.0;  ///< 0: no recording at rest
   bool is_fleet = false;
-  double rest_s = 0.0;                 ///< 0: no recording at rest
-  fleet::SimulatedFleetOptions fleet;  ///< its seed and rate are those of all kinds
+  fleet::SimulatedFleetOptions fleet;  ///< seed and rate are the common ones
 };
 
 ExitCode list_scenarios() {
@@ -41,8 +50,10 @@ void write(const simulate::ScenarioDrive& drive, const std::filesystem::path& pa
 }
 
 ExitCode run_simulate_fleet(const SimulateOptions& options) {
-  const fleet::SimulatedFleetOptions& fleet = options.fleet;
-  const std::string folder = options.output.empty() ? "fleet" : options.output;
+  fleet::SimulatedFleetOptions fleet = options.fleet;
+  fleet.seed = options.common.seed;
+  fleet.rate_hz = options.common.rate_hz;
+  const std::string folder = options.common.output.empty() ? "fleet" : options.common.output;
   ProgressBar progress{"simulating"};
   fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
   fmt::print(
@@ -54,9 +65,9 @@ ExitCode run_simulate_fleet(const SimulateOptions& options) {
 ExitCode run_simulate_rest(const SimulateOptions& options) {
   const evaluate::SimulatedRestParams params{.model = to_replay_options(options.flags).model,
                                              .duration_s = options.rest_s,
-                                             .sample_rate_hz = options.fleet.rate_hz,
-                                             .seed = options.fleet.seed};
-  const std::string path = options.output.empty() ? "rest.csv.gz" : options.output;
+                                             .sample_rate_hz = options.common.rate_hz,
+                                             .seed = options.common.seed};
+  const std::string path = options.common.output.empty() ? "rest.csv.gz" : options.common.output;
   evaluate::write_simulated_rest(params, path);
   fmt::print("{}: {} at rest, {:g} s at {:g} Hz\n", path, params.model.name, params.duration_s,
              params.sample_rate_hz);
@@ -72,10 +83,10 @@ ExitCode run_simulate(const SimulateOptions& options) {
   }
   if (options.scenario == "list") return list_scenarios();
   const simulate::Scenario& scenario = simulate::find_scenario(options.scenario);
-  const std::string path =
-      options.output.empty() ? std::string{scenario.name} + ".csv.gz" : options.output;
+  const std::string path = options.common.output.empty() ? std::string{scenario.name} + ".csv.gz"
+                                                         : options.common.output;
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
-  const simulate::ScenarioDrive drive = scenario.make(options.fleet.seed);
+  const simulate::ScenarioDrive drive = scenario.make(options.common.seed);
   write(drive, path);
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
@@ -122,14 +133,14 @@ Command add_simulate(CLI::App& app) {
       ->check(CLI::Range(10.0, 1e6))
       ->excludes(scenario);
   command
-      ->add_option("--rate-hz", options->fleet.rate_hz,
+      ->add_option("--rate-hz", options->common.rate_hz,
                    "samples a second of --rest and --fleet [Hz]")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  command->add_option("--seed", options->fleet.seed, "another seed, other noise")
+  command->add_option("--seed", options->common.seed, "another seed, other noise")
       ->capture_default_str();
   command->add_option(
-      "-o,--output", options->output,
+      "-o,--output", options->common.output,
       "CSV or CSV.gz file to write, default NAME.csv.gz or rest.csv.gz; folder of a fleet, "
       "default fleet");
   add_fleet_options(*command, *options);
