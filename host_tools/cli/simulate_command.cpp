@@ -20,7 +20,7 @@
 namespace zerorate::cli {
 namespace {
 
-/// What several kinds of simulation have in common.
+/// Options of several kinds of simulation.
 struct CommonOptions {
   std::string output;  ///< empty: named after what is simulated
   std::uint64_t seed = 1;
