@@ -24,6 +24,12 @@ void append(std::vector<report::Cell>& row, const BootstrapFigure& figure) {
   for (const double value : {figure.value, figure.lo, figure.hi}) row.emplace_back(value);
 }
 
+void append(report::BarGroup& group, const BootstrapFigure& figure) {
+  group.values.push_back(figure.value);
+  group.lo.push_back(figure.lo);
+  group.hi.push_back(figure.hi);
+}
+
 void add(nlohmann::ordered_json& into, const std::string& key, const BootstrapFigure& figure) {
   into[key] = number(figure.value);
   into[key + "_ci95"] = {number(figure.lo), number(figure.hi)};
@@ -95,11 +101,7 @@ report::BarChart chart(const DriveContest& contest) {
   for (std::size_t who = 0; who + 1 < kContestants; ++who) {
     report::BarGroup group{
         .name = std::string(name(static_cast<Contestant>(who), contest.options.fit_by))};
-    for (const auto& standings : contest.by_schedule) {
-      group.values.push_back(standings[who].ratio.value);
-      group.lo.push_back(standings[who].ratio.lo);
-      group.hi.push_back(standings[who].ratio.hi);
-    }
+    for (const auto& standings : contest.by_schedule) append(group, standings[who].ratio);
     chart.groups.push_back(std::move(group));
   }
   return chart;

@@ -17,76 +17,67 @@ using Row = std::vector<report::Cell>;
 using evaluate::LearntInterval;
 using evaluate::LearntModel;
 
-/// Calls action(name, white factor, flicker factor, standings) for each contestant. Factors of a
-/// tuned one are NaN: no data sheet has a say in it.
-template <class Action>
-void for_each_contestant(const LearningContest& contest, Action action) {
-  for (std::size_t i = 0; i < kTuned; ++i) {
-    action(name(static_cast<Tuned>(i)), std::nan(""), std::nan(""), contest.tuned[i]);
-  }
-  for (const LearningContest::Case& one : contest.cases) {
-    action("learning", one.error.white, one.error.flicker, one.learning);
-    action("fixed", one.error.white, one.error.flicker, one.fixed);
-  }
-}
-
-/// A row a contestant, a column a schedule, and all of them together with its interval.
-report::Table by_schedule(const LearningContest& contest, std::string caption,
-                          BootstrapFigure DriveStanding::*figure) {
+/// A row a contestant, with the factors of its data sheet and what `add_figures(row, standings)`
+/// adds. Factors of a tuned one are NaN: no data sheet has a say in it.
+template <class AddFigures>
+report::Table table_of(const LearningContest& contest, std::string caption,
+                       const std::vector<report::Column>& figures, AddFigures add_figures) {
   report::Table table{.caption = std::move(caption),
                       .columns = {{"filter"}, {"N", "times", 2}, {"B", "times", 2}}};
-  for (const auto& schedule : contest.options.drives.schedules) {
-    table.columns.push_back({label(schedule), "", 3});
-  }
-  for (const char* heading : {"all", "from", "to"}) table.columns.push_back({heading, "", 3});
-  for_each_contestant(contest, [&](std::string_view who, double white, double flicker,
-                                   const LearningStandings& standings) {
+  table.columns.insert(table.columns.end(), figures.begin(), figures.end());
+  const auto add_row = [&](std::string_view who, double white, double flicker,
+                           const LearningStandings& standings) {
     Row row{std::string(who), white, flicker};
-    for (const DriveStanding& one : standings.by_schedule) row.emplace_back((one.*figure).value);
-    append(row, standings.overall.*figure);
+    add_figures(row, standings);
     table.rows.push_back(std::move(row));
-  });
+  };
+  for (std::size_t i = 0; i < kTuned; ++i) {
+    add_row(name(static_cast<Tuned>(i)), std::nan(""), std::nan(""), contest.tuned[i]);
+  }
+  for (const LearningContest::Case& one : contest.cases) {
+    add_row("learning", one.error.white, one.error.flicker, one.learning);
+    add_row("fixed", one.error.white, one.error.flicker, one.fixed);
+  }
   return table;
+}
+
+/// A column a schedule, and all of them together with its interval.
+report::Table by_schedule(const LearningContest& contest, std::string caption,
+                          BootstrapFigure DriveStanding::*figure) {
+  std::vector<report::Column> columns;
+  for (const auto& schedule : contest.options.drives.schedules) {
+    columns.push_back({label(schedule), "", 3});
+  }
+  for (const char* heading : {"all", "from", "to"}) columns.push_back({heading, "", 3});
+  return table_of(contest, std::move(caption), columns,
+                  [&](Row& row, const LearningStandings& standings) {
+                    for (const DriveStanding& one : standings.by_schedule) {
+                      row.emplace_back((one.*figure).value);
+                    }
+                    append(row, standings.overall.*figure);
+                  });
 }
 
 report::Table against_others(const LearningContest& contest) {
-  report::Table table{.caption = fmt::format("Heading drift rms over that of the filter {}",
-                                             name(Tuned::on_others)),
-                      .columns = {{"filter"},
-                                  {"N", "times", 2},
-                                  {"B", "times", 2},
-                                  {"ratio", "", 3},
-                                  {"from", "", 3},
-                                  {"to", "", 3}}};
-  for_each_contestant(contest, [&](std::string_view who, double white, double flicker,
-                                   const LearningStandings& standings) {
-    Row row{std::string(who), white, flicker};
-    append(row, standings.over_on_others);
-    table.rows.push_back(std::move(row));
-  });
-  return table;
+  return table_of(
+      contest, fmt::format("Heading drift rms over that of the filter {}", name(Tuned::on_others)),
+      {{"ratio", "", 3}, {"from", "", 3}, {"to", "", 3}},
+      [](Row& row, const LearningStandings& standings) { append(row, standings.over_on_others); });
 }
 
 report::Table first_drives(const LearningContest& contest) {
-  report::Table table{
-      .caption = fmt::format("First {} drives of each run", LearningContest::kFirstDrives),
-      .columns = {{"filter"},
-                  {"N", "times", 2},
-                  {"B", "times", 2},
-                  {"ratio", "", 3},
-                  {"from", "", 3},
-                  {"to", "", 3},
-                  {"coverage", "", 3},
-                  {"from", "", 3},
-                  {"to", "", 3}}};
-  for_each_contestant(contest, [&](std::string_view who, double white, double flicker,
-                                   const LearningStandings& standings) {
-    Row row{std::string(who), white, flicker};
-    append(row, standings.first_drives.ratio);
-    append(row, standings.first_drives.coverage);
-    table.rows.push_back(std::move(row));
-  });
-  return table;
+  return table_of(contest,
+                  fmt::format("First {} drives of each run", LearningContest::kFirstDrives),
+                  {{"ratio", "", 3},
+                   {"from", "", 3},
+                   {"to", "", 3},
+                   {"coverage", "", 3},
+                   {"from", "", 3},
+                   {"to", "", 3}},
+                  [](Row& row, const LearningStandings& standings) {
+                    append(row, standings.first_drives.ratio);
+                    append(row, standings.first_drives.coverage);
+                  });
 }
 
 report::BarChart chart(const LearningContest& contest) {
@@ -100,16 +91,11 @@ report::BarChart chart(const LearningContest& contest) {
       .reference = report::Reference{"fitted on the others", 1.0}};
   report::BarGroup learning{.name = "learning"};
   report::BarGroup fixed{.name = "fixed"};
-  const auto add_bar = [](report::BarGroup& group, const BootstrapFigure& figure) {
-    group.values.push_back(figure.value);
-    group.lo.push_back(figure.lo);
-    group.hi.push_back(figure.hi);
-  };
   for (const LearningContest::Case& one : contest.cases) {
     chart.categories.push_back(
         fmt::format("N x {:.3g}, B x {:.3g}", one.error.white, one.error.flicker));
-    add_bar(learning, one.learning.over_on_others);
-    add_bar(fixed, one.fixed.over_on_others);
+    append(learning, one.learning.over_on_others);
+    append(fixed, one.fixed.over_on_others);
   }
   chart.groups = {std::move(learning), std::move(fixed)};
   return chart;

@@ -27,6 +27,8 @@ namespace zerorate::experiments {
 
 /// Appends value and ends of an interval.
 void append(std::vector<report::Cell>& row, const BootstrapFigure& figure);
+/// A bar with its interval.
+void append(report::BarGroup& group, const BootstrapFigure& figure);
 
 /// Adds a figure and its interval, as `key` and `key_ci95`.
 void add(nlohmann::ordered_json& into, const std::string& key, const BootstrapFigure& figure);
