@@ -16,7 +16,8 @@ using simulate::Effect;
 
 /// Noise whose spectrum is added to that of the base.
 SizedEffect added_noise(const RecordingSetting& setting, std::string_view name,
-                        Spectrum unit_spectrum, std::function<Effect(double)> effect) {
+                        Spectrum unit_spectrum, std::function<Effect(double)> effect,
+                        std::function<Figures(double)> figures) {
   return {.name = std::string(name),
           .at = [&setting, effect](double size) { return part_of(setting, effect(size)); },
           .loss_nats =
@@ -25,12 +26,14 @@ SizedEffect added_noise(const RecordingSetting& setting, std::string_view name,
                 for (std::size_t k = 0; k < truth.size(); ++k) truth[k] += size * size * unit[k];
                 return setting.noise.loss_to_spectrum(truth);
               },
-          .guess = 0.1 * setting.noise.white_sigma()};
+          .guess = 0.1 * setting.noise.white_sigma(),
+          .figures = std::move(figures)};
 }
 
 /// A mean function in proportion to the size.
 SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
-                       std::function<Effect(double)> effect) {
+                       std::function<Effect(double)> effect,
+                       std::function<Figures(double)> figures) {
   const auto unit = std::make_shared<std::vector<double>>(
       contrasts(alone(setting, part_of(setting, effect(1.0)))));
   return {.name = std::string(name),
@@ -41,22 +44,21 @@ SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
                 for (double& contrast : scaled) contrast *= size;
                 return setting.noise.loss_to_mean(scaled);
               },
-          .guess = 10.0 / std::sqrt(setting.noise.squared_norm(*unit))};
+          .guess = 10.0 / std::sqrt(setting.noise.squared_norm(*unit)),
+          .figures = std::move(figures)};
 }
 
 }  // namespace
 
 SizedEffect draw_rate_random_walk(const RecordingSetting& setting, Draws& /*draws*/) {
   const double root_period = std::sqrt(setting.period_s);
-  SizedEffect walk =
-      added_noise(setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
-                  [root_period](double step) -> Effect {
-                    return simulate::RateRandomWalk{step / root_period};
-                  });
+  SizedEffect walk = added_noise(
+      setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
+      [root_period](double step) -> Effect { return simulate::RateRandomWalk{step / root_period}; },
+      [root_period](double step) -> Figures {
+        return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
+      });
   walk.guess = 0.01 * setting.noise.white_sigma();
-  walk.figures = [root_period](double step) -> Figures {
-    return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
-  };
   return walk;
 }
 
@@ -64,15 +66,14 @@ SizedEffect draw_correlated_noise(const RecordingSetting& setting, Draws& draws)
   const double most = static_cast<double>(setting.samples) / 40.0;
   const double time_constant = draws.log_uniform(2.0, most);  // samples
   const double time_constant_s = time_constant * setting.period_s;
-  SizedEffect noise = added_noise(setting, "correlated_noise",
-                                  gauss_markov_spectrum(setting.noise.samples(), time_constant),
-                                  [time_constant_s](double sigma) -> Effect {
-                                    return simulate::CorrelatedNoise{sigma, time_constant_s};
-                                  });
-  noise.figures = [time_constant_s](double sigma) -> Figures {
-    return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
-  };
-  return noise;
+  return added_noise(
+      setting, "correlated_noise", gauss_markov_spectrum(setting.noise.samples(), time_constant),
+      [time_constant_s](double sigma) -> Effect {
+        return simulate::CorrelatedNoise{sigma, time_constant_s};
+      },
+      [time_constant_s](double sigma) -> Figures {
+        return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
+      });
 }
 
 SizedEffect draw_fractional_order(const RecordingSetting& setting, Draws& draws) {
@@ -135,78 +136,83 @@ SizedEffect draw_temperature_drift(const RecordingSetting& setting, Draws& draws
   const double reference_degc = draws.uniform(20.0, 30.0);
   // Curvature makes about half of a curved drift.
   const double quadratic = curved ? sign * draws.sign() * 0.1 : 0.0;
-  SizedEffect mean = added_mean(setting, "temperature_drift", [=](double slope) -> Effect {
-    return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,
-                                      .quadratic_rad_s_per_k2 = quadratic * slope,
-                                      .reference_degc = reference_degc,
-                                      .lag_s = lag_s};
-  });
-  mean.figures = [sign, curved](double slope) -> Figures {
-    // The slope of a curved one depends on the temperature that it is told at.
-    if (curved) return {};
-    return {{"linear_dps_per_k", sign * slope * kDegPerRad}};
-  };
-  return mean;
+  return added_mean(
+      setting, "temperature_drift",
+      [=](double slope) -> Effect {
+        return simulate::TemperatureDrift{.linear_rad_s_per_k = sign * slope,
+                                          .quadratic_rad_s_per_k2 = quadratic * slope,
+                                          .reference_degc = reference_degc,
+                                          .lag_s = lag_s};
+      },
+      [sign, curved](double slope) -> Figures {
+        // The slope of a curved one depends on the temperature that it is told at.
+        if (curved) return {};
+        return {{"linear_dps_per_k", sign * slope * kDegPerRad}};
+      });
 }
 
 SizedEffect draw_temperature_rate(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double lag_s = setting.record_s() * draws.log_uniform(0.003, 0.03);
-  SizedEffect mean = added_mean(setting, "temperature_rate", [=](double coefficient) -> Effect {
-    return simulate::TemperatureRate{.coefficient_rad_per_k = sign * coefficient, .lag_s = lag_s};
-  });
-  mean.figures = [sign](double coefficient) -> Figures {
-    return {{"coefficient_deg_per_k", sign * coefficient * kDegPerRad}};
-  };
-  return mean;
+  return added_mean(
+      setting, "temperature_rate",
+      [=](double coefficient) -> Effect {
+        return simulate::TemperatureRate{.coefficient_rad_per_k = sign * coefficient,
+                                         .lag_s = lag_s};
+      },
+      [sign](double coefficient) -> Figures {
+        return {{"coefficient_deg_per_k", sign * coefficient * kDegPerRad}};
+      });
 }
 
 SizedEffect draw_warm_up_transient(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_constant_s = setting.record_s() * draws.log_uniform(0.02, 0.25);
-  SizedEffect mean = added_mean(setting, "warm_up_transient", [=](double amplitude) -> Effect {
-    return simulate::WarmUpTransient{sign * amplitude, time_constant_s};
-  });
-  mean.figures = [=](double amplitude) -> Figures {
-    return {{"amplitude_dps", sign * amplitude * kDegPerRad}, {"time_constant_s", time_constant_s}};
-  };
-  return mean;
+  return added_mean(
+      setting, "warm_up_transient",
+      [=](double amplitude) -> Effect {
+        return simulate::WarmUpTransient{sign * amplitude, time_constant_s};
+      },
+      [=](double amplitude) -> Figures {
+        return {{"amplitude_dps", sign * amplitude * kDegPerRad},
+                {"time_constant_s", time_constant_s}};
+      });
 }
 
 SizedEffect draw_rate_ramp(const RecordingSetting& setting, Draws& draws) {
   const double slope = draws.sign() / setting.record_s();
-  SizedEffect mean = added_mean(setting, "rate_ramp", [=](double rise) -> Effect {
-    return simulate::RateRamp{slope * rise};
-  });
-  mean.figures = [slope](double rise) -> Figures {
-    return {{"slope_dps_per_s", slope * rise * kDegPerRad}};
-  };
-  return mean;
+  return added_mean(
+      setting, "rate_ramp", [=](double rise) -> Effect { return simulate::RateRamp{slope * rise}; },
+      [slope](double rise) -> Figures {
+        return {{"slope_dps_per_s", slope * rise * kDegPerRad}};
+      });
 }
 
 SizedEffect draw_periodic_disturbance(const RecordingSetting& setting, Draws& draws) {
   const double cycles = draws.log_uniform(15.0, 0.45 * static_cast<double>(setting.samples));
   const double frequency_hz = cycles / setting.record_s();
   const double phase_rad = draws.uniform(0.0, 2.0 * std::numbers::pi);
-  SizedEffect mean = added_mean(setting, "periodic_disturbance", [=](double amplitude) -> Effect {
-    return simulate::PeriodicDisturbance{amplitude, frequency_hz, phase_rad};
-  });
-  mean.figures = [frequency_hz](double amplitude) -> Figures {
-    return {{"amplitude_dps", amplitude * kDegPerRad}, {"frequency_hz", frequency_hz}};
-  };
-  return mean;
+  return added_mean(
+      setting, "periodic_disturbance",
+      [=](double amplitude) -> Effect {
+        return simulate::PeriodicDisturbance{amplitude, frequency_hz, phase_rad};
+      },
+      [frequency_hz](double amplitude) -> Figures {
+        return {{"amplitude_dps", amplitude * kDegPerRad}, {"frequency_hz", frequency_hz}};
+      });
 }
 
 SizedEffect draw_bias_jump(const RecordingSetting& setting, Draws& draws) {
   const double sign = draws.sign();
   const double time_s = setting.record_s() * draws.uniform(0.08, 0.92);
-  SizedEffect mean = added_mean(setting, "bias_jump", [=](double height) -> Effect {
-    return simulate::BiasJump{sign * height, time_s};
-  });
-  mean.figures = [=](double height) -> Figures {
-    return {{"height_dps", sign * height * kDegPerRad}, {"time_s", time_s}};
-  };
-  return mean;
+  return added_mean(
+      setting, "bias_jump",
+      [=](double height) -> Effect {
+        return simulate::BiasJump{sign * height, time_s};
+      },
+      [=](double height) -> Figures {
+        return {{"height_dps", sign * height * kDegPerRad}, {"time_s", time_s}};
+      });
 }
 
 SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
@@ -221,15 +227,16 @@ SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
     const double height = sign * draws.log_uniform(1.0, 1.5);
     of_unit_size.push_back({setting.record_s() * (0.05 + 0.9 * share), height});
   }
-  SizedEffect mean = added_mean(setting, "relaxation", [=](double height) -> Effect {
-    simulate::Relaxation relaxation{of_unit_size, time_constant_s};
-    for (auto& jump : relaxation.jumps) jump.height_rad_s *= height;
-    return relaxation;
-  });
-  mean.figures = [time_constant_s](double) -> Figures {
-    return {{"time_constant_s", time_constant_s}};
-  };
-  return mean;
+  return added_mean(
+      setting, "relaxation",
+      [=](double height) -> Effect {
+        simulate::Relaxation relaxation{of_unit_size, time_constant_s};
+        for (auto& jump : relaxation.jumps) jump.height_rad_s *= height;
+        return relaxation;
+      },
+      [time_constant_s](double) -> Figures {
+        return {{"time_constant_s", time_constant_s}};
+      });
 }
 
 }  // namespace zerorate::campaign
