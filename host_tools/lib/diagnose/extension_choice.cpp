@@ -127,8 +127,9 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
   }
   chosen.gain =
       held_out.gain(hold_out.base_model.value_or(models.base()), model, HeldOutPart::to_measure);
-  chosen.gain_over_data_sheet = held_out.gain(hold_out.base_model.value_or(models.data_sheet()),
-                                              model, HeldOutPart::to_measure);
+  const bool is_same = hold_out.base_model || models.is_base_data_sheet();
+  chosen.gain_over_data_sheet =
+      is_same ? chosen.gain : held_out.gain(models.data_sheet(), model, HeldOutPart::to_measure);
   return chosen;
 }
 

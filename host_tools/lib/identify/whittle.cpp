@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/quadrature/tanh_sinh.hpp>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -22,7 +22,6 @@ namespace zerorate::identify {
 
 namespace {
 
-constexpr std::size_t kSingleBins = 32;  // coefficients that stand alone, with their exact ratio
 constexpr double kBinGrowth = 1.03;
 constexpr int kBits = 18;  // of a minimum
 
@@ -39,9 +38,8 @@ std::vector<Bin> binned_coefficients(std::span<const double> rate) {
   std::size_t first = 1;
   while (first < coefficients.size()) {
     const auto grown = static_cast<std::size_t>(static_cast<double>(first) * kBinGrowth);
-    const std::size_t end = first <= kSingleBins
-                                ? first + 1
-                                : std::min(std::max(grown, first + 1), coefficients.size());
+    const std::size_t end =
+        first <= kDctRatios ? first + 1 : std::min(std::max(grown, first + 1), coefficients.size());
     double sum = 0.0;
     for (std::size_t k = first; k < end; ++k) sum += coefficients[k] * coefficients[k];
     const auto count = static_cast<double>(end - first);
@@ -55,9 +53,10 @@ std::vector<Bin> binned_coefficients(std::span<const double> rate) {
 /// Density of flicker noise of unit innovation variance in each bin.
 std::vector<double> flicker_shape(std::span<const Bin> bins, double order) {
   std::vector<double> shape(bins.size());
+  const std::array<double, kDctRatios> ratios = dct_power_ratios(order);
   for (std::size_t b = 0; b < bins.size(); ++b) {
     shape[b] = spectrum::fractional_density(order, bins[b].cycles_per_sample);
-    if (b < kSingleBins) shape[b] *= dct_power_ratio(order, b + 1);
+    if (b < ratios.size()) shape[b] *= ratios[b];
   }
   return shape;
 }
@@ -131,21 +130,78 @@ double p_value_of(double likelihood_ratio, bool order_is_free) {
 
 }  // namespace
 
-double dct_power_ratio(double order, std::size_t index) {
-  const double p = std::numbers::pi * static_cast<double>(index);
-  if (order <= 0.0) return 1.0;
+namespace {
+
+/// Integrals over 0 < u < 1 by the double exponential rule, u = 1 / (1 + exp(-pi sinh t)), which
+/// takes the singularity of the covariance at 0. The nodes and the kernels of all coefficients are
+/// those of any order.
+class DctQuadrature {
+ public:
+  static const DctQuadrature& get() {
+    static const DctQuadrature quadrature;
+    return quadrature;
+  }
+
+  /// Integrals of a covariance over the kernels (1 - u) cos(p u) - sin(p u) / p, p = pi k.
+  /// @param covariance  of log u
+  template <class Covariance>
+  [[nodiscard]] std::array<double, kDctRatios> operator()(const Covariance& covariance) const {
+    std::array<double, kDctRatios> sums{};
+    for (const Node& node : nodes_) {
+      const double value = covariance(node.log_u);
+      for (std::size_t k = 0; k < kDctRatios; ++k) sums[k] += value * node.kernels[k];
+    }
+    return sums;
+  }
+
+ private:
+  struct Node {
+    double log_u;
+    std::array<double, kDctRatios> kernels;  ///< times the weight
+  };
+
+  /// The widest gap between nodes is 0.8 of a radian of the quickest kernel.
+  static constexpr double kStep = 0.01;
+  /// Down to u = 1e-165, below which the covariance of order 0.01 still has 5e-4 of its integral.
+  static constexpr double kFirst = -5.5;
+  static constexpr double kLast = 3.3;  // 1 - u = 1e-18
+
+  DctQuadrature() {
+    for (double t = kFirst; t < kLast; t += kStep) {
+      const double x = std::numbers::pi * std::sinh(t);
+      const double u = 1.0 / (1.0 + std::exp(-x));
+      const double rest = 1.0 / (1.0 + std::exp(x));  // 1 - u
+      const double weight = kStep * std::numbers::pi * std::cosh(t) * u * rest;
+      Node node{.log_u = -std::log1p(std::exp(-x)), .kernels = {}};
+      for (std::size_t k = 0; k < kDctRatios; ++k) {
+        const double p = std::numbers::pi * static_cast<double>(k + 1);
+        node.kernels[k] = weight * (rest * std::cos(p * u) - std::sin(p * u) / p);
+      }
+      nodes_.push_back(node);
+    }
+  }
+
+  std::vector<Node> nodes_;
+};
+
+}  // namespace
+
+std::array<double, kDctRatios> dct_power_ratios(double order) {
+  std::array<double, kDctRatios> ratios;
+  ratios.fill(1.0);
+  if (order <= 0.0) return ratios;
   // The covariance up to a constant, which no coefficient but c_0 sees: -log(u) / pi at d = 1/2.
   const double half_slope = std::tgamma(2.0 * order) * std::cos(std::numbers::pi * order);
-  const auto covariance = [&](double u) {
-    if (std::abs(order - 0.5) < 1e-9) return -std::log(u) / std::numbers::pi;
-    return std::expm1((2.0 * order - 1.0) * std::log(u)) / (2.0 * half_slope);
+  const auto covariance = [&](double log_u) {
+    if (std::abs(order - 0.5) < 1e-9) return -log_u / std::numbers::pi;
+    return std::expm1((2.0 * order - 1.0) * log_u) / (2.0 * half_slope);
   };
-  const auto integrand = [&](double u) {
-    return covariance(u) * ((1.0 - u) * std::cos(p * u) - std::sin(p * u) / p);
-  };
-  thread_local boost::math::quadrature::tanh_sinh<double> quadrature;  // its tables grow on use
-  const double integral = quadrature.integrate(integrand, 0.0, 1.0, 1e-6);
-  return 2.0 * integral * std::pow(p, 2.0 * order);
+  const std::array<double, kDctRatios> integrals = DctQuadrature::get()(covariance);
+  for (std::size_t k = 0; k < kDctRatios; ++k) {
+    ratios[k] =
+        2.0 * integrals[k] * std::pow(std::numbers::pi * static_cast<double>(k + 1), 2.0 * order);
+  }
+  return ratios;
 }
 
 WhiteFlickerFit fit_white_flicker(std::span<const double> rate,

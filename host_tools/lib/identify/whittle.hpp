@@ -3,6 +3,7 @@
 /// exact likelihood through the node's filter.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -34,7 +35,7 @@ struct WhiteFlickerOptions {
 /// Fits S(f) = r + s_f^2 |2 sin(pi f)|^(-2d) to the orthonormal DCT-II coefficients c_k, k >= 1, of
 /// the record: -2 log L = sum log S_k + c_k^2 / S_k, f = k / (2n). The mean is free: c_0 is left
 /// out. The DCT is exact for white noise and a random walk and leaks little in between, see
-/// dct_power_ratio. Coefficients are gathered in narrow bins, so that the time is that of the
+/// dct_power_ratios. Coefficients are gathered in narrow bins, so that the time is that of the
 /// transform, O(n log n), and some 10 ms.
 /// The standard errors are those of the expected information. The p-value takes the ratio as chi
 /// squared with two degrees of freedom when d is free, and as half of chi squared with one when it
@@ -44,12 +45,16 @@ struct WhiteFlickerOptions {
 [[nodiscard]] WhiteFlickerFit fit_white_flicker(std::span<const double> rate,
                                                 const WhiteFlickerOptions& options = {});
 
-/// The variance of DCT coefficient k of a long record of noise of order d over its nominal value
-/// S(k / (2n)): 1 for d = 0 and d = 1, about 1 - 0.2 / k at d = 1/2.
+/// Coefficients of a DCT that have a ratio of their own; those above are nearly at 1.
+inline constexpr std::size_t kDctRatios = 32;
+
+/// Ratios of the variance of DCT coefficient k of a long record of noise of order d to its nominal
+/// value S(k / (2n)), for k = 1 .. 32: 1 for d = 0 and d = 1, about 1 - 0.2 / k at d = 1/2.
 /// From the covariance K(u) of |omega|^(-2d), in units of the record's length:
 /// (pi k)^(2d) 2 int_0^1 K(u) [(1 - u) cos(pi k u) - sin(pi k u) / (pi k)] du.
-/// @param order in [0, 1]  @param index k >= 1
-[[nodiscard]] double dct_power_ratio(double order, std::size_t index);
+/// Some 30 us.
+/// @param order in [0, 1]
+[[nodiscard]] std::array<double, kDctRatios> dct_power_ratios(double order);
 
 /// A common choice of how many frequencies to use, n^0.65: more lower the standard error, but take
 /// in frequencies where white noise flattens the spectrum and biases the order downwards. Stay

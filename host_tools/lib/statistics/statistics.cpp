@@ -1,11 +1,14 @@
 #include "host_tools/lib/statistics/statistics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace zerorate::statistics {
 
@@ -128,13 +131,24 @@ double mean_before_rounding(double mean, double sigma) {
   using std::numbers::pi;
   constexpr double kSmooth = 0.6;  // rounding moves means by less than 3e-4 steps
   if (sigma > kSmooth) return mean;
-  const auto after = [sigma](double x) {
+  // Fourier series of the mean after rounding about the mean before; few terms count.
+  constexpr std::size_t kMostTerms = 12;
+  std::array<double, kMostTerms> factors{};
+  std::size_t terms = 0;
+  for (double sign = -1.0; terms < kMostTerms; sign = -sign) {
+    const double order = pi * static_cast<double>(terms + 1);
+    const double factor = sign / order * std::exp(-2.0 * order * order * sigma * sigma);
+    if (std::abs(factor) < std::numeric_limits<double>::epsilon()) break;
+    factors[terms++] = factor;
+  }
+  const auto after = [&](double x) {
     double sum = x;
-    double sign = -1.0;
-    for (int k = 1; k <= 12; ++k) {
-      const double ratio = pi * k * sigma;
-      sum += sign / (pi * k) * std::exp(-2.0 * ratio * ratio) * std::sin(2.0 * pi * k * x);
-      sign = -sign;
+    double sine = std::sin(2.0 * pi * x);
+    double sine_before = 0.0;
+    const double twice_cosine = 2.0 * std::cos(2.0 * pi * x);
+    for (std::size_t k = 0; k < terms; ++k) {
+      sum += factors[k] * sine;
+      sine_before = std::exchange(sine, twice_cosine * sine - sine_before);
     }
     return sum;
   };

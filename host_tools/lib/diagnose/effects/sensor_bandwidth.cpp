@@ -72,10 +72,13 @@ class SensorBandwidth final : public Effect {
     return candidate;
   }
 
+  /// One start for each kind of filter.
   static std::vector<NoiseSpectrum> starts_from(const Hypothesis& without) {
     constexpr double kLeastShare = 0.1;
+    const std::vector<SpectralBin> bins = bin_coefficients(without.residual());
     std::vector<NoiseSpectrum> starts;
     for (const int order : kOrders) {
+      std::vector<NoiseSpectrum> of_order;
       for (const double share : {0.9, 0.5, 0.2, 0.06}) {
         NoiseSpectrum start = without.noise().spectrum;
         start.low_pass_share = share;
@@ -83,12 +86,13 @@ class SensorBandwidth final : public Effect {
         start.rounding_variance = variance_behind_filter(without);
         start.white_variance = std::max(start.white_variance - start.rounding_variance,
                                         kLeastShare * start.white_variance);
-        starts.push_back(start);
+        of_order.push_back(start);
         if (order != NoiseSpectrum::kRecursive) continue;
         start.white_variance += start.flicker_variance;
         start.flicker_variance *= 0.1;
-        starts.push_back(start);
+        of_order.push_back(start);
       }
+      starts.push_back(likeliest_of(of_order, bins, without.data().size()));
     }
     return starts;
   }

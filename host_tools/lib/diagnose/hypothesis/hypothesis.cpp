@@ -106,16 +106,7 @@ Hypothesis Hypothesis::with(Part part) const {
 void Hypothesis::fit(const Hypothesis* before) {
   residual_ = coefficients_;
   std::vector<SpectralBin> bins = this->bins();
-  std::vector<NoiseSpectrum> starts;
-  if (before != nullptr) starts.push_back(before->noise().spectrum);
-  const NoiseSpectrum rough = rough_spectrum(bins);
-  for (const double factor : {1.0, 1e-2}) {
-    starts.push_back(rough);
-    starts.back().flicker_variance *= factor;
-  }
-  for (const Part& part : parts_)
-    starts.insert(starts.end(), part.starts.begin(), part.starts.end());
-
+  std::vector<NoiseSpectrum> starts = this->starts(bins, before);
   const bool has_columns = !columns().empty();
   if (has_columns && before != nullptr) {
     noise_ = before->noise();
@@ -135,6 +126,25 @@ void Hypothesis::fit(const Hypothesis* before) {
     if (noise_.log_likelihood - reached < kSettled) break;
     reached = noise_.log_likelihood;
   }
+}
+
+/// Those of the parts and the noise before; where the fit knows neither its terms nor where to look
+/// for them, also what a rough look at the record gives.
+std::vector<NoiseSpectrum> Hypothesis::starts(std::span<const SpectralBin> bins,
+                                              const Hypothesis* before) const {
+  std::vector<NoiseSpectrum> starts;
+  for (const Part& part : parts_) {
+    starts.insert(starts.end(), part.starts.begin(), part.starts.end());
+  }
+  const bool is_known = starts.size() > 1 || (before != nullptr && before->terms() == terms_);
+  if (before != nullptr) starts.insert(starts.begin(), before->noise().spectrum);
+  if (is_known) return starts;
+  const NoiseSpectrum rough = rough_spectrum(bins);
+  for (const double factor : {1.0, 1e-2}) {
+    starts.push_back(rough);
+    starts.back().flicker_variance *= factor;
+  }
+  return starts;
 }
 
 /// Fine around the line that a part looks for.

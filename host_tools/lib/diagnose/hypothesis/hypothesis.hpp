@@ -80,6 +80,8 @@ class Hypothesis {
   void fit_amplitudes();
   void subtract_means(std::vector<double>& residual) const;
   [[nodiscard]] std::vector<SpectralBin> bins() const;
+  [[nodiscard]] std::vector<NoiseSpectrum> starts(std::span<const SpectralBin> bins,
+                                                  const Hypothesis* before) const;
   [[nodiscard]] std::vector<const Column*> columns() const;
   [[nodiscard]] std::size_t end_of_columns() const;
   [[nodiscard]] std::vector<double> density_below(std::size_t end) const;

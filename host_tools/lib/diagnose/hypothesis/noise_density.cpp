@@ -13,7 +13,7 @@
 namespace zerorate::diagnose {
 namespace {
 
-/// dct_power_ratio by interpolation in the order: a table of its integrals.
+/// identify::dct_power_ratios by interpolation in the order.
 class RatioTable {
  public:
   static const RatioTable& get() {
@@ -21,26 +21,21 @@ class RatioTable {
     return table;
   }
   [[nodiscard]] double operator()(double order, std::size_t index) const {
-    if (index == 0 || index > kIndices) return 1.0;
+    if (index == 0 || index > identify::kDctRatios) return 1.0;
     const double at = std::clamp(order, 0.0, 1.0) * kSteps;
     const std::size_t low = std::min(static_cast<std::size_t>(at), kSteps - 1);
     const double share = at - static_cast<double>(low);
-    const auto& row = ratios_[index - 1];
-    return (1.0 - share) * row[low] + share * row[low + 1];
+    return (1.0 - share) * ratios_[low][index - 1] + share * ratios_[low + 1][index - 1];
   }
 
  private:
-  static constexpr std::size_t kIndices = 16;
   static constexpr std::size_t kSteps = 20;
   RatioTable() {
-    for (std::size_t k = 1; k <= kIndices; ++k) {
-      for (std::size_t i = 0; i <= kSteps; ++i) {
-        const double order = static_cast<double>(i) / static_cast<double>(kSteps);
-        ratios_[k - 1][i] = i == kSteps ? 1.0 : identify::dct_power_ratio(order, k);
-      }
+    for (std::size_t i = 0; i <= kSteps; ++i) {
+      ratios_[i] = identify::dct_power_ratios(static_cast<double>(i) / static_cast<double>(kSteps));
     }
   }
-  std::array<std::array<double, kSteps + 1>, kIndices> ratios_{};
+  std::array<std::array<double, identify::kDctRatios>, kSteps + 1> ratios_{};
 };
 
 /// Ratio for the covariance exp(-a u), a the record in time constants:

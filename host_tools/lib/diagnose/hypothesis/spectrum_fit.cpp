@@ -243,6 +243,22 @@ SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
   return best;
 }
 
+NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
+                           std::span<const SpectralBin> bins, std::size_t size) {
+  const auto minus_two_log = [&](const NoiseSpectrum& spectrum) {
+    const DensityFactors factors(spectrum);
+    const bool has_line = spectrum.line_variance > 0.0;
+    double sum = 0.0;
+    for (const SpectralBin& bin : bins) {
+      const SpectralPlace place(bin.sine, bin.index, size, bin.count, has_line);
+      const double density = NoiseDensity(factors, place).total();
+      sum += bin.count * (std::log(density) + bin.mean_square / density);
+    }
+    return sum;
+  };
+  return *std::ranges::min_element(spectra, {}, minus_two_log);
+}
+
 NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins) {
   const SpectralBin& highest = bins.back();
   double slow = 0.0;

@@ -54,6 +54,11 @@ struct SpectrumFit {
                                        const NoiseTerms& terms,
                                        std::span<const NoiseSpectrum> starts);
 
+/// The likeliest of some spectra: as far as a look at each can tell which start leads up the hill.
+/// @param spectra  one or more
+[[nodiscard]] NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
+                                         std::span<const SpectralBin> bins, std::size_t size);
+
 /// A start for white and flicker noise alone.
 [[nodiscard]] NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins);
 

@@ -42,6 +42,10 @@ model::SensorModel NodeModels::data_sheet() const {
   return characterized(kOrderOfBase);
 }
 
+bool NodeModels::is_base_data_sheet() const {
+  return !base_.flicker || base_.flicker->order == kOrderOfBase;
+}
+
 model::SensorModel NodeModels::characterized(std::optional<double> order) const {
   const core::Duration period =
       core::Duration::nanoseconds(std::llround(record_->mean_period_s * 1e9));

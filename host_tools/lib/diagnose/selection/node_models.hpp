@@ -28,6 +28,8 @@ class NodeModels {
   [[nodiscard]] const model::SensorModel& base() const { return base_; }
   /// White and 1/f noise alone (d = 1/2), which N and B of a data sheet stand for.
   [[nodiscard]] model::SensorModel data_sheet() const;
+  /// True if base() is of that order already.
+  [[nodiscard]] bool is_base_data_sheet() const;
   /// The base with extensions. Where one of them changes the slow noise or the mean, white and
   /// flicker noise are those of a hypothesis with these extensions and all fast effects; the noise
   /// of the base holds what the extension explains.
