@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
@@ -49,6 +52,33 @@ std::vector<double> lagged(std::vector<double> temperature, double period_s, dou
     degc = element;
   }
   return temperature;
+}
+
+/// Longest lag that is searched for. The others are a factor of kLagGrid apart.
+double longest_lag_s(const FitData& data) {
+  return 0.25 * data.span_s();
+}
+
+std::vector<Column> columns_behind(const FitData& data, double lag_s) {
+  const std::vector<double> temperature = temperature_of(data);
+  const double reference = mean_of(temperature);
+  std::vector<double> excess = lagged(temperature, data.period_s(), lag_s);
+  for (double& e : excess) e -= reference;
+  std::vector<Column> columns{column_of(data, std::span<const double>(excess))};
+  for (double& e : excess) e *= e;
+  columns.push_back(column_of(data, std::span<const double>(excess)));
+  return columns;
+}
+
+/// The temperature at once, then behind each lag, the longest first.
+const std::vector<LaggedTemperature>& lagged_temperatures(const FitData& data) {
+  return data.lagged_temperatures().get([&] {
+    std::vector<LaggedTemperature> all{{0.0, columns_behind(data, 0.0)}};
+    for (double lag = longest_lag_s(data); lag > 2.0 * data.period_s(); lag /= kLagGrid) {
+      all.push_back({lag, columns_behind(data, lag)});
+    }
+    return all;
+  });
 }
 
 /// A bias that follows the temperature: linear or with a square, at once or with a lag. The part's
@@ -110,43 +140,32 @@ class TemperatureDrift final : public Effect {
     return candidate;
   }
 
-  Part part_of(const FitData& data, double lag_s, bool quadratic) const {
-    const std::vector<double> temperature = temperature_of(data);
-    const double reference = mean_of(temperature);
-    std::vector<double> excess = lagged(temperature, data.period_s(), lag_s);
-    for (double& e : excess) e -= reference;
-    Part part{.effect = name(),
-              .columns = {column_of(data, std::span<const double>(excess))},
-              .shape = {lag_s, reference}};
-    if (quadratic) {
-      for (double& e : excess) e *= e;
-      part.columns.push_back(column_of(data, std::span<const double>(excess)));
-    }
-    return part;
-  }
-
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
-    const FitData& data = scan.data();
-    Part best = part_of(data, 0.0, false);
-    double best_gain = scan.gain(best.columns);
-    const auto take_if_worth = [&](Part part, double worth) {
-      const double gain = scan.gain(part.columns);
-      if (gain <= best_gain + worth) return;
-      best = std::move(part);
-      best_gain = gain;
+    struct Best {
+      const LaggedTemperature* temperature;
+      std::size_t columns;
+      double gain;
     };
-    take_if_worth(part_of(data, 0.0, true), kWorthAParameter);
-    double worth = kWorthAParameter;
-    for (double lag = 0.25 * data.span_s(); lag > 2.0 * data.period_s(); lag /= kLagGrid) {
-      for (const bool quadratic : {false, true}) {
-        const bool more = quadratic && best.columns.size() == 1;
-        const bool less = !quadratic && best.columns.size() == 2;
-        const double change = more ? kWorthAParameter : less ? -kWorthAParameter : 0.0;
-        take_if_worth(part_of(data, lag, quadratic), worth + change);
+    const std::vector<LaggedTemperature>& temperatures = lagged_temperatures(scan.data());
+    const auto gain_of = [&](const LaggedTemperature& temperature, std::size_t columns) {
+      return scan.gain(std::span(temperature.columns).first(columns));
+    };
+    Best best{temperatures.data(), 1, gain_of(temperatures.front(), 1)};
+    for (const LaggedTemperature& temperature : temperatures) {
+      for (const std::size_t columns : {1U, 2U}) {
+        // More than the best needs; what it has beyond this one is worth as much.
+        const auto more = static_cast<double>(columns) - static_cast<double>(best.columns);
+        const bool is_first_lag = temperature.lag_s > 0.0 && best.temperature->lag_s == 0.0;
+        const double worth = kWorthAParameter * (more + (is_first_lag ? 1.0 : 0.0));
+        const double gain = gain_of(temperature, columns);
+        if (gain > best.gain + worth) best = {&temperature, columns, gain};
       }
-      if (best.shape[0] > 0.0) worth = 0.0;
     }
-    return best;
+    const auto& columns = best.temperature->columns;
+    return Part{
+        .effect = name(),
+        .columns = {columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(best.columns)},
+        .shape = {best.temperature->lag_s, mean_of(temperature_of(scan.data()))}};
   }
 };
 
@@ -195,7 +214,6 @@ class TemperatureRate final : public Effect {
         shortest_lag_s(without.data()), longest_lag_s(without.data()));
   }
 
-  static double longest_lag_s(const FitData& data) { return 0.25 * data.span_s(); }
   /// A thermometer's own noise would make the rate of shorter lags.
   static double shortest_lag_s(const FitData& data) {
     return std::max(2.0 * data.period_s(), 1e-3 * data.span_s());
@@ -222,19 +240,25 @@ class TemperatureRate final : public Effect {
     return step;
   }
 
-  [[nodiscard]] Part part_of(const FitData& data, double lag_s) const {
-    const std::vector<double> rate = rates(data, lag_s);
-    return {.effect = name(),
-            .columns = {column_of(data, std::span<const double>(rate))},
-            .shape = {lag_s}};
+  /// The rate behind a lag is what the temperature has gone ahead of the one behind it, over the
+  /// lag.
+  [[nodiscard]] Part part_of(const LaggedTemperature& behind, const Column& temperature) const {
+    Column rate = temperature;
+    for (std::size_t k = 0; k < rate.coefficients.size(); ++k) {
+      rate.coefficients[k] -= behind.columns.front().coefficients[k];
+      rate.coefficients[k] /= behind.lag_s;
+    }
+    return {.effect = name(), .columns = {std::move(rate)}, .shape = {behind.lag_s}};
   }
 
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan) const {
-    const FitData& data = scan.data();
+    const std::vector<LaggedTemperature>& temperatures = lagged_temperatures(scan.data());
+    const Column& temperature = temperatures.front().columns.front();
     std::optional<Part> best;
     double best_gain = 0.0;
-    for (double lag = longest_lag_s(data); lag >= shortest_lag_s(data); lag /= kLagGrid) {
-      Part part = part_of(data, lag);
+    for (const LaggedTemperature& behind : temperatures) {
+      if (behind.lag_s < shortest_lag_s(scan.data())) continue;
+      Part part = part_of(behind, temperature);
       const double gain = scan.gain(part.columns);
       if (gain <= best_gain) continue;
       best = std::move(part);

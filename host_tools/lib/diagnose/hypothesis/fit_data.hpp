@@ -13,9 +13,16 @@
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/record/level_lattice.hpp"
 #include "host_tools/lib/diagnose/record/record.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
+
+/// Temperature behind a first-order lag, about the mean temperature.
+struct LaggedTemperature {
+  double lag_s = 0.0;
+  std::vector<Column> columns;  ///< of the temperature [K] and of its square [K^2]
+};
 
 /// The values of a series about their median, with the transforms that the fits need.
 class FitData {
@@ -51,6 +58,10 @@ class FitData {
   /// 2 sin(w/2) of each DCT coefficient.
   [[nodiscard]] const std::vector<double>& sines() const { return sines_; }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  /// Columns that all effects of the temperature search among; the first of them makes them.
+  [[nodiscard]] const parallel::Lazy<std::vector<LaggedTemperature>>& lagged_temperatures() const {
+    return lagged_temperatures_;
+  }
 
  private:
   const EvenSeries* series_;
@@ -63,6 +74,7 @@ class FitData {
   std::optional<spectrum::CosineTransform> block_transform_;
   std::vector<double> sines_;
   std::uint64_t seed_;
+  parallel::Lazy<std::vector<LaggedTemperature>> lagged_temperatures_;
 };
 
 /// Replaces marked values by what their neighbours let expect, with noise of the neighbours' size,

@@ -1,5 +1,6 @@
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -7,28 +8,35 @@
 
 namespace zerorate::diagnose {
 
+namespace {
+
+Eigen::Map<const Eigen::ArrayXd> array(std::span<const double> values) {
+  return {values.data(), static_cast<Eigen::Index>(values.size())};
+}
+
+}  // namespace
+
 double inner(const Column& x, const Column& y, std::span<const double> density) {
-  double sum = 0.0;
+  const std::size_t first = std::max(x.first, y.first);
   const std::size_t end = std::min(x.end(), y.end());
-  for (std::size_t k = std::max(x.first, y.first); k < end; ++k) {
-    sum += x.coefficients[k - x.first] * y.coefficients[k - y.first] / density[k];
-  }
-  return sum;
+  if (first >= end) return 0.0;
+  const auto between = [&](std::span<const double> values, std::size_t offset) {
+    return array(values.subspan(first - offset, end - first));
+  };
+  return (between(x.coefficients, x.first) * between(y.coefficients, y.first) / between(density, 0))
+      .sum();
 }
 
 double inner(const Column& x, std::span<const double> coefficients,
              std::span<const double> density) {
-  double sum = 0.0;
-  for (std::size_t k = x.first; k < x.end(); ++k) {
-    sum += x.coefficients[k - x.first] * coefficients[k] / density[k];
-  }
-  return sum;
+  const std::size_t size = x.coefficients.size();
+  return (array(x.coefficients) * array(coefficients.subspan(x.first, size)) /
+          array(density.subspan(x.first, size)))
+      .sum();
 }
 
 double sum_of_squares(std::span<const double> x) {
-  double sum = 0.0;
-  for (const double value : x) sum += value * value;
-  return sum;
+  return array(x).square().sum();
 }
 
 void NormalEquations::add(std::span<const double> products, double own) {
