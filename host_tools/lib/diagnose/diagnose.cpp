@@ -184,7 +184,8 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   const EvenSeries& series = prepared.series();
   const FitData& data = prepared.data();
   const Hypothesis fitted_base(data, {});
-  Hypothesis hypothesis(data, selection.parts, &fitted_base);
+  Hypothesis hypothesis =
+      selection.parts.empty() ? fitted_base : Hypothesis(data, selection.parts, &fitted_base);
   const Hypothesis base = options.base_model ? hypothesis_of(data, *options.base_model)
                                              : base_beside_fast_effects(fitted_base, hypothesis);
   std::vector<Choice> choices = selection.choices;
@@ -210,14 +211,16 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
     diagnosis.evidence.clear();
     diagnosis.extended_model = diagnosis.base_model;
   }
+  const bool is_base_alone = is_given_enough || (selection.parts.empty() && !options.base_model);
   Envelopes envelopes;
   parallel::together({[&] {
                         if (is_given_enough) return;
                         choose_model(axis, *models, options, choices, diagnosis);
                       },
                       [&] {
-                        diagnosis.extended_adequacy = examine_adequacy(hypothesis);
-                        envelopes = simulate_envelopes(base, hypothesis);
+                        diagnosis.extended_adequacy =
+                            is_base_alone ? diagnosis.base_adequacy : examine_adequacy(hypothesis);
+                        envelopes = simulate_envelopes(base, is_base_alone ? base : hypothesis);
                       }});
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);

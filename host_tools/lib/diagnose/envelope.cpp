@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <boost/math/distributions/gamma.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -19,7 +20,7 @@ namespace {
 
 using units::kDegPerRad;
 constexpr double kTausPerDecade = 6.0;
-constexpr double kWorkPerHypothesis = 1.2e6;  // samples
+constexpr double kWorkPerHypothesis = 0.64e6;  // samples
 constexpr std::size_t kFewestSimulations = 16;
 constexpr std::size_t kMostSimulations = 64;
 constexpr std::size_t kNarrowestBand = 6;  // coefficients
@@ -30,9 +31,22 @@ struct Band {
   double hi = 0.0;
 };
 
-/// Bounds that `rows` of them together keep with 95 %: each at 1 - 0.05 / rows.
+/// Probability beyond one of two bounds that `rows` of them together keep with 95 %.
+double tail_of_family(std::size_t rows) {
+  return 0.025 / static_cast<double>(std::max<std::size_t>(1, rows));
+}
+
+/// Standard deviations to such a bound.
 double quantile_of_family(std::size_t rows) {
-  return random::normal_quantile(1.0 - 0.025 / static_cast<double>(std::max<std::size_t>(1, rows)));
+  return random::normal_quantile(1.0 - tail_of_family(rows));
+}
+
+/// Standard deviations to such a bound for one value more, where so many values told the mean and
+/// the standard deviation.
+double quantile_of_family(std::size_t rows, double values) {
+  const boost::math::students_t_distribution<> student(values - 1.0);
+  return std::sqrt(1.0 + 1.0 / values) *
+         boost::math::quantile(boost::math::complement(student, tail_of_family(rows)));
 }
 
 /// Allan deviations of simulations of a hypothesis, as a log-normal band at each factor.
@@ -61,8 +75,8 @@ class SimulatedAllan {
   }
 
   [[nodiscard]] std::vector<Band> bands() const {
-    const double z = quantile_of_family(factors_.size());
     const auto count = static_cast<double>(log_deviations_.size());
+    const double z = quantile_of_family(factors_.size(), count);
     std::vector<Band> bands;
     bands.reserve(factors_.size());
     for (std::size_t i = 0; i < factors_.size(); ++i) {
@@ -89,7 +103,7 @@ class SimulatedAllan {
   std::vector<std::vector<double>> log_deviations_;  ///< at each factor, of each run
 };
 
-/// Both hypotheses are simulated with the same random numbers.
+/// Both hypotheses, which may be one, are simulated with the same random numbers.
 std::vector<CurvePoint> allan_curve(const Hypothesis& base, const Hypothesis& extended) {
   const FitData& data = base.data();
   const auto factors = identify::averaging_factors(data.size(), kTausPerDecade);
@@ -98,6 +112,7 @@ std::vector<CurvePoint> allan_curve(const Hypothesis& base, const Hypothesis& ex
   const auto runs =
       std::clamp(static_cast<std::size_t>(kWorkPerHypothesis / static_cast<double>(n)),
                  kFewestSimulations, kMostSimulations);
+  const bool is_same = &base == &extended;
   SimulatedAllan simulated_base(base, factors, runs);
   SimulatedAllan simulated_extended(extended, factors, runs);
   const random::RandomStream stream = random::RandomStream(data.seed()).substream("envelope");
@@ -105,11 +120,11 @@ std::vector<CurvePoint> allan_curve(const Hypothesis& base, const Hypothesis& ex
     std::vector<double> normal(n);
     stream.substream(run).fill_normal(0, normal);
     simulated_base.make(run, normal);
-    simulated_extended.make(run, normal);
+    if (!is_same) simulated_extended.make(run, normal);
   };
   parallel::for_each(runs, parallel::kAllThreads, simulate, {});
   const std::vector<Band> before = simulated_base.bands();
-  const std::vector<Band> after = simulated_extended.bands();
+  const std::vector<Band> after = is_same ? before : simulated_extended.bands();
   std::vector<CurvePoint> curve;
   curve.reserve(factors.size());
   for (std::size_t i = 0; i < factors.size(); ++i) {

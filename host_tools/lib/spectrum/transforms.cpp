@@ -74,11 +74,21 @@ void RealFft::inverse(std::span<const Complex> bins, std::span<double> values) c
   tables_->inverse.transform(pairs.data(), as_pairs(values.data()));
 }
 
-namespace {
+struct ComplexFft::Tables {
+  std::size_t length;
+  kissfft<double> forward;
+};
 
-using Complex = std::complex<double>;
+ComplexFft::ComplexFft(std::size_t length)
+    : tables_(std::make_unique<Tables>(length, kissfft<double>(length, false))) {}
+ComplexFft::~ComplexFft() = default;
+ComplexFft::ComplexFft(ComplexFft&&) noexcept = default;
+ComplexFft& ComplexFft::operator=(ComplexFft&&) noexcept = default;
 
-}  // namespace
+void ComplexFft::forward(std::span<const Complex> values, std::span<Complex> bins) const {
+  ZERORATE_ASSERT(values.size() == tables_->length && bins.size() == tables_->length);
+  tables_->forward.transform(values.data(), bins.data());
+}
 
 CosineTransform::CosineTransform(std::size_t length) : fft_(length), turns_(length / 2 + 1) {
   const double step = std::numbers::pi / static_cast<double>(2 * length);

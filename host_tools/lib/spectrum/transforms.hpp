@@ -1,5 +1,5 @@
 /// @file
-/// Discrete Fourier and cosine transforms of real, double-precision sequences (kissfft's template
+/// Discrete Fourier and cosine transforms of double-precision sequences (kissfft's template
 /// underneath).
 #pragma once
 
@@ -43,6 +43,24 @@ class RealFft {
  private:
   struct Tables;
   std::size_t length_;
+  std::unique_ptr<Tables> tables_;
+};
+
+/// Transform of complex sequences of one length, with its tables, as RealFft is one of real ones.
+class ComplexFft {
+ public:
+  explicit ComplexFft(std::size_t length);
+  ~ComplexFft();
+  ComplexFft(ComplexFft&&) noexcept;
+  ComplexFft& operator=(ComplexFft&&) noexcept;
+
+  /// bins[j] = sum_k values[k] exp(-2 pi i j k / n).
+  /// @param values, bins n complex numbers each, that do not overlap
+  void forward(std::span<const std::complex<double>> values,
+               std::span<std::complex<double>> bins) const;
+
+ private:
+  struct Tables;
   std::unique_ptr<Tables> tables_;
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <iterator>
-#include <kissfft/kissfft.hh>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -129,7 +128,7 @@ struct Sweeps {
 /// The most power in one bin of block sums that are turned back at each of the sweeps.
 double most_power(std::span<const std::complex<double>> sums, const Sweeps& sweeps) {
   const auto blocks = static_cast<double>(sums.size());
-  const kissfft<double> fft(sweeps.fft_size, false);
+  const spectrum::ComplexFft fft(sweeps.fft_size);
   std::vector<std::complex<double>> turned(sweeps.fft_size);
   std::vector<std::complex<double>> bins(sweeps.fft_size);
   std::vector<std::complex<double>> steps(sums.size());
@@ -140,7 +139,7 @@ double most_power(std::span<const std::complex<double>> sums, const Sweeps& swee
   }
   double most = 0.0;
   for (double sweep = -sweeps.widest; sweep <= sweeps.widest; sweep += sweeps.step) {
-    fft.transform(turned.data(), bins.data());
+    fft.forward(turned, bins);
     for (const std::complex<double>& bin : bins) most = std::max(most, std::norm(bin));
     std::ranges::transform(std::span(turned).first(steps.size()), steps, turned.begin(),
                            spectrum::product);
@@ -159,7 +158,7 @@ class MovingTone {
       : values_(values),
         stretches_(stretches),
         length_(spectrum::fast_length_below(values.size() / stretches)),
-        fft_(length_, false),
+        fft_(length_),
         turned_(length_, 1.0),
         turn_(length_),
         bins_(length_),
@@ -232,16 +231,17 @@ class MovingTone {
     for (std::size_t s = 0; s < stretches_; ++s) {
       const std::size_t first = s * (values_.size() / stretches_);
       for (std::size_t i = 0; i < length_; ++i) stretch[i] = values_[first + i] * turned_[i];
-      fft_.transform(stretch.data(), bins_.data());
+      fft_.forward(stretch, bins_);
       for (std::size_t j = 0; j < half(); ++j) {
-        rising_[s * half() + j] = std::norm(bins_[j]) / length;
-        falling_[s * half() + j] = std::norm(bins_[(length_ - j) % length_]) / length;
+        rising_[s * half() + j] = static_cast<float>(std::norm(bins_[j]) / length);
+        falling_[s * half() + j] =
+            static_cast<float>(std::norm(bins_[(length_ - j) % length_]) / length);
       }
     }
   }
 
   /// The line is placed more finely than the turning needs.
-  void sum_near(const std::vector<double>& power, double sweep) {
+  void sum_near(const std::vector<float>& power, double sweep) {
     strongest_.emplace_back();
     const double step = 1.0 / static_cast<double>(stretches_);
     for (double fine = sweep - 0.5 * kSweepStep; fine < sweep + 0.5 * kSweepStep - 0.5 * step;
@@ -251,21 +251,22 @@ class MovingTone {
   }
 
   /// All lines of a sweep that stay inside the spectrum, at once: one stretch after the other.
-  void sum_along(const std::vector<double>& power, double sweep) {
+  void sum_along(const std::vector<float>& power, double sweep) {
     const double moved = sweep * static_cast<double>(stretches_ - 1);
     const auto bins = static_cast<double>(half());
     const double first = std::max(1.0, std::ceil(1.0 - moved));
     const double end = std::min(bins, std::ceil(bins - 1.0 - moved));
     if (end <= first) return;
-    sums_.assign(static_cast<std::size_t>(end - first), 0.0);
+    sums_.assign(static_cast<std::size_t>(end - first), 0.0F);
     for (std::size_t s = 0; s < stretches_; ++s) {
       const double place = first + std::floor(static_cast<double>(s) * sweep + 0.5);
       const auto row = std::span(power).subspan(s * half() + static_cast<std::size_t>(place));
       for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += row[i];
     }
     const auto best = std::ranges::max_element(sums_);
-    if (*best > strongest_.back().power) {
-      strongest_.back() = {*best, first + static_cast<double>(best - sums_.begin()), sweep};
+    const double power_of_best{*best};
+    if (power_of_best > strongest_.back().power) {
+      strongest_.back() = {power_of_best, first + static_cast<double>(best - sums_.begin()), sweep};
     }
     lines_ += end - first;
   }
@@ -290,13 +291,13 @@ class MovingTone {
   std::span<const double> values_;
   std::size_t stretches_;
   std::size_t length_;
-  kissfft<double> fft_;
+  spectrum::ComplexFft fft_;
   std::vector<std::complex<double>> turned_;  ///< turn of each value at the sweep
   std::vector<std::complex<double>> turn_;    ///< the same for one step of the sweep
   std::vector<std::complex<double>> bins_;
-  std::vector<double> rising_;   ///< power of each frequency in each stretch at a rate
-  std::vector<double> falling_;  ///< the same at the opposite rate
-  std::vector<double> sums_;     ///< of the lines of one sweep, by where they begin
+  std::vector<float> rising_;    ///< power of each frequency in each stretch at a rate
+  std::vector<float> falling_;   ///< the same at the opposite rate
+  std::vector<float> sums_;      ///< of the lines of one sweep, by where they begin
   std::vector<Line> strongest_;  ///< of each sweep
   double lines_ = 0.0;
 };
