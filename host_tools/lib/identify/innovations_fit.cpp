@@ -2,11 +2,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "host_tools/lib/identify/minimise.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
@@ -126,12 +129,12 @@ class Fitter {
 
   /// White and flicker noise of any order: the best from all starts.
   Peak peak_of_free_order() {
-    std::optional<Peak> best;
-    for (const StartValues& start : options_.starts) {
-      Peak found = peak(start, start.order, true);
-      if (!best || found.minus_two_log < best->minus_two_log) best = std::move(found);
-    }
-    return *best;
+    std::vector<Peak> peaks(options_.starts.size());
+    const auto climb = [&](std::size_t i) {
+      peaks[i] = peak(options_.starts[i], options_.starts[i].order, true);
+    };
+    parallel::for_each(peaks.size(), parallel::kAllThreads, climb, {});
+    return *std::ranges::min_element(peaks, {}, &Peak::minus_two_log);
   }
 
   /// Some twenty passes: for the peak that is wanted alone.
@@ -191,7 +194,7 @@ class Fitter {
 
   std::span<const InnovationsLikelihood> likelihoods_;
   const InnovationsFitOptions& options_;
-  std::size_t evaluations_ = 0;
+  std::atomic<std::size_t> evaluations_ = 0;
 };
 
 void require_usable(std::span<const InnovationsLikelihood> likelihoods,

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <memory>
+
+#include "host_tools/lib/parallel/parallel.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -27,6 +30,12 @@ double evaluate(unsigned size, const double* x, double* /*gradient*/, void* data
     nlopt_force_stop(call.optimiser);
     return HUGE_VAL;
   }
+}
+
+/// Calls work(0) .. work(count - 1), at the same time.
+void for_each(Eigen::Index count, const std::function<void(Eigen::Index)>& work) {
+  parallel::for_each(static_cast<std::size_t>(count), parallel::kAllThreads,
+                     [&](std::size_t i) { work(static_cast<Eigen::Index>(i)); }, {});
 }
 
 }  // namespace
@@ -59,21 +68,23 @@ Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,
   };
   const Eigen::Index size = minimum.at.size();
   Eigen::VectorXd distance = step;
-  for (Eigen::Index i = 0; i < size; ++i) {
+  for_each(size, [&](Eigen::Index i) {
     const double rise = second_difference(step(i) * Eigen::VectorXd::Unit(size, i));
     // f rises by half the second difference; a flat function is not followed for ever.
     if (rise > 0.0) distance(i) *= std::clamp(std::sqrt(2.0 / rise), 0.05, 5.0);
-  }
+  });
   Eigen::MatrixXd second(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
+  for_each(size * size, [&](Eigen::Index place) {
+    const Eigen::Index i = place / size;
+    const Eigen::Index j = place % size;
     const Eigen::VectorXd along_i = distance(i) * Eigen::VectorXd::Unit(size, i);
-    second(i, i) = second_difference(along_i);
-    for (Eigen::Index j = 0; j < i; ++j) {
-      const Eigen::VectorXd along_j = distance(j) * Eigen::VectorXd::Unit(size, j);
+    const Eigen::VectorXd along_j = distance(j) * Eigen::VectorXd::Unit(size, j);
+    if (i == j) second(i, i) = second_difference(along_i);
+    if (i > j) {
       second(i, j) = second(j, i) =
           0.25 * (second_difference(along_i + along_j) - second_difference(along_i - along_j));
     }
-  }
+  });
   // In units of these distances a well determined direction has the eigenvalue 2.
   constexpr double kFlat = 1e-4;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(second);

@@ -29,6 +29,7 @@ struct Minimum {
 /// The covariance of parameters of which the function is -2 log likelihood: twice the inverse of
 /// its second derivatives at the minimum, by central differences over the distance at which it has
 /// risen by about one. A direction in which it does not rise gets an enormous variance.
+/// @param function  called by several threads at once
 /// @param step a first idea of these distances
 [[nodiscard]] Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,
                                          const Eigen::VectorXd& step);

@@ -16,10 +16,11 @@ using Progress = std::function<void(double share)>;
 /// Number that stands for as many threads as the machine has.
 inline constexpr unsigned kAllThreads = 0;
 
-/// Calls work(0) .. work(count - 1), each once, on so many threads. Each piece writes its own
-/// result, so that nothing depends on the number of threads. The first exception ends the rest and
-/// is thrown again here. Work inside of a piece stays on the thread of that piece: the outer pieces
-/// have taken the processor.
+/// Calls work(0) .. work(count - 1), each once, on at most so many threads. Each piece writes its
+/// own result, so that nothing depends on the number of threads. The first exception ends the rest
+/// and is thrown again here. Pieces may have pieces of their own: all calls together keep the
+/// processors busy, with no more threads than there are processors. Inside of a call with a number
+/// of threads each piece keeps to its thread.
 void for_each(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work,
               const Progress& progress);
 

@@ -28,25 +28,26 @@ std::unique_ptr<Effect> make_temperature_rate();
 std::unique_ptr<Effect> make_variable_noise();
 std::unique_ptr<Effect> make_warm_up_transient();
 
+/// The longest searches come first, so that none is left to one thread while the others are done.
 inline constexpr std::array kEffects = {
+    &make_random_telegraph_noise,
+    &make_periodic_disturbance,
+    &make_relaxation,
+    &make_temperature_drift,
+    &make_temperature_rate,
+    &make_warm_up_transient,
+    &make_sensor_bandwidth,
+    &make_variable_noise,
+    &make_bias_jump,
+    &make_correlated_noise,
+    &make_rate_random_walk,
+    &make_fractional_order,
+    &make_rate_ramp,
+    &make_motion_contamination,
+    &make_outliers,
     &make_dropped_samples,
     &make_saturation,
     &make_quantization,
-    &make_rate_random_walk,
-    &make_fractional_order,
-    &make_correlated_noise,
-    &make_sensor_bandwidth,
-    &make_rate_ramp,
-    &make_warm_up_transient,
-    &make_temperature_drift,
-    &make_temperature_rate,
-    &make_bias_jump,
-    &make_relaxation,
-    &make_periodic_disturbance,
-    &make_outliers,
-    &make_variable_noise,
-    &make_motion_contamination,
-    &make_random_telegraph_noise,
 };
 
 }  // namespace zerorate::diagnose
