@@ -148,28 +148,33 @@ struct Axis {
   std::optional<OrderProfile> others;  ///< of the order, if it is in common
 };
 
-/// Chooses the extensions of the model, says of each choice whether it is one, and measures what
-/// they are worth.
-void choose_model(const Axis& axis, const NodeModels& models, const DiagnoseOptions& options,
-                  std::vector<Choice>& choices, Diagnosis& diagnosis) {
+/// Extensions that pay, by the data held out. Nothing where the node cannot run the base.
+/// @param remarks  is told the reason then
+std::optional<ExtensionChoice> extensions_that_pay(const Axis& axis,
+                                                   const std::vector<Choice>& choices,
+                                                   const DiagnoseOptions& options,
+                                                   std::vector<std::string>& remarks) {
   try {
-    ExtensionChoice chosen = choose_extensions(axis.record, choices, axis.others,
-                                               {.recording = options.recording,
-                                                .base_model = options.base_model,
-                                                .share = options.holdout,
-                                                .seed = options.seed});
-    for (std::size_t i = 0; i < choices.size(); ++i) {
-      choices[i].in_model = chosen.is_in[i];
-      choices[i].left_out_because = std::move(chosen.reasons[i]);
-      choices[i].heading_drift_ratio = chosen.drift_ratios[i];
-    }
-    diagnosis.gain = chosen.gain;
-    diagnosis.gain_over_data_sheet = chosen.gain_over_data_sheet;
-    diagnosis.extended_model = models.with(chosen.is_in);
+    return choose_extensions(axis.record, choices, axis.others,
+                             {.recording = options.recording,
+                              .base_model = options.base_model,
+                              .share = options.holdout,
+                              .seed = options.seed});
   } catch (const ModelCannotRun& reason) {
-    diagnosis.extended_model = models.base();
-    diagnosis.remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+    remarks.push_back(std::string("No gain is claimed: ") + reason.what() + ".");
+    return std::nullopt;
   }
+}
+
+/// Says of each choice whether it is an extension of the model, and what all are worth.
+void adopt(ExtensionChoice chosen, std::vector<Choice>& choices, Diagnosis& diagnosis) {
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    choices[i].in_model = chosen.is_in[i];
+    choices[i].left_out_because = std::move(chosen.reasons[i]);
+    choices[i].heading_drift_ratio = chosen.drift_ratios[i];
+  }
+  diagnosis.gain = chosen.gain;
+  diagnosis.gain_over_data_sheet = chosen.gain_over_data_sheet;
 }
 
 /// The effects of one pace, of values that are judged by means of so many.
@@ -195,33 +200,44 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
                       .is_base_given = options.base_model.has_value(),
                       .evidence = selection.evidence,
                       .thinned = thinned(series)};
-  std::optional<NodeModels> models;
-  parallel::together({[&] { models.emplace(record, hypothesis, choices, options.recording); },
-                      [&] {
-                        diagnosis.base_adequacy =
-                            examine_adequacy(options.base_model ? base : fitted_base);
-                      }});
-  diagnosis.base_model = options.base_model.value_or(models->base());
-
-  const bool is_given_enough = options.base_model && diagnosis.base_adequacy.holds &&
-                               is_enough(base, *options.base_model, hypothesis);
+  bool is_given_enough = false;
+  if (options.base_model) {
+    diagnosis.base_adequacy = examine_adequacy(base);
+    is_given_enough =
+        diagnosis.base_adequacy.holds && is_enough(base, *options.base_model, hypothesis);
+  }
   if (is_given_enough) {
     hypothesis = base;
     choices.clear();
     diagnosis.evidence.clear();
-    diagnosis.extended_model = diagnosis.base_model;
   }
   const bool is_base_alone = is_given_enough || (selection.parts.empty() && !options.base_model);
+  std::optional<NodeModels> models;
+  std::optional<ExtensionChoice> chosen;
   Envelopes envelopes;
-  parallel::together({[&] {
-                        if (is_given_enough) return;
-                        choose_model(axis, *models, options, choices, diagnosis);
-                      },
-                      [&] {
-                        diagnosis.extended_adequacy =
-                            is_base_alone ? diagnosis.base_adequacy : examine_adequacy(hypothesis);
-                        envelopes = simulate_envelopes(base, is_base_alone ? base : hypothesis);
-                      }});
+  parallel::together(
+      {[&] {
+         if (is_given_enough) return;
+         chosen = extensions_that_pay(axis, choices, options, diagnosis.remarks);
+       },
+       [&] {
+         if (is_given_enough) return;
+         models.emplace(record, hypothesis, choices, options.recording);
+       },
+       [&] {
+         if (!options.base_model) diagnosis.base_adequacy = examine_adequacy(fitted_base);
+       },
+       [&] {
+         if (!is_base_alone) diagnosis.extended_adequacy = examine_adequacy(hypothesis);
+       },
+       [&] { envelopes = simulate_envelopes(base, is_base_alone ? base : hypothesis); }});
+  if (is_base_alone) diagnosis.extended_adequacy = diagnosis.base_adequacy;
+  diagnosis.base_model = options.base_model ? *options.base_model : models->base();
+  diagnosis.extended_model = diagnosis.base_model;
+  if (models) {
+    diagnosis.extended_model = chosen ? models->with(chosen->is_in) : models->base();
+  }
+  if (chosen) adopt(std::move(*chosen), choices, diagnosis);
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);

@@ -10,6 +10,7 @@
 #include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 
@@ -185,14 +186,14 @@ std::optional<Materiality> weigh_remainder(const Hypothesis& hypothesis,
   }
   if (logs.empty()) return std::nullopt;
   const Simulator simulator(hypothesis, ticks);
-  std::vector<std::vector<double>> simulated(logs.size());
-  for (std::size_t run = 0; run < kSimulations; ++run) {
+  std::vector<std::vector<double>> simulated(logs.size(), std::vector<double>(kSimulations));
+  const auto simulate = [&](std::size_t run) {
     const auto means = simulator.ticks(run);
     for (std::size_t i = 0; i < logs.size(); ++i) {
-      simulated[i].push_back(
-          log_rms_heading(model, ticks.cut(means, materiality.by_drive[i].drive_s)));
+      simulated[i][run] = log_rms_heading(model, ticks.cut(means, materiality.by_drive[i].drive_s));
     }
-  }
+  };
+  parallel::for_each(kSimulations, parallel::kAllThreads, simulate, {});
   for (std::size_t i = 0; i < logs.size(); ++i) {
     materiality.by_drive[i].ratio = ratio_of(logs[i], simulated[i]);
   }
