@@ -121,6 +121,25 @@ TEST(RealFft, EqualsTheDefinition) {
   }
 }
 
+TEST(ComplexFft, EqualsTheDefinition) {
+  for (const std::size_t n : {1U, 2U, 30U, 64U, 125U, 14U}) {
+    const std::vector<double> real = chirp(n);
+    std::vector<std::complex<double>> values(n);
+    for (std::size_t k = 0; k < n; ++k) values[k] = {real[k], real[n - 1 - k]};
+    std::vector<std::complex<double>> bins(n);
+    ComplexFft(n).forward(values, bins);
+    for (std::size_t j = 0; j < n; ++j) {
+      std::complex<double> sum = 0.0;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double turn = static_cast<double>(j * k % n) / static_cast<double>(n);
+        sum += values[k] * std::polar(1.0, -2.0 * std::numbers::pi * turn);
+      }
+      EXPECT_NEAR(std::abs(bins[j] - sum), 0.0, 1e-13 * static_cast<double>(n * n + 1))
+          << n << ' ' << j;
+    }
+  }
+}
+
 TEST(RealFft, InverseUndoesForward) {
   for (const std::size_t n : {2U, 6U, 1000U, 4096U}) {
     const std::vector<double> values = chirp(n);
