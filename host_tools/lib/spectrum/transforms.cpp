@@ -75,12 +75,12 @@ void RealFft::inverse(std::span<const Complex> bins, std::span<double> values) c
 }
 
 struct ComplexFft::Tables {
+  explicit Tables(std::size_t of) : length(of), forward(of, false) {}
   std::size_t length;
   kissfft<double> forward;
 };
 
-ComplexFft::ComplexFft(std::size_t length)
-    : tables_(std::make_unique<Tables>(length, kissfft<double>(length, false))) {}
+ComplexFft::ComplexFft(std::size_t length) : tables_(std::make_unique<Tables>(length)) {}
 ComplexFft::~ComplexFft() = default;
 ComplexFft::ComplexFft(ComplexFft&&) noexcept = default;
 ComplexFft& ComplexFft::operator=(ComplexFft&&) noexcept = default;
