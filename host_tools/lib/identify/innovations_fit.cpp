@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "host_tools/lib/identify/minimise.hpp"
-#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
@@ -125,16 +124,13 @@ class Fitter {
   }
 
   /// White and flicker noise of this order.
-  Peak peak(double order) { return peak(options_.starts.front(), order, false); }
+  Peak peak(double order) { return climb(at(options_.starts.front(), order, false)); }
 
-  /// White and flicker noise of any order: the best from all starts.
+  /// White and flicker noise of any order, from the likeliest start.
   Peak peak_of_free_order() {
-    std::vector<Peak> peaks(options_.starts.size());
-    const auto climb = [&](std::size_t i) {
-      peaks[i] = peak(options_.starts[i], options_.starts[i].order, true);
-    };
-    parallel::for_each(peaks.size(), parallel::kAllThreads, climb, {});
-    return *std::ranges::min_element(peaks, {}, &Peak::minus_two_log);
+    std::vector<Peak> starts;
+    for (const StartValues& start : options_.starts) starts.push_back(at(start, start.order, true));
+    return climb(*std::ranges::min_element(starts, {}, &Peak::minus_two_log));
   }
 
   /// Some twenty passes: for the peak that is wanted alone.
@@ -146,7 +142,7 @@ class Fitter {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
  private:
-  Peak peak(const StartValues& start, double order, bool order_is_free) {
+  Peak at(const StartValues& start, double order, bool order_is_free) {
     const double white = start.angle_random_walk_rad_per_sqrt_s;
     const double slowest =
         2.0 * std::numbers::pi / (tick_s() * static_cast<double>(longest().ticks()));
@@ -162,11 +158,39 @@ class Fitter {
     theta(1) =
         std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
     if (order_is_free) theta(2) = logit_of(order);
-    const Minimum minimum =
-        minimise(objective(parameters), theta, step_of(theta.size()), kRoom.head(theta.size()));
-    return {parameters, minimum.at, minimum.value};
+    return {parameters, theta, objective(parameters)(theta)};
+  }
+  Peak climb(const Peak& from) {
+    const Minimum minimum = minimise(objective(from.parameters), from.theta,
+                                     independent_steps(from), kRoom.head(from.theta.size()));
+    return {from.parameters, minimum.at, minimum.value};
   }
 
+  /// Steps of a standard error, along which the parameters are expected to be independent: columns
+  /// of the inverse root of the information that the Fourier frequencies hold (Whittle 1953). That
+  /// of a few step_of() is added, so that no step is too long.
+  [[nodiscard]] Eigen::MatrixXd independent_steps(const Peak& at) const {
+    constexpr double kPerOctave = 8.0;
+    constexpr double kMostSteps = 4.0;
+    const Eigen::Index size = at.theta.size();
+    Eigen::MatrixXd information =
+        (kMostSteps * step_of(size)).cwiseAbs2().cwiseInverse().asDiagonal();
+    double ticks = 0.0;
+    for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
+    const double slowest = 2.0 * std::numbers::pi / (tick_s() * ticks);
+    for (double cycles = 1.0; cycles < 0.5 * ticks; cycles *= std::exp2(1.0 / kPerOctave)) {
+      const double log_ratio = std::log(cycles * slowest / at.parameters.pivot_rad_per_s);
+      const double white = std::exp(2.0 * at.theta(0));
+      const double flicker =
+          std::exp(2.0 * (at.theta(1) - at.parameters.order_at(at.theta) * log_ratio));
+      Eigen::Vector3d slope(white, flicker, 0.0);
+      if (size > 2) slope(2) = -flicker * log_ratio * order_slope(at.theta(2));
+      slope *= 2.0 / (white + flicker);
+      information +=
+          cycles * std::numbers::ln2 / kPerOctave * slope.head(size) * slope.head(size).transpose();
+    }
+    return information.llt().matrixU().solve(Eigen::MatrixXd::Identity(size, size));
+  }
   [[nodiscard]] static Eigen::VectorXd step_of(Eigen::Index size) {
     return Eigen::Vector3d(0.02, 0.2, 0.4).head(size);
   }

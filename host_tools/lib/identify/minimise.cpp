@@ -41,24 +41,31 @@ void for_each(Eigen::Index count, const std::function<void(Eigen::Index)>& work)
 }  // namespace
 
 Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
-                 const Eigen::VectorXd& step, const Eigen::VectorXd& room) {
+                 const Eigen::MatrixXd& steps, const Eigen::VectorXd& room) {
   constexpr int kMostEvaluations = 400;
+  constexpr double kTolerance = 0.05;
+  const auto place = [&](const Eigen::VectorXd& walked) -> Eigen::VectorXd {
+    return start + steps * walked;
+  };
+  const Objective along_steps = [&](const Eigen::VectorXd& walked) {
+    return function(place(walked));
+  };
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimiser{
       nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), &nlopt_destroy};
-  Call call{function, optimiser.get(), nullptr};
+  Call call{along_steps, optimiser.get(), nullptr};
   nlopt_set_min_objective(optimiser.get(), &evaluate, &call);
-  const Eigen::VectorXd lower = start - room;
-  const Eigen::VectorXd upper = start + room;
-  nlopt_set_lower_bounds(optimiser.get(), lower.data());
-  nlopt_set_upper_bounds(optimiser.get(), upper.data());
-  nlopt_set_initial_step(optimiser.get(), step.data());
-  const Eigen::VectorXd tolerance = 0.01 * step;
-  nlopt_set_xtol_abs(optimiser.get(), tolerance.data());
+  const Eigen::VectorXd most_steps = room.cwiseQuotient(steps.diagonal());
+  const Eigen::VectorXd fewest_steps = -most_steps;
+  nlopt_set_lower_bounds(optimiser.get(), fewest_steps.data());
+  nlopt_set_upper_bounds(optimiser.get(), most_steps.data());
+  nlopt_set_initial_step1(optimiser.get(), 1.0);
+  nlopt_set_xtol_abs1(optimiser.get(), kTolerance);
   nlopt_set_maxeval(optimiser.get(), kMostEvaluations);
-  Minimum minimum{start, HUGE_VAL};
-  nlopt_optimize(optimiser.get(), minimum.at.data(), &minimum.value);
+  Eigen::VectorXd walked = Eigen::VectorXd::Zero(start.size());
+  double value = HUGE_VAL;
+  nlopt_optimize(optimiser.get(), walked.data(), &value);
   if (call.failure) std::rethrow_exception(call.failure);
-  return minimum;
+  return {place(walked), value};
 }
 
 Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,

@@ -18,13 +18,14 @@ struct Minimum {
   double value;
 };
 
-/// BOBYQA (Powell 2009) by NLopt, to a hundredth of a step. An exception of the function ends it
+/// BOBYQA (Powell 2009) by NLopt, to a twentieth of a step. An exception of the function ends it
 /// and is passed on.
-/// @param step positive; how far each of the two or more parameters should move at first: about
-///        the distance over which the function changes by a few units
-/// @param room how far each may move from its start at most
+/// @param steps  columns of an upper triangular matrix, along which the search goes: best a
+/// standard
+///               error each, and independent of each other
+/// @param room   how far each parameter may move from its start at most, along its own step
 [[nodiscard]] Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
-                               const Eigen::VectorXd& step, const Eigen::VectorXd& room);
+                               const Eigen::MatrixXd& steps, const Eigen::VectorXd& room);
 
 /// The covariance of parameters of which the function is -2 log likelihood: twice the inverse of
 /// its second derivatives at the minimum, by central differences over the distance at which it has

@@ -82,7 +82,7 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
   const Objective objective = [&](const Eigen::VectorXd& x) {
     return likelihood(model_at(x)).minus_two_log();
   };
-  const Minimum minimum = minimise(objective, theta, step, room);
+  const Minimum minimum = minimise(objective, theta, (0.25 * step).asDiagonal(), room);
   return {slow, minimum.at, covariance(objective, minimum, step), minimum.value};
 }
 
