@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/gamma.hpp>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -127,39 +129,37 @@ double surprisal_of_search(double gain_nats, double parameters, double crossings
   return std::max(0.0, -log_sum);
 }
 
-double mean_before_rounding(double mean, double sigma) {
-  using std::numbers::pi;
-  constexpr double kSmooth = 0.6;  // rounding moves means by less than 3e-4 steps
-  if (sigma > kSmooth) return mean;
-  // Fourier series of the mean after rounding about the mean before; few terms count.
-  constexpr std::size_t kMostTerms = 12;
-  std::array<double, kMostTerms> factors{};
-  std::size_t terms = 0;
-  for (double sign = -1.0; terms < kMostTerms; sign = -sign) {
-    const double order = pi * static_cast<double>(terms + 1);
+MeanBeforeRounding::MeanBeforeRounding(double sigma) {
+  constexpr double kSmooth = 0.6;
+  if (sigma > kSmooth) return;
+  for (double sign = -1.0; terms_ < kMostTerms; sign = -sign) {
+    const double order = std::numbers::pi * static_cast<double>(terms_ + 1);
     const double factor = sign / order * std::exp(-2.0 * order * order * sigma * sigma);
-    if (std::abs(factor) < std::numeric_limits<double>::epsilon()) break;
-    factors[terms++] = factor;
+    if (std::abs(factor) < std::numeric_limits<double>::epsilon()) return;
+    factors_[terms_++] = factor;
   }
-  const auto after = [&](double x) {
-    double sum = x;
-    double sine = std::sin(2.0 * pi * x);
-    double sine_before = 0.0;
-    const double twice_cosine = 2.0 * std::cos(2.0 * pi * x);
-    for (std::size_t k = 0; k < terms; ++k) {
-      sum += factors[k] * sine;
-      sine_before = std::exchange(sine, twice_cosine * sine - sine_before);
+}
+
+double MeanBeforeRounding::operator()(double mean) const {
+  if (terms_ == 0) return mean;
+  const auto error_and_slope = [&](double x) {
+    const double angle = 2.0 * std::numbers::pi * x;
+    const std::complex<double> first{std::cos(angle), std::sin(angle)};
+    std::complex<double> turn = first;
+    double error = x - mean;
+    double slope = 0.0;
+    for (std::size_t k = 0; k < terms_; ++k) {
+      error += factors_[k] * turn.imag();
+      slope += factors_[k] * static_cast<double>(k + 1) * turn.real();
+      turn = {turn.real() * first.real() - turn.imag() * first.imag(),
+              turn.real() * first.imag() + turn.imag() * first.real()};
     }
-    return sum;
+    return std::pair{error, 1.0 + 2.0 * std::numbers::pi * slope};
   };
-  double lo = mean - 0.5;
-  double hi = mean + 0.5;
-  constexpr int kBits = 12;
-  for (int i = 0; i < kBits; ++i) {
-    const double middle = 0.5 * (lo + hi);
-    (after(middle) < mean ? lo : hi) = middle;
-  }
-  return 0.5 * (lo + hi);
+  constexpr int kBits = 13;
+  std::uintmax_t most_steps = 50;
+  return boost::math::tools::newton_raphson_iterate(error_and_slope, mean, mean - 0.5, mean + 0.5,
+                                                    kBits, most_steps);
 }
 
 BootstrapFigure bootstrap(std::size_t size, const Statistic& statistic,

@@ -86,11 +86,12 @@ class Quantization final : public Effect {
     constexpr std::size_t kMostValues = 20'000;
     const std::vector<double>& rate = all.data().rate_rad_s();
     const double unit = std::numbers::sqrt2 * spread / step;
+    const statistics::MeanBeforeRounding mean_before_rounding(spread / step);
     double sum = 0.0;
     for (std::size_t k = 0; k < std::min(rate.size(), kMostValues); ++k) {
       if (all.is_replaced()[k]) continue;
       const double expected = -all.precision_weighted_residual()[k] / all.mean_precision() / step;
-      const double off = std::abs(statistics::mean_before_rounding(expected, spread / step));
+      const double off = std::abs(mean_before_rounding(expected));
       const double mass = 0.5 * (std::erfc((off - 0.5) / unit) - std::erfc((off + 0.5) / unit));
       sum += std::log(std::max(mass, 1e-300));
     }

@@ -35,7 +35,7 @@ class Node {
   void enter(const identify::TickMean& mean, float temperature_degc) {
     temperature_.take(core::Instant{} + tick_ * std::int64_t{mean.tick}, true, temperature_degc);
     const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
-    static_cast<Noise&>(lead_) = ticks == 1 ? one_tick_ : node_.modes.over(ticks);
+    node_.modes.lead_over(ticks, one_tick_, lead_);
     temperature_.lead_over(ticks, lead_);
     level_.advance(mean.tick + 1 - level_ticks_);
     level_ticks_ = mean.tick + 1;
@@ -80,7 +80,7 @@ class Node {
   }
   /// Heading sigma of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
-    typename Filter::Transition drive{node_.modes.over(lead_.ticks)};
+    typename Filter::Transition drive{static_cast<const Noise&>(lead_)};
     temperature_.over_drive(lead_, lead_.ticks, drive);
     const typename Filter::Transition none{node_.modes.over(0)};
     return double{filter_.predict_heading(none, drive).sigma_rad()};
@@ -318,9 +318,10 @@ double log_score(const core::SampleScreen::Forecast& forecast, double reading_ra
   if (half > 0.0) {
     Component& undisturbed = parts.front();
     const double step = scale.step_rad_s;
-    undisturbed.mean = reading_rad_s + step * statistics::mean_before_rounding(
-                                                  (undisturbed.mean - reading_rad_s) / step,
-                                                  std::sqrt(undisturbed.variance) / step);
+    const statistics::MeanBeforeRounding mean_before_rounding(std::sqrt(undisturbed.variance) /
+                                                              step);
+    undisturbed.mean =
+        reading_rad_s + step * mean_before_rounding((undisturbed.mean - reading_rad_s) / step);
   }
   double sum = 0.0;
   if (!scale.range.is_saturated(static_cast<float>(reading_rad_s)) && half == 0.0) {
