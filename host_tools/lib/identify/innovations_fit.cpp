@@ -21,8 +21,10 @@ constexpr double kLowestOrder = 0.05;
 constexpr double kHighestOrder = 0.95;
 /// An estimate above it counts as one at the upper end.
 constexpr double kOrderLimit = 0.94;
-/// How far log N, log flicker and logit d may move from their start: a factor of e^7.
-const Eigen::Vector3d kRoom{7.0, 7.0, 6.0};
+/// How far log N and log flicker may move from their start: a factor of e^7.
+constexpr double kRoom = 7.0;
+/// Largest logit of d either way: beyond kOrderLimit the likelihood has no summit.
+constexpr double kMostLogit = 5.0;
 constexpr double kNormal95 = 1.959963984540054;
 /// 1 % point of chi squared with one degree of freedom.
 constexpr double kContradiction = 6.634896601021213;
@@ -161,8 +163,14 @@ class Fitter {
     return {parameters, theta, objective(parameters)(theta)};
   }
   Peak climb(const Peak& from) {
-    const Minimum minimum = minimise(objective(from.parameters), from.theta,
-                                     independent_steps(from), kRoom.head(from.theta.size()));
+    Eigen::VectorXd lowest = from.theta.array() - kRoom;
+    Eigen::VectorXd highest = from.theta.array() + kRoom;
+    if (from.theta.size() > 2) {
+      lowest(2) = -kMostLogit;
+      highest(2) = kMostLogit;
+    }
+    const Minimum minimum =
+        minimise(objective(from.parameters), from.theta, independent_steps(from), lowest, highest);
     return {from.parameters, minimum.at, minimum.value};
   }
 
@@ -254,17 +262,18 @@ Maximum keep_order(Fitter& fitter, const Peak& given, std::optional<FittedFlicke
 
 /// Fit with the record's own order, if the record determines it; else the fit of the prior.
 Maximum choose_order(Fitter& fitter, const Peak& prior, std::optional<FittedFlicker>& flicker) {
-  Maximum free = fitter.with_errors(fitter.peak_of_free_order());
+  const Peak free = fitter.peak_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
-  const IntervalEstimate order = free.order();
-  if (contradicts && order.value > kOrderLimit) {
+  if (contradicts && free.parameters.order_at(free.theta) > kOrderLimit) {
     Maximum at_limit = fitter.with_errors(fitter.peak(kHighestOrder));
     flicker = flicker_of(at_limit, OrderSource::limit);
     return at_limit;
   }
+  Maximum with_order = fitter.with_errors(free);
+  const IntervalEstimate order = with_order.order();
   if (contradicts || order.hi - order.lo <= kWidestOrderInterval) {
-    flicker = flicker_of(free, OrderSource::estimated);
-    return free;
+    flicker = flicker_of(with_order, OrderSource::estimated);
+    return with_order;
   }
   Maximum of_prior = fitter.with_errors(prior);
   flicker = flicker_of(of_prior, OrderSource::prior);

@@ -41,7 +41,8 @@ void for_each(Eigen::Index count, const std::function<void(Eigen::Index)>& work)
 }  // namespace
 
 Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
-                 const Eigen::MatrixXd& steps, const Eigen::VectorXd& room) {
+                 const Eigen::MatrixXd& steps, const Eigen::VectorXd& lowest,
+                 const Eigen::VectorXd& highest) {
   constexpr int kMostEvaluations = 400;
   constexpr double kTolerance = 0.05;
   const auto place = [&](const Eigen::VectorXd& walked) -> Eigen::VectorXd {
@@ -54,8 +55,8 @@ Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
       nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), &nlopt_destroy};
   Call call{along_steps, optimiser.get(), nullptr};
   nlopt_set_min_objective(optimiser.get(), &evaluate, &call);
-  const Eigen::VectorXd most_steps = room.cwiseQuotient(steps.diagonal());
-  const Eigen::VectorXd fewest_steps = -most_steps;
+  const Eigen::VectorXd fewest_steps = (lowest - start).cwiseQuotient(steps.diagonal());
+  const Eigen::VectorXd most_steps = (highest - start).cwiseQuotient(steps.diagonal());
   nlopt_set_lower_bounds(optimiser.get(), fewest_steps.data());
   nlopt_set_upper_bounds(optimiser.get(), most_steps.data());
   nlopt_set_initial_step1(optimiser.get(), 1.0);

@@ -23,9 +23,10 @@ struct Minimum {
 /// @param steps  columns of an upper triangular matrix, along which the search goes: best a
 /// standard
 ///               error each, and independent of each other
-/// @param room   how far each parameter may move from its start at most, along its own step
+/// @param lowest, highest  limits of the parameters, each along its own step
 [[nodiscard]] Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
-                               const Eigen::MatrixXd& steps, const Eigen::VectorXd& room);
+                               const Eigen::MatrixXd& steps, const Eigen::VectorXd& lowest,
+                               const Eigen::VectorXd& highest);
 
 /// The covariance of parameters of which the function is -2 log likelihood: twice the inverse of
 /// its second derivatives at the minimum, by central differences over the distance at which it has

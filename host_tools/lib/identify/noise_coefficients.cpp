@@ -78,11 +78,12 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
   theta(1) = slow == SlowNoise::walk ? start.walk : start.flicker;
   if (slow == SlowNoise::both) theta(2) = start.walk;
   const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
-  const Eigen::VectorXd room = Eigen::VectorXd::Constant(theta.size(), 7.0);
+  constexpr double kFarthest = 7.0;  // a factor of e^7
   const Objective objective = [&](const Eigen::VectorXd& x) {
     return likelihood(model_at(x)).minus_two_log();
   };
-  const Minimum minimum = minimise(objective, theta, (0.25 * step).asDiagonal(), room);
+  const Minimum minimum = minimise(objective, theta, (0.25 * step).asDiagonal(),
+                                   theta.array() - kFarthest, theta.array() + kFarthest);
   return {slow, minimum.at, covariance(objective, minimum, step), minimum.value};
 }
 
