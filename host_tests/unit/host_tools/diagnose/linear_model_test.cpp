@@ -114,6 +114,14 @@ TEST_P(ColumnsOfARecord, AreTheTransformsOfTheirFunctions) {
       error_of(data, decay_column(data, tau_s), [=](double t) { return std::exp(-t / tau_s); }),
       1e-10);
   const std::size_t jump = data.size() / 3;
+  for (const double decay_s : {tau_s, 0.25}) {
+    EXPECT_LT(error_of(data, fast_decay_column(data, decay_s, jump),
+                       [=](double t) {
+                         const double since_s = t - static_cast<double>(jump) * 0.1;
+                         return since_s < -0.05 ? 0.0 : std::exp(-since_s / decay_s);
+                       }),
+              1e-10);
+  }
   EXPECT_LT(
       error_of(data, step_column(data, jump),
                [=](double t) { return t < (static_cast<double>(jump) - 0.5) * 0.1 ? 0.0 : 1.0; }),

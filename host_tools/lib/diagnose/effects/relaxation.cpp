@@ -97,13 +97,6 @@ class DecayGains {
   std::vector<double> gains_;
 };
 
-Column decay_from(const FitData& data, double decay_s, std::size_t first) {
-  return fast_column_of(data, [&](double time_s) {
-    const double since_s = time_s - data.time_s(first);
-    return since_s < -0.5 * data.period_s() ? 0.0 : std::exp(-since_s / decay_s);
-  });
-}
-
 /// Where a gain is greatest.
 struct Peak {
   double at = 0.0;         ///< in steps
@@ -230,7 +223,7 @@ class Relaxation final : public Effect {
       std::size_t at = 0;
       columns.emplace_back();
       for (std::size_t i = 0; i < left.size(); ++i) {
-        columns.back() = decay_from(scan.data(), decay_s, left[i]);
+        columns.back() = fast_decay_column(scan.data(), decay_s, left[i]);
         const double with = scan.gain(columns);
         if (with <= most) continue;
         most = with;
@@ -238,7 +231,7 @@ class Relaxation final : public Effect {
       }
       if (most - gain <= gains.price_nats() + kWorthAJump) break;
       gain = most;
-      columns.back() = decay_from(scan.data(), decay_s, left[at]);
+      columns.back() = fast_decay_column(scan.data(), decay_s, left[at]);
       chosen.push_back(left[at]);
       left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
     }
@@ -266,7 +259,7 @@ class Relaxation final : public Effect {
       std::vector<Column> columns;
       columns.reserve(places.size());
       for (const std::size_t place : places) {
-        columns.push_back(decay_from(scan.data(), decay_s, place));
+        columns.push_back(fast_decay_column(scan.data(), decay_s, place));
       }
       return columns;
     };

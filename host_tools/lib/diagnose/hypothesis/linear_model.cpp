@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "host_tools/lib/spectrum/transforms.hpp"
+
 namespace zerorate::diagnose {
 
 namespace {
@@ -180,20 +182,42 @@ std::pair<Column, Column> tone_columns(const FitData& data, double cycles) {
   return {std::move(cosine), std::move(sine)};
 }
 
-Column decay_column(const FitData& data, double tau_s) {
-  // A geometric series.
+namespace {
+
+/// Coefficients 1 .. count of the decay from value `first` on: a geometric series. With the angle w
+/// of a coefficient and r = e^(-1 / tau), the sum of r^t cos(w (first + t + 1/2)) over the values
+/// that are left is (1 - r) cos(w (first - 1/2)) - 2 sin(w / 2) sin(w first), less what the decay
+/// would have beyond the record, over |1 - r e^(iw)|^2.
+Column decay_from(const FitData& data, double tau_s, std::size_t first, std::size_t count) {
   const auto n = static_cast<double>(data.size());
   const double samples = tau_s / data.period_s();
   const double lost = -std::expm1(-1.0 / samples);
-  const double end = std::exp(-n / samples);
-  Column column{1, std::vector<double>(slow_coefficients(data))};
+  const double end = std::exp(-static_cast<double>(data.size() - first) / samples);
+  const std::complex<double> turn =
+      std::polar(1.0, std::numbers::pi * static_cast<double>(first) / n);
+  std::complex<double> at_first = turn;  // e^(i w first)
+  Column column{1, std::vector<double>(count)};
   for (std::size_t k = 1; k < column.end(); ++k) {
-    const double square = data.sines()[k] * data.sines()[k];
-    const double ends = k % 2 == 0 ? 1.0 - end : 1.0 + end;
-    column.coefficients[k - 1] = std::sqrt(2.0 / n) * ends * lost * std::sqrt(1.0 - 0.25 * square) /
-                                 (lost * lost + (1.0 - lost) * square);
+    const double sine = data.sines()[k];
+    const double cosine = std::sqrt(1.0 - 0.25 * sine * sine);  // of w / 2
+    const double before = at_first.real() * cosine + 0.5 * at_first.imag() * sine;
+    const double beyond = k % 2 == 0 ? end * cosine : -end * cosine;
+    column.coefficients[k - 1] = std::sqrt(2.0 / n) *
+                                 (lost * (before - beyond) - sine * at_first.imag()) /
+                                 (lost * lost + (1.0 - lost) * sine * sine);
+    at_first = spectrum::product(at_first, turn);
   }
   return column;
+}
+
+}  // namespace
+
+Column decay_column(const FitData& data, double tau_s) {
+  return decay_from(data, tau_s, 0, slow_coefficients(data));
+}
+
+Column fast_decay_column(const FitData& data, double tau_s, std::size_t first) {
+  return decay_from(data, tau_s, first, data.size() - 1);
 }
 
 Column column_of_values(const FitData& values, const FitData& means,

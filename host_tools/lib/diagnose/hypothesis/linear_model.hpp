@@ -72,6 +72,9 @@ class NormalEquations {
 [[nodiscard]] std::pair<Column, Column> tone_columns(const FitData& data, double cycles);
 /// Column of e^(-t / tau).
 [[nodiscard]] Column decay_column(const FitData& data, double tau_s);
+/// Column of a decay of any pace, with all coefficients: 0 before value `first`, and e^(-t / tau)
+/// after it.
+[[nodiscard]] Column fast_decay_column(const FitData& data, double tau_s, std::size_t first);
 
 /// Column of values whose means have a column.
 /// @param values, means  of one record, from the same value on

@@ -248,7 +248,10 @@ double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) 
 
 namespace {
 
-constexpr std::size_t kNodes = 2048;  // in each octave
+/// Nodes in each octave: a line is narrow.
+std::size_t nodes_for(const NoiseSpectrum& spectrum) {
+  return spectrum.line_variance > 0.0 ? 2048 : 256;
+}
 
 }  // namespace
 
@@ -256,13 +259,14 @@ std::vector<double> density_table(const NoiseSpectrum& spectrum, std::span<const
                                   std::size_t end) {
   const std::size_t n = sines.size();
   const DensityFactors factors(spectrum);
+  const std::size_t nodes = nodes_for(spectrum);
   const auto at = [&](std::size_t k) { return factors.density(sines[k], k, n); };
   std::vector<double> density(end);
   if (end == 0) return density;
   density[0] = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < std::min(end, 2 * kNodes); ++k) density[k] = at(k);
-  for (std::size_t first = 2 * kNodes; first < end;) {
-    const std::size_t next = std::min(first + first / kNodes, n - 1);
+  for (std::size_t k = 1; k < std::min(end, 2 * nodes); ++k) density[k] = at(k);
+  for (std::size_t first = 2 * nodes; first < end;) {
+    const std::size_t next = std::min(first + first / nodes, n - 1);
     const double start = at(first);
     const double rise = next > first ? (at(next) - start) / static_cast<double>(next - first) : 0.0;
     const std::size_t last = std::min(next > first ? next : first + 1, end);

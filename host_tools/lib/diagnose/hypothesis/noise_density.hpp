@@ -87,7 +87,7 @@ class NoiseDensity {
 };
 
 /// Densities S_0 .. S_{end-1} of a spectrum; S_0 is infinite. Above the lowest frequencies they are
-/// interpolated between nodes, to seven digits.
+/// interpolated between nodes, to five digits.
 /// @param sines  2 sin(w/2) of all coefficients of the record
 [[nodiscard]] std::vector<double> density_table(const NoiseSpectrum& spectrum,
                                                 std::span<const double> sines, std::size_t end);

@@ -18,7 +18,7 @@ using Kind = NoiseParameter::Kind;
 
 constexpr double kWeakest = 1e-12;  // of the mean square: as good as nothing
 constexpr int kMostIterations = 60;
-constexpr double kConverged = 1e-5;     // nats
+constexpr double kConverged = 1e-4;     // nats
 constexpr double kBroadestLine = 0.25;  // half its width at half its power, of its frequency
 /// Half the width of the narrowest line: what the nodes of density_table() still follow.
 constexpr double kNarrowestLine = 1e-3;
@@ -89,6 +89,7 @@ class Scoring {
     Matrix information;
     double value = evaluate(theta, start, gradient, information);
     double damping = 1e-3;
+    bool is_enough = true;  // damping, for the step before
     for (int i = 0; i < kMostIterations; ++i) {
       Matrix damped = information;
       damped.diagonal() *= 1.0 + damping;
@@ -104,10 +105,12 @@ class Scoring {
         value = reached;
         gradient = trial_gradient;
         information = trial_information;
-        damping = std::max(1e-9, damping * 0.1);
+        if (is_enough) damping = std::max(1e-9, damping * 0.1);
+        is_enough = true;
         if (converged) break;
       } else {
         damping = std::max(damping * 10.0, 1e-3);
+        is_enough = false;
         if (damping > 1e6) break;
       }
     }
