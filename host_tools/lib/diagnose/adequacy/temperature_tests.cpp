@@ -95,12 +95,13 @@ std::vector<Column> hysteresis_columns(const FitData& data, const std::vector<do
 /// log of the integral of sqrt(p q) over all records, p and q being what two hypotheses say of
 /// them.
 double log_affinity(const Hypothesis& one, const Hypothesis& other) {
+  const std::vector<double>& p = one.density();
+  const std::vector<double>& q = other.density();
   double sum = 0.0;
   for (std::size_t k = 1; k < one.residual().size(); ++k) {
     const double mean = one.residual()[k] - other.residual()[k];
-    const double both = one.density()[k] + other.density()[k];
-    sum += 0.25 * std::log(4.0 * one.density()[k] * other.density()[k] / (both * both)) -
-           0.25 * mean * mean / both;
+    const double both = p[k] + q[k];
+    sum += 0.25 * std::log(4.0 * p[k] * q[k] / (both * both)) - 0.25 * mean * mean / both;
   }
   return sum;
 }

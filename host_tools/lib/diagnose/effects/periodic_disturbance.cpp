@@ -83,9 +83,10 @@ class PeriodicDisturbance final : public Effect {
     constexpr std::size_t kNarrowest = 8;
     constexpr std::size_t kLowest = 128;  // so many half cycles, for 40 lost phases (fit_spectrum)
     const std::vector<double>& c = without.residual();
+    const std::vector<double>& density = without.density();
     std::vector<double> sums(c.size() + 1);
     for (std::size_t k = 1; k < c.size(); ++k) {
-      sums[k + 1] = sums[k] + c[k] * c[k] / without.density()[k];
+      sums[k + 1] = sums[k] + c[k] * c[k] / density[k];
     }
     std::optional<Run> strongest;
     double most = 0.0;
@@ -210,11 +211,12 @@ class PeriodicDisturbance final : public Effect {
     std::vector<double> alternating = scan.precision_weighted_residual();
     for (std::size_t i = 1; i < n; i += 2) alternating[i] = -alternating[i];
     const std::vector<double> reversed = scan.data().transform().forward(alternating);
+    const std::vector<double>& density = scan.density();
     std::vector<double> gains(n);
     for (std::size_t k = 1; k < n; ++k) {
-      const double cosine = scan.residual()[k] / scan.density()[k];
+      const double cosine = scan.residual()[k] / density[k];
       const double sine = reversed[n - k];
-      gains[k] = 0.5 * (cosine * cosine + sine * sine) * scan.density()[k];
+      gains[k] = 0.5 * (cosine * cosine + sine * sine) * density[k];
     }
     return gains;
   }

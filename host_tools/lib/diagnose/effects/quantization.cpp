@@ -85,12 +85,14 @@ class Quantization final : public Effect {
   static double log_probability(const Hypothesis& all, double step, double spread) {
     constexpr std::size_t kMostValues = 20'000;
     const std::vector<double>& rate = all.data().rate_rad_s();
+    const std::vector<double>& weighted = all.precision_weighted_residual();
+    const double unit_of_weighted = -1.0 / (all.mean_precision() * step);
     const double unit = std::numbers::sqrt2 * spread / step;
     const statistics::MeanBeforeRounding mean_before_rounding(spread / step);
     double sum = 0.0;
     for (std::size_t k = 0; k < std::min(rate.size(), kMostValues); ++k) {
       if (all.is_replaced()[k]) continue;
-      const double expected = -all.precision_weighted_residual()[k] / all.mean_precision() / step;
+      const double expected = unit_of_weighted * weighted[k];
       const double off = std::abs(mean_before_rounding(expected));
       const double mass = 0.5 * (std::erfc((off - 0.5) / unit) - std::erfc((off + 0.5) / unit));
       sum += std::log(std::max(mass, 1e-300));

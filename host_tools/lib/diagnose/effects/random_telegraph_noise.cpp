@@ -57,16 +57,18 @@ class Coarse {
   explicit Coarse(const ColumnSearch& scan)
       : size_(spectrum::fast_length_below(std::min(scan.data().size(), kMostPoints))),
         whole_(scan.data().size()),
-        transform_(size_) {
+        own_transform_(size_ == whole_ ? std::nullopt
+                                       : std::optional<spectrum::CosineTransform>(size_)),
+        transform_(own_transform_ ? *own_transform_ : scan.data().transform()) {
     const double block = static_cast<double>(whole_) / static_cast<double>(size_);
     coefficients_.assign(scan.residual().begin(),
                          scan.residual().begin() + static_cast<std::ptrdiff_t>(size_));
     for (double& c : coefficients_) c /= std::sqrt(block);
     white_ = scan.noise().white_variance / block;
     slow_share_.resize(size_);
+    const std::vector<double>& density = scan.density();
     for (std::size_t k = 1; k < size_; ++k) {
-      const double density = scan.density()[k] / block;
-      slow_share_[k] = std::max(0.0, density - white_);
+      slow_share_[k] = std::max(0.0, density[k] / block - white_);
     }
     values_ = transform_.inverse(coefficients_);
   }
@@ -108,7 +110,8 @@ class Coarse {
  private:
   std::size_t size_;
   std::size_t whole_;
-  spectrum::CosineTransform transform_;
+  std::optional<spectrum::CosineTransform> own_transform_;  ///< where it is shorter than the record
+  const spectrum::CosineTransform& transform_;
   std::vector<double> coefficients_;
   std::vector<double> slow_share_;
   std::vector<double> values_;

@@ -99,11 +99,12 @@ const std::vector<double>& ColumnSearch::step_information() const {
   if (!step_information_.empty()) return step_information_;
   // A step before value j has the coefficients -sqrt(2/n) sin(pi k j / n) / s_k.
   const std::size_t n = data().size();
+  const std::vector<double>& density = this->density();
   std::vector<double> strength(n);
   double total = 0.0;
   for (std::size_t k = 1; k < n; ++k) {
     const double sine = data().sines()[k];
-    strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density()[k]);
+    strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density[k]);
     total += strength[k];
   }
   const spectrum::RealFft& fft = data().transform().fourier();

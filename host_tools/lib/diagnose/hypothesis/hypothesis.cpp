@@ -60,11 +60,12 @@ void Hypothesis::repair_values() {
 }
 
 double Hypothesis::log_likelihood_of_coefficients() const {
+  const std::vector<double>& density = this->density();
   statistics::SumOfLogs logs;
   double squares = 0.0;
   for (std::size_t k = 1; k < residual().size(); ++k) {
-    logs.add(density()[k]);
-    squares += residual()[k] * residual()[k] / density()[k];
+    logs.add(density[k]);
+    squares += residual()[k] * residual()[k] / density[k];
   }
   return -0.5 * (logs.value() + squares);
 }
@@ -217,23 +218,26 @@ const std::vector<double>& Hypothesis::density() const {
 double Hypothesis::mean_precision() const {
   return mean_precision_.get([&] {
     double sum = 0.0;
-    for (std::size_t k = 1; k < data_->size(); ++k) sum += 1.0 / density()[k];
+    const std::vector<double>& density = this->density();
+    for (std::size_t k = 1; k < data_->size(); ++k) sum += 1.0 / density[k];
     return sum / static_cast<double>(data_->size());
   });
 }
 
 const std::vector<double>& Hypothesis::whitened() const {
   return whitened_.get([&] {
+    const std::vector<double>& density = this->density();
     std::vector<double> flat(residual().size());
-    for (std::size_t k = 1; k < flat.size(); ++k) flat[k] = residual()[k] / std::sqrt(density()[k]);
+    for (std::size_t k = 1; k < flat.size(); ++k) flat[k] = residual()[k] / std::sqrt(density[k]);
     return data_->transform().inverse(flat);
   });
 }
 
 const std::vector<double>& Hypothesis::precision_weighted_residual() const {
   return precision_weighted_residual_.get([&] {
+    const std::vector<double>& density = this->density();
     std::vector<double> divided(residual().size());
-    for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual()[k] / density()[k];
+    for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual()[k] / density[k];
     return data_->transform().inverse(divided);
   });
 }
@@ -251,13 +255,14 @@ bool Hypothesis::is_coarse() const {
 
 Hypothesis::WhiteBandResidual Hypothesis::white_band_residual() const {
   const NoiseSpectrum& noise = noise_.spectrum;
+  const std::vector<double>& density = this->density();
   std::vector<double> flat(residual().size());
   double kept = 0.0;
   for (std::size_t k = 1; k < flat.size(); ++k) {
     const double white =
         noise.low_pass_gain(data_->sines()[k]) * noise.white_variance + noise.rounding_variance;
-    if (white < 0.5 * density()[k]) continue;
-    flat[k] = residual()[k] / std::sqrt(density()[k]);
+    if (white < 0.5 * density[k]) continue;
+    flat[k] = residual()[k] / std::sqrt(density[k]);
     kept += 1.0;
   }
   const double share = kept / static_cast<double>(flat.size());

@@ -193,20 +193,25 @@ Column decay_from(const FitData& data, double tau_s, std::size_t first, std::siz
   const double samples = tau_s / data.period_s();
   const double lost = -std::expm1(-1.0 / samples);
   const double end = std::exp(-static_cast<double>(data.size() - first) / samples);
-  const std::complex<double> turn =
-      std::polar(1.0, std::numbers::pi * static_cast<double>(first) / n);
-  std::complex<double> at_first = turn;  // e^(i w first)
+  const auto sines = array(data.sines()).segment(1, static_cast<Eigen::Index>(count));
+  const Eigen::ArrayXd cosines = (1.0 - 0.25 * sines.square()).sqrt();  // of w / 2
   Column column{1, std::vector<double>(count)};
-  for (std::size_t k = 1; k < column.end(); ++k) {
-    const double sine = data.sines()[k];
-    const double cosine = std::sqrt(1.0 - 0.25 * sine * sine);  // of w / 2
-    const double before = at_first.real() * cosine + 0.5 * at_first.imag() * sine;
-    const double beyond = k % 2 == 0 ? end * cosine : -end * cosine;
-    column.coefficients[k - 1] = std::sqrt(2.0 / n) *
-                                 (lost * (before - beyond) - sine * at_first.imag()) /
-                                 (lost * lost + (1.0 - lost) * sine * sine);
-    at_first = spectrum::product(at_first, turn);
+  Eigen::Map<Eigen::ArrayXd> sums(column.coefficients.data(), cosines.size());
+  if (first == 0) {
+    sums = lost * cosines;
+  } else {
+    const std::complex<double> turn =
+        std::polar(1.0, std::numbers::pi * static_cast<double>(first) / n);
+    std::complex<double> at_first = turn;  // e^(i w first)
+    for (Eigen::Index k = 0; k < sums.size(); ++k) {
+      const double before = at_first.real() * cosines(k) + 0.5 * at_first.imag() * sines(k);
+      sums(k) = lost * before - sines(k) * at_first.imag();
+      at_first = spectrum::product(at_first, turn);
+    }
   }
+  double beyond = -end * lost;
+  for (Eigen::Index k = 0; k < sums.size(); ++k, beyond = -beyond) sums(k) -= beyond * cosines(k);
+  sums *= std::sqrt(2.0 / n) / (lost * lost + (1.0 - lost) * sines.square());
   return column;
 }
 
