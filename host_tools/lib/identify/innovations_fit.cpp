@@ -23,7 +23,7 @@ constexpr double kHighestOrder = 0.95;
 constexpr double kOrderLimit = 0.94;
 /// How far log N and log flicker may move from their start: a factor of e^7.
 constexpr double kRoom = 7.0;
-/// Largest logit of d either way: beyond kOrderLimit the likelihood has no summit.
+/// Largest logit of d either way, just beyond kOrderLimit: there the likelihood only rises on.
 constexpr double kMostLogit = 5.0;
 constexpr double kNormal95 = 1.959963984540054;
 /// 1 % point of chi squared with one degree of freedom.
@@ -159,7 +159,7 @@ class Fitter {
     theta(0) = std::log(white);
     theta(1) =
         std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
-    if (order_is_free) theta(2) = logit_of(order);
+    if (order_is_free) theta(2) = std::clamp(logit_of(order), -kMostLogit, kMostLogit);
     return {parameters, theta, objective(parameters)(theta)};
   }
   Peak climb(const Peak& from) {

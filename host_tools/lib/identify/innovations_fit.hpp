@@ -61,8 +61,8 @@ struct StartValues {
 };
 
 struct InnovationsFitOptions {
-  /// At least one. The first begins every fit, the others that of a free order, whose likelihood
-  /// may have several maxima.
+  /// At least one. A fit of a given order begins with the first, that of a free order with the
+  /// likeliest.
   std::vector<StartValues> starts;
   /// d in [0.05, 0.95] where it is known; estimated otherwise.
   std::optional<double> order{};
@@ -71,9 +71,9 @@ struct InnovationsFitOptions {
 };
 
 /// Maximises the likelihood over log N, the log of the flicker noise at a pivot frequency and, if
-/// the order is not given, the logit of d, by BOBYQA (Powell 2009). The pivot is the corner of
-/// white and flicker noise, where the record says most of the flicker noise; there its strength
-/// and its order are nearly independent, unlike B and d. Standard errors are those of the observed
+/// the order is not given, the logit of d, by BOBYQA (Powell 2009) along steps in which they are
+/// expected to be independent (Whittle 1953). The pivot is the corner of white and flicker noise,
+/// where the record says most of the flicker noise. Standard errors are those of the observed
 /// information: central second differences over about one standard error, which is far above the
 /// roughness of single precision; B's follows by the delta method.
 ///
@@ -84,7 +84,7 @@ struct InnovationsFitOptions {
 /// A free order is kept if its interval is no wider than kWidestOrderInterval, or if the likelihood
 /// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
 ///
-/// Cost: some 150 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
+/// Cost: some 80 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
 /// constant record, std::invalid_argument for an order outside [0.05, 0.95] and start values that
 /// are missing or out of range.
 [[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,

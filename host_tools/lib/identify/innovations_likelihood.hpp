@@ -37,9 +37,9 @@ class InnovationsLikelihood {
   InnovationsLikelihood(std::span<const TickMean> ticks, std::size_t axis,
                         core::Duration sample_period, core::Duration tick);
 
-  /// One pass of the filter, single precision like the node; the sums are double. About 0.2 us a
-  /// tick. The rounding of the filter leaves the result rough by some 1e-4 at 10^4 ticks: compare
-  /// models whose likelihoods differ by more.
+  /// One pass of the filter, single precision like the node; the sums are double. About 0.1 us a
+  /// tick. The rounding of the filter leaves the result rough, by 1e-4 to 0.1 at 2 x 10^4 ticks:
+  /// compare models whose likelihoods differ by more.
   /// Throws std::invalid_argument for a model that the node cannot run (see make_node_model).
   [[nodiscard]] Likelihood operator()(const model::SensorModel& model) const;
 
