@@ -227,7 +227,7 @@ SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
     const double height = sign * draws.log_uniform(1.0, 1.5);
     of_unit_size.push_back({setting.record_s() * (0.05 + 0.9 * share), height});
   }
-  return added_mean(
+  SizedEffect all = added_mean(
       setting, "relaxation",
       [=](double height) -> Effect {
         simulate::Relaxation relaxation{of_unit_size, time_constant_s};
@@ -237,6 +237,12 @@ SizedEffect draw_relaxation(const RecordingSetting& setting, Draws& draws) {
       [time_constant_s](double) -> Figures {
         return {{"time_constant_s", time_constant_s}};
       });
+  // Two places of a jump are told apart where they lie a time constant apart.
+  const double price = jumps * std::log(setting.record_s() / time_constant_s);
+  all.loss_nats = [of_means = all.loss_nats, price](double height) {
+    return of_means(height) - price;
+  };
+  return all;
 }
 
 }  // namespace zerorate::campaign
