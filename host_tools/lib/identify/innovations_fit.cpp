@@ -162,16 +162,26 @@ class Fitter {
     if (order_is_free) theta(2) = std::clamp(logit_of(order), -kMostLogit, kMostLogit);
     return {parameters, theta, objective(parameters)(theta)};
   }
-  Peak climb(const Peak& from) {
+  /// From far off the climb begins anew where it came to: its steps were not those of the summit.
+  Peak climb(Peak from) {
+    constexpr double kFar = 10.0;  // steps
+    constexpr int kMostClimbs = 4;
     Eigen::VectorXd lowest = from.theta.array() - kRoom;
     Eigen::VectorXd highest = from.theta.array() + kRoom;
     if (from.theta.size() > 2) {
       lowest(2) = -kMostLogit;
       highest(2) = kMostLogit;
     }
-    const Minimum minimum =
-        minimise(objective(from.parameters), from.theta, independent_steps(from), lowest, highest);
-    return {from.parameters, minimum.at, minimum.value};
+    for (int i = 0; i < kMostClimbs; ++i) {
+      const Eigen::MatrixXd steps = independent_steps(from);
+      const Minimum minimum =
+          minimise(objective(from.parameters), from.theta, steps, lowest, highest);
+      const Eigen::VectorXd walked =
+          steps.triangularView<Eigen::Upper>().solve(minimum.at - from.theta);
+      from = {from.parameters, minimum.at, minimum.value};
+      if (walked.norm() < kFar) break;
+    }
+    return from;
   }
 
   /// Steps of a standard error, along which the parameters are expected to be independent: columns

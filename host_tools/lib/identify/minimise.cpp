@@ -44,7 +44,7 @@ Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
                  const Eigen::MatrixXd& steps, const Eigen::VectorXd& lowest,
                  const Eigen::VectorXd& highest) {
   constexpr int kMostEvaluations = 400;
-  constexpr double kTolerance = 0.05;
+  constexpr double kTolerance = 0.03;
   const auto place = [&](const Eigen::VectorXd& walked) -> Eigen::VectorXd {
     return start + steps * walked;
   };

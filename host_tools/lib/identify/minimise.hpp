@@ -18,7 +18,7 @@ struct Minimum {
   double value;
 };
 
-/// BOBYQA (Powell 2009) by NLopt, to a twentieth of a step. An exception of the function ends it
+/// BOBYQA (Powell 2009) by NLopt, to a thirtieth of a step. An exception of the function ends it
 /// and is passed on.
 /// @param steps  columns of an upper triangular matrix, along which the search goes: best a
 /// standard

@@ -18,7 +18,7 @@ using Kind = NoiseParameter::Kind;
 
 constexpr double kWeakest = 1e-12;  // of the mean square: as good as nothing
 constexpr int kMostIterations = 60;
-constexpr double kConverged = 1e-4;     // nats
+constexpr double kConverged = 1e-5;     // nats
 constexpr double kBroadestLine = 0.25;  // half its width at half its power, of its frequency
 /// Half the width of the narrowest line: what the nodes of density_table() still follow.
 constexpr double kNarrowestLine = 1e-3;
