@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/gamma.hpp>
-#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -156,10 +155,22 @@ double MeanBeforeRounding::operator()(double mean) const {
     }
     return std::pair{error, 1.0 + 2.0 * std::numbers::pi * slope};
   };
-  constexpr int kBits = 13;
-  std::uintmax_t most_steps = 50;
-  return boost::math::tools::newton_raphson_iterate(error_and_slope, mean, mean - 0.5, mean + 0.5,
-                                                    kBits, most_steps);
+  // Newton's steps, halved where they leave the interval that holds the root.
+  constexpr int kMostSteps = 40;
+  constexpr double kPrecision = 1e-4;
+  double lo = mean - 0.5;
+  double hi = mean + 0.5;
+  double x = mean;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const auto [error, slope] = error_and_slope(x);
+    (error < 0.0 ? lo : hi) = x;
+    const double newton = x - error / slope;
+    const double next = newton > lo && newton < hi ? newton : 0.5 * (lo + hi);
+    const bool is_close = std::abs(next - x) < kPrecision;
+    x = next;
+    if (is_close) break;
+  }
+  return x;
 }
 
 BootstrapFigure bootstrap(std::size_t size, const Statistic& statistic,

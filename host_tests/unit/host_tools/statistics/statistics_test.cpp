@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include "host_tools/lib/statistics/statistics.hpp"
 
@@ -114,6 +115,39 @@ TEST(Surprise, IsContinuousWhereProbabilitiesUnderflow) {
 TEST(SurpriseOfASearch, PaysForTheLevelCrossings) {
   const double free = surprisal_of_search(30.0, 2.0, 0.0);
   EXPECT_NEAR(free - surprisal_of_search(30.0, 2.0, 99.0), std::log(100.0), 1e-9);
+}
+
+/// Mean of a normal value after rounding: the sum over the whole numbers, by their probabilities.
+double mean_after_rounding(double mean, double sigma) {
+  double sum = 0.0;
+  for (int n = -20; n <= 20; ++n) {
+    const double unit = sigma * std::numbers::sqrt2;
+    sum += 0.5 * n * (std::erf((n + 0.5 - mean) / unit) - std::erf((n - 0.5 - mean) / unit));
+  }
+  return sum;
+}
+
+TEST(MeanBeforeRounding, IsTheMeanThatRoundingMakesTheOther) {
+  for (const double sigma : {0.15, 0.25, 0.4, 0.59, 1.0}) {
+    const MeanBeforeRounding before(sigma);
+    for (double mean = -1.7; mean < 1.7; mean += 0.0371) {
+      const double after = mean_after_rounding(mean, sigma);
+      EXPECT_NEAR(before(after), mean, 2e-3) << sigma;
+    }
+  }
+}
+
+// Values that hardly vary are rounded to steps: a mean between two of them comes from near the
+// edge.
+TEST(MeanBeforeRounding, OfValuesThatHardlyVaryIsNearTheEdgeOfTheStep) {
+  for (const double sigma : {1e-6, 1e-3, 0.02, 0.05}) {
+    const MeanBeforeRounding before(sigma);
+    for (double mean = -0.9; mean < 1.0; mean += 0.1) {
+      EXPECT_LE(std::abs(before(mean) - mean), 0.5) << sigma << ' ' << mean;
+      if (sigma < 0.02 || std::abs(mean - std::round(mean)) < 0.05) continue;
+      EXPECT_NEAR(before(mean), std::floor(mean) + 0.5, 4.0 * sigma) << sigma << ' ' << mean;
+    }
+  }
 }
 
 }  // namespace
