@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -73,10 +72,14 @@ IntervalEstimate order_from(double logit, double error) {
           order_of(logit + kNormal95 * error)};
 }
 
-/// Highest likelihood over white noise and flicker noise.
-struct Peak {
+/// White noise and flicker noise, as they are fitted.
+struct Place {
   Parameters parameters;
   Eigen::VectorXd theta;
+};
+
+/// Highest likelihood over white noise and flicker noise.
+struct Peak : Place {
   double minus_two_log;
 };
 
@@ -99,19 +102,18 @@ struct Maximum : Peak {
   }
 };
 
-/// Fits of one record; counts the passes of the filter.
+/// Fits of one record, or of several together.
 class Fitter {
  public:
   Fitter(std::span<const InnovationsLikelihood> likelihoods, const InnovationsFitOptions& options)
       : likelihoods_(likelihoods), options_(options) {}
 
   /// White noise alone: its strength scales every variance, so one pass gives the maximum.
-  InnovationsFit white_alone() {
+  [[nodiscard]] InnovationsFit white_alone() const {
     model::SensorModel model{.name = "white"};
     model.white.angle_random_walk_rad_per_sqrt_s =
         options_.starts.front().angle_random_walk_rad_per_sqrt_s;
     const Likelihood at_start = likelihood(model);
-    ++evaluations_;
     const auto count = static_cast<double>(at_start.innovations);
     const double excess = at_start.squared_innovations / count;
     if (!(excess > 0.0) || !std::isfinite(excess)) {
@@ -126,25 +128,28 @@ class Fitter {
   }
 
   /// White and flicker noise of this order.
-  Peak peak(double order) { return climb(at(options_.starts.front(), order, false)); }
+  [[nodiscard]] Peak peak(double order) const {
+    return climb(at(options_.starts.front(), order, false));
+  }
 
   /// White and flicker noise of any order, from the likeliest start.
-  Peak peak_of_free_order() {
-    std::vector<Peak> starts;
+  [[nodiscard]] Peak peak_of_free_order() const {
+    std::vector<Place> starts;
     for (const StartValues& start : options_.starts) starts.push_back(at(start, start.order, true));
-    return climb(*std::ranges::min_element(starts, {}, &Peak::minus_two_log));
+    const auto minus_two_log = [&](const Place& place) {
+      return objective(place.parameters)(place.theta);
+    };
+    return climb(*std::ranges::min_element(starts, {}, minus_two_log));
   }
 
   /// Some twenty passes: for the peak that is wanted alone.
-  Maximum with_errors(const Peak& peak) {
+  [[nodiscard]] Maximum with_errors(const Peak& peak) const {
     return {peak, covariance(objective(peak.parameters), {peak.theta, peak.minus_two_log},
                              step_of(peak.theta.size()))};
   }
 
-  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
-
  private:
-  Peak at(const StartValues& start, double order, bool order_is_free) {
+  [[nodiscard]] Place at(const StartValues& start, double order, bool order_is_free) const {
     const double white = start.angle_random_walk_rad_per_sqrt_s;
     const double slowest =
         2.0 * std::numbers::pi / (tick_s() * static_cast<double>(longest().ticks()));
@@ -160,34 +165,36 @@ class Fitter {
     theta(1) =
         std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
     if (order_is_free) theta(2) = std::clamp(logit_of(order), -kMostLogit, kMostLogit);
-    return {parameters, theta, objective(parameters)(theta)};
+    return {parameters, theta};
   }
   /// From far off the climb begins anew where it came to: its steps were not those of the summit.
-  Peak climb(Peak from) {
+  [[nodiscard]] Peak climb(const Place& start) const {
     constexpr double kFar = 10.0;  // steps
     constexpr int kMostClimbs = 4;
-    Eigen::VectorXd lowest = from.theta.array() - kRoom;
-    Eigen::VectorXd highest = from.theta.array() + kRoom;
-    if (from.theta.size() > 2) {
+    Eigen::VectorXd lowest = start.theta.array() - kRoom;
+    Eigen::VectorXd highest = start.theta.array() + kRoom;
+    if (start.theta.size() > 2) {
       lowest(2) = -kMostLogit;
       highest(2) = kMostLogit;
     }
+    Peak peak{start, 0.0};
     for (int i = 0; i < kMostClimbs; ++i) {
-      const Eigen::MatrixXd steps = independent_steps(from);
+      const Eigen::MatrixXd steps = independent_steps(peak);
       const Minimum minimum =
-          minimise(objective(from.parameters), from.theta, steps, lowest, highest);
+          minimise(objective(peak.parameters), peak.theta, steps, lowest, highest);
       const Eigen::VectorXd walked =
-          steps.triangularView<Eigen::Upper>().solve(minimum.at - from.theta);
-      from = {from.parameters, minimum.at, minimum.value};
+          steps.triangularView<Eigen::Upper>().solve(minimum.at - peak.theta);
+      peak.theta = minimum.at;
+      peak.minus_two_log = minimum.value;
       if (walked.norm() < kFar) break;
     }
-    return from;
+    return peak;
   }
 
   /// Steps of a standard error, along which the parameters are expected to be independent: columns
   /// of the inverse root of the information that the Fourier frequencies hold (Whittle 1953). That
   /// of a few step_of() is added, so that no step is too long.
-  [[nodiscard]] Eigen::MatrixXd independent_steps(const Peak& at) const {
+  [[nodiscard]] Eigen::MatrixXd independent_steps(const Place& at) const {
     constexpr double kPerOctave = 8.0;
     constexpr double kMostSteps = 4.0;
     const Eigen::Index size = at.theta.size();
@@ -212,9 +219,8 @@ class Fitter {
   [[nodiscard]] static Eigen::VectorXd step_of(Eigen::Index size) {
     return Eigen::Vector3d(0.02, 0.2, 0.4).head(size);
   }
-  Objective objective(const Parameters& parameters) {
+  [[nodiscard]] Objective objective(const Parameters& parameters) const {
     return [this, parameters](const Eigen::VectorXd& theta) {
-      ++evaluations_;
       return likelihood(parameters.model(theta)).minus_two_log();
     };
   }
@@ -236,7 +242,6 @@ class Fitter {
 
   std::span<const InnovationsLikelihood> likelihoods_;
   const InnovationsFitOptions& options_;
-  std::atomic<std::size_t> evaluations_ = 0;
 };
 
 void require_usable(std::span<const InnovationsLikelihood> likelihoods,
@@ -264,14 +269,15 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
 }
 
 /// Fit of the given order.
-Maximum keep_order(Fitter& fitter, const Peak& given, std::optional<FittedFlicker>& flicker) {
+Maximum keep_order(const Fitter& fitter, const Peak& given, std::optional<FittedFlicker>& flicker) {
   Maximum maximum = fitter.with_errors(given);
   flicker = flicker_of(maximum, OrderSource::given);
   return maximum;
 }
 
 /// Fit with the record's own order, if the record determines it; else the fit of the prior.
-Maximum choose_order(Fitter& fitter, const Peak& prior, std::optional<FittedFlicker>& flicker) {
+Maximum choose_order(const Fitter& fitter, const Peak& prior,
+                     std::optional<FittedFlicker>& flicker) {
   const Peak free = fitter.peak_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
   if (contradicts && free.parameters.order_at(free.theta) > kOrderLimit) {
@@ -323,12 +329,11 @@ InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
 InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelihoods,
                                   const InnovationsFitOptions& options) {
   require_usable(likelihoods, options);
-  Fitter fitter{likelihoods, options};
+  const Fitter fitter{likelihoods, options};
   InnovationsFit fit = fitter.white_alone();
   const Peak peak = fitter.peak(options.order.value_or(kPriorOrder));
   fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - peak.minus_two_log);
   fit.p_value = p_value_at_edge(fit.likelihood_ratio);
-  fit.evaluations = fitter.evaluations();
   if (fit.p_value > options.significance) return fit;
 
   const auto maximum_of = options.order ? keep_order : choose_order;
@@ -336,7 +341,6 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   fit.angle_random_walk_rad_per_sqrt_s =
       IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;
-  fit.evaluations = fitter.evaluations();
   return fit;
 }
 

@@ -47,7 +47,6 @@ struct InnovationsFit {
   double likelihood_ratio = 0.0;  ///< 2 log of likelihood with flicker noise over without
   double p_value = 1.0;           ///< of a ratio this large under white noise alone
   double minus_two_log_likelihood = 0.0;
-  std::size_t evaluations = 0;  ///< passes of the filter
 
   /// Model that the node runs; its name and sources are left to the caller.
   [[nodiscard]] model::SensorModel model(double shortest_time_constant_s) const;

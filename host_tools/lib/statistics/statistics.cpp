@@ -143,15 +143,15 @@ double MeanBeforeRounding::operator()(double mean) const {
   if (terms_ == 0) return mean;
   const auto error_and_slope = [&](double x) {
     const double angle = 2.0 * std::numbers::pi * x;
-    const std::complex<double> first{std::cos(angle), std::sin(angle)};
-    std::complex<double> turn = first;
+    const double twice_cosine = 2.0 * std::cos(angle);
+    std::complex<double> turn{0.5 * twice_cosine, std::sin(angle)};
+    std::complex<double> turn_before = 1.0;
     double error = x - mean;
     double slope = 0.0;
     for (std::size_t k = 0; k < terms_; ++k) {
       error += factors_[k] * turn.imag();
       slope += factors_[k] * static_cast<double>(k + 1) * turn.real();
-      turn = {turn.real() * first.real() - turn.imag() * first.imag(),
-              turn.real() * first.imag() + turn.imag() * first.real()};
+      turn_before = std::exchange(turn, twice_cosine * turn - turn_before);
     }
     return std::pair{error, 1.0 + 2.0 * std::numbers::pi * slope};
   };

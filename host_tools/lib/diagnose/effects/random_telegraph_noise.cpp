@@ -59,7 +59,7 @@ class Coarse {
         whole_(scan.data().size()),
         own_transform_(size_ == whole_ ? std::nullopt
                                        : std::optional<spectrum::CosineTransform>(size_)),
-        transform_(own_transform_ ? *own_transform_ : scan.data().transform()) {
+        transform_of_record_(&scan.data().transform()) {
     const double block = static_cast<double>(whole_) / static_cast<double>(size_);
     coefficients_.assign(scan.residual().begin(),
                          scan.residual().begin() + static_cast<std::ptrdiff_t>(size_));
@@ -70,7 +70,7 @@ class Coarse {
     for (std::size_t k = 1; k < size_; ++k) {
       slow_share_[k] = std::max(0.0, density[k] / block - white_);
     }
-    values_ = transform_.inverse(coefficients_);
+    values_ = transform().inverse(coefficients_);
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -81,19 +81,19 @@ class Coarse {
   [[nodiscard]] SwitchSearch search(double slow_factor) const {
     std::vector<double> density(size_);
     for (std::size_t k = 1; k < size_; ++k) density[k] = white_ + slow_factor * slow_share_[k];
-    return {transform_, coefficients_, density, white_};
+    return {transform(), coefficients_, density, white_};
   }
 
   /// Values without the slow noise that is expected once the path is taken away.
   [[nodiscard]] std::vector<double> without_slow_noise(const std::vector<double>& path_mean,
                                                        double slow_factor) const {
-    std::vector<double> slow = transform_.forward(path_mean);
+    std::vector<double> slow = transform().forward(path_mean);
     slow[0] = 0.0;
     for (std::size_t k = 1; k < size_; ++k) {
       const double strength = slow_factor * slow_share_[k];
       slow[k] = (coefficients_[k] - slow[k]) * strength / (strength + white_);
     }
-    std::vector<double> rest = transform_.inverse(slow);
+    std::vector<double> rest = transform().inverse(slow);
     for (std::size_t k = 0; k < size_; ++k) rest[k] = values_[k] - rest[k];
     return rest;
   }
@@ -108,10 +108,14 @@ class Coarse {
   }
 
  private:
+  [[nodiscard]] const spectrum::CosineTransform& transform() const {
+    return own_transform_ ? *own_transform_ : *transform_of_record_;
+  }
+
   std::size_t size_;
   std::size_t whole_;
   std::optional<spectrum::CosineTransform> own_transform_;  ///< where it is shorter than the record
-  const spectrum::CosineTransform& transform_;
+  const spectrum::CosineTransform* transform_of_record_;
   std::vector<double> coefficients_;
   std::vector<double> slow_share_;
   std::vector<double> values_;
