@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <vector>
 
 #include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
@@ -68,24 +71,28 @@ double dense_divergence(const MatrixXd& t, const MatrixXd& model) {
   return 0.5 * (m.solve(t).trace() - (kSamples - 1) + log_ratio);
 }
 
-/// The least divergence over the weights of white noise and flicker noise, by halving steps along
-/// the axes: nothing of spectra in it.
-double least_dense_divergence(const MatrixXd& truth, const MatrixXd& flicker) {
-  const MatrixXd white = MatrixXd::Identity(kSamples - 1, kSamples - 1);
-  const auto at = [&](double log_r, double log_s) {
-    return dense_divergence(truth, std::exp(log_r) * white + std::exp(log_s) * flicker);
+/// The least divergence over the weights of white noise and some others, by halving steps along the
+/// axes: nothing of spectra in it.
+double least_dense_divergence(const MatrixXd& truth, const std::vector<MatrixXd>& others) {
+  const auto at = [&](const std::vector<double>& log_weights) {
+    MatrixXd model = std::exp(log_weights.back()) * MatrixXd::Identity(kSamples - 1, kSamples - 1);
+    for (std::size_t i = 0; i < others.size(); ++i) model += std::exp(log_weights[i]) * others[i];
+    return dense_divergence(truth, model);
   };
-  double log_r = 0.0;
-  double log_s = 0.0;
-  double least = at(log_r, log_s);
+  std::vector<double> log_weights(others.size() + 1, 0.0);
+  double least = at(log_weights);
   for (double step = 1.0; step > 0.05;) {
     const double before = least;
-    for (const auto& [dr, ds] : {std::pair{step, 0.0}, {-step, 0.0}, {0.0, step}, {0.0, -step}}) {
-      const double trial = at(log_r + dr, log_s + ds);
-      if (trial >= least) continue;
-      least = trial;
-      log_r += dr;
-      log_s += ds;
+    for (double& log_weight : log_weights) {
+      for (const double change : {step, -step}) {
+        log_weight += change;
+        const double trial = at(log_weights);
+        if (trial < least) {
+          least = trial;
+        } else {
+          log_weight -= change;
+        }
+      }
     }
     if (least == before) step *= 0.5;
   }
@@ -102,9 +109,62 @@ TEST(BaseLoss, AgreesWithDenseCovariancesForNoiseOfAnotherSpectrum) {
     Spectrum spectrum = noise.spectrum();
     const Spectrum walk = fractional_spectrum(kSamples, 1.0);
     for (std::size_t k = 0; k < spectrum.size(); ++k) spectrum[k] += step * step * walk[k];
-    const double dense = least_dense_divergence(without_constant(truth), without_constant(flicker));
+    const double dense =
+        least_dense_divergence(without_constant(truth), {without_constant(flicker)});
     EXPECT_NEAR(noise.loss_to_spectrum(spectrum), dense, 0.1 * dense) << step;
   }
+}
+
+TEST(BaseLoss, AgreesWithDenseCovariancesBesideNoiseThatIsKnown) {
+  const double flicker_sigma = 0.3;
+  const double markov_sigma = 4.0;
+  const double time_constant = 3.0;
+  const double step = 1.0;
+  MatrixXd markov(kSamples, kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < kSamples; ++j) markov(i, j) = std::exp(-std::abs(i - j) / time_constant);
+  }
+  const MatrixXd flicker = without_constant(dense_fractional(0.5));
+  const MatrixXd walk = without_constant(dense_walk());
+  markov = without_constant(markov);
+  const MatrixXd truth = MatrixXd::Identity(kSamples - 1, kSamples - 1) +
+                         flicker_sigma * flicker_sigma * flicker +
+                         markov_sigma * markov_sigma * markov + step * step * walk;
+  const BaseNoise alone(kSamples, 1.0, flicker_sigma);
+  const BaseNoise with_walk = alone.with_noise(fractional_spectrum(kSamples, 1.0), step * step);
+  const Spectrum markov_spectrum = gauss_markov_spectrum(kSamples, time_constant);
+  const BaseNoise with_markov = alone.with_noise(markov_spectrum, markov_sigma * markov_sigma);
+  const Spectrum spectrum =
+      with_walk.with_noise(markov_spectrum, markov_sigma * markov_sigma).spectrum();
+  const auto expect_loss = [&](const BaseNoise& noise, const MatrixXd& known) {
+    const double dense = least_dense_divergence(truth, {flicker, known});
+    EXPECT_NEAR(noise.loss_to_spectrum(spectrum), dense, 0.15 * dense);
+    EXPECT_LT(noise.loss_to_spectrum(spectrum), 0.9 * alone.loss_to_spectrum(spectrum));
+  };
+  expect_loss(with_walk, walk);
+  expect_loss(with_markov, markov);
+}
+
+TEST(BaseLoss, IsLessBesideAKnownMeanByWhatThatCanTake) {
+  const BaseNoise alone(kSamples, 1.0, 1e-6);
+  std::vector<double> ramp(kSamples);
+  std::vector<double> jump(kSamples);
+  for (int k = 0; k < kSamples; ++k) {
+    ramp[static_cast<std::size_t>(k)] = 0.01 * k;
+    jump[static_cast<std::size_t>(k)] = k < kSamples / 2 ? 0.0 : 1.0;
+  }
+  // A step in the middle and a straight line, both centred, have the correlation sqrt(3) / 2.
+  const std::vector<double> left = beyond(alone.spectrum(), contrasts(jump), {contrasts(ramp)});
+  EXPECT_NEAR(alone.squared_norm(left), 0.25 * alone.squared_norm(contrasts(jump)), 0.01);
+  EXPECT_DOUBLE_EQ(alone.beside_mean(contrasts(ramp)).loss_to_mean(contrasts(jump)),
+                   alone.loss_to_mean(left));
+}
+
+TEST(BaseLoss, CountsTheWhiteNoiseThatALowPassLeaves) {
+  const double share = 0.4;
+  const BaseNoise noise = BaseNoise(20'000, 2.0, 0.1).behind(low_pass_gain(20'000, share));
+  // Variance of y += a (x - y): a / (2 - a).
+  EXPECT_NEAR(noise.white_sigma(), 2.0 * std::sqrt(share / (2.0 - share)), 0.002);
 }
 
 TEST(BaseLoss, IsHalfTheSquaredNormOfAMeanInTheMetricOfTheNoise) {
@@ -230,6 +290,52 @@ TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
       EXPECT_NEAR(effect.loss_nats(*size), 40.0, 2.0) << entry.name;
       EXPECT_GT(effect.loss_nats(1.5 * *size), 41.0) << entry.name;
     }
+  }
+}
+
+EffectEntry entry_of(std::string_view name) {
+  return *std::ranges::find(catalogue(), name, &EffectEntry::name);
+}
+
+TEST(EffectsOfAPair, CostTheNatsThatAreAskedForBesideEachOther) {
+  const random::RandomStream stream(12);
+  const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
+  Draws draws{stream.substream("effects")};
+  const std::vector<EffectEntry> entries{entry_of("correlated_noise"), entry_of("bias_jump")};
+  constexpr double kNats = 30.0;
+
+  const auto pair = size_together(entries, setting, kNats, draws);
+
+  ASSERT_TRUE(pair);
+  const HiddenEffect& markov = pair->at(0);
+  const HiddenEffect& jump = pair->at(1);
+  const double sigma = markov.figures.at("sigma_dps") / kDegPerRad;
+  const Spectrum shape = gauss_markov_spectrum(
+      setting.noise.samples(), markov.figures.at("time_constant_s") / setting.period_s);
+  const std::vector<double> mean = contrasts(alone(setting, jump.part));
+  const BaseNoise known = setting.noise.with_noise(shape, sigma * sigma);
+  // Those who know the jump lose this much of the process, and the other way round. Neighbours of
+  // the time constant, which is not known to them, take a little more of the jump.
+  EXPECT_NEAR(setting.noise.loss_to_spectrum(known.spectrum()), kNats, 1.0);
+  EXPECT_GE(known.loss_to_mean(mean), kNats - 1.0);
+  EXPECT_LT(known.loss_to_mean(mean), kNats + 3.0);
+  EXPECT_GT(setting.noise.loss_to_mean(mean), kNats + 5.0) << "alone it would be plainer to see";
+}
+
+TEST(EffectsOfAPair, AreOfTheSizesThatTheyHaveAloneWhereNeitherHidesTheOther) {
+  const random::RandomStream stream(13);
+  const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
+  const Draws draws{stream.substream("effects")};
+  const std::vector<EffectEntry> entries{entry_of("rate_ramp"), entry_of("dropped_samples")};
+  Draws of_pair = draws;
+  Draws of_each = draws;
+
+  const auto pair = size_together(entries, setting, 30.0, of_pair);
+
+  ASSERT_TRUE(pair);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const SizedEffect effect = entries[i].draw(setting, of_each);
+    EXPECT_NEAR(pair->at(i).size, size_for(effect, 30.0).value(), 1e-3 * pair->at(i).size);
   }
 }
 

@@ -72,6 +72,14 @@ Eigen::VectorXd non_negative_minimum(const Quadratic& q) {
   return best;
 }
 
+constexpr std::size_t kWhite = 0;
+constexpr std::size_t kFlicker = 1;
+
+Spectrum product(Spectrum a, const Spectrum& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k] *= b[k];
+  return a;
+}
+
 Spectrum mixture(std::span<const Spectrum> shapes, const Eigen::VectorXd& weights) {
   Spectrum sum(shapes.front().size(), 0.0);
   for (std::size_t s = 0; s < shapes.size(); ++s) {
@@ -173,15 +181,79 @@ BestFit best_fit(std::span<const double> second_moments, std::span<const Spectru
   return {std::vector<double>(weights.begin(), weights.end()), cost};
 }
 
-BaseNoise::BaseNoise(std::size_t samples, double white_sigma, double flicker_sigma)
-    : white_sigma_(white_sigma),
-      flicker_sigma_(flicker_sigma),
-      shapes_{flat_spectrum(samples), fractional_spectrum(samples, 0.5)},
-      walk_(fractional_spectrum(samples, 1.0)),
-      spectrum_(samples - 1) {
-  for (std::size_t k = 0; k < spectrum_.size(); ++k) {
-    spectrum_[k] = white_sigma * white_sigma + flicker_sigma * flicker_sigma * shapes_[1][k];
+double inner(const Spectrum& noise, std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < noise.size(); ++k) sum += a[k] * b[k] / noise[k];
+  return sum;
+}
+
+std::vector<double> beyond(const Spectrum& noise, std::vector<double> contrasts,
+                           std::vector<std::vector<double>> others) {
+  const auto take = [&](const std::vector<double>& other, std::vector<double>& from) {
+    const double share = inner(noise, from, other) / inner(noise, other, other);
+    for (std::size_t k = 0; k < from.size(); ++k) from[k] -= share * other[k];
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) take(others[j], others[i]);
+    take(others[i], contrasts);
   }
+  return contrasts;
+}
+
+BaseNoise::BaseNoise(std::size_t samples, double white_sigma, double flicker_sigma)
+    : shapes_{flat_spectrum(samples), fractional_spectrum(samples, 0.5)},
+      variances_{white_sigma * white_sigma, flicker_sigma * flicker_sigma},
+      gain_(flat_spectrum(samples)) {
+  mix();
+}
+
+void BaseNoise::mix() {
+  spectrum_ =
+      mixture(shapes_, Eigen::Map<const Eigen::VectorXd>(
+                           variances_.data(), static_cast<Eigen::Index>(variances_.size())));
+}
+
+BaseNoise BaseNoise::with_noise(const Spectrum& shape, double variance) const {
+  BaseNoise more = *this;
+  more.shapes_.push_back(product(shape, gain_));
+  more.variances_.push_back(variance);
+  more.mix();
+  return more;
+}
+
+BaseNoise BaseNoise::with_white_noise(double variance) const {
+  BaseNoise more = *this;
+  more.variances_[kWhite] += variance;
+  more.mix();
+  return more;
+}
+
+BaseNoise BaseNoise::with_flicker_noise(const Spectrum& shape, double variance) const {
+  BaseNoise other = *this;
+  other.shapes_[kFlicker] = product(shape, gain_);
+  other.variances_[kFlicker] = variance;
+  other.mix();
+  return other;
+}
+
+BaseNoise BaseNoise::behind(const Spectrum& gain) const {
+  BaseNoise passed = *this;
+  for (Spectrum& shape : passed.shapes_) shape = product(shape, gain);
+  passed.gain_ = product(gain_, gain);
+  passed.mix();
+  return passed;
+}
+
+BaseNoise BaseNoise::beside_mean(std::vector<double> contrasts) const {
+  BaseNoise beside = *this;
+  beside.means_.push_back(std::move(contrasts));
+  return beside;
+}
+
+double BaseNoise::white_sigma() const {
+  double sum = 0.0;
+  for (const double share : shapes_[kWhite]) sum += share;
+  return std::sqrt(variances_[kWhite] * sum / static_cast<double>(spectrum_.size()));
 }
 
 double BaseNoise::innovation_variance() const {
@@ -190,36 +262,19 @@ double BaseNoise::innovation_variance() const {
   return std::exp(sum / static_cast<double>(spectrum_.size()));
 }
 
-double BaseNoise::squared_norm(std::span<const double> contrasts) const {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < spectrum_.size(); ++k) {
-    sum += contrasts[k] * contrasts[k] / spectrum_[k];
-  }
-  return sum;
-}
-
 double BaseNoise::loss_to_spectrum(const Spectrum& truth) const {
-  const std::vector<double> start{white_sigma_ * white_sigma_, flicker_sigma_ * flicker_sigma_};
-  return best_fit(truth, shapes_, start).cost_nats - cost_nats(truth, truth);
-}
-
-double BaseNoise::loss(std::span<const double> contrasts, std::span<const Spectrum> shapes) const {
-  std::vector<double> second_moments = spectrum_;
-  for (std::size_t k = 0; k < second_moments.size(); ++k) {
-    second_moments[k] += contrasts[k] * contrasts[k];
-  }
-  std::vector<double> start{white_sigma_ * white_sigma_, flicker_sigma_ * flicker_sigma_};
-  start.resize(shapes.size(), 0.0);
-  return best_fit(second_moments, shapes, start).cost_nats - cost_nats(spectrum_, spectrum_);
+  return best_fit(truth, shapes_, variances_).cost_nats - cost_nats(truth, truth);
 }
 
 double BaseNoise::loss_to_mean(std::span<const double> contrasts) const {
-  return loss(contrasts, shapes_);
+  const std::vector<double> left = beyond(spectrum_, {contrasts.begin(), contrasts.end()}, means_);
+  std::vector<double> second_moments = spectrum_;
+  for (std::size_t k = 0; k < second_moments.size(); ++k) second_moments[k] += left[k] * left[k];
+  return best_fit(second_moments, shapes_, variances_).cost_nats - cost_nats(spectrum_, spectrum_);
 }
 
 double BaseNoise::loss_with_walk_to_mean(std::span<const double> contrasts) const {
-  const std::vector<Spectrum> shapes{shapes_[0], shapes_[1], walk_};
-  return loss(contrasts, shapes);
+  return with_noise(fractional_spectrum(samples(), 1.0), 0.0).loss_to_mean(contrasts);
 }
 
 }  // namespace zerorate::campaign

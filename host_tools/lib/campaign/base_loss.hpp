@@ -41,35 +41,62 @@ struct BestFit {
 /// sum (ln T_k + P_k / T_k) / 2: the same cost of the truth.
 [[nodiscard]] double cost_nats(std::span<const double> second_moments, const Spectrum& truth);
 
-/// The noise that every recording has, and what the base model makes of it.
+/// Product of two mean functions' contrasts in the metric of a noise: sum a_k b_k / T_k.
+[[nodiscard]] double inner(const Spectrum& noise, std::span<const double> a,
+                           std::span<const double> b);
+/// Contrasts of a mean function without what others describe, by generalised least squares.
+/// @param others  contrasts, linearly independent
+[[nodiscard]] std::vector<double> beyond(const Spectrum& noise, std::vector<double> contrasts,
+                                         std::vector<std::vector<double>> others);
+
+/// Noise of a recording, and what the best model of a family makes of an effect that the family
+/// does not know. The family begins as the base model, white and flicker noise of free strengths.
+/// It grows by each effect that is said to be known: then a loss is that beside those effects.
 class BaseNoise {
  public:
   /// @param white_sigma, flicker_sigma  of a sample and of an innovation, rad/s
   BaseNoise(std::size_t samples, double white_sigma, double flicker_sigma);
 
-  [[nodiscard]] std::size_t samples() const { return shapes_.front().size() + 1; }
-  [[nodiscard]] double white_sigma() const { return white_sigma_; }
+  /// Noise with a known spectrum more, whose strength is free.
+  /// @param shape     in front of the sensor's low-pass
+  /// @param variance  by which the shape is multiplied
+  [[nodiscard]] BaseNoise with_noise(const Spectrum& shape, double variance) const;
+  /// Noise with more of its white noise.
+  [[nodiscard]] BaseNoise with_white_noise(double variance) const;
+  /// Noise with another flicker noise in place of its own.
+  [[nodiscard]] BaseNoise with_flicker_noise(const Spectrum& shape, double variance) const;
+  /// Noise behind a low-pass.
+  [[nodiscard]] BaseNoise behind(const Spectrum& gain) const;
+  /// Noise beside a mean function of known shape, whose size is free.
+  [[nodiscard]] BaseNoise beside_mean(std::vector<double> contrasts) const;
+
+  [[nodiscard]] std::size_t samples() const { return spectrum_.size() + 1; }
+  /// White noise of a sample, as the low-pass leaves it [rad/s].
+  [[nodiscard]] double white_sigma() const;
   [[nodiscard]] const Spectrum& spectrum() const { return spectrum_; }
   /// Variance of the best prediction's error one sample ahead: Kolmogorov's formula.
   [[nodiscard]] double innovation_variance() const;
   /// sum c_k^2 / T_k of a mean function's contrasts: twice what knowing it is worth.
-  [[nodiscard]] double squared_norm(std::span<const double> contrasts) const;
+  [[nodiscard]] double squared_norm(std::span<const double> contrasts) const {
+    return inner(spectrum_, contrasts, contrasts);
+  }
 
-  /// Loss where the noise itself is another: expected Kullback-Leibler divergence.
+  /// Loss where the noise itself is another: expected Kullback-Leibler divergence. A known mean
+  /// takes one coefficient of a record and is left out of account.
   [[nodiscard]] double loss_to_spectrum(const Spectrum& truth) const;
-  /// Loss where a mean function is added to the base noise. The base may take it for noise.
+  /// Loss where a mean function is added to the noise. The family may take it for noise, or for
+  /// the means that it knows.
   [[nodiscard]] double loss_to_mean(std::span<const double> contrasts) const;
   /// Loss to a family that has a random walk as well.
   [[nodiscard]] double loss_with_walk_to_mean(std::span<const double> contrasts) const;
 
  private:
-  [[nodiscard]] double loss(std::span<const double> contrasts,
-                            std::span<const Spectrum> shapes) const;
+  void mix();
 
-  double white_sigma_;
-  double flicker_sigma_;
-  std::vector<Spectrum> shapes_;
-  Spectrum walk_;
+  std::vector<Spectrum> shapes_;   ///< white noise, flicker noise, and what else is known
+  std::vector<double> variances_;  ///< of the shapes, as they are in truth
+  Spectrum gain_;                  ///< of the low-pass, 1 without
+  std::vector<std::vector<double>> means_;
   Spectrum spectrum_;
 };
 

@@ -56,31 +56,14 @@ std::vector<Basis> explanations(const RecordingSetting& setting, const Mean& res
   return all;
 }
 
-double inner(const RecordingSetting& setting, const Mean& a, const Mean& b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k] / setting.noise.spectrum()[k];
-  return sum;
-}
-
-Mean without(const RecordingSetting& setting, Mean residual, Basis basis) {
-  for (std::size_t i = 0; i < basis.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const double share = inner(setting, basis[i], basis[j]) / inner(setting, basis[j], basis[j]);
-      for (std::size_t k = 0; k < residual.size(); ++k) basis[i][k] -= share * basis[j][k];
-    }
-    const double share = inner(setting, residual, basis[i]) / inner(setting, basis[i], basis[i]);
-    for (std::size_t k = 0; k < residual.size(); ++k) residual[k] -= share * basis[i][k];
-  }
-  return residual;
-}
-
 /// Remainder of a mean function when the catalogue has twice taken what it explains best.
 Mean unexplained_part(const RecordingSetting& setting, Mean residual) {
+  const BaseNoise& noise = setting.noise;
   for (int round = 0; round < 2; ++round) {
     Mean least = residual;
     for (const Basis& basis : explanations(setting, residual)) {
-      Mean left = without(setting, residual, basis);
-      if (inner(setting, left, left) < inner(setting, least, least)) least = std::move(left);
+      Mean left = beyond(noise.spectrum(), residual, basis);
+      if (noise.squared_norm(left) < noise.squared_norm(least)) least = std::move(left);
     }
     residual = std::move(least);
   }

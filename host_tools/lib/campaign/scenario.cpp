@@ -37,25 +37,14 @@ int place_in_the_sensor(std::string_view effect) {
   return found == kOrder.end() ? -1 : static_cast<int>(found - kOrder.begin());
 }
 
-struct HiddenEffect {
-  std::string name;
-  Part part;
-  double size;
-  bool replaces_flicker;
-  Figures figures;
-};
-
-/// Draws the other parameters again where no size gives so many nats; nothing where that does not
+/// Draws the other parameters again where no sizes give so many nats; nothing where that does not
 /// help either.
-std::optional<HiddenEffect> sized(const EffectEntry& entry, const RecordingSetting& setting,
-                                  double nats, Draws& draws) {
+std::optional<std::vector<HiddenEffect>> hide(const std::vector<EffectEntry>& entries,
+                                              const RecordingSetting& setting, double nats,
+                                              Draws& draws) {
   constexpr int kMostTries = 20;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const SizedEffect effect = entry.draw(setting, draws);
-    if (const auto size = size_for(effect, nats)) {
-      return HiddenEffect{effect.name, effect.at(*size), *size, effect.replaces_flicker,
-                          effect.figures(*size)};
-    }
+    if (auto effects = size_together(entries, setting, nats, draws)) return effects;
   }
   return std::nullopt;
 }
@@ -117,19 +106,15 @@ std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t
   Draws draws{stream.substream("effects")};
   const Kind kind = options.only.empty() ? kind_of_run(run) : Kind::single;
   const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
-  std::vector<HiddenEffect> effects;
-  for (const EffectEntry& entry : choose(kind, options, run, draws)) {
-    auto effect = sized(entry, setting, nats, draws);
-    if (!effect) return std::nullopt;
-    effects.push_back(*std::move(effect));
-  }
+  const auto effects = hide(choose(kind, options, run, draws), setting, nats, draws);
+  if (!effects) return std::nullopt;
   Scenario scenario{.kind = kind,
-                    .description = describe(setting, effects),
+                    .description = describe(setting, *effects),
                     .with_temperature = draws.with_probability(0.5),
-                    .signal = compose(setting, effects)};
+                    .signal = compose(setting, *effects)};
   const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
   if (!(least < most)) return std::nullopt;  // a coarse quantizer has left one level
-  for (const HiddenEffect& effect : effects) {
+  for (const HiddenEffect& effect : *effects) {
     scenario.truth.push_back(effect.name);
     scenario.figures[effect.name] = effect.figures;
     scenario.with_temperature |= effect.name.starts_with("temperature");

@@ -1,8 +1,11 @@
 #include "host_tools/lib/campaign/sized_effect.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace zerorate::campaign {
 
@@ -21,6 +24,77 @@ std::optional<double> size_for(const SizedEffect& effect, double nats) {
       excess, std::min(near, far), std::max(near, far),
       [](double a, double b) { return std::abs(b - a) < 1e-4; }, most_evaluations);
   return std::exp(hi);
+}
+
+namespace {
+
+/// An effect of a recording with the numbers that its other parameters are drawn from.
+struct Candidate {
+  EffectEntry entry;
+  Draws draws;
+  double size = 0.0;  ///< 0: not known yet
+
+  [[nodiscard]] SizedEffect in(const RecordingSetting& setting) const {
+    Draws again = draws;
+    return entry.draw(setting, again);
+  }
+};
+
+/// The setting, to those who know that the effect is there.
+RecordingSetting with(RecordingSetting setting, const SizedEffect& effect, double size) {
+  simulate::Signal slow(setting.samples, setting.period_s);
+  slow.temperature_degc = setting.temperature_degc;
+  slow.rate_rad_s = std::move(setting.slow_rad_s);
+  if (effect.replaces_flicker) {
+    const std::vector<double> flicker = alone(setting, flicker_noise_of(setting));
+    for (std::size_t k = 0; k < flicker.size(); ++k) slow.rate_rad_s[k] -= flicker[k];
+  }
+  effect.at(size)(slow);
+  setting.slow_rad_s = std::move(slow.rate_rad_s);
+  setting.noise = effect.noise_with(setting.noise, size);
+  return setting;
+}
+
+/// Sizes each effect beside the others in turn until the sizes stand still; false if they do not.
+bool settle(std::vector<Candidate>& candidates, const RecordingSetting& setting, double nats) {
+  constexpr int kMostRounds = 12;
+  constexpr double kStill = 0.01;  // a few hundredths of what is asked for
+  for (int round = 0; round < kMostRounds; ++round) {
+    double most_change = 0.0;
+    for (Candidate& one : candidates) {
+      RecordingSetting beside = setting;
+      for (const Candidate& other : candidates) {
+        if (&other == &one || other.size == 0.0) continue;
+        beside = with(std::move(beside), other.in(setting), other.size);
+      }
+      const std::optional<double> size = size_for(one.in(beside), nats);
+      if (!size) return false;
+      most_change = std::max(most_change, std::abs(*size / one.size - 1.0));
+      one.size = *size;
+    }
+    if (candidates.size() == 1 || most_change < kStill) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<std::vector<HiddenEffect>> size_together(std::span<const EffectEntry> entries,
+                                                       const RecordingSetting& setting, double nats,
+                                                       Draws& draws) {
+  std::vector<Candidate> candidates;
+  for (const EffectEntry& entry : entries) {
+    candidates.push_back({entry, draws});
+    std::ignore = entry.draw(setting, draws);
+  }
+  if (!settle(candidates, setting, nats)) return std::nullopt;
+  std::vector<HiddenEffect> hidden;
+  for (const Candidate& one : candidates) {
+    const SizedEffect effect = one.in(setting);
+    hidden.push_back({effect.name, effect.at(one.size), one.size, effect.replaces_flicker,
+                      effect.figures(one.size)});
+  }
+  return hidden;
 }
 
 std::span<const EffectEntry> catalogue() {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host_tools/lib/campaign/recording_setting.hpp"
 
@@ -24,14 +25,37 @@ struct SizedEffect {
   std::string name;
   std::function<Part(double size)> at;
   std::function<double(double size)> loss_nats;  ///< rises with the size
-  double guess = 1.0;                            ///< a size from which to search
-  bool replaces_flicker = false;                 ///< its noise stands for that of the base
+  /// Noise of a recording that has the effect, to those who know it. Most single samples that an
+  /// effect changes leave the noise of the others as it was.
+  std::function<BaseNoise(const BaseNoise& noise, double size)> noise_with =
+      [](const BaseNoise& noise, double) { return noise; };
+  double guess = 1.0;             ///< a size from which to search
+  bool replaces_flicker = false;  ///< its noise stands for that of the base
   /// Parameters that a diagnosis should find, by their names; those that the size determines.
   std::function<Figures(double size)> figures = [](double) { return Figures{}; };
 };
 
 /// The size at which the base loses so much; nothing if no size does.
 [[nodiscard]] std::optional<double> size_for(const SizedEffect& effect, double nats);
+
+struct EffectEntry {
+  std::string_view name;
+  SizedEffect (*draw)(const RecordingSetting&, Draws&);
+};
+
+struct HiddenEffect {
+  std::string name;
+  Part part;
+  double size;
+  bool replaces_flicker;
+  Figures figures;
+};
+
+/// Effects of one recording, each of a size at which the best model that knows all the others loses
+/// so much. Nothing where no sizes do: two effects may be each other's double at any size.
+[[nodiscard]] std::optional<std::vector<HiddenEffect>> size_together(
+    std::span<const EffectEntry> entries, const RecordingSetting& setting, double nats,
+    Draws& draws);
 
 // Noise of another spectrum: expected Kullback-Leibler divergence to the nearest base spectrum.
 [[nodiscard]] SizedEffect draw_rate_random_walk(const RecordingSetting& setting, Draws& draws);
@@ -70,11 +94,6 @@ struct SizedEffect {
 [[nodiscard]] SizedEffect draw_burst_noise(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_skewed_noise(const RecordingSetting& setting, Draws& draws);
 [[nodiscard]] SizedEffect draw_deadband(const RecordingSetting& setting, Draws& draws);
-
-struct EffectEntry {
-  std::string_view name;
-  SizedEffect (*draw)(const RecordingSetting&, Draws&);
-};
 
 inline constexpr std::size_t kKnownEffects = 18;
 

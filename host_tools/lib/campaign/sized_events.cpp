@@ -118,6 +118,7 @@ SizedEffect draw_random_telegraph_noise(const RecordingSetting& setting, Draws& 
                 for (double& contrast : scaled) contrast *= height;
                 return setting.noise.loss_to_mean(scaled) - price;
               },
+          .noise_with = [unit](const BaseNoise& noise, double) { return noise.beside_mean(*unit); },
           .guess = 20.0 / std::sqrt(setting.noise.squared_norm(*unit) + 1e-300),
           .figures = [=, is_up = effect_sign > 0.0](double height) -> Figures {
             return {{"height_dps", height * kDegPerRad},

@@ -1,6 +1,7 @@
 // Effects that change the spectrum or the mean.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -14,20 +15,17 @@ namespace {
 
 using simulate::Effect;
 
-/// Noise whose spectrum is added to that of the base.
-SizedEffect added_noise(const RecordingSetting& setting, std::string_view name,
-                        Spectrum unit_spectrum, std::function<Effect(double)> effect,
-                        std::function<Figures(double)> figures) {
+/// Another spectrum of the noise.
+SizedEffect other_noise(const RecordingSetting& setting, std::string_view name,
+                        std::function<Effect(double)> effect,
+                        std::function<BaseNoise(const BaseNoise&, double)> noise_with) {
   return {.name = std::string(name),
           .at = [&setting, effect](double size) { return part_of(setting, effect(size)); },
           .loss_nats =
-              [&setting, unit = std::move(unit_spectrum)](double size) {
-                Spectrum truth = setting.noise.spectrum();
-                for (std::size_t k = 0; k < truth.size(); ++k) truth[k] += size * size * unit[k];
-                return setting.noise.loss_to_spectrum(truth);
+              [&setting, noise_with](double size) {
+                return setting.noise.loss_to_spectrum(noise_with(setting.noise, size).spectrum());
               },
-          .guess = 0.1 * setting.noise.white_sigma(),
-          .figures = std::move(figures)};
+          .noise_with = noise_with};
 }
 
 /// A mean function in proportion to the size.
@@ -44,6 +42,7 @@ SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
                 for (double& contrast : scaled) contrast *= size;
                 return setting.noise.loss_to_mean(scaled);
               },
+          .noise_with = [unit](const BaseNoise& noise, double) { return noise.beside_mean(*unit); },
           .guess = 10.0 / std::sqrt(setting.noise.squared_norm(*unit)),
           .figures = std::move(figures)};
 }
@@ -52,13 +51,15 @@ SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
 
 SizedEffect draw_rate_random_walk(const RecordingSetting& setting, Draws& /*draws*/) {
   const double root_period = std::sqrt(setting.period_s);
-  SizedEffect walk = added_noise(
-      setting, "rate_random_walk", fractional_spectrum(setting.noise.samples(), 1.0),
+  SizedEffect walk = other_noise(
+      setting, "rate_random_walk",
       [root_period](double step) -> Effect { return simulate::RateRandomWalk{step / root_period}; },
-      [root_period](double step) -> Figures {
-        return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
-      });
+      [unit = fractional_spectrum(setting.noise.samples(), 1.0)](
+          const BaseNoise& noise, double step) { return noise.with_noise(unit, step * step); });
   walk.guess = 0.01 * setting.noise.white_sigma();
+  walk.figures = [root_period](double step) -> Figures {
+    return {{"coefficient_dps_per_sqrt_s", step / root_period * kDegPerRad}};
+  };
   return walk;
 }
 
@@ -66,66 +67,70 @@ SizedEffect draw_correlated_noise(const RecordingSetting& setting, Draws& draws)
   const double most = static_cast<double>(setting.samples) / 40.0;
   const double time_constant = draws.log_uniform(2.0, most);  // samples
   const double time_constant_s = time_constant * setting.period_s;
-  return added_noise(
-      setting, "correlated_noise", gauss_markov_spectrum(setting.noise.samples(), time_constant),
+  const auto unit = [n = setting.noise.samples(), time_constant](double factor) {
+    return gauss_markov_spectrum(n, factor * time_constant);
+  };
+  SizedEffect markov = other_noise(
+      setting, "correlated_noise",
       [time_constant_s](double sigma) -> Effect {
         return simulate::CorrelatedNoise{sigma, time_constant_s};
       },
-      [time_constant_s](double sigma) -> Figures {
-        return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
+      // Neighbours of the truth stand for a time constant that is not known.
+      [shapes = std::array{unit(1.0), unit(0.5), unit(2.0)}](const BaseNoise& noise, double sigma) {
+        return noise.with_noise(shapes[0], sigma * sigma)
+            .with_noise(shapes[1], 0.0)
+            .with_noise(shapes[2], 0.0);
       });
+  markov.guess = 0.1 * setting.noise.white_sigma();
+  markov.figures = [=](double sigma) -> Figures {
+    return {{"sigma_dps", sigma * kDegPerRad}, {"time_constant_s", time_constant_s}};
+  };
+  return markov;
 }
 
 SizedEffect draw_fractional_order(const RecordingSetting& setting, Draws& draws) {
   const double order =
       draws.with_probability(0.75) ? draws.uniform(0.65, 0.95) : draws.uniform(0.2, 0.35);
-  const double white_variance = setting.noise.white_sigma() * setting.noise.white_sigma();
-  return {.name = "fractional_order",
-          .at =
-              [&setting, order](double sigma) {
-                return part_of(
-                    setting,
-                    simulate::FlickerNoise{
-                        spectrum::bias_instability(sigma * sigma, order, setting.period_s), order});
-              },
-          .loss_nats =
-              [&setting, white_variance,
-               unit = fractional_spectrum(setting.noise.samples(), order)](double sigma) {
-                Spectrum truth(unit.size());
-                for (std::size_t k = 0; k < truth.size(); ++k) {
-                  truth[k] = white_variance + sigma * sigma * unit[k];
-                }
-                return setting.noise.loss_to_spectrum(truth);
-              },
-          .guess = setting.flicker_sigma_rad_s,
-          .replaces_flicker = true,
-          .figures = [order](double) -> Figures {
-            return {{"order", order}};
-          }};
+  const auto unit = [n = setting.noise.samples(), order](double more) {
+    return fractional_spectrum(n, order + more);
+  };
+  SizedEffect flicker = other_noise(
+      setting, "fractional_order",
+      [order, period_s = setting.period_s](double sigma) -> Effect {
+        return simulate::FlickerNoise{spectrum::bias_instability(sigma * sigma, order, period_s),
+                                      order};
+      },
+      // Neighbours of the truth stand for an order that is not known.
+      [shapes = std::array{unit(0.0), unit(-0.1), unit(0.1)}](const BaseNoise& noise,
+                                                              double sigma) {
+        return noise.with_flicker_noise(shapes[0], sigma * sigma)
+            .with_noise(shapes[1], 0.0)
+            .with_noise(shapes[2], 0.0);
+      });
+  flicker.guess = setting.flicker_sigma_rad_s;
+  flicker.replaces_flicker = true;
+  flicker.figures = [order](double) -> Figures { return {{"order", order}}; };
+  return flicker;
 }
 
 SizedEffect draw_sensor_bandwidth(const RecordingSetting& setting, Draws& /*draws*/) {
   // The size is the time constant in samples.
-  const auto share = [](double time_constant) { return -std::expm1(-1.0 / time_constant); };
-  return {.name = "sensor_bandwidth",
-          .at =
-              [&setting](double time_constant) {
-                const double cut_off_hz =
-                    setting.rate_hz() / (2.0 * std::numbers::pi * time_constant);
-                return part_of(setting, simulate::SensorBandwidth{cut_off_hz});
-              },
-          .loss_nats =
-              [&setting, share](double time_constant) {
-                Spectrum truth = low_pass_gain(setting.noise.samples(), share(time_constant));
-                for (std::size_t k = 0; k < truth.size(); ++k) {
-                  truth[k] *= setting.noise.spectrum()[k];
-                }
-                return setting.noise.loss_to_spectrum(truth);
-              },
-          .guess = 0.3,
-          .figures = [rate_hz = setting.rate_hz()](double time_constant) -> Figures {
-            return {{"cut_off_hz", rate_hz / (2.0 * std::numbers::pi * time_constant)}};
-          }};
+  const auto cut_off_hz = [rate_hz = setting.rate_hz()](double time_constant) {
+    return rate_hz / (2.0 * std::numbers::pi * time_constant);
+  };
+  SizedEffect low_pass = other_noise(
+      setting, "sensor_bandwidth",
+      [cut_off_hz](double time_constant) -> Effect {
+        return simulate::SensorBandwidth{cut_off_hz(time_constant)};
+      },
+      [](const BaseNoise& noise, double time_constant) {
+        return noise.behind(low_pass_gain(noise.samples(), -std::expm1(-1.0 / time_constant)));
+      });
+  low_pass.guess = 0.3;
+  low_pass.figures = [cut_off_hz](double time_constant) -> Figures {
+    return {{"cut_off_hz", cut_off_hz(time_constant)}};
+  };
+  return low_pass;
 }
 
 SizedEffect draw_temperature_drift(const RecordingSetting& setting, Draws& draws) {

@@ -11,19 +11,23 @@
 namespace zerorate::campaign {
 namespace {
 
-/// Divergence per sample of rounded normal numbers, of unit variance around `centre` steps, from a
-/// normal density read at the steps.
-double rounding_loss(double step, double centre) {
+/// Divergence per sample of rounded normal numbers, of unit variance, from a normal density read at
+/// the levels, where the mean may lie anywhere between two levels.
+double rounding_loss(double step) {
+  constexpr int kPhases = 64;
   const double spread = std::sqrt(1.0 + step * step / 12.0);  // Sheppard's correction
   const int reach = static_cast<int>(std::ceil(9.0 / step)) + 1;
   double loss = 0.0;
-  for (int level = -reach; level <= reach; ++level) {
-    const double from = (level - 0.5) * step - centre * step;
-    const double mass = statistics::normal_tail(from) - statistics::normal_tail(from + step);
-    if (mass < 1e-15) continue;
-    const double believed =
-        step * statistics::normal_density(((level - centre) * step) / spread) / spread;
-    loss += mass * std::log(mass / believed);
+  for (int phase = 0; phase < kPhases; ++phase) {
+    const double centre = (phase + 0.5) / kPhases - 0.5;  // steps
+    for (int level = -reach; level <= reach; ++level) {
+      const double from = (level - 0.5 - centre) * step;
+      const double mass = statistics::normal_tail(from) - statistics::normal_tail(from + step);
+      if (mass < 1e-15) continue;
+      const double believed =
+          step * statistics::normal_density((level - centre) * step / spread) / spread;
+      loss += mass * std::log(mass / believed) / kPhases;
+    }
   }
   return loss;
 }
@@ -54,6 +58,8 @@ SizedEffect draw_variable_noise(const RecordingSetting& setting, Draws& draws) {
                 const auto n = static_cast<double>(setting.samples);
                 return 0.5 * (n * std::log(sum / n) - sum_of_logs);
               },
+          .noise_with = [](const BaseNoise& noise,
+                           double sigma) { return noise.with_white_noise(0.5 * sigma * sigma); },
           .guess = 0.3 * setting.noise.white_sigma(),
           .figures = [period_s](double) -> Figures {
             return {{"swing_period_s", period_s}};
@@ -71,20 +77,11 @@ SizedEffect draw_quantization(const RecordingSetting& setting, Draws& draws) {
                     double step) { return part_of(setting, simulate::Quantization{finer * step}); },
           .loss_nats =
               [&setting, white](double step) {
-                constexpr int kPhases = 64;
-                std::array<double, kPhases> loss{};
-                for (int phase = 0; phase < kPhases; ++phase) {
-                  loss[static_cast<std::size_t>(phase)] =
-                      rounding_loss(step / white, (phase + 0.5) / kPhases - 0.5);
-                }
-                double sum = 0.0;
-                for (const double slow : setting.slow_rad_s) {
-                  const double steps = slow / step;
-                  const double phase = steps - std::round(steps) + 0.5;
-                  const auto index = static_cast<std::size_t>(phase * kPhases);
-                  sum += loss[std::min<std::size_t>(index, kPhases - 1)];
-                }
-                return sum;
+                return static_cast<double>(setting.samples) * rounding_loss(step / white);
+              },
+          .noise_with =
+              [finer](const BaseNoise& noise, double step) {
+                return noise.with_white_noise(finer * step * finer * step / 12.0);
               },
           .guess = 2.0 * white,
           .figures = [finer](double step) -> Figures {

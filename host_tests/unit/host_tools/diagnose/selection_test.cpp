@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -38,9 +39,10 @@ std::vector<double> swinging_temperature() {
   return temperature;
 }
 
-EvenSeries simulated(const std::vector<simulate::Effect>& more, std::uint64_t run) {
+EvenSeries simulated(const std::vector<simulate::Effect>& more, std::uint64_t run,
+                     double flicker_dps = 0.023) {
   std::vector<simulate::Effect> effects{simulate::WhiteNoise{0.065 * kRadPerDeg},
-                                        simulate::FlickerNoise{0.023 * kRadPerDeg, 0.5}};
+                                        simulate::FlickerNoise{flicker_dps * kRadPerDeg, 0.5}};
   effects.insert(effects.end(), more.begin(), more.end());
   simulate::Signal signal(kSamples, 1.0);
   signal.temperature_degc = swinging_temperature();
@@ -90,6 +92,53 @@ TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesF
   EXPECT_THAT(selection.choices,
               Contains(Field(&Choice::alternatives,
                              Contains(Field(&Alternative::effect, "fractional_order")))));
+}
+
+double surprisal(const std::unique_ptr<Effect>& effect, const Hypothesis& without) {
+  const std::optional<Candidate> candidate = effect->examine(without);
+  return candidate ? candidate->surprisal_nats : 0.0;
+}
+
+TEST(SelectionOfAGaussMarkovProcessWithAJump, NamesBothWhereEachHidesTheOther) {
+  const EvenSeries series = simulated({simulate::CorrelatedNoise{0.015 * kRadPerDeg, 30.0},
+                                       simulate::BiasJump{0.03 * kRadPerDeg, 9000.0}},
+                                      0, 0.0015);
+  const FitData data(series, 1);
+  std::vector<std::unique_ptr<Effect>> effects;
+  effects.push_back(make_correlated_noise());
+  effects.push_back(make_bias_jump());
+  const Hypothesis base(data, {});
+  ASSERT_LT(surprisal(effects[0], base), kSelectionThreshold_nats);
+  ASSERT_LT(surprisal(effects[1], base), kSelectionThreshold_nats);
+
+  const Selection selection = select_effects(data, effects);
+
+  EXPECT_THAT(names_of(selection), UnorderedElementsAre("correlated_noise", "bias_jump"));
+  for (const Choice& choice : selection.choices) {
+    EXPECT_GT(choice.surprisal_nats, kSelectionThreshold_nats);
+  }
+}
+
+TEST(SelectionOfAGaussMarkovProcessWithARandomWalk, NamesBothWhereOneOrderComesFirst) {
+  const EvenSeries series = simulated({simulate::CorrelatedNoise{0.04 * kRadPerDeg, 30.0},
+                                       simulate::RateRandomWalk{0.0015 * kRadPerDeg}},
+                                      9);
+  const FitData data(series, 1);
+  std::vector<std::unique_ptr<Effect>> effects;
+  effects.push_back(make_fractional_order());
+  effects.push_back(make_correlated_noise());
+  effects.push_back(make_rate_random_walk());
+  const Hypothesis base(data, {});
+  const auto order = effects[0]->examine(base);
+  ASSERT_GT(order->surprisal_nats,
+            std::max(surprisal(effects[1], base), surprisal(effects[2], base)));
+  const Hypothesis with_order(data, {order->part}, &base);
+  ASSERT_LT(surprisal(effects[1], with_order), kSelectionThreshold_nats);
+  ASSERT_LT(surprisal(effects[2], with_order), kSelectionThreshold_nats);
+
+  const Selection selection = select_effects(data, effects);
+
+  EXPECT_THAT(names_of(selection), UnorderedElementsAre("correlated_noise", "rate_random_walk"));
 }
 
 TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured) {

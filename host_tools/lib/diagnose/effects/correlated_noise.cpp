@@ -16,6 +16,7 @@ using units::kDegPerRad;
 class CorrelatedNoise final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "correlated_noise"; }
+  [[nodiscard]] bool is_noise() const override { return true; }
   [[nodiscard]] Pace pace() const override { return Pace::either; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {

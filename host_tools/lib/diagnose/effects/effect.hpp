@@ -64,6 +64,8 @@ class Effect {
   [[nodiscard]] virtual std::string_view name() const = 0;
   /// True if the record contains the quantity that causes the effect (e.g. the temperature).
   [[nodiscard]] virtual bool has_measured_cause() const { return false; }
+  /// True if the effect is a term of the noise's spectrum and nothing else.
+  [[nodiscard]] virtual bool is_noise() const { return false; }
   [[nodiscard]] virtual Pace pace() const { return Pace::fast; }
   /// Reason why a record cannot show the effect, e.g. "no temperature"; empty if it can.
   [[nodiscard]] virtual std::string_view obstacle(const Hypothesis& /*without*/) const {

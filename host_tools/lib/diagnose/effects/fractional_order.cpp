@@ -11,6 +11,7 @@ namespace {
 class FractionalOrder final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "fractional_order"; }
+  [[nodiscard]] bool is_noise() const override { return true; }
   [[nodiscard]] Pace pace() const override { return Pace::slow; }
   [[nodiscard]] bool is_in_base() const override { return true; }
 

@@ -16,6 +16,7 @@ using units::kDegPerRad;
 class RateRandomWalk final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "rate_random_walk"; }
+  [[nodiscard]] bool is_noise() const override { return true; }
   [[nodiscard]] Pace pace() const override { return Pace::slow; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {

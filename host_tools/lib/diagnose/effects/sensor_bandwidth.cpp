@@ -32,6 +32,7 @@ double variance_behind_filter(const Hypothesis& hypothesis) {
 class SensorBandwidth final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "sensor_bandwidth"; }
+  [[nodiscard]] bool is_noise() const override { return true; }
   [[nodiscard]] bool is_in_base() const override { return true; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,14 @@ struct Explanation {
   double probability = 0.0;
 };
 inline constexpr std::string_view kByChance = "chance";
+
+/// Weighs explanations of the same: e^(-nats behind) each, and chance by the bound on its Bayes
+/// factor, -e p log p (Sellke, Bayarri and Berger 2001), of which every record has as many places
+/// as a catalogue has effects.
+/// @param rivals  of the best one, whose surprisal is given; most probable first
+/// @return shares that sum to 1, most probable first
+[[nodiscard]] std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
+                                             std::span<const Alternative> rivals);
 
 /// Probability from which on a name stands alone; below it the answer is "one of".
 inline constexpr double kStandsAlone = 0.8;
@@ -168,6 +177,9 @@ struct Evidence {
   bool selected = false;
   std::string not_examined;  ///< why it could not be, e.g. "no temperature"; empty otherwise
 };
+
+/// Adds evidence of another scale. An effect of either pace may be on both: the stronger stays.
+void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all);
 
 struct Point {
   double time_s = 0.0;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
@@ -22,6 +22,11 @@ struct Proposal {
 struct Catalogue {
   std::span<const std::unique_ptr<Effect>> effects;
   Scope scope;
+  bool is_noise_alone = false;  ///< only effects that are noise
+
+  [[nodiscard]] bool searches(const Effect& effect) const {
+    return scope.is_searched(effect) && (effect.is_noise() || !is_noise_alone);
+  }
 };
 
 /// Candidates of all effects that are not in the hypothesis yet, most surprising first.
@@ -31,7 +36,7 @@ std::vector<Proposal> proposals_for(const Hypothesis& without, const Catalogue& 
     const Effect& effect = *catalogue.effects[i];
     const bool is_in = std::ranges::any_of(
         without.parts(), [&](const Part& part) { return part.effect == effect.name(); });
-    if (!is_in && catalogue.scope.is_searched(effect)) candidates[i] = effect.examine(without);
+    if (!is_in && catalogue.searches(effect)) candidates[i] = effect.examine(without);
   };
   parallel::for_each(candidates.size(), parallel::kAllThreads, examine, {});
   std::vector<Proposal> proposals;
@@ -60,6 +65,29 @@ std::vector<Proposal> proposals_for(const Hypothesis& without, const Catalogue& 
 bool is_surprising(const std::vector<Proposal>& proposals) {
   return !proposals.empty() &&
          proposals.front().candidate.surprisal_nats > kSelectionThreshold_nats;
+}
+
+/// Two effects, the second found beside the first. Each may hide the other: Gauss-Markov noise that
+/// lowers the estimate of the slow noise, say, and a jump that raises it.
+struct Couple {
+  Proposal first;
+  Hypothesis beside;             ///< with the first
+  std::vector<Proposal> second;  ///< the most surprising one first
+
+  /// Surprises along a chain add up; two choices cost once more than one.
+  [[nodiscard]] double surprisal_nats() const {
+    return first.candidate.surprisal_nats + second.front().candidate.surprisal_nats -
+           kSelectionThreshold_nats;
+  }
+};
+
+/// Couple that begins with a proposal; nothing if nothing is surprising beside it.
+std::optional<Couple> couple_of(const Hypothesis& without, const Proposal& first,
+                                const Catalogue& catalogue) {
+  Hypothesis beside = without.with(first.candidate.part);
+  std::vector<Proposal> second = proposals_for(beside, catalogue);
+  if (!is_surprising(second)) return std::nullopt;
+  return Couple{first, std::move(beside), std::move(second)};
 }
 
 /// Not plain to see.
@@ -123,16 +151,54 @@ class Selector {
   }
 
   void grow(std::vector<Proposal> proposals) {
-    while (has_room() && is_surprising(proposals)) {
-      add(proposals);
+    while (has_room()) {
+      if (is_surprising(proposals)) {
+        add(proposals);
+      } else if (const std::optional<Couple> couple = surprising_couple(proposals)) {
+        add(*couple);
+      } else {
+        return;
+      }
       if (choices_.size() > kept_ + 1) reconsider();
       if (has_room()) proposals = proposals_for(state_, catalogue_);
     }
   }
 
+  /// The most surprising couple of effects, where neither is surprising by itself.
+  /// @param proposals  for the state
+  [[nodiscard]] std::optional<Couple> surprising_couple(
+      const std::vector<Proposal>& proposals) const {
+    constexpr std::size_t kMostFirst = 3;
+    std::optional<Couple> best;
+    double most = kSelectionThreshold_nats;
+    for (const Proposal& first :
+         std::span(proposals).first(std::min(kMostFirst, proposals.size()))) {
+      if (first.candidate.surprisal_nats < 0.5 * kSelectionThreshold_nats) break;
+      std::optional<Couple> couple = couple_of(state_, first, catalogue_);
+      if (!couple || couple->surprisal_nats() <= most || !stands_beside_second(*couple)) continue;
+      most = couple->surprisal_nats();
+      best = std::move(couple);
+    }
+    return best;
+  }
+
+  /// The first effect needs the second to be seen, and not only the other way round.
+  [[nodiscard]] bool stands_beside_second(const Couple& couple) const {
+    const Hypothesis with_second = state_.with(couple.second.front().candidate.part);
+    const std::optional<Candidate> first = couple.first.effect->examine(with_second);
+    return first && first->surprisal_nats > kSelectionThreshold_nats;
+  }
+
   void add(const std::vector<Proposal>& proposals) {
     choices_.push_back(choice_of(proposals));
     state_ = state_.with(proposals.front().candidate.part);
+  }
+
+  void add(const Couple& couple) {
+    const Candidate& first = couple.first.candidate;
+    choices_.push_back({couple.first.effect, first.gain_nats, first.surprisal_nats, {}});
+    state_ = couple.beside;
+    add(couple.second);
   }
 
   /// Each part but the latest and those that stay, beside all others; but what is plain to see only
@@ -175,40 +241,41 @@ class Selector {
     return {data_, std::move(others), &state_};
   }
 
-  /// One slow noise may describe a function of the temperature and another noise so well that
-  /// beside it neither of the two adds much. So what was measured beside the rate is tried in its
-  /// place, with the best part that is then left. True if something was changed.
+  /// One slow noise may describe two effects so well that beside it neither of them adds much: a
+  /// function of the temperature and another noise, or a random walk and Gauss-Markov noise. So two
+  /// are tried in its place. True if something was changed.
   bool split() {
-    for (const auto& effect : catalogue_.effects) {
-      if (!effect->has_measured_cause() || !catalogue_.scope.is_searched(*effect)) continue;
-      for (std::size_t i = kept_; i < choices_.size() && has_room(); ++i) {
-        if (state_.parts()[i].terms.has_slow_noise() && split(i, *effect)) return true;
-      }
+    for (std::size_t i = kept_; i < choices_.size() && has_room(); ++i) {
+      if (state_.parts()[i].terms.has_slow_noise() && split(i)) return true;
     }
     return false;
   }
 
-  bool split(std::size_t i, const Effect& measured) {
-    if (std::ranges::find(choices_, &measured, &Choice::effect) != choices_.end()) return false;
+  bool split(std::size_t i) {
     const Hypothesis without = without_part(i);
     const Choice one = choices_[i];
     const std::optional<Candidate> whole = one.effect->examine(without);
-    const std::optional<Candidate> first = measured.examine(without);
-    if (!whole || !first || !(first->surprisal_nats > kSelectionThreshold_nats)) return false;
-    Hypothesis beside = without.with(first->part);
-    const std::vector<Proposal> second = proposals_for(beside, catalogue_);
-    if (!is_surprising(second)) return false;
-    // Surprises along a chain add up; two choices cost once more than one.
-    const double better = first->surprisal_nats + second.front().candidate.surprisal_nats -
-                          kSelectionThreshold_nats - whole->surprisal_nats;
-    if (better <= 0.0) return false;
-    choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
-    choices_.push_back({&measured, first->gain_nats, first->surprisal_nats, {}});
-    state_ = std::move(beside);
-    add(second);
-    add_alternative(*one.effect, better);
-    reconsider();
-    return true;
+    if (!whole) return false;
+    for (const auto& effect : catalogue_.effects) {
+      const bool is_tried = effect->has_measured_cause() || effect->is_noise();
+      if (!is_tried || !catalogue_.searches(*effect) || is_chosen(*effect)) continue;
+      std::optional<Candidate> first = effect->examine(without);
+      if (!first || !(first->surprisal_nats > kSelectionThreshold_nats)) continue;
+      Catalogue seconds = catalogue_;
+      seconds.is_noise_alone = effect->is_noise();
+      const auto couple = couple_of(without, {effect.get(), *std::move(first)}, seconds);
+      if (!couple || couple->surprisal_nats() <= whole->surprisal_nats) continue;
+      choices_.erase(choices_.begin() + static_cast<std::ptrdiff_t>(i));
+      add(*couple);
+      add_alternative(*one.effect, couple->surprisal_nats() - whole->surprisal_nats);
+      reconsider();
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_chosen(const Effect& effect) const {
+    return std::ranges::find(choices_, &effect, &Choice::effect) != choices_.end();
   }
 
   /// To the latest choice, if it is near and not named there yet.
@@ -254,43 +321,7 @@ class Selector {
   std::size_t kept_ = 0;  ///< of the choices, which stay
 };
 
-/// Surprisal beyond the threshold, by which effects are chosen; what was not examined has the
-/// least.
-double strength(const Evidence& evidence) {
-  return evidence.not_examined.empty() ? evidence.gain_nats - evidence.price_nats
-                                       : -std::numeric_limits<double>::infinity();
-}
-
-/// Adds evidence of another scale. An effect of either pace may be on both: the stronger stays.
-void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all) {
-  for (Evidence& evidence : more) {
-    const auto known = std::ranges::find(all, evidence.effect, &Evidence::effect);
-    if (known == all.end()) {
-      all.push_back(std::move(evidence));
-    } else if (strength(evidence) > strength(*known)) {
-      *known = std::move(evidence);
-    }
-  }
-  std::ranges::stable_sort(all, std::greater{}, &Evidence::gain_nats);
-}
-
 }  // namespace
-
-std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
-                               std::span<const Alternative> rivals) {
-  std::vector<Explanation> all{{std::string(best), 1.0}};
-  for (const Alternative& rival : rivals) {
-    all.push_back({rival.effect, std::exp(-rival.less_likely_by_nats)});
-  }
-  constexpr double kPlaces = 8.0;
-  const double surprisal = std::max(1.0, surprisal_nats);
-  all.push_back({std::string(kByChance), kPlaces * surprisal * std::exp(1.0 - surprisal)});
-  double sum = 0.0;
-  for (const Explanation& one : all) sum += one.probability;
-  for (Explanation& one : all) one.probability /= sum;
-  std::ranges::stable_sort(all, std::greater{}, &Explanation::probability);
-  return all;
-}
 
 bool is_beyond_doubt(const Effect& effect, double surprisal_nats) {
   constexpr double kBeyondDoubt = 50.0;  // nats

@@ -38,14 +38,6 @@ struct Choice {
   }
 };
 
-/// Weighs explanations of the same: e^(-nats behind) each, and chance by the bound on its Bayes
-/// factor, -e p log p (Sellke, Bayarri and Berger 2001), of which every record has as many places
-/// as a catalogue has effects.
-/// @param rivals  of the best one, whose surprisal is given; most probable first
-/// @return shares that sum to 1, most probable first
-[[nodiscard]] std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
-                                             std::span<const Alternative> rivals);
-
 /// Effects that a record needs. It outlives the data, and the parts bring the starts from which an
 /// hypothesis of them is found at once.
 struct Selection {
