@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
 
@@ -38,17 +37,20 @@ class RatioTable {
   std::array<std::array<double, identify::kDctRatios>, kSteps + 1> ratios_{};
 };
 
-/// Ratio for the covariance exp(-a u), a the record in time constants:
-/// 2 int_0^1 e^(-a u) [(1-u) cos(p u) - sin(p u)/p] du over its nominal value, p = pi k.
+/// Ratio for the covariance exp(-a u), a the record in time constants: the double integral of
+/// 2 cos(p u) exp(-a |u - v|) cos(p v), p = pi k, over its nominal value.
 double markov_ratio(double record_in_time_constants, std::size_t index) {
-  if (index == 0) return 1.0;
   const double a = record_in_time_constants;
   const double p = std::numbers::pi * static_cast<double>(index);
-  const std::complex<double> s{a, -p};
-  const std::complex<double> whole = (1.0 - std::exp(-s)) / s;
-  const std::complex<double> falling = 1.0 / s - whole / s;
-  const double exact = 2.0 * (falling.real() - whole.imag() / p);
-  return exact * (a * a + p * p) / (2.0 * a);
+  const double rest = index % 2 == 0 ? std::exp(-a) : -std::exp(-a);
+  return 1.0 - 2.0 * a * (1.0 - rest) / (a * a + p * p);
+}
+
+/// A power of a small exponent.
+double power(double base, int exponent) {
+  double product = 1.0;
+  for (int i = 0; i < exponent; ++i) product *= base;
+  return product;
 }
 
 /// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
@@ -208,7 +210,7 @@ double DensityFactors::low_pass_gain(double sine) const {
   if (order == NoiseSpectrum::kTwoNeighbours) return 1.0 - 0.25 * (1.0 - a) * square;
   if (order == NoiseSpectrum::kRecursive) return a * a / (a * a + (1.0 - a) * square);
   const double ratio = square / (std::max(4.0 - square, 1e-300) * cut_off_ * cut_off_);
-  return 1.0 / (1.0 + std::pow(ratio, order));
+  return 1.0 / (1.0 + power(ratio, order));
 }
 
 double DensityFactors::line_density(double angle, double width) const {

@@ -30,6 +30,8 @@ constexpr int kMostParameters = static_cast<int>(kNoiseParameters.size());
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
 using Matrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostParameters, kMostParameters>;
+/// A figure of each bin.
+using Bins = Eigen::ArrayXd;
 
 Eigen::Index index(std::size_t i) {
   return static_cast<Eigen::Index>(i);
@@ -67,16 +69,18 @@ double from_scale(Kind kind, double theta) {
 class Scoring {
  public:
   Scoring(std::span<const SpectralBin> bins, std::size_t size, const NoiseTerms& terms)
-      : bins_(bins), size_(size), terms_(terms) {
+      : half_counts_(index(bins.size())),
+        mean_squares_(index(bins.size())),
+        size_(size),
+        terms_(terms) {
     places_.reserve(bins.size());
-    double sum = 0.0;
-    double count = 0.0;
-    for (const SpectralBin& bin : bins) {
-      sum += bin.count * bin.mean_square;
-      count += bin.count;
+    for (std::size_t b = 0; b < bins.size(); ++b) {
+      const SpectralBin& bin = bins[b];
+      half_counts_(index(b)) = 0.5 * bin.count;
+      mean_squares_(index(b)) = bin.mean_square;
       places_.emplace_back(bin.sine, bin.index, size, bin.count, terms.line);
     }
-    mean_square_ = sum / count;
+    mean_square_ = (half_counts_ * mean_squares_).sum() / half_counts_.sum();
     for (const NoiseParameter& parameter : kNoiseParameters) {
       if (is_fitted(parameter, terms)) fitted_.push_back(&parameter);
     }
@@ -202,28 +206,26 @@ class Scoring {
                   Matrix& information) const {
     const NoiseSpectrum spectrum = unpack(theta, start);
     const DensityFactors factors(spectrum);
-    gradient = Vector::Zero(theta.size());
-    information = Matrix::Zero(theta.size(), theta.size());
-    Vector slope(theta.size());
-    NoiseSlopes slopes{};
-    double value = 0.0;
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-      const SpectralBin& bin = bins_[b];
-      const NoiseDensity density(factors, places_[b]);
-      const double total = density.total();
-      const double excess = bin.mean_square / total;
-      value -= 0.5 * bin.count * (std::log(total) + excess);
-      density.derivatives(terms_, slopes);
+    Bins totals(half_counts_.size());
+    Eigen::MatrixXd slopes(totals.size(), theta.size());
+    NoiseSlopes all_slopes{};
+    for (Eigen::Index b = 0; b < totals.size(); ++b) {
+      const NoiseDensity density(factors, places_[static_cast<std::size_t>(b)]);
+      totals(b) = density.total();
+      density.derivatives(terms_, all_slopes);
       for (std::size_t i = 0; i < fitted_.size(); ++i) {
-        slope(index(i)) = slopes[static_cast<std::size_t>(fitted_[i]->id)];
+        slopes(b, index(i)) = all_slopes[static_cast<std::size_t>(fitted_[i]->id)];
       }
-      gradient += 0.5 * bin.count * (excess - 1.0) * slope;
-      information.noalias() += 0.5 * bin.count * slope * slope.transpose();
     }
-    return value;
+    const Bins excess = mean_squares_ / totals;
+    gradient = slopes.transpose() * (half_counts_ * (excess - 1.0)).matrix();
+    const Eigen::MatrixXd weighted = half_counts_.matrix().asDiagonal() * slopes;
+    information = slopes.transpose().lazyProduct(weighted);  // few columns
+    return -(half_counts_ * (totals.log() + excess)).sum();
   }
 
-  std::span<const SpectralBin> bins_;
+  Bins half_counts_;
+  Bins mean_squares_;
   std::vector<SpectralPlace> places_;  ///< of the bins
   std::size_t size_;
   NoiseTerms terms_;
