@@ -72,7 +72,7 @@ class PeriodicDisturbance final : public Effect {
     if (!window) return std::nullopt;
     Candidate candidate = placed_candidate(
         without,
-        {.effect = name(), .terms = {.line = true}, .starts = starts_in(without, *window)});
+        {.effect = name(), .terms = {.line = true}, .starts = {start_in(without, *window)}});
     candidate.surprisal_nats = surprisal_of_line(without, candidate.gain_nats, 1.0);
     candidate.time_scale_s = 1.0 / frequency_hz(without.data(), candidate.noise.line_angle);
     return candidate;
@@ -105,7 +105,8 @@ class PeriodicDisturbance final : public Effect {
     return strongest;
   }
 
-  static std::vector<NoiseSpectrum> starts_in(const Hypothesis& without, const Run& window) {
+  /// The likeliest of three widths.
+  static NoiseSpectrum start_in(const Hypothesis& without, const Run& window) {
     const auto size = static_cast<double>(without.data().size());
     const auto width = static_cast<double>(window.end - window.first);
     double excess = 0.0;
@@ -121,7 +122,9 @@ class PeriodicDisturbance final : public Effect {
       start.line_samples = 4.0 * size / (std::numbers::pi * width * broader);
       starts.push_back(start);
     }
-    return starts;
+    const std::size_t centre = (window.first + window.end) / 2;
+    return likeliest_of(starts, bin_coefficients(without.residual(), centre),
+                        without.data().size());
   }
 
   static double frequency_hz(const FitData& data, double angle) {

@@ -35,21 +35,36 @@ SwitchSearch::SwitchSearch(const spectrum::CosineTransform& transform,
     : record_(coefficients.size() + 1), white_variance_(white_variance) {
   const std::size_t n = coefficients.size();
   std::vector<double> weighted(n);
-  std::vector<double> strength(2 * n);
+  std::vector<double> strength(n);
+  std::vector<double> along(n);  // strength times the cosine and the sine of half a bin's turn
+  std::vector<double> across(n);
   for (std::size_t k = 1; k < n; ++k) {
-    const double sine =
-        2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+    const double half_turn = std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    const double sine = 2.0 * std::sin(0.5 * half_turn);
     weighted[k] = coefficients[k] / density[k];
     strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density[k]);
+    along[k] = strength[k] * std::cos(half_turn);
+    across[k] = strength[k] * std::sin(half_turn);
   }
   weighted = transform.inverse(weighted);
   for (std::size_t j = n; j-- > 0;) record_[j] = record_[j + 1] + weighted[j];
-  // Steps before a and b: sum of 2/n sin(pi k a/n) sin(pi k b/n) / (s_k^2 S_k).
-  const spectrum::RealFft fft(2 * n);
-  std::vector<std::complex<double>> bins(fft.bins());
-  fft.forward(strength, bins);
+  // Steps before a and b: sum of 2/n sin(pi k a/n) sin(pi k b/n) / (s_k^2 S_k). At even distances
+  // the cosines of the sum are those of a Fourier transform, at odd ones half a bin beside.
+  const spectrum::RealFft& fft = transform.fourier();
+  const auto bins_of = [&](const std::vector<double>& values) {
+    std::vector<std::complex<double>> bins(fft.bins());
+    fft.forward(values, bins);
+    return bins;
+  };
+  const auto even = bins_of(strength);
+  const auto odd_along = bins_of(along);
+  const auto odd_across = bins_of(across);
   distance_.resize(2 * n + 1);
-  for (std::size_t m = 0; m <= 2 * n; ++m) distance_[m] = bins[std::min(m, 2 * n - m)].real();
+  for (std::size_t m = 0; m <= n; ++m) {
+    const std::size_t j = m / 2;
+    distance_[m] = m % 2 == 0 ? even[j].real() : odd_along[j].real() + odd_across[j].imag();
+    distance_[2 * n - m] = distance_[m];
+  }
 }
 
 double SwitchSearch::product(std::size_t a, std::size_t b) const {

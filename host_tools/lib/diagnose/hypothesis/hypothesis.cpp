@@ -129,17 +129,21 @@ void Hypothesis::fit(const Hypothesis* before) {
   }
 }
 
-/// Those of the parts and the noise before; where the fit knows neither its terms nor where to look
-/// for them, also what a rough look at the record gives.
+/// Those of the parts and the noise before; the likeliest of them where that noise has the terms of
+/// the fit. Where the fit does not know where to look for its terms, also what a rough look at the
+/// record gives.
 std::vector<NoiseSpectrum> Hypothesis::starts(std::span<const SpectralBin> bins,
                                               const Hypothesis* before) const {
   std::vector<NoiseSpectrum> starts;
   for (const Part& part : parts_) {
     starts.insert(starts.end(), part.starts.begin(), part.starts.end());
   }
-  const bool is_known = starts.size() > 1 || (before != nullptr && before->terms() == terms_);
+  const bool are_given = starts.size() > 1;
   if (before != nullptr) starts.insert(starts.begin(), before->noise().spectrum);
-  if (is_known) return starts;
+  if (before != nullptr && before->terms() == terms_) {
+    return {likeliest_of(starts, bins, data_->size())};
+  }
+  if (are_given) return starts;
   const NoiseSpectrum rough = rough_spectrum(bins);
   for (const double factor : {1.0, 1e-2}) {
     starts.push_back(rough);
