@@ -145,9 +145,9 @@ class Selector {
 
  private:
   /// Choices that stay draw nothing that is fast, and take no room.
-  [[nodiscard]] bool has_room() const {
+  [[nodiscard]] bool has_room(std::size_t more = 1) const {
     return diagnose::has_room(std::span(state_.parts()).subspan(kept_),
-                              std::span(choices_).subspan(kept_));
+                              std::span(choices_).subspan(kept_), more);
   }
 
   void grow(std::vector<Proposal> proposals) {
@@ -164,11 +164,13 @@ class Selector {
     }
   }
 
-  /// The most surprising couple of effects, where neither is surprising by itself.
+  /// The most surprising couple of effects, where neither is surprising by itself and there is room
+  /// for both.
   /// @param proposals  for the state
   [[nodiscard]] std::optional<Couple> surprising_couple(
       const std::vector<Proposal>& proposals) const {
     constexpr std::size_t kMostFirst = 3;
+    if (!has_room(2)) return std::nullopt;
     std::optional<Couple> best;
     double most = kSelectionThreshold_nats;
     for (const Proposal& first :
@@ -332,12 +334,12 @@ bool is_slow(const Part& part) {
   return !part.columns.empty() || part.terms.has_slow_noise();
 }
 
-bool has_room(std::span<const Part> parts, std::span<const Choice> choices) {
+bool has_room(std::span<const Part> parts, std::span<const Choice> choices, std::size_t more) {
   std::size_t taken = 0;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (is_subtle(choices[i]) || is_slow(parts[i])) ++taken;
   }
-  return taken < kMostCauses;
+  return taken + more <= kMostCauses;
 }
 
 void mark_selected(Selection& selection) {

@@ -53,9 +53,10 @@ struct Selection {
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
 
-/// True while another cause may be added. Obvious causes that are neither functions of time nor
-/// slow noise do not count towards the limit, since they cannot describe just anything.
-[[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices);
+/// True while so many causes more may be added. Obvious causes that are neither functions of time
+/// nor slow noise do not count towards the limit, since they cannot describe just anything.
+[[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices,
+                            std::size_t more = 1);
 
 /// Marks the evidence of the effects that were chosen.
 void mark_selected(Selection& selection);
