@@ -132,6 +132,13 @@ class Fitter {
     return climb(at(options_.starts.front(), order, false));
   }
 
+  /// White and flicker noise of this order, from a place of another.
+  [[nodiscard]] Peak peak_from(const Place& place, double order) const {
+    Place start{place.parameters, place.theta.head(2)};
+    start.parameters.order = order;
+    return climb(start);
+  }
+
   /// White and flicker noise of any order, from the likeliest start.
   [[nodiscard]] Peak peak_of_free_order() const {
     std::vector<Place> starts;
@@ -281,7 +288,7 @@ Maximum choose_order(const Fitter& fitter, const Peak& prior,
   const Peak free = fitter.peak_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
   if (contradicts && free.parameters.order_at(free.theta) > kOrderLimit) {
-    Maximum at_limit = fitter.with_errors(fitter.peak(kHighestOrder));
+    Maximum at_limit = fitter.with_errors(fitter.peak_from(free, kHighestOrder));
     flicker = flicker_of(at_limit, OrderSource::limit);
     return at_limit;
   }
@@ -310,6 +317,15 @@ double p_value_at_edge(double likelihood_ratio) {
   return 0.5 * statistics::chi_squared_tail(likelihood_ratio, 1.0);
 }
 
+InnovationsFit InnovationsFit::data_sheet() const {
+  if (!of_prior) return *this;
+  InnovationsFit sheet;
+  sheet.angle_random_walk_rad_per_sqrt_s = known(of_prior->angle_random_walk_rad_per_sqrt_s);
+  sheet.flicker = FittedFlicker{known(of_prior->bias_instability_rad_s), known(kPriorOrder),
+                                OrderSource::prior, std::nullopt};
+  return sheet;
+}
+
 model::SensorModel InnovationsFit::model(double shortest_time_constant_s) const {
   model::SensorModel model;
   model.white.angle_random_walk_rad_per_sqrt_s = angle_random_walk_rad_per_sqrt_s.value;
@@ -335,6 +351,10 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   fit.likelihood_ratio = std::max(0.0, fit.minus_two_log_likelihood - peak.minus_two_log);
   fit.p_value = p_value_at_edge(fit.likelihood_ratio);
   if (fit.p_value > options.significance) return fit;
+  if (!options.order) {
+    fit.of_prior = {std::exp(peak.theta(0)),
+                    std::exp(peak.parameters.log_bias_instability(peak.theta))};
+  }
 
   const auto maximum_of = options.order ? keep_order : choose_order;
   const Maximum best = maximum_of(fitter, peak, fit.flicker);

@@ -47,7 +47,16 @@ struct InnovationsFit {
   double likelihood_ratio = 0.0;  ///< 2 log of likelihood with flicker noise over without
   double p_value = 1.0;           ///< of a ratio this large under white noise alone
   double minus_two_log_likelihood = 0.0;
+  /// N and B with d = 1/2; nothing without flicker noise, or where the order was given.
+  struct OfPrior {
+    double angle_random_walk_rad_per_sqrt_s;
+    double bias_instability_rad_s;
+  };
+  std::optional<OfPrior> of_prior;
 
+  /// White and 1/f noise (d = 1/2), which N and B of a data sheet stand for, without errors; this
+  /// fit where there is no other of that order.
+  [[nodiscard]] InnovationsFit data_sheet() const;
   /// Model that the node runs; its name and sources are left to the caller.
   [[nodiscard]] model::SensorModel model(double shortest_time_constant_s) const;
 };

@@ -58,6 +58,21 @@ TEST(InnovationsFitOfALongRecord, FindsStrengthsAndOrder) {
   EXPECT_LT(fit.p_value, 1e-6);
 }
 
+TEST(DataSheetOfAFit, IsTheFitWithTheOrderOfADataSheet) {
+  const simulate::Signal signal = simulate_rest({.order = 0.65}, 100'000, kPeriod, 1);
+  const InnovationsFit sheet = fit_of(signal, {.starts = {kStart}}).data_sheet();
+  const InnovationsFit given = fit_of(signal, {.starts = {kStart}, .order = 0.5});
+  ASSERT_TRUE(sheet.flicker && given.flicker);
+  EXPECT_EQ(sheet.flicker->order.value, 0.5);
+  const auto expect_same = [](const IntervalEstimate& one, const IntervalEstimate& other) {
+    EXPECT_NEAR(one.value, other.value, 0.1 * other.standard_error);
+  };
+  expect_same(sheet.angle_random_walk_rad_per_sqrt_s, given.angle_random_walk_rad_per_sqrt_s);
+  expect_same(sheet.flicker->bias_instability_rad_s, given.flicker->bias_instability_rad_s);
+  EXPECT_EQ(given.data_sheet().flicker->bias_instability_rad_s.value,
+            given.flicker->bias_instability_rad_s.value);
+}
+
 TEST(InnovationsFitOfStopsAndDrives, FindsTheSameStrengths) {
   simulate::Signal signal = simulate_rest({}, 200'000, kPeriod, 2);
   drop_drives(signal, 400);  // 40 s still, 80 s driving

@@ -35,22 +35,28 @@ NodeModels::NodeModels(const Record& record, const Hypothesis& full,
   const identify::RestSamples samples = samples_of(record);
   tick_ = identify::identification_tick(samples);
   ticks_ = identify::average_ticks(samples, tick_);
-  base_ = characterized(std::nullopt);
+  fit_ = fit_noise(std::nullopt);
+  base_ = model_of(fit_);
 }
 
 model::SensorModel NodeModels::data_sheet() const {
-  return characterized(kOrderOfBase);
+  return model_of(fit_.data_sheet());
 }
 
 bool NodeModels::is_base_data_sheet() const {
   return !base_.flicker || base_.flicker->order == kOrderOfBase;
 }
 
-model::SensorModel NodeModels::characterized(std::optional<double> order) const {
-  const core::Duration period =
-      core::Duration::nanoseconds(std::llround(record_->mean_period_s * 1e9));
-  return identify::model_of(identify::fit_noise({ticks_, period, tick_}, order), period, source_,
-                            record_->axis);
+core::Duration NodeModels::period() const {
+  return core::Duration::nanoseconds(std::llround(record_->mean_period_s * 1e9));
+}
+
+identify::InnovationsFit NodeModels::fit_noise(std::optional<double> order) const {
+  return identify::fit_noise({ticks_, period(), tick_}, order);
+}
+
+model::SensorModel NodeModels::model_of(const identify::InnovationsFit& fit) const {
+  return identify::model_of(fit, period(), source_, record_->axis);
 }
 
 model::SensorModel NodeModels::with(const std::vector<bool>& is_in) const {
@@ -58,7 +64,7 @@ model::SensorModel NodeModels::with(const std::vector<bool>& is_in) const {
     if (is_in[i] && is_slow_extension(full_->parts()[i])) return beside_fast_effects(is_in);
   }
   const std::optional<double> order = common_order_in(choices_, *full_, is_in);
-  model::SensorModel model = order ? characterized(*order) : base_;
+  model::SensorModel model = order ? model_of(fit_noise(*order)) : base_;
   for (std::size_t i = 0; i < choices_.size(); ++i) {
     if (is_in[i] && !is_in_base(choices_[i])) choices_[i].effect->add_to_model({*full_, i}, model);
   }
@@ -74,7 +80,8 @@ model::SensorModel NodeModels::beside_fast_effects(const std::vector<bool>& is_i
     places.push_back(i);
   }
   const Hypothesis hypothesis(full_->data(), std::move(parts), full_);
-  model::SensorModel model = model_of(hypothesis, {}, source_ + ", axis " + record_->axis);
+  model::SensorModel model =
+      diagnose::model_of(hypothesis, {}, source_ + ", axis " + record_->axis);
   for (std::size_t k = 0; k < places.size(); ++k) {
     const Choice& choice = choices_[places[k]];
     if (is_in[places[k]] || is_in_base(choice)) choice.effect->add_to_model({hypothesis, k}, model);

@@ -11,6 +11,7 @@
 #include "host_tools/lib/diagnose/hypothesis/hypothesis.hpp"
 #include "host_tools/lib/diagnose/record/record.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
+#include "host_tools/lib/identify/innovations_fit.hpp"
 
 namespace zerorate::diagnose {
 
@@ -37,7 +38,9 @@ class NodeModels {
   [[nodiscard]] model::SensorModel with(const std::vector<bool>& is_in) const;
 
  private:
-  [[nodiscard]] model::SensorModel characterized(std::optional<double> order) const;
+  [[nodiscard]] core::Duration period() const;
+  [[nodiscard]] identify::InnovationsFit fit_noise(std::optional<double> order) const;
+  [[nodiscard]] model::SensorModel model_of(const identify::InnovationsFit& fit) const;
   [[nodiscard]] model::SensorModel beside_fast_effects(const std::vector<bool>& is_in) const;
 
   const Record* record_;
@@ -46,6 +49,7 @@ class NodeModels {
   std::string source_;
   core::Duration tick_;
   std::vector<identify::TickMean> ticks_;
+  identify::InnovationsFit fit_;
   model::SensorModel base_;
 };
 
