@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/effects/switch_search.hpp"
+#include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -259,23 +261,30 @@ class RandomTelegraphNoise final : public Effect {
 
  private:
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
-    std::optional<Candidate> best;
-    for (const unsigned windows : {60U, 400U, kNoWindows}) {
-      std::optional<Path> path;
-      std::optional<MeanFit> fitted =
-          fit_mean(without, [&](const ColumnSearch& scan) { return search(scan, windows, path); });
-      if (!fitted) continue;
-      const double gain = fitted->gain_nats - price_of(*fitted);
-      // Three parameters: height and two lengths of stay.
-      if (best && gain <= best->gain_nats) continue;
-      const std::vector<double>& shape = fitted->part.shape;
-      const double shorter_stay_s = std::min(shape[2], shape[3]);
-      best = {.part = std::move(fitted->part),
-              .gain_nats = gain,
-              .surprisal_nats = gain - 2.0,
-              .time_scale_s = shorter_stay_s};
-    }
-    return best;
+    static constexpr std::array<unsigned, 3> kWindows = {60U, 400U, kNoWindows};
+    std::array<std::optional<Candidate>, kWindows.size()> found;
+    parallel::for_each(found.size(), parallel::kAllThreads,
+                       [&](std::size_t i) { found[i] = find(without, kWindows[i]); }, {});
+    return *std::ranges::max_element(found, {}, [](const std::optional<Candidate>& one) {
+      return one && std::isfinite(one->gain_nats) ? one->gain_nats
+                                                  : -std::numeric_limits<double>::infinity();
+    });
+  }
+
+  /// The path that begins with the means of so many windows.
+  [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without, unsigned windows) const {
+    std::optional<Path> path;
+    std::optional<MeanFit> fitted =
+        fit_mean(without, [&](const ColumnSearch& scan) { return search(scan, windows, path); });
+    if (!fitted) return std::nullopt;
+    const double gain = fitted->gain_nats - price_of(*fitted);
+    const std::vector<double>& shape = fitted->part.shape;
+    const double shorter_stay_s = std::min(shape[2], shape[3]);
+    // Three parameters: height and two lengths of stay.
+    return Candidate{.part = std::move(fitted->part),
+                     .gain_nats = gain,
+                     .surprisal_nats = gain - 2.0,
+                     .time_scale_s = shorter_stay_s};
   }
 
   [[nodiscard]] std::optional<Part> search(const ColumnSearch& scan, unsigned windows,
