@@ -28,6 +28,15 @@ SizedEffect other_noise(const RecordingSetting& setting, std::string_view name,
           .noise_with = noise_with};
 }
 
+/// Shape of a noise, and neighbours of it.
+using Shapes = std::array<Spectrum, 3>;
+
+/// The noise to those who know the effect, but not its time constant or order: they may take the
+/// neighbours in the place of its shape.
+BaseNoise or_near(const BaseNoise& noise, const Shapes& shapes) {
+  return noise.with_noise(shapes[1], 0.0).with_noise(shapes[2], 0.0);
+}
+
 /// A mean function in proportion to the size.
 SizedEffect added_mean(const RecordingSetting& setting, std::string_view name,
                        std::function<Effect(double)> effect,
@@ -75,11 +84,8 @@ SizedEffect draw_correlated_noise(const RecordingSetting& setting, Draws& draws)
       [time_constant_s](double sigma) -> Effect {
         return simulate::CorrelatedNoise{sigma, time_constant_s};
       },
-      // Neighbours of the truth stand for a time constant that is not known.
-      [shapes = std::array{unit(1.0), unit(0.5), unit(2.0)}](const BaseNoise& noise, double sigma) {
-        return noise.with_noise(shapes[0], sigma * sigma)
-            .with_noise(shapes[1], 0.0)
-            .with_noise(shapes[2], 0.0);
+      [shapes = Shapes{unit(1.0), unit(0.5), unit(2.0)}](const BaseNoise& noise, double sigma) {
+        return or_near(noise.with_noise(shapes[0], sigma * sigma), shapes);
       });
   markov.guess = 0.1 * setting.noise.white_sigma();
   markov.figures = [=](double sigma) -> Figures {
@@ -100,12 +106,8 @@ SizedEffect draw_fractional_order(const RecordingSetting& setting, Draws& draws)
         return simulate::FlickerNoise{spectrum::bias_instability(sigma * sigma, order, period_s),
                                       order};
       },
-      // Neighbours of the truth stand for an order that is not known.
-      [shapes = std::array{unit(0.0), unit(-0.1), unit(0.1)}](const BaseNoise& noise,
-                                                              double sigma) {
-        return noise.with_flicker_noise(shapes[0], sigma * sigma)
-            .with_noise(shapes[1], 0.0)
-            .with_noise(shapes[2], 0.0);
+      [shapes = Shapes{unit(0.0), unit(-0.1), unit(0.1)}](const BaseNoise& noise, double sigma) {
+        return or_near(noise.with_flicker_noise(shapes[0], sigma * sigma), shapes);
       });
   flicker.guess = setting.flicker_sigma_rad_s;
   flicker.replaces_flicker = true;

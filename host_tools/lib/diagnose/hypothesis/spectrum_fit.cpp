@@ -250,7 +250,8 @@ SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
 
 NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
                            std::span<const SpectralBin> bins, std::size_t size) {
-  const auto minus_two_log = [&](const NoiseSpectrum& spectrum) {
+  std::vector<double> minus_two_logs;
+  for (const NoiseSpectrum& spectrum : spectra) {
     const DensityFactors factors(spectrum);
     const bool has_line = spectrum.line_variance > 0.0;
     double sum = 0.0;
@@ -259,9 +260,10 @@ NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
       const double density = NoiseDensity(factors, place).total();
       sum += bin.count * (std::log(density) + bin.mean_square / density);
     }
-    return sum;
-  };
-  return *std::ranges::min_element(spectra, {}, minus_two_log);
+    minus_two_logs.push_back(sum);
+  }
+  const auto least = std::ranges::min_element(minus_two_logs) - minus_two_logs.begin();
+  return spectra[static_cast<std::size_t>(least)];
 }
 
 NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins) {

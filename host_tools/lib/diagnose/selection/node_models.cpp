@@ -36,7 +36,6 @@ NodeModels::NodeModels(const Record& record, const Hypothesis& full,
   tick_ = identify::identification_tick(samples);
   ticks_ = identify::average_ticks(samples, tick_);
   fit_ = fit_noise(std::nullopt);
-  base_ = model_of(fit_);
 }
 
 model::SensorModel NodeModels::data_sheet() const {
@@ -44,7 +43,7 @@ model::SensorModel NodeModels::data_sheet() const {
 }
 
 bool NodeModels::is_base_data_sheet() const {
-  return !base_.flicker || base_.flicker->order == kOrderOfBase;
+  return !fit_.flicker || fit_.flicker->order.value == kOrderOfBase;
 }
 
 core::Duration NodeModels::period() const {
@@ -64,7 +63,7 @@ model::SensorModel NodeModels::with(const std::vector<bool>& is_in) const {
     if (is_in[i] && is_slow_extension(full_->parts()[i])) return beside_fast_effects(is_in);
   }
   const std::optional<double> order = common_order_in(choices_, *full_, is_in);
-  model::SensorModel model = order ? model_of(fit_noise(*order)) : base_;
+  model::SensorModel model = order ? model_of(fit_noise(*order)) : base();
   for (std::size_t i = 0; i < choices_.size(); ++i) {
     if (is_in[i] && !is_in_base(choices_[i])) choices_[i].effect->add_to_model({*full_, i}, model);
   }

@@ -26,7 +26,7 @@ class NodeModels {
              std::string source);
 
   /// White and flicker noise, as `zerorate characterize` writes them.
-  [[nodiscard]] const model::SensorModel& base() const { return base_; }
+  [[nodiscard]] model::SensorModel base() const { return model_of(fit_); }
   /// White and 1/f noise alone (d = 1/2), which N and B of a data sheet stand for.
   [[nodiscard]] model::SensorModel data_sheet() const;
   /// True if base() is of that order already.
@@ -50,7 +50,6 @@ class NodeModels {
   core::Duration tick_;
   std::vector<identify::TickMean> ticks_;
   identify::InnovationsFit fit_;
-  model::SensorModel base_;
 };
 
 /// True if a choice is no extension: the base has it, or it says nothing of the rate.
