@@ -22,8 +22,9 @@ constexpr double kHighestOrder = 0.95;
 constexpr double kOrderLimit = 0.94;
 /// How far log N and log flicker may move from their start: a factor of e^7.
 constexpr double kRoom = 7.0;
-/// Largest logit of d either way, just beyond kOrderLimit: there the likelihood only rises on.
-constexpr double kMostLogit = 5.0;
+/// Distance from the ends of its range that a search for d keeps, so that the logit stays finite;
+/// less than that of kOrderLimit.
+constexpr double kEdge = 0.006;
 constexpr double kNormal95 = 1.959963984540054;
 /// 1 % point of chi squared with one degree of freedom.
 constexpr double kContradiction = 6.634896601021213;
@@ -34,20 +35,20 @@ double order_of(double logit) {
 double logit_of(double order) {
   return std::log((order - kLowestOrder) / (kHighestOrder - order));
 }
-double order_slope(double logit) {
-  const double p = 1.0 / (1.0 + std::exp(-logit));
-  return (kHighestOrder - kLowestOrder) * p * (1.0 - p);
+/// Change of d with its logit.
+double order_slope(double order) {
+  return (order - kLowestOrder) * (kHighestOrder - order) / (kHighestOrder - kLowestOrder);
 }
 
-/// Between the parameters that are fitted, theta = (log N, log flicker at the pivot, logit d), and
-/// the model. Without a third one the order is as given.
+/// Between the parameters that are fitted, theta = (log N, log flicker at the pivot, d), and the
+/// model. Without a third one the order is as given.
 struct Parameters {
   double pivot_rad_per_s;
   double order;
   double shortest_time_constant_s;
 
   [[nodiscard]] double order_at(const Eigen::VectorXd& theta) const {
-    return theta.size() > 2 ? order_of(theta(2)) : order;
+    return theta.size() > 2 ? theta(2) : order;
   }
   /// S(omega) = B^2 omega^(-2d), so log B = log sqrt(S(pivot)) + d log(pivot).
   [[nodiscard]] double log_bias_instability(const Eigen::VectorXd& theta) const {
@@ -63,13 +64,20 @@ struct Parameters {
   }
 };
 
+/// Parameters with a function of the order in its place, if it is one of them.
+Eigen::VectorXd with_order(Eigen::VectorXd theta, double (*function)(double)) {
+  if (theta.size() > 2) theta(2) = function(theta(2));
+  return theta;
+}
+
 IntervalEstimate known(double value) {
   return {value, 0.0, value, value};
 }
 
-IntervalEstimate order_from(double logit, double error) {
-  return {order_of(logit), order_slope(logit) * error, order_of(logit - kNormal95 * error),
-          order_of(logit + kNormal95 * error)};
+IntervalEstimate order_from(double order, double error_of_logit) {
+  const double logit = logit_of(order);
+  return {order, order_slope(order) * error_of_logit, order_of(logit - kNormal95 * error_of_logit),
+          order_of(logit + kNormal95 * error_of_logit)};
 }
 
 /// White noise and flicker noise, as they are fitted.
@@ -83,7 +91,8 @@ struct Peak : Place {
   double minus_two_log;
 };
 
-/// Peak with the covariance of its parameters.
+/// Peak with the covariance of its parameters, the order by its logit: an interval of the order
+/// ends within its range.
 struct Maximum : Peak {
   Eigen::MatrixXd covariance;
 
@@ -151,8 +160,11 @@ class Fitter {
 
   /// Some twenty passes: for the peak that is wanted alone.
   [[nodiscard]] Maximum with_errors(const Peak& peak) const {
-    return {peak, covariance(objective(peak.parameters), {peak.theta, peak.minus_two_log},
-                             step_of(peak.theta.size()))};
+    const Objective function = objective(peak.parameters);
+    const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(peak.theta.size());
+    return {peak,
+            covariance([&](const auto& theta) { return function(with_order(theta, order_of)); },
+                       {with_order(peak.theta, logit_of), peak.minus_two_log}, step)};
   }
 
  private:
@@ -171,7 +183,7 @@ class Fitter {
     theta(0) = std::log(white);
     theta(1) =
         std::log(start.bias_instability_rad_s) - start.order * std::log(parameters.pivot_rad_per_s);
-    if (order_is_free) theta(2) = std::clamp(logit_of(order), -kMostLogit, kMostLogit);
+    if (order_is_free) theta(2) = std::clamp(order, kLowestOrder + kEdge, kHighestOrder - kEdge);
     return {parameters, theta};
   }
   /// From far off the climb begins anew where it came to: its steps were not those of the summit.
@@ -181,8 +193,8 @@ class Fitter {
     Eigen::VectorXd lowest = start.theta.array() - kRoom;
     Eigen::VectorXd highest = start.theta.array() + kRoom;
     if (start.theta.size() > 2) {
-      lowest(2) = -kMostLogit;
-      highest(2) = kMostLogit;
+      lowest(2) = kLowestOrder + kEdge;
+      highest(2) = kHighestOrder - kEdge;
     }
     Peak peak{start, 0.0};
     for (int i = 0; i < kMostClimbs; ++i) {
@@ -199,14 +211,13 @@ class Fitter {
   }
 
   /// Steps of a standard error, along which the parameters are expected to be independent: columns
-  /// of the inverse root of the information that the Fourier frequencies hold (Whittle 1953). That
-  /// of a few step_of() is added, so that no step is too long.
+  /// of the inverse root of the information that the Fourier frequencies hold (Whittle 1953). A
+  /// little is added, so that no step is too long.
   [[nodiscard]] Eigen::MatrixXd independent_steps(const Place& at) const {
     constexpr double kPerOctave = 8.0;
-    constexpr double kMostSteps = 4.0;
+    const Eigen::Vector3d kLongestSteps(0.08, 0.8, 0.4);
     const Eigen::Index size = at.theta.size();
-    Eigen::MatrixXd information =
-        (kMostSteps * step_of(size)).cwiseAbs2().cwiseInverse().asDiagonal();
+    Eigen::MatrixXd information = kLongestSteps.head(size).cwiseAbs2().cwiseInverse().asDiagonal();
     double ticks = 0.0;
     for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
     const double slowest = 2.0 * std::numbers::pi / (tick_s() * ticks);
@@ -216,15 +227,12 @@ class Fitter {
       const double flicker =
           std::exp(2.0 * (at.theta(1) - at.parameters.order_at(at.theta) * log_ratio));
       Eigen::Vector3d slope(white, flicker, 0.0);
-      if (size > 2) slope(2) = -flicker * log_ratio * order_slope(at.theta(2));
+      if (size > 2) slope(2) = -flicker * log_ratio;
       slope *= 2.0 / (white + flicker);
       information +=
           cycles * std::numbers::ln2 / kPerOctave * slope.head(size) * slope.head(size).transpose();
     }
     return information.llt().matrixU().solve(Eigen::MatrixXd::Identity(size, size));
-  }
-  [[nodiscard]] static Eigen::VectorXd step_of(Eigen::Index size) {
-    return Eigen::Vector3d(0.02, 0.2, 0.4).head(size);
   }
   [[nodiscard]] Objective objective(const Parameters& parameters) const {
     return [this, parameters](const Eigen::VectorXd& theta) {

@@ -79,11 +79,12 @@ struct InnovationsFitOptions {
 };
 
 /// Maximises the likelihood over log N, the log of the flicker noise at a pivot frequency and, if
-/// the order is not given, the logit of d, by BOBYQA (Powell 2009) along steps in which they are
-/// expected to be independent (Whittle 1953). The pivot is the corner of white and flicker noise,
-/// where the record says most of the flicker noise. Standard errors are those of the observed
-/// information: central second differences over about one standard error, which is far above the
-/// roughness of single precision; B's follows by the delta method.
+/// the order is not given, d, by BOBYQA (Powell 2009) along steps in which they are expected to be
+/// independent (Whittle 1953). The pivot is the corner of white and flicker noise, where the record
+/// says most of the flicker noise. Standard errors are those of the observed information: central
+/// second differences over about one standard error, which is far above the roughness of single
+/// precision. The order's are those of its logit, so that its interval keeps to the range; B's
+/// follows by the delta method.
 ///
 /// Flicker noise counts as present if it raises the likelihood significantly at the given order, or
 /// at d = 1/2. The strength 0 lies at the edge of its range, so the p-value is half that of chi

@@ -23,6 +23,8 @@ class Vacancies {
     return left > 0;
   }
   void give_back() { ++left_; }
+  /// Takes one that was given back, even if another thread has begun in its place.
+  void take_again() { --left_; }
 
  private:
   std::atomic<int> left_{static_cast<int>(std::max(1U, std::thread::hardware_concurrency())) - 1};
@@ -47,10 +49,13 @@ class Crew {
         work_(work),
         progress_(progress) {}
 
-  /// Returns, or throws, when all pieces are done.
+  /// Returns, or throws, when all pieces are done. While it waits for the last of them, another
+  /// thread may begin on its processor: their own pieces are shared.
   void run() {
     take_pieces();
+    vacancies().give_back();
     while (std::optional<std::jthread> other = next_to_join()) other->join();
+    vacancies().take_again();
     if (failure_) std::rethrow_exception(failure_);
   }
 
