@@ -23,8 +23,6 @@ class Vacancies {
     return left > 0;
   }
   void give_back() { ++left_; }
-  /// Takes one that was given back, even if another thread has begun in its place.
-  void take_again() { --left_; }
 
  private:
   std::atomic<int> left_{static_cast<int>(std::max(1U, std::thread::hardware_concurrency())) - 1};
@@ -49,13 +47,12 @@ class Crew {
         work_(work),
         progress_(progress) {}
 
-  /// Returns, or throws, when all pieces are done. While it waits for the last of them, another
-  /// thread may begin on its processor: their own pieces are shared.
+  /// Returns, or throws, when all pieces are done. While it waits, the last pieces may have its
+  /// processor for pieces of their own.
   void run() {
     take_pieces();
-    vacancies().give_back();
+    if (lends_processor()) vacancies().give_back();
     while (std::optional<std::jthread> other = next_to_join()) other->join();
-    vacancies().take_again();
     if (failure_) std::rethrow_exception(failure_);
   }
 
@@ -85,12 +82,27 @@ class Crew {
     const bool has_room = most_threads_ == kAllThreads || hired_ + 1 < most_threads_;
     if (next_ < count_ && has_room && vacancies().take()) {
       ++hired_;
+      ++at_work_;
       others_.emplace_back([this] {
         take_pieces();
-        vacancies().give_back();
+        if (!is_replaced_by_caller()) vacancies().give_back();
       });
     }
     return piece;
+  }
+
+  /// The caller has nothing to do until those that it hired are done.
+  bool lends_processor() {
+    const std::scoped_lock lock{mutex_};
+    is_lent_ = at_work_ > 0;
+    return is_lent_;
+  }
+
+  /// The last one that the caller waits for leaves its processor to it.
+  bool is_replaced_by_caller() {
+    const std::scoped_lock lock{mutex_};
+    --at_work_;
+    return is_lent_ && at_work_ == 0;
   }
 
   std::optional<std::jthread> next_to_join() {
@@ -109,6 +121,8 @@ class Crew {
   std::size_t next_ = 0;
   std::size_t done_ = 0;
   unsigned hired_ = 0;
+  unsigned at_work_ = 0;  ///< of those hired
+  bool is_lent_ = false;  ///< the processor of the caller
   std::vector<std::jthread> others_;
   std::exception_ptr failure_;
 };

@@ -67,6 +67,32 @@ TEST(NestedCalls, HireAThreadThatHasBecomeFree) {
   EXPECT_TRUE(was_helped);
 }
 
+// The caller has no piece left. Its processor is free for what the last piece is made of.
+TEST(NestedCalls, HireAThreadInThePlaceOfACallerThatWaits) {
+  if (processors() < 2) GTEST_SKIP() << "skipped: one processor";
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> is_long_begun = false;
+  std::atomic<bool> was_helped = false;
+  const auto wait_for_long = [&] {
+    while (!is_long_begun) std::this_thread::yield();
+  };
+  const auto long_piece = [&] {
+    const std::thread::id own = std::this_thread::get_id();
+    EXPECT_NE(own, caller);
+    is_long_begun = true;
+    const auto look = [&](std::size_t /*piece*/) {
+      if (std::this_thread::get_id() != own) was_helped = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
+    for (int i = 0; i < 10'000 && !was_helped; ++i) for_each(4, kAllThreads, look, {});
+  };
+  for (int i = 0; i < 3; ++i) {
+    is_long_begun = was_helped = false;
+    together({wait_for_long, long_piece});
+    EXPECT_TRUE(was_helped) << "call " << i;
+  }
+}
+
 TEST(ACallWithANumberOfThreads, HoldsForTheCallsInside) {
   const std::thread::id own = std::this_thread::get_id();
   for_each(3, 1,
