@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -55,6 +56,42 @@ TEST_P(WarmUpBesideARamp, GainsInTheFitWhatTheSearchForetold) {
 
 INSTANTIATE_TEST_SUITE_P(OfRecordLengths, WarmUpBesideARamp,
                          ::testing::Values(0.2, 10.0, 1e3, 1e4, 1e5, 1e6));
+
+// Every choice is compared with the fits of all candidates.
+TEST(ColumnPursuit, ChoosesTheColumnThatGainsMostInTheFit) {
+  const EvenSeries series = warmed_up(50.0);
+  const FitData data(series, 1);
+  std::vector<Column> chosen{column_of(data, ramp)};
+  std::vector<Column> candidates;
+  for (const double tau_s : {5.0, 20.0, 50.0, 80.0})
+    candidates.push_back(decay_column(data, tau_s));
+  candidates.push_back(step_column(data, 300));
+  candidates.push_back(chosen.front());
+  const Hypothesis hypothesis(data, {Part{.columns = chosen}}, std::vector(data.size(), 1.0));
+  const ColumnSearch search(hypothesis);
+  ColumnPursuit pursuit(search, candidates);
+  std::vector<bool> is_left(candidates.size(), true);
+  for (std::size_t count = 0; count + 1 < candidates.size(); ++count) {
+    const double before = log_likelihood(data, chosen);
+    std::size_t best = 0;
+    double most = 0.0;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!is_left[i]) continue;
+      std::vector<Column> columns = chosen;
+      columns.push_back(candidates[i]);
+      const double gain = log_likelihood(data, columns) - before;
+      if (gain > most) best = i;
+      most = std::max(most, gain);
+    }
+    const ColumnPursuit::Best found = pursuit.best();
+    EXPECT_EQ(found.candidate, best) << count;
+    EXPECT_NEAR(found.gain, most, 1e-6 * (1.0 + most)) << count;
+    pursuit.choose(found.candidate);
+    is_left[found.candidate] = false;
+    chosen.push_back(candidates[found.candidate]);
+  }
+  EXPECT_EQ(pursuit.best().gain, 0.0) << "the ramp is there already";
+}
 
 TEST(CollinearColumn, GainsNothingAndHasALargeErrorButNoAmplitude) {
   const EvenSeries series = warmed_up(50.0);

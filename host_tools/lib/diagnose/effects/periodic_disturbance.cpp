@@ -214,12 +214,12 @@ class PeriodicDisturbance final : public Effect {
     std::vector<double> alternating = scan.precision_weighted_residual();
     for (std::size_t i = 1; i < n; i += 2) alternating[i] = -alternating[i];
     const std::vector<double> reversed = scan.data().transform().forward(alternating);
-    const std::vector<double>& density = scan.density();
+    const std::vector<double>& precision = scan.precision();
     std::vector<double> gains(n);
     for (std::size_t k = 1; k < n; ++k) {
-      const double cosine = scan.residual()[k] / density[k];
+      const double cosine = scan.residual()[k] * precision[k];
       const double sine = reversed[n - k];
-      gains[k] = 0.5 * (cosine * cosine + sine * sine) * density[k];
+      gains[k] = 0.5 * (cosine * cosine + sine * sine) / precision[k];
     }
     return gains;
   }

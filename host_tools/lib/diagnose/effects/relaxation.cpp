@@ -32,15 +32,15 @@ class DecayGains {
  public:
   /// @param decay  time constant in values
   DecayGains(const ColumnSearch& scan, double decay) : decay_(decay) {
-    const std::vector<double>& density = scan.density();
+    const std::vector<double>& precision = scan.precision();
+    const std::vector<double>& sines = scan.data().sines();
     const std::size_t n = scan.data().size();
     const double kept = std::exp(-1.0 / decay);
     double information = 0.0;
     double beside = 0.0;  // of two decays, the second a value later
     for (std::size_t k = 1; k < n; ++k) {
-      const double cosine =
-          std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
-      const double power = 1.0 / ((1.0 + kept * (kept - 2.0 * cosine)) * density[k]);
+      const double cosine = 1.0 - 0.5 * sines[k] * sines[k];
+      const double power = precision[k] / (1.0 + kept * (kept - 2.0 * cosine));
       information += power;
       beside += power * cosine;
     }
@@ -213,27 +213,20 @@ class Relaxation final : public Effect {
 
   /// The jumps that are worth their places beside each other, added one after the other.
   static std::vector<std::size_t> chosen_places(const ColumnSearch& scan, const DecayGains& gains) {
-    std::vector<std::size_t> left = gains.places();
+    const std::vector<std::size_t> places = gains.places();
     const double decay_s = gains.decay() * scan.data().period_s();
     std::vector<Column> columns;
+    columns.reserve(places.size());
+    for (const std::size_t place : places) {
+      columns.push_back(fast_decay_column(scan.data(), decay_s, place));
+    }
+    ColumnPursuit pursuit(scan, std::move(columns));
     std::vector<std::size_t> chosen;
-    double gain = 0.0;
-    while (!left.empty() && chosen.size() < kMostJumps) {
-      double most = 0.0;
-      std::size_t at = 0;
-      columns.emplace_back();
-      for (std::size_t i = 0; i < left.size(); ++i) {
-        columns.back() = fast_decay_column(scan.data(), decay_s, left[i]);
-        const double with = scan.gain(columns);
-        if (with <= most) continue;
-        most = with;
-        at = i;
-      }
-      if (most - gain <= gains.price_nats() + kWorthAJump) break;
-      gain = most;
-      columns.back() = fast_decay_column(scan.data(), decay_s, left[at]);
-      chosen.push_back(left[at]);
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
+    while (chosen.size() < kMostJumps) {
+      const ColumnPursuit::Best best = pursuit.best();
+      if (best.gain <= gains.price_nats() + kWorthAJump) break;
+      pursuit.choose(best.candidate);
+      chosen.push_back(places[best.candidate]);
     }
     return chosen;
   }

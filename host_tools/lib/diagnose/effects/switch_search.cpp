@@ -39,12 +39,12 @@ SwitchSearch::SwitchSearch(const spectrum::CosineTransform& transform,
   std::vector<double> along(n);  // strength times the cosine and the sine of half a bin's turn
   std::vector<double> across(n);
   for (std::size_t k = 1; k < n; ++k) {
-    const double half_turn = std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
-    const double sine = 2.0 * std::sin(0.5 * half_turn);
+    const double turn = std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    const double sine = 2.0 * std::sin(0.5 * turn);
     weighted[k] = coefficients[k] / density[k];
     strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density[k]);
-    along[k] = strength[k] * std::cos(half_turn);
-    across[k] = strength[k] * std::sin(half_turn);
+    along[k] = strength[k] * (1.0 - 0.5 * sine * sine);
+    across[k] = strength[k] * sine * std::sqrt(1.0 - 0.25 * sine * sine);
   }
   weighted = transform.inverse(weighted);
   for (std::size_t j = n; j-- > 0;) record_[j] = record_[j + 1] + weighted[j];

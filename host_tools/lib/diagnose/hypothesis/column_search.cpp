@@ -11,10 +11,9 @@
 namespace zerorate::diagnose {
 namespace {
 
-std::vector<double> divided(const std::vector<double>& c, const std::vector<double>& density) {
-  std::vector<double> result(c.size());
-  for (std::size_t k = 1; k < c.size(); ++k) result[k] = c[k] / density[k];
-  return result;
+std::vector<double> weighted(std::vector<double> c, const std::vector<double>& precision) {
+  for (std::size_t k = 0; k < c.size(); ++k) c[k] *= precision[k];
+  return c;
 }
 
 /// Sums of all values from each position on.
@@ -55,29 +54,29 @@ ColumnSearch::ColumnSearch(const Hypothesis& hypothesis, std::size_t part)
     }
   }
   for (const Column* other : others_) {
-    equations_.add(products_with_others(*other), inner(*other, *other, density()));
-    others_products_.push_back(inner(*other, residual(), density()));
+    equations_.add(products_with_others(*other), inner(*other, *other, precision()));
+    others_products_.push_back(inner(*other, residual(), precision()));
   }
 }
 
 const std::vector<double>& ColumnSearch::precision_weighted_residual() const {
   if (!is_changed_) return hypothesis_->precision_weighted_residual();
   if (precision_weighted_residual_.empty())
-    precision_weighted_residual_ = data().transform().inverse(divided(residual_, density()));
+    precision_weighted_residual_ = data().transform().inverse(weighted(residual_, precision()));
   return precision_weighted_residual_;
 }
 
 std::vector<double> ColumnSearch::products_with_others(const Column& column) const {
   std::vector<double> products;
   for (std::size_t i = 0; i < equations_.size(); ++i) {
-    products.push_back(inner(*others_[i], column, density()));
+    products.push_back(inner(*others_[i], column, precision()));
   }
   return products;
 }
 
 double ColumnSearch::information(const Column& column) const {
   const std::vector<double> others = equations_.coordinates(products_with_others(column));
-  return inner(column, column, density()) - sum_of_squares(others);
+  return inner(column, column, precision()) - sum_of_squares(others);
 }
 
 double ColumnSearch::gain(std::span<const Column> columns) const {
@@ -86,10 +85,10 @@ double ColumnSearch::gain(std::span<const Column> columns) const {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     std::vector<double> products = products_with_others(columns[i]);
     for (std::size_t j = 0; j < i; ++j) {
-      products.push_back(inner(columns[i], columns[j], density()));
+      products.push_back(inner(columns[i], columns[j], precision()));
     }
-    equations.add(products, inner(columns[i], columns[i], density()));
-    with_residual.push_back(inner(columns[i], residual(), density()));
+    equations.add(products, inner(columns[i], columns[i], precision()));
+    with_residual.push_back(inner(columns[i], residual(), precision()));
   }
   const std::vector<double> coordinates = equations.coordinates(with_residual);
   return 0.5 * sum_of_squares(std::span(coordinates).subspan(others_.size()));
@@ -99,12 +98,12 @@ const std::vector<double>& ColumnSearch::step_information() const {
   if (!step_information_.empty()) return step_information_;
   // A step before value j has the coefficients -sqrt(2/n) sin(pi k j / n) / s_k.
   const std::size_t n = data().size();
-  const std::vector<double>& density = this->density();
+  const std::vector<double>& precision = this->precision();
   std::vector<double> strength(n);
   double total = 0.0;
   for (std::size_t k = 1; k < n; ++k) {
     const double sine = data().sines()[k];
-    strength[k] = 1.0 / (static_cast<double>(n) * sine * sine * density[k]);
+    strength[k] = precision[k] / (static_cast<double>(n) * sine * sine);
     total += strength[k];
   }
   const spectrum::RealFft& fft = data().transform().fourier();
@@ -124,7 +123,8 @@ std::vector<double> ColumnSearch::step_gains() const {
   std::vector<std::vector<double>> beside;
   beside.reserve(others_.size());
   for (const Column* other : others_) {
-    beside.push_back(tail_sums(data().transform().inverse(divided(dense(*other, n), density()))));
+    beside.push_back(
+        tail_sums(data().transform().inverse(weighted(dense(*other, n), precision()))));
   }
   std::vector<double> gains(n);
   constexpr std::size_t kEdge = 8;
@@ -147,6 +147,47 @@ double ColumnSearch::step_crossings() const {
     sum += std::sqrt(std::max(0.0, 2.0 * (1.0 - correlation)));
   }
   return sum / std::numbers::pi;
+}
+
+ColumnPursuit::ColumnPursuit(const ColumnSearch& search, std::vector<Column> candidates)
+    : search_(&search), equations_(search.equations_), with_residual_(search.others_products_) {
+  candidates_.reserve(candidates.size());
+  for (Column& column : candidates) {
+    candidates_.push_back({.products = search.products_with_others(column),
+                           .own = inner(column, column, search.precision()),
+                           .with_residual = inner(column, search.residual(), search.precision())});
+    candidates_.back().column = std::move(column);
+  }
+}
+
+double ColumnPursuit::gain(const Candidate& candidate) const {
+  NormalEquations with = equations_;
+  with.add(candidate.products, candidate.own);
+  std::vector<double> with_residual = with_residual_;
+  with_residual.push_back(candidate.with_residual);
+  const double coordinate = with.coordinates(with_residual).back();
+  return 0.5 * coordinate * coordinate;
+}
+
+ColumnPursuit::Best ColumnPursuit::best() const {
+  Best best;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (candidates_[i].is_chosen) continue;
+    const double gain = this->gain(candidates_[i]);
+    if (gain > best.gain) best = {i, gain};
+  }
+  return best;
+}
+
+void ColumnPursuit::choose(std::size_t candidate) {
+  Candidate& chosen = candidates_[candidate];
+  chosen.is_chosen = true;
+  equations_.add(chosen.products, chosen.own);
+  with_residual_.push_back(chosen.with_residual);
+  for (Candidate& other : candidates_) {
+    if (other.is_chosen) continue;
+    other.products.push_back(inner(chosen.column, other.column, search_->precision()));
+  }
 }
 
 std::optional<MeanFit> fit_mean(const Hypothesis& without, const MeanSearch& search) {

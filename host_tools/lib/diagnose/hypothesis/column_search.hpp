@@ -25,6 +25,7 @@ class ColumnSearch {
 
   [[nodiscard]] const FitData& data() const { return hypothesis_->data(); }
   [[nodiscard]] const std::vector<double>& density() const { return hypothesis_->density(); }
+  [[nodiscard]] const std::vector<double>& precision() const { return hypothesis_->precision(); }
   [[nodiscard]] const NoiseSpectrum& noise() const { return hypothesis_->noise().spectrum; }
   /// DCT coefficients of what is to be explained.
   [[nodiscard]] const std::vector<double>& residual() const {
@@ -44,6 +45,8 @@ class ColumnSearch {
   [[nodiscard]] double step_crossings() const;
 
  private:
+  friend class ColumnPursuit;
+
   [[nodiscard]] std::vector<double> products_with_others(const Column& column) const;
   [[nodiscard]] const std::vector<double>& step_information() const;
 
@@ -55,6 +58,39 @@ class ColumnSearch {
   std::vector<double> residual_;         ///< then
   mutable std::vector<double> precision_weighted_residual_;
   mutable std::vector<double> step_information_;
+};
+
+/// Columns that are chosen one after the other, each for its gain beside those before it
+/// (orthogonal least squares, Chen et al. 1989). One inner product a candidate and choice.
+class ColumnPursuit {
+ public:
+  /// @param search must outlive the pursuit
+  ColumnPursuit(const ColumnSearch& search, std::vector<Column> candidates);
+
+  struct Best {
+    std::size_t candidate = 0;  ///< its number
+    double gain = 0.0;          ///< of log likelihood, beside the columns that were chosen
+  };
+  /// The candidate of the greatest gain; a gain of 0 if none is left.
+  [[nodiscard]] Best best() const;
+  /// Adds a candidate to the columns.
+  void choose(std::size_t candidate);
+
+ private:
+  struct Candidate {
+    Column column;
+    std::vector<double> products;  ///< with the columns of the hypothesis, and those chosen
+    double own;                    ///< product with itself
+    double with_residual;
+    bool is_chosen = false;
+  };
+
+  [[nodiscard]] double gain(const Candidate& candidate) const;
+
+  const ColumnSearch* search_;
+  NormalEquations equations_;
+  std::vector<double> with_residual_;  ///< products of the columns of the equations
+  std::vector<Candidate> candidates_;
 };
 
 /// A search that names the best part at the given noise.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
@@ -16,6 +17,11 @@ namespace {
 
 constexpr int kMostRounds = 8;
 constexpr double kSettled = 0.02;  // nats
+
+std::vector<double> inverse_of(std::vector<double> density) {
+  for (double& strength : density) strength = 1.0 / strength;
+  return density;
+}
 
 }  // namespace
 
@@ -179,16 +185,16 @@ std::size_t Hypothesis::end_of_columns() const {
 
 void Hypothesis::fit_amplitudes() {
   const std::vector<const Column*> columns = this->columns();
-  const std::vector<double> density = density_below(end_of_columns());
+  const std::vector<double> precision = inverse_of(density_below(end_of_columns()));
   NormalEquations equations;
   std::vector<double> with_record;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     std::vector<double> with_earlier;
     for (std::size_t j = 0; j < i; ++j) {
-      with_earlier.push_back(inner(*columns[i], *columns[j], density));
+      with_earlier.push_back(inner(*columns[i], *columns[j], precision));
     }
-    equations.add(with_earlier, inner(*columns[i], *columns[i], density));
-    with_record.push_back(inner(*columns[i], *coefficients_, density));
+    equations.add(with_earlier, inner(*columns[i], *columns[i], precision));
+    with_record.push_back(inner(*columns[i], *coefficients_, precision));
   }
   amplitudes_ = equations.amplitudes(with_record);
   variances_ = equations.variances();
@@ -219,12 +225,13 @@ const std::vector<double>& Hypothesis::density() const {
   return density_.get([&] { return density_below(data_->size()); });
 }
 
+const std::vector<double>& Hypothesis::precision() const {
+  return precision_.get([&] { return inverse_of(density()); });
+}
+
 double Hypothesis::mean_precision() const {
   return mean_precision_.get([&] {
-    double sum = 0.0;
-    const std::vector<double>& density = this->density();
-    for (std::size_t k = 1; k < data_->size(); ++k) sum += 1.0 / density[k];
-    return sum / static_cast<double>(data_->size());
+    return std::reduce(precision().begin(), precision().end()) / static_cast<double>(data_->size());
   });
 }
 
@@ -239,10 +246,9 @@ const std::vector<double>& Hypothesis::whitened() const {
 
 const std::vector<double>& Hypothesis::precision_weighted_residual() const {
   return precision_weighted_residual_.get([&] {
-    const std::vector<double>& density = this->density();
-    std::vector<double> divided(residual().size());
-    for (std::size_t k = 1; k < divided.size(); ++k) divided[k] = residual()[k] / density[k];
-    return data_->transform().inverse(divided);
+    std::vector<double> weighted = residual();
+    for (std::size_t k = 0; k < weighted.size(); ++k) weighted[k] *= precision()[k];
+    return data_->transform().inverse(weighted);
   });
 }
 

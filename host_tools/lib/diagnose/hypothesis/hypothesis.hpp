@@ -50,6 +50,8 @@ class Hypothesis {
   [[nodiscard]] const std::vector<double>& residual() const { return *residual_; }
   /// S_k; S_0 is infinite.
   [[nodiscard]] const std::vector<double>& density() const;
+  /// 1 / S_k.
+  [[nodiscard]] const std::vector<double>& precision() const;
   /// Residual with its spectrum made flat: independent, of variance 1 under the hypothesis.
   [[nodiscard]] const std::vector<double>& whitened() const;
   /// Sigma^-1 (y - mean), value by value.
@@ -98,6 +100,7 @@ class Hypothesis {
   Values residual_;
   Values given_density_;  ///< null where the noise is fitted
   parallel::Lazy<std::vector<double>> density_;
+  parallel::Lazy<std::vector<double>> precision_;
   parallel::Lazy<std::vector<double>> whitened_;
   parallel::Lazy<std::vector<double>> precision_weighted_residual_;
   parallel::Lazy<double> mean_precision_;

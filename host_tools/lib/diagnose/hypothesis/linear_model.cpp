@@ -18,22 +18,23 @@ Eigen::Map<const Eigen::ArrayXd> array(std::span<const double> values) {
 
 }  // namespace
 
-double inner(const Column& x, const Column& y, std::span<const double> density) {
+double inner(const Column& x, const Column& y, std::span<const double> precision) {
   const std::size_t first = std::max(x.first, y.first);
   const std::size_t end = std::min(x.end(), y.end());
   if (first >= end) return 0.0;
   const auto between = [&](std::span<const double> values, std::size_t offset) {
     return array(values.subspan(first - offset, end - first));
   };
-  return (between(x.coefficients, x.first) * between(y.coefficients, y.first) / between(density, 0))
+  return (between(x.coefficients, x.first) * between(y.coefficients, y.first) *
+          between(precision, 0))
       .sum();
 }
 
 double inner(const Column& x, std::span<const double> coefficients,
-             std::span<const double> density) {
+             std::span<const double> precision) {
   const std::size_t size = x.coefficients.size();
-  return (array(x.coefficients) * array(coefficients.subspan(x.first, size)) /
-          array(density.subspan(x.first, size)))
+  return (array(x.coefficients) * array(coefficients.subspan(x.first, size)) *
+          array(precision.subspan(x.first, size)))
       .sum();
 }
 

@@ -15,11 +15,11 @@
 namespace zerorate::diagnose {
 
 /// Inner product x' Sigma^-1 y of two columns.
-/// @param density  S_k of the noise, up to the end of the shorter column at least
-[[nodiscard]] double inner(const Column& x, const Column& y, std::span<const double> density);
+/// @param precision  1 / S_k of the noise, up to the end of the shorter column at least
+[[nodiscard]] double inner(const Column& x, const Column& y, std::span<const double> precision);
 /// Inner product x' Sigma^-1 c of a column with all coefficients of a record.
 [[nodiscard]] double inner(const Column& x, std::span<const double> coefficients,
-                           std::span<const double> density);
+                           std::span<const double> precision);
 
 /// Normal equations of columns, factorised column by column (Cholesky). A column of which less than
 /// kLeastShare is left beside the columns before it is collinear: it gets no amplitude and gains

@@ -8,6 +8,7 @@
 
 #include "host_tools/lib/diagnose/hypothesis/spectrum_fit.hpp"
 #include "host_tools/lib/identify/whittle.hpp"
+#include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -53,62 +54,50 @@ double power(double base, int exponent) {
   return product;
 }
 
-/// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
-/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form. The
-/// integral of the kernel is 2 atan(coth(k/2) tan(x/2)); the difference at the ends of a band
-/// below a whole turn is one angle.
-class LineSide {
- public:
-  /// @param coth of k / 2
-  LineSide(double coth, double distance, double width)
-      : coth_(coth),
-        lo_(0.5 * distance - 0.25 * width),
-        hi_(0.5 * distance + 0.25 * width),
-        width_(width) {}
-
-  [[nodiscard]] double mean() const {
-    const double across = lo_.sine * hi_.sine;
-    const double along = lo_.cosine * hi_.cosine;
-    return 2.0 * std::atan2(coth_ * std::sin(0.5 * width_), along + coth_ * coth_ * across) /
-           width_;
-  }
-  [[nodiscard]] double slope_of_distance(double sinh, double cosh) const {
-    return (sinh / (cosh - hi_.cosine_of_whole()) - sinh / (cosh - lo_.cosine_of_whole())) / width_;
-  }
-  [[nodiscard]] double slope_of_log_coherence(double decay) const {
-    return decay * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) / width_;
-  }
-
- private:
-  /// Half of a distance.
-  struct End {
-    explicit End(double half) : sine(std::sin(half)), cosine(std::cos(half)) {}
-    [[nodiscard]] double cosine_of_whole() const { return 1.0 - 2.0 * sine * sine; }
-    double sine;
-    double cosine;
-  };
-
-  /// d integral / d coth.
-  [[nodiscard]] double slope_of_coth(const End& end) const {
-    return 2.0 * end.sine * end.cosine /
-           (end.cosine * end.cosine + coth_ * coth_ * end.sine * end.sine);
-  }
-
-  double coth_;
-  End lo_;
-  End hi_;
-  double width_;
-};
-
 }  // namespace
 
+AngularBand::AngularBand(double centre, double whole_width)
+    : half_centre(std::polar(1.0, 0.5 * centre)),
+      quarter_width(std::polar(1.0, 0.25 * whole_width)),
+      width(whole_width) {}
+
 SpectralPlace::SpectralPlace(double at, std::size_t of, std::size_t in, double count, bool has_line)
-    : sine(at),
-      log_sine(std::log(at)),
-      angle(has_line ? 2.0 * std::asin(std::min(0.5 * at, 1.0)) : 0.0),
-      width(std::numbers::pi * count / static_cast<double>(in)),
-      index(of),
-      size(in) {}
+    : sine(at), log_sine(std::log(at)), index(of), size(in) {
+  if (!has_line) return;
+  band.emplace(2.0 * std::asin(std::min(0.5 * at, 1.0)),
+               std::numbers::pi * count / static_cast<double>(in));
+}
+
+LineSide::LineSide(double coth, std::complex<double> half_distance, const AngularBand& band)
+    : coth_(coth),
+      width_(band.width),
+      sine_of_half_width_(2.0 * band.quarter_width.real() * band.quarter_width.imag()),
+      lo_(spectrum::product(half_distance, std::conj(band.quarter_width))),
+      hi_(spectrum::product(half_distance, band.quarter_width)) {}
+
+double LineSide::mean() const {
+  const double along = lo_.real() * hi_.real();
+  const double across = lo_.imag() * hi_.imag();
+  return 2.0 * std::atan2(coth_ * sine_of_half_width_, along + coth_ * coth_ * across) / width_;
+}
+
+double LineSide::slope_of_distance(double sinh, double cosh) const {
+  const auto kernel = [&](std::complex<double> half) {
+    return sinh / (cosh - 1.0 + 2.0 * half.imag() * half.imag());
+  };
+  return (kernel(hi_) - kernel(lo_)) / width_;
+}
+
+double LineSide::slope_of_log_coherence(double decay) const {
+  return decay * 0.5 * (coth_ * coth_ - 1.0) * (slope_of_coth(hi_) - slope_of_coth(lo_)) / width_;
+}
+
+/// d integral / d coth.
+double LineSide::slope_of_coth(std::complex<double> half) const {
+  const double cosine = half.real();
+  const double sine = half.imag();
+  return 2.0 * sine * cosine / (cosine * cosine + coth_ * coth_ * sine * sine);
+}
 
 DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spectrum) {
   if (spectrum.markov_variance > 0.0) {
@@ -120,6 +109,7 @@ DensityFactors::DensityFactors(const NoiseSpectrum& spectrum) : spectrum_(&spect
     line_coth_ = 1.0 / std::tanh(0.5 * line_decay_);
     line_sinh_ = std::sinh(line_decay_);
     line_cosh_ = std::cosh(line_decay_);
+    half_line_angle_ = std::polar(1.0, 0.5 * spectrum.line_angle);
   }
   if (spectrum.filter_order > 0) {
     cut_off_ = std::tan(0.5 * std::numbers::pi * spectrum.low_pass_share);
@@ -135,7 +125,10 @@ NoiseDensity::NoiseDensity(const DensityFactors& factors, const SpectralPlace& p
   if (place.index > 0) flicker_ *= RatioTable::get()(d, place.index);
   walk_ = spectrum.walk_variance / (place.sine * place.sine);
   if (spectrum.markov_variance > 0.0) add_markov();
-  if (spectrum.line_variance > 0.0) line_ = factors.line_density(place.angle, place.width);
+  if (spectrum.line_variance > 0.0) {
+    line_sides_ = factors.line_sides(*place.band);
+    line_ = spectrum.line_variance * line_sides_->mean();
+  }
   pass_ = factors.low_pass_gain(place.sine);
 }
 
@@ -159,8 +152,7 @@ void NoiseDensity::derivatives(const NoiseTerms& terms, NoiseSlopes& slopes) con
     const double decay = factors_->line_decay_;
     const double sinh = factors_->line_sinh_;
     const double cosh = factors_->line_cosh_;
-    const LineSide below(factors_->line_coth_, place_->angle - a, place_->width);
-    const LineSide above(factors_->line_coth_, place_->angle + a, place_->width);
+    const auto& [below, above] = *line_sides_;
     const double unit = 0.5 * spectrum.line_variance / total();
     slope(line_variance) = line_ / total();
     slope(line_angle) =
@@ -213,10 +205,11 @@ double DensityFactors::low_pass_gain(double sine) const {
   return 1.0 / (1.0 + power(ratio, order));
 }
 
-double DensityFactors::line_density(double angle, double width) const {
-  return 0.5 * spectrum_->line_variance *
-         (LineSide(line_coth_, angle - spectrum_->line_angle, width).mean() +
-          LineSide(line_coth_, angle + spectrum_->line_angle, width).mean());
+LineSides DensityFactors::line_sides(const AngularBand& band) const {
+  const auto side = [&](std::complex<double> half_line_angle) {
+    return LineSide(line_coth_, spectrum::product(band.half_centre, half_line_angle), band);
+  };
+  return {side(std::conj(half_line_angle_)), side(half_line_angle_)};
 }
 
 double DensityFactors::density(double sine, std::size_t index, std::size_t size) const {
@@ -241,7 +234,7 @@ double NoiseSpectrum::low_pass_gain(double sine) const {
 }
 
 double NoiseSpectrum::line_density(double angle, double width) const {
-  return DensityFactors(*this).line_density(angle, width);
+  return line_variance * DensityFactors(*this).line_sides({angle, width}).mean();
 }
 
 double NoiseSpectrum::density(double sine, std::size_t index, std::size_t size) const {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,19 +19,59 @@ namespace zerorate::diagnose {
 /// terms that are not fitted are 0.
 using NoiseSlopes = std::array<double, kNoiseParameters.size()>;
 
+/// A band of angles. Its ends relative to a line follow by a sum of angles, which costs no sine.
+struct AngularBand {
+  AngularBand(double centre, double whole_width);
+
+  std::complex<double> half_centre;    ///< e^(i centre / 2)
+  std::complex<double> quarter_width;  ///< e^(i width / 4)
+  double width;
+};
+
 /// A bin, with the figures that do not depend on the spectrum.
 struct SpectralPlace {
   /// @param at, of, in as sine, index and size of NoiseSpectrum::density
   /// @param count of the coefficients in the bin
-  /// @param has_line  the angle, which nothing else needs, is known
+  /// @param has_line  the band, which nothing else needs, is known
   SpectralPlace(double at, std::size_t of, std::size_t in, double count, bool has_line);
 
   double sine;
   double log_sine;
-  double angle;
-  double width;  ///< of the bin, an angle
+  std::optional<AngularBand> band;
   std::size_t index;
   std::size_t size;
+};
+
+/// One side of a line, whose density at the distance x from its centre is Poisson's kernel,
+/// sinh(k) / (cosh(k) - cos(x)), k = 1 / coherence time: its mean over a band, in closed form. The
+/// integral of the kernel is 2 atan(coth(k/2) tan(x/2)); the difference at the ends of a band
+/// below a whole turn is one angle.
+class LineSide {
+ public:
+  /// @param coth of k / 2
+  /// @param half_distance  e^(i x / 2) at the centre of the band
+  LineSide(double coth, std::complex<double> half_distance, const AngularBand& band);
+
+  [[nodiscard]] double mean() const;
+  [[nodiscard]] double slope_of_distance(double sinh, double cosh) const;
+  [[nodiscard]] double slope_of_log_coherence(double decay) const;
+
+ private:
+  [[nodiscard]] double slope_of_coth(std::complex<double> half) const;
+
+  double coth_;
+  double width_;
+  double sine_of_half_width_;
+  std::complex<double> lo_;  ///< e^(i x / 2) at the ends of the band
+  std::complex<double> hi_;
+};
+
+/// Both sides, at the distances of a band from the line and from its mirror image.
+struct LineSides {
+  LineSide below;
+  LineSide above;
+
+  [[nodiscard]] double mean() const { return 0.5 * (below.mean() + above.mean()); }
 };
 
 /// A spectrum, with the figures that do not depend on the bin.
@@ -41,8 +83,9 @@ class DensityFactors {
   [[nodiscard]] const NoiseSpectrum& spectrum() const { return *spectrum_; }
   /// Functions of the same names as those of NoiseSpectrum.
   [[nodiscard]] double density(double sine, std::size_t index, std::size_t size) const;
-  [[nodiscard]] double line_density(double angle, double width) const;
   [[nodiscard]] double low_pass_gain(double sine) const;
+  /// Sides of the line, which the spectrum has.
+  [[nodiscard]] LineSides line_sides(const AngularBand& band) const;
 
  private:
   friend class NoiseDensity;
@@ -54,7 +97,8 @@ class DensityFactors {
   double line_coth_ = 0.0;    ///< of half the decay
   double line_sinh_ = 0.0;    ///< of the decay
   double line_cosh_ = 0.0;
-  double cut_off_ = 0.0;  ///< tan(pi a / 2)
+  std::complex<double> half_line_angle_ = 1.0;  ///< e^(i w0 / 2)
+  double cut_off_ = 0.0;                        ///< tan(pi a / 2)
 };
 
 /// The parts of a spectrum at one bin and the derivatives of its logarithm.
@@ -82,6 +126,7 @@ class NoiseDensity {
   double walk_ = 0.0;
   double markov_ = 0.0;
   double markov_slope_ = 0.0;
+  std::optional<LineSides> line_sides_;
   double line_ = 0.0;
   double pass_ = 1.0;
 };
