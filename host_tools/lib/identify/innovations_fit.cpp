@@ -158,13 +158,14 @@ class Fitter {
     return climb(*std::ranges::min_element(starts, {}, minus_two_log));
   }
 
-  /// Some twenty passes: for the peak that is wanted alone.
+  /// Some dozen passes: for the peak that is wanted alone.
   [[nodiscard]] Maximum with_errors(const Peak& peak) const {
     const Objective function = objective(peak.parameters);
-    const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(peak.theta.size());
+    const double order = peak.parameters.order_at(peak.theta);
     return {peak,
             covariance([&](const auto& theta) { return function(with_order(theta, order_of)); },
-                       {with_order(peak.theta, logit_of), peak.minus_two_log}, step)};
+                       {with_order(peak.theta, logit_of), peak.minus_two_log},
+                       steps_at(peak, order_slope(order)))};
   }
 
  private:
@@ -198,7 +199,7 @@ class Fitter {
     }
     Peak peak{start, 0.0};
     for (int i = 0; i < kMostClimbs; ++i) {
-      const Eigen::MatrixXd steps = independent_steps(peak);
+      const Eigen::MatrixXd steps = steps_at(peak);
       const Minimum minimum =
           minimise(objective(peak.parameters), peak.theta, steps, lowest, highest);
       const Eigen::VectorXd walked =
@@ -210,29 +211,21 @@ class Fitter {
     return peak;
   }
 
-  /// Steps of a standard error, along which the parameters are expected to be independent: columns
-  /// of the inverse root of the information that the Fourier frequencies hold (Whittle 1953). A
-  /// little is added, so that no step is too long.
-  [[nodiscard]] Eigen::MatrixXd independent_steps(const Place& at) const {
-    constexpr double kPerOctave = 8.0;
-    const Eigen::Vector3d kLongestSteps(0.08, 0.8, 0.4);
+  /// @param order_unit  of the third parameter, as a change of d
+  [[nodiscard]] Eigen::MatrixXd steps_at(const Place& at, double order_unit = 1.0) const {
+    const double white = std::exp(2.0 * at.theta(0));
     const Eigen::Index size = at.theta.size();
-    Eigen::MatrixXd information = kLongestSteps.head(size).cwiseAbs2().cwiseInverse().asDiagonal();
-    double ticks = 0.0;
-    for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
-    const double slowest = 2.0 * std::numbers::pi / (tick_s() * ticks);
-    for (double cycles = 1.0; cycles < 0.5 * ticks; cycles *= std::exp2(1.0 / kPerOctave)) {
-      const double log_ratio = std::log(cycles * slowest / at.parameters.pivot_rad_per_s);
-      const double white = std::exp(2.0 * at.theta(0));
+    const auto slopes = [&](double angular_frequency) -> Eigen::VectorXd {
+      const double log_ratio = std::log(angular_frequency / at.parameters.pivot_rad_per_s);
       const double flicker =
           std::exp(2.0 * (at.theta(1) - at.parameters.order_at(at.theta) * log_ratio));
-      Eigen::Vector3d slope(white, flicker, 0.0);
-      if (size > 2) slope(2) = -flicker * log_ratio;
-      slope *= 2.0 / (white + flicker);
-      information +=
-          cycles * std::numbers::ln2 / kPerOctave * slope.head(size) * slope.head(size).transpose();
-    }
-    return information.llt().matrixU().solve(Eigen::MatrixXd::Identity(size, size));
+      return 2.0 / (white + flicker) *
+             Eigen::Vector3d(white, flicker, -flicker * log_ratio * order_unit).head(size);
+    };
+    double ticks = 0.0;
+    for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
+    return independent_steps(slopes, {tick_s(), ticks},
+                             Eigen::Vector3d(0.08, 0.8, 0.4 / order_unit).head(size));
   }
   [[nodiscard]] Objective objective(const Parameters& parameters) const {
     return [this, parameters](const Eigen::VectorXd& theta) {

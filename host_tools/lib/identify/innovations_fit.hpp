@@ -82,7 +82,7 @@ struct InnovationsFitOptions {
 /// the order is not given, d, by BOBYQA (Powell 2009) along steps in which they are expected to be
 /// independent (Whittle 1953). The pivot is the corner of white and flicker noise, where the record
 /// says most of the flicker noise. Standard errors are those of the observed information: central
-/// second differences over about one standard error, which is far above the roughness of single
+/// second differences over about half a standard error, which is far above the roughness of single
 /// precision. The order's are those of its logit, so that its interval keeps to the range; B's
 /// follows by the delta method.
 ///

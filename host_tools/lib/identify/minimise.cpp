@@ -2,12 +2,14 @@
 
 #include <nlopt.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <functional>
 #include <memory>
+#include <numbers>
 
 #include "host_tools/lib/parallel/parallel.hpp"
 
@@ -70,35 +72,52 @@ Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
 }
 
 Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,
-                           const Eigen::VectorXd& step) {
+                           Eigen::MatrixXd steps) {
+  constexpr double kWanted = 0.5;  // second difference, at half a standard error
+  constexpr double kNear = 1.5;    // a ratio of distances that makes no difference
   const auto second_difference = [&](const Eigen::VectorXd& d) {
     return function(minimum.at + d) + function(minimum.at - d) - 2.0 * minimum.value;
   };
   const Eigen::Index size = minimum.at.size();
-  Eigen::VectorXd distance = step;
-  for_each(size, [&](Eigen::Index i) {
-    const double rise = second_difference(step(i) * Eigen::VectorXd::Unit(size, i));
-    // f rises by half the second difference; a flat function is not followed for ever.
-    if (rise > 0.0) distance(i) *= std::clamp(std::sqrt(2.0 / rise), 0.05, 5.0);
-  });
   Eigen::MatrixXd second(size, size);
+  steps *= 0.5;
+  for_each(size, [&](Eigen::Index i) {
+    auto step = steps.col(i);
+    second(i, i) = second_difference(step);
+    // A flat function is not followed for ever.
+    const double ratio =
+        second(i, i) > 0.0 ? std::clamp(std::sqrt(kWanted / second(i, i)), 0.05, 5.0) : 1.0;
+    if (ratio <= kNear && ratio * kNear >= 1.0) return;
+    step *= ratio;
+    second(i, i) = second_difference(step);
+  });
   for_each(size * size, [&](Eigen::Index place) {
     const Eigen::Index i = place / size;
     const Eigen::Index j = place % size;
-    const Eigen::VectorXd along_i = distance(i) * Eigen::VectorXd::Unit(size, i);
-    const Eigen::VectorXd along_j = distance(j) * Eigen::VectorXd::Unit(size, j);
-    if (i == j) second(i, i) = second_difference(along_i);
-    if (i > j) {
-      second(i, j) = second(j, i) =
-          0.25 * (second_difference(along_i + along_j) - second_difference(along_i - along_j));
-    }
+    if (i <= j) return;
+    second(i, j) = second(j, i) =
+        0.5 * (second_difference(steps.col(i) + steps.col(j)) - second(i, i) - second(j, j));
   });
-  // In units of these distances a well determined direction has the eigenvalue 2.
+  // In units of these steps a well determined direction has the eigenvalue 1/2.
   constexpr double kFlat = 1e-4;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(second);
   const Eigen::VectorXd variances = 2.0 * axes.eigenvalues().cwiseMax(kFlat).cwiseInverse();
-  const Eigen::MatrixXd directions = distance.asDiagonal() * axes.eigenvectors();
+  const Eigen::MatrixXd directions = steps * axes.eigenvectors();
   return directions * variances.asDiagonal() * directions.transpose();
+}
+
+Eigen::MatrixXd independent_steps(
+    const std::function<Eigen::VectorXd(double angular_frequency)>& slopes,
+    const Sampling& sampling, const Eigen::VectorXd& longest) {
+  constexpr double kPerOctave = 8.0;
+  Eigen::MatrixXd information = longest.cwiseAbs2().cwiseInverse().asDiagonal();
+  const double slowest = 2.0 * std::numbers::pi / (sampling.period_s * sampling.values);
+  for (double cycles = 1.0; cycles < 0.5 * sampling.values; cycles *= std::exp2(1.0 / kPerOctave)) {
+    const Eigen::VectorXd slope = slopes(cycles * slowest);
+    information += cycles * std::numbers::ln2 / kPerOctave * slope * slope.transpose();
+  }
+  const Eigen::Index size = longest.size();
+  return information.llt().matrixU().solve(Eigen::MatrixXd::Identity(size, size));
 }
 
 }  // namespace zerorate::identify

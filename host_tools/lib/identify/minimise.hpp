@@ -21,20 +21,34 @@ struct Minimum {
 /// BOBYQA (Powell 2009) by NLopt, to a thirtieth of a step. An exception of the function ends it
 /// and is passed on.
 /// @param steps  columns of an upper triangular matrix, along which the search goes: best a
-/// standard
-///               error each, and independent of each other
+///               standard error each, and independent of each other
 /// @param lowest, highest  limits of the parameters, each along its own step
 [[nodiscard]] Minimum minimise(const Objective& function, const Eigen::VectorXd& start,
                                const Eigen::MatrixXd& steps, const Eigen::VectorXd& lowest,
                                const Eigen::VectorXd& highest);
 
 /// The covariance of parameters of which the function is -2 log likelihood: twice the inverse of
-/// its second derivatives at the minimum, by central differences over the distance at which it has
-/// risen by about one. A direction in which it does not rise gets an enormous variance.
+/// its second derivatives at the minimum, by central differences over about half a standard error.
+/// A direction in which the function does not rise gets an enormous variance.
 /// @param function  called by several threads at once
-/// @param step a first idea of these distances
+/// @param steps  as of minimise(), to be lengthened or shortened to that
 [[nodiscard]] Eigen::MatrixXd covariance(const Objective& function, const Minimum& minimum,
-                                         const Eigen::VectorXd& step);
+                                         Eigen::MatrixXd steps);
+
+/// Evenly spaced values of a record.
+struct Sampling {
+  double period_s;
+  double values;  ///< their number
+};
+
+/// Steps of a standard error, along which the parameters of a spectrum are expected to be
+/// independent: columns of the inverse root, which is upper triangular, of the information that the
+/// Fourier frequencies of the record hold (Whittle 1953).
+/// @param slopes  of log S at an angular frequency [rad/s] by the parameters
+/// @param longest  steps, where the record tells nothing
+[[nodiscard]] Eigen::MatrixXd independent_steps(
+    const std::function<Eigen::VectorXd(double angular_frequency)>& slopes,
+    const Sampling& sampling, const Eigen::VectorXd& longest);
 
 struct ScalarMinimum {
   double at;

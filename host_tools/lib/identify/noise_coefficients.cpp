@@ -59,15 +59,17 @@ struct StartLogarithms {
 CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
                                   const StartLogarithms& start, SlowNoise slow,
                                   double shortest_time_constant_s) {
+  const bool has_flicker = slow != SlowNoise::walk;
+  const bool has_walk = slow != SlowNoise::flicker;
   const auto model_at = [&](const Eigen::VectorXd& theta) {
     model::SensorModel model{.name = "fit"};
     model.white.angle_random_walk_rad_per_sqrt_s = std::exp(theta(0));
-    if (slow != SlowNoise::walk) {
+    if (has_flicker) {
       model.flicker = model::Flicker{.bias_instability_rad_s = std::exp(theta(1)),
                                      .order = kOneOverF,
                                      .shortest_time_constant_s = shortest_time_constant_s};
     }
-    if (slow != SlowNoise::flicker) {
+    if (has_walk) {
       model.rate_random_walk =
           model::RateRandomWalk{.coefficient_rad_s_per_sqrt_s = std::exp(theta(theta.size() - 1))};
     }
@@ -77,14 +79,24 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
   theta(0) = start.white;
   theta(1) = slow == SlowNoise::walk ? start.walk : start.flicker;
   if (slow == SlowNoise::both) theta(2) = start.walk;
-  const Eigen::VectorXd step = Eigen::Vector3d(0.02, 0.2, 0.4).head(theta.size());
+  const auto steps_at = [&](const Eigen::VectorXd& at) {
+    const auto slopes = [&](double angular_frequency) {
+      Eigen::VectorXd slope = (2.0 * at).array().exp();
+      if (has_flicker) slope(1) /= angular_frequency;
+      if (has_walk) slope(at.size() - 1) /= angular_frequency * angular_frequency;
+      return Eigen::VectorXd(2.0 * slope / slope.sum());
+    };
+    const Sampling ticks{static_cast<double>(likelihood.tick().ns()) * 1e-9,
+                         static_cast<double>(likelihood.ticks())};
+    return independent_steps(slopes, ticks, Eigen::Vector3d(0.08, 0.8, 0.8).head(at.size()));
+  };
   constexpr double kFarthest = 7.0;  // a factor of e^7
   const Objective objective = [&](const Eigen::VectorXd& x) {
     return likelihood(model_at(x)).minus_two_log();
   };
-  const Minimum minimum = minimise(objective, theta, (0.25 * step).asDiagonal(),
-                                   theta.array() - kFarthest, theta.array() + kFarthest);
-  return {slow, minimum.at, covariance(objective, minimum, step), minimum.value};
+  const Minimum minimum = minimise(objective, theta, steps_at(theta), theta.array() - kFarthest,
+                                   theta.array() + kFarthest);
+  return {slow, minimum.at, covariance(objective, minimum, steps_at(minimum.at)), minimum.value};
 }
 
 }  // namespace

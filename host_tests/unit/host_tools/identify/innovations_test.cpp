@@ -108,6 +108,25 @@ TEST(InnovationsFitOfAShortRecord, KeepsThePriorOrderAndTellsTheOther) {
             kWidestOrderInterval);
 }
 
+// The profile over d is the oracle: a standard error away on both sides -2 log L has risen by one.
+// Third powers cancel in the mean of the sides.
+TEST(InnovationsFitOfAnUncertainOrder, StatesTheErrorOverWhichTheLikelihoodFalls) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    const simulate::Signal signal = simulate_rest({}, 40'000, kPeriod, seed);
+    const InnovationsFit fit = fit_of(signal, {.starts = {kStart}});
+    ASSERT_TRUE(fit.flicker.has_value()) << seed;
+    const IntervalEstimate order = fit.flicker->rejected_order.value_or(fit.flicker->order);
+    const auto minus_two_log = [&](double d) {
+      return fit_of(signal, {.starts = {kStart}, .order = d}).minus_two_log_likelihood;
+    };
+    const double rise = 0.5 * (minus_two_log(order.value - order.standard_error) +
+                               minus_two_log(order.value + order.standard_error)) -
+                        minus_two_log(order.value);
+    EXPECT_GT(rise, 0.9) << seed;
+    EXPECT_LT(rise, 1.1) << seed;
+  }
+}
+
 TEST(InnovationsFitOfARamp, SaysThatTheOrderIsAtItsLimit) {
   simulate::Signal signal = simulate_rest({.bias_instability_dph = 0.0}, 50'000, kPeriod, 5);
   simulate::RateRamp{1e-6}.apply(signal, random::RandomStream(1));
