@@ -98,7 +98,7 @@ ExtensionChoice choose_extensions(const Record& record, const std::vector<Choice
   }
   const Refitted refitted = refit(axis.data(), means ? &means->data() : nullptr, wanted, others);
   const NodeModels models(first, refitted.full, refitted.choices, hold_out.recording);
-  const HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
+  HeldOutDrives held_out(record, hold_out.share, hold_out.seed);
 
   chosen.is_in.assign(wanted.size(), false);
   chosen.reasons.assign(wanted.size(),

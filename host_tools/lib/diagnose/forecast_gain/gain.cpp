@@ -174,12 +174,23 @@ ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
           .drive_ticks = cycle - std::max(1U, cycle / 4)};
 }
 
+const NodeScores& HeldOutDrives::scores(const model::SensorModel& model, const ScoredTicks& ticks,
+                                        ScoreOf what) {
+  const auto known = std::ranges::find_if(scored_, [&](const Scored& scored) {
+    return scored.level_step_rad_s == ticks.level_step_rad_s && scored.what == what &&
+           scored.model == model;
+  });
+  if (known != scored_.end()) return known->scores;
+  scored_.push_back({model, ticks.level_step_rad_s, what, score(model, ticks, what)});
+  return scored_.back().scores;
+}
+
 Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorModel& extended,
-                         HeldOutPart part) const {
+                         HeldOutPart part) {
   const ScoredTicks scored = cut(extended.quantization ? extended.quantization->step_rad_s : 0.0);
   const ScoreOf what = level_of(extended);
-  const NodeScores with_base = score(base, scored, what);
-  const NodeScores with_extended = score(extended, scored, what);
+  const NodeScores& with_base = scores(base, scored, what);
+  const NodeScores& with_extended = scores(extended, scored, what);
 
   Gain gain{.drive_s =
                 static_cast<double>(tick_.ns()) * 1e-9 * static_cast<double>(scored.drive_ticks)};

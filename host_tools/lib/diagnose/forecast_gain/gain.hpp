@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
@@ -26,14 +27,22 @@ class HeldOutDrives {
 
   /// Runs both models through the node's filter. It learns from everything up to the last part of
   /// the record; there it predicts each drive, and the prediction is compared with what was
-  /// measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs.
-  /// Throws ModelCannotRun.
+  /// measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs. Each model is run
+  /// once, however often it is compared. Throws ModelCannotRun.
   /// @param base, extended  fitted to the first part
   [[nodiscard]] Gain gain(const model::SensorModel& base, const model::SensorModel& extended,
-                          HeldOutPart part = HeldOutPart::all) const;
+                          HeldOutPart part = HeldOutPart::all);
 
  private:
+  struct Scored {
+    model::SensorModel model;
+    double level_step_rad_s;
+    ScoreOf what;
+    NodeScores scores;
+  };
+
   [[nodiscard]] ScoredTicks cut(double level_step_rad_s) const;
+  const NodeScores& scores(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what);
 
   const Record* record_;
   std::uint64_t seed_;
@@ -41,6 +50,7 @@ class HeldOutDrives {
   std::vector<identify::TickMean> means_;
   std::vector<float> temperatures_;
   std::uint32_t judged_from_ = 0;
+  std::deque<Scored> scored_;  ///< that were asked for
 };
 
 /// Gain on the last part of a record, see HeldOutDrives.
