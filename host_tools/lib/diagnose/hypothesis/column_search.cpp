@@ -11,11 +11,6 @@
 namespace zerorate::diagnose {
 namespace {
 
-std::vector<double> weighted(std::vector<double> c, const std::vector<double>& precision) {
-  for (std::size_t k = 0; k < c.size(); ++k) c[k] *= precision[k];
-  return c;
-}
-
 /// Sums of all values from each position on.
 std::vector<double> tail_sums(const std::vector<double>& values) {
   std::vector<double> sums(values.size());
@@ -61,8 +56,9 @@ ColumnSearch::ColumnSearch(const Hypothesis& hypothesis, std::size_t part)
 
 const std::vector<double>& ColumnSearch::precision_weighted_residual() const {
   if (!is_changed_) return hypothesis_->precision_weighted_residual();
-  if (precision_weighted_residual_.empty())
-    precision_weighted_residual_ = data().transform().inverse(weighted(residual_, precision()));
+  if (precision_weighted_residual_.empty()) {
+    precision_weighted_residual_ = hypothesis_->precision_weighted(residual_);
+  }
   return precision_weighted_residual_;
 }
 
@@ -123,8 +119,7 @@ std::vector<double> ColumnSearch::step_gains() const {
   std::vector<std::vector<double>> beside;
   beside.reserve(others_.size());
   for (const Column* other : others_) {
-    beside.push_back(
-        tail_sums(data().transform().inverse(weighted(dense(*other, n), precision()))));
+    beside.push_back(tail_sums(hypothesis_->precision_weighted(dense(*other, n))));
   }
   std::vector<double> gains(n);
   constexpr std::size_t kEdge = 8;

@@ -244,12 +244,14 @@ const std::vector<double>& Hypothesis::whitened() const {
   });
 }
 
+std::vector<double> Hypothesis::precision_weighted(std::vector<double> coefficients) const {
+  const std::vector<double>& precision = this->precision();
+  for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] *= precision[k];
+  return data_->transform().inverse(coefficients);
+}
+
 const std::vector<double>& Hypothesis::precision_weighted_residual() const {
-  return precision_weighted_residual_.get([&] {
-    std::vector<double> weighted = residual();
-    for (std::size_t k = 0; k < weighted.size(); ++k) weighted[k] *= precision()[k];
-    return data_->transform().inverse(weighted);
-  });
+  return precision_weighted_residual_.get([&] { return precision_weighted(residual()); });
 }
 
 bool Hypothesis::is_coarse() const {

@@ -54,7 +54,9 @@ class Hypothesis {
   [[nodiscard]] const std::vector<double>& precision() const;
   /// Residual with its spectrum made flat: independent, of variance 1 under the hypothesis.
   [[nodiscard]] const std::vector<double>& whitened() const;
-  /// Sigma^-1 (y - mean), value by value.
+  /// Sigma^-1 x, value by value, of a function x with these DCT coefficients.
+  [[nodiscard]] std::vector<double> precision_weighted(std::vector<double> coefficients) const;
+  /// Sigma^-1 (y - mean).
   [[nodiscard]] const std::vector<double>& precision_weighted_residual() const;
   /// Diagonal of Sigma^-1: a value predicted from all others has the variance 1 / mean_precision().
   [[nodiscard]] double mean_precision() const;

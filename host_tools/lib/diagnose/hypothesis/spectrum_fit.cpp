@@ -86,6 +86,15 @@ class Scoring {
     }
   }
 
+  [[nodiscard]] double log_likelihood(const NoiseSpectrum& spectrum) const {
+    const DensityFactors factors(spectrum);
+    Bins totals(half_counts_.size());
+    for (Eigen::Index b = 0; b < totals.size(); ++b) {
+      totals(b) = NoiseDensity(factors, places_[static_cast<std::size_t>(b)]).total();
+    }
+    return log_likelihood(totals);
+  }
+
   [[nodiscard]] SpectrumFit maximise(NoiseSpectrum start) const {
     if (!terms_.free_order) set_order(terms_.given_order.value_or(kOrderOfBase), start);
     Vector theta = pack(start);
@@ -201,6 +210,11 @@ class Scoring {
     return {parameter.lowest, parameter.highest};
   }
 
+  /// Whittle's, of densities.
+  [[nodiscard]] double log_likelihood(const Bins& totals) const {
+    return -(half_counts_ * (totals.log() + mean_squares_ / totals)).sum();
+  }
+
   /// The log likelihood, its gradient and the expected information.
   double evaluate(const Vector& theta, const NoiseSpectrum& start, Vector& gradient,
                   Matrix& information) const {
@@ -217,11 +231,10 @@ class Scoring {
         slopes(b, index(i)) = all_slopes[static_cast<std::size_t>(fitted_[i]->id)];
       }
     }
-    const Bins excess = mean_squares_ / totals;
-    gradient = slopes.transpose() * (half_counts_ * (excess - 1.0)).matrix();
+    gradient = slopes.transpose() * (half_counts_ * (mean_squares_ / totals - 1.0)).matrix();
     const Eigen::MatrixXd weighted = half_counts_.matrix().asDiagonal() * slopes;
     information = slopes.transpose().lazyProduct(weighted);  // few columns
-    return -(half_counts_ * (totals.log() + excess)).sum();
+    return log_likelihood(totals);
   }
 
   Bins half_counts_;
@@ -250,20 +263,16 @@ SpectrumFit fit_spectrum(std::span<const SpectralBin> bins, std::size_t size,
 
 NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
                            std::span<const SpectralBin> bins, std::size_t size) {
-  std::vector<double> minus_two_logs;
+  const bool any_line = std::ranges::any_of(
+      spectra, [](const NoiseSpectrum& spectrum) { return spectrum.line_variance > 0.0; });
+  const Scoring scoring(bins, size, {.line = any_line});
+  std::vector<double> log_likelihoods;
+  log_likelihoods.reserve(spectra.size());
   for (const NoiseSpectrum& spectrum : spectra) {
-    const DensityFactors factors(spectrum);
-    const bool has_line = spectrum.line_variance > 0.0;
-    double sum = 0.0;
-    for (const SpectralBin& bin : bins) {
-      const SpectralPlace place(bin.sine, bin.index, size, bin.count, has_line);
-      const double density = NoiseDensity(factors, place).total();
-      sum += bin.count * (std::log(density) + bin.mean_square / density);
-    }
-    minus_two_logs.push_back(sum);
+    log_likelihoods.push_back(scoring.log_likelihood(spectrum));
   }
-  const auto least = std::ranges::min_element(minus_two_logs) - minus_two_logs.begin();
-  return spectra[static_cast<std::size_t>(least)];
+  const auto most = std::ranges::max_element(log_likelihoods) - log_likelihoods.begin();
+  return spectra[static_cast<std::size_t>(most)];
 }
 
 NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins) {
