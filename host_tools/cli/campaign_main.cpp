@@ -13,8 +13,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -119,22 +121,38 @@ GainSummary gains_of(const std::string& effect, const CampaignOptions& options) 
   return gains;
 }
 
-/// Replaces what stands between the marks of a document.
-void write_document(const std::string& path, const std::string& figures) {
-  static constexpr std::string_view kBegin = "<!-- figures -->\n";
-  static constexpr std::string_view kEnd = "<!-- end of figures -->\n";
-  std::ifstream old{path};
-  std::string text{std::istreambuf_iterator<char>(old), {}};
-  const auto begin = text.find(kBegin);
-  const auto end = text.find(kEnd);
-  if (begin == std::string::npos || end == std::string::npos) {
-    throw std::runtime_error(path + " has no marks between which the figures belong");
+/// A document with figures between two marks. It is read before the figures are made, so that a
+/// wrong path is told at once.
+class Document {
+ public:
+  /// Throws std::runtime_error where there are no marks.
+  explicit Document(std::string path) : path_(std::move(path)) {
+    static constexpr std::string_view kBegin = "<!-- figures -->\n";
+    static constexpr std::string_view kEnd = "<!-- end of figures -->\n";
+    std::ifstream file{path_};
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto begin = text.find(kBegin);
+    const auto end = text.find(kEnd);
+    if (begin == std::string::npos || end == std::string::npos) {
+      throw std::runtime_error(path_ + ": cannot be read, or has no lines <!-- figures --> and " +
+                               "<!-- end of figures --> between which the figures belong");
+    }
+    before_ = text.substr(0, begin + kBegin.size());
+    after_ = text.substr(end);
   }
-  text.replace(begin + kBegin.size(), end - begin - kBegin.size(), figures);
-  cli::write_text(path, text);
-}
+
+  void write(const std::string& figures) const {
+    cli::write_text(path_, before_ + figures + after_);
+  }
+
+ private:
+  std::string path_;
+  std::string before_;
+  std::string after_;
+};
 
 void run_document(CampaignOptions options) {
+  const Document document{options.document};
   std::string figures;
   for (const double nats : {40.0, 25.0}) {
     options.scenario.nats = nats;
@@ -144,10 +162,12 @@ void run_document(CampaignOptions options) {
                     nats, options.runs, options.scenario.samples, options.scenario.seed,
                     options.commit.empty() ? "unknown" : options.commit, tally.markdown());
   }
-  write_document(options.document, figures + "\n");
+  document.write(figures + "\n");
 }
 
 void run_gain(const CampaignOptions& options) {
+  std::optional<Document> document;
+  if (!options.document.empty()) document.emplace(options.document);
   std::string table =
       fmt::format("\n{} recordings of {} samples for each effect, {:g} nats, seed {}.\n\n{}",
                   options.gain_recordings, options.scenario.samples, options.scenario.nats,
@@ -156,10 +176,10 @@ void run_gain(const CampaignOptions& options) {
     if (!options.scenario.only.empty() && entry.name != options.scenario.only) continue;
     table += gains_of(std::string(entry.name), options).row();
   }
-  if (options.document.empty()) {
-    fmt::print("{}", table);
+  if (document) {
+    document->write(table + "\n");
   } else {
-    write_document(options.document, table + "\n");
+    fmt::print("{}", table);
   }
 }
 
