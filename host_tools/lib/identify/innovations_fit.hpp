@@ -93,7 +93,7 @@ struct InnovationsFitOptions {
 /// A free order is kept if its interval is no wider than kWidestOrderInterval, or if the likelihood
 /// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
 ///
-/// Cost: some 80 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
+/// Cost: some 60 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
 /// constant record, std::invalid_argument for an order outside [0.05, 0.95] and start values that
 /// are missing or out of range.
 [[nodiscard]] InnovationsFit fit_by_innovations(const InnovationsLikelihood& likelihood,
@@ -122,7 +122,7 @@ struct NoiseCoefficients {
 
 /// Maximises the likelihood over the logs of N, B and K, with both slow noises and with each of
 /// them alone; keeps both where each raises the likelihood significantly, else the likelier one.
-/// Cost: some 150 passes of the filter; none where `base` has no flicker noise.
+/// Cost: some 110 passes of the filter; none where `base` has no flicker noise.
 /// @param base fit of the same record, with which the search begins
 [[nodiscard]] NoiseCoefficients fit_coefficients(const InnovationsLikelihood& likelihood,
                                                  const InnovationsFit& base,
