@@ -162,18 +162,21 @@ void print_coefficients(const identify::Characterization& result) {
 void print_sameness(const identify::Characterization& result, const identify::Sameness& axis) {
   fmt::print("\naxis {}, {} recordings: {} (p = {:.2g})\n", axis.axis, axis.alone.size(),
              axis.holds() ? "one parameter set serves all"
-                          : "the noise has changed, one parameter set does not serve",
+                          : "the noise has changed, one parameter set does not serve all, and "
+                            "the model is that of the first",
              axis.p_value);
-  const auto print = [](const std::string& name, const identify::InnovationsFit& fit) {
-    print_line(name, "N " + identify::text(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
-               fit.flicker ? "B " + identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS)
-                           : std::string("no flicker noise"));
+  std::vector<std::vector<std::string>> rows{{"  recording", "N [deg/s/sqrt(Hz)]", "B [deg/h]"}};
+  const auto add = [&](const std::string& name, const identify::InnovationsFit& fit) {
+    rows.push_back({"  " + name, identify::text(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
+                    fit.flicker ? identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS)
+                                : std::string("not detectable")});
   };
-  print(result.recording, axis.alone.front());
+  add(result.recording, axis.alone.front());
   for (std::size_t i = 1; i < axis.alone.size(); ++i) {
-    print(result.further_recordings[i - 1], axis.alone[i]);
+    add(result.further_recordings[i - 1], axis.alone[i]);
   }
-  print("together", axis.together);
+  add("together", axis.together);
+  fmt::print("{}", aligned(rows));
 }
 
 void print_characterization(const identify::Characterization& result, bool is_verbose) {

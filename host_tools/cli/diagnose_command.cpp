@@ -266,15 +266,17 @@ void print_diagnosis(const Diagnosis& diagnosis, bool is_verbose) {
 
 /// One line an axis: what a reader in a hurry takes away.
 void print_verdicts(const std::vector<Diagnosis>& diagnoses) {
-  fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", "axis", "verdict", "for the heading",
-             "heading drift, held out", "causes");
+  std::vector<std::vector<std::string>> rows{
+      {"axis", "verdict", "for the heading", "heading drift, held out", "causes"}};
   for (const Diagnosis& diagnosis : diagnoses) {
     const std::string_view matters = diagnosis.verdict == diagnose::Verdict::unexplained
                                          ? diagnose::matter_in_words(diagnosis.is_material())
                                          : "-";
-    fmt::print("{:<6}{:<14}{:<18}{:<28}{}\n", diagnosis.axis, diagnose::name(diagnosis.verdict),
-               matters, diagnose::drift_in_words(diagnosis), diagnose::causes_in_words(diagnosis));
+    rows.push_back({diagnosis.axis, std::string(diagnose::name(diagnosis.verdict)),
+                    std::string(matters), diagnose::drift_in_words(diagnosis),
+                    diagnose::causes_in_words(diagnosis)});
   }
+  fmt::print("{}", aligned(rows));
 }
 
 /// FILE for a single axis; of several, FILE-x and so on before the extension.

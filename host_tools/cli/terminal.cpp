@@ -30,6 +30,23 @@ std::string wrapped(std::string_view paragraph) {
   return lines;
 }
 
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+  constexpr std::size_t kGap = 2;
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string lines;
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i + 1 < row.size(); ++i) {
+      lines += fmt::format("{:<{}}", row[i], widths[i] + kGap);
+    }
+    lines += row.back() + '\n';
+  }
+  return lines;
+}
+
 ProgressBar::ProgressBar(std::string what)
     : what_(std::move(what)), visible_(::isatty(STDERR_FILENO) == 1) {}
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace zerorate::cli {
 
@@ -15,6 +16,10 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// The words of a paragraph in lines of at most 100 characters.
 [[nodiscard]] std::string wrapped(std::string_view paragraph);
+
+/// Rows of cells under each other, the columns as wide as they need to be.
+/// @param rows  of equal size
+[[nodiscard]] std::string aligned(const std::vector<std::vector<std::string>>& rows);
 
 /// A line on the error stream that is redrawn at most ten times a second and wiped at the end.
 /// Draws nothing if the error stream is no terminal.

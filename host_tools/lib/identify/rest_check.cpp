@@ -46,9 +46,9 @@ bool is_whole_number(double number) {
 }  // namespace
 
 RestCheck::RestCheck(std::size_t axis_count, core::Duration sample_period,
-                     core::Duration mean_period)
-    : block_{.axis_count = axis_count, .sample_period = sample_period, .mean_period = mean_period} {
-}
+                     core::Duration mean_period, bool is_separated)
+    : block_{.axis_count = axis_count, .sample_period = sample_period, .mean_period = mean_period},
+      is_separated_(is_separated) {}
 
 void RestCheck::add(core::Instant at, const std::array<float, recording::kMaxAxes>& rate_rad_s) {
   block_.time.push_back(at);
@@ -119,9 +119,12 @@ std::optional<RestDoubt> RestCheck::doubt_of_motion() const {
   const double share = static_cast<double>(turned.moved) / static_cast<double>(ticks_);
   return RestDoubt{
       fmt::format(
-          "the sensor was turned: axis {} moved in {:.2g} % of the time, by up to {:.3g} deg/s. "
-          "Say when it stood: a still, odometer_pulses or speed column, or --still-from gyro",
-          name(most), 100.0 * share, turned.furthest_rad_s * kDegPerRad),
+          "the sensor was turned: axis {} moved in {:.2g} % of the time, by up to {:.3g} deg/s. {}",
+          name(most), 100.0 * share, turned.furthest_rad_s * kDegPerRad,
+          is_separated_ ? "The rows that were left out are not all in which it moved: cut the "
+                          "recording to its rest, or mark the rest in a still column"
+                        : "Say when it stood: a still, odometer_pulses or speed column, or "
+                          "--still-from gyro"),
       share > kCertainShare};
 }
 
@@ -175,7 +178,8 @@ std::vector<RestDoubt> RestCheck::doubts() {
 }
 
 std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
-  RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period};
+  RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period,
+                  samples.moving > 0};
   for (std::size_t i = 0; i < samples.time.size(); ++i) {
     check.add(samples.time[i], samples.rate_rad_s[i]);
   }

@@ -29,7 +29,9 @@ struct RestDoubt {
 class RestCheck {
  public:
   /// @param sample_period  the median interval  @param mean_period  of N^2 = r T, see RestSamples
-  RestCheck(std::size_t axis_count, core::Duration sample_period, core::Duration mean_period);
+  /// @param is_separated  rows in motion were left out, so that other help is offered
+  RestCheck(std::size_t axis_count, core::Duration sample_period, core::Duration mean_period,
+            bool is_separated = false);
 
   void add(core::Instant at, const std::array<float, recording::kMaxAxes>& rate_rad_s);
   /// Ends the check. Empty: nothing speaks against rest.
@@ -57,6 +59,7 @@ class RestCheck {
   [[nodiscard]] std::string name(std::size_t axis) const { return block_.axis_name(axis); }
 
   RestSamples block_;
+  bool is_separated_;
   std::array<Axis, recording::kMaxAxes> axes_;
   std::size_t ticks_ = 0;
 };

@@ -70,6 +70,9 @@ TEST(GyroThatWasTurned, IsToldWithShareAndRate) {
   EXPECT_THAT(certain[0], HasSubstr("39 deg/s"));
   EXPECT_THAT(certain[0], HasSubstr("--still-from gyro"));
   EXPECT_THROW(static_cast<void>(require_rest(samples(turns))), recording::DataError);
+  RestSamples separated = samples(turns);
+  separated.moving = 100;
+  EXPECT_THAT(sentences(separated, true), ElementsAre(HasSubstr("cut the recording to its rest")));
 }
 
 TEST(GyroThatWasTurnedOnce, IsTold) {

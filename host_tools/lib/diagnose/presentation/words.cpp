@@ -191,8 +191,9 @@ std::string causes_in_words(const Diagnosis& diagnosis) {
 std::string drift_in_words(const Diagnosis& diagnosis) {
   const Gain& gain = diagnosis.gain;
   if (!gain.has_drives()) return {};
-  return fmt::format("{} to {} deg in {:.0f} s", in_figures(gain.heading_drift_base_deg.value),
-                     in_figures(gain.heading_drift_extended_deg.value), gain.drive_s);
+  return fmt::format("{} to {} deg in {} s", in_figures(gain.heading_drift_base_deg.value),
+                     in_figures(gain.heading_drift_extended_deg.value),
+                     in_figures(gain.drive_s, 2));
 }
 
 std::string plain_name(std::string_view effect) {
