@@ -212,7 +212,8 @@ void print_cause(const diagnose::Cause& cause, bool is_verbose) {
                in_figures(parameter.lo, 4), in_figures(parameter.hi, 4));
   }
   if (!is_verbose) return;
-  fmt::print("    {:<38}{:>12.1f} nats, p = {:.1e}\n", "evidence", cause.gain_nats, cause.p_value);
+  fmt::print("    {:<38}{:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
+             diagnose::p_value_in_words(cause.p_value));
   if (const auto& drift = cause.heading_drift_ratio) {
     fmt::print("    {:<38}{:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
                drift->value, drift->lo, drift->hi);

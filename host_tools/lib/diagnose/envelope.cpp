@@ -221,13 +221,13 @@ std::vector<Misfit> misfit_rows(const Envelopes& envelopes, const Hypothesis& ba
   std::vector<Misfit> rows;
   rows.reserve(envelopes.allan.size() + envelopes.density.size());
   for (const CurvePoint& point : envelopes.allan) {
-    rows.push_back({"allan_deviation_dps", fmt::format("tau {:.3g} s", point.x),
+    rows.push_back({"allan_deviation_dps", fmt::format("tau {} s", units::in_figures(point.x)),
                     point.measured * kDegPerRad, point.base_lo * kDegPerRad,
                     point.base_hi * kDegPerRad});
   }
   const auto root = [](double density) { return std::sqrt(density) * kDegPerRad; };
   for (const CurvePoint& point : envelopes.density) {
-    rows.push_back({"density_dps_per_sqrt_hz", fmt::format("{:.3g} Hz", point.x),
+    rows.push_back({"density_dps_per_sqrt_hz", fmt::format("{} Hz", units::in_figures(point.x)),
                     root(point.measured), root(point.base_lo), root(point.base_hi)});
   }
   const std::vector<Misfit> moments = whitened_rows(base);

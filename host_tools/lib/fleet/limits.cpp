@@ -234,8 +234,9 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
   Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};
   if (acceptance.rest_s + period_s < limits.shortest_s) {
     acceptance.judgement = Judgement::too_short;
-    acceptance.reasons.push_back(fmt::format("{:.4g} s at rest; the limits want {:.4g} s",
-                                             acceptance.rest_s, limits.shortest_s));
+    acceptance.reasons.push_back(fmt::format("{} s at rest; the limits want {} s",
+                                             units::in_figures(acceptance.rest_s, 4),
+                                             units::in_figures(limits.shortest_s, 4)));
     return acceptance;
   }
   for (const AxisResult& axis : noise_of(samples)) {

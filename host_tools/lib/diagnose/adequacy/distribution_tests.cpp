@@ -5,6 +5,7 @@
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -95,12 +96,12 @@ Tests test_distribution(const StandardisedResidual& residual) {
     if (sums.size() < kFewest) break;
     const Moments moments = moments_of(sums);
     const double scale_s = static_cast<double>(length) * residual.hypothesis->data().period_s();
-    tests.push_back(
-        {fmt::format("over {:.3g} s the noise is skewed ({:+.3f})", scale_s, moments.skewness),
-         statistics::log_normal_tails(normal_of_skewness(moments))});
-    tests.push_back({fmt::format("over {:.3g} s the tails of the noise are not normal (excess "
+    tests.push_back({fmt::format("over {} s the noise is skewed ({:+.3f})",
+                                 units::in_figures(scale_s), moments.skewness),
+                     statistics::log_normal_tails(normal_of_skewness(moments))});
+    tests.push_back({fmt::format("over {} s the tails of the noise are not normal (excess "
                                  "kurtosis {:+.3f})",
-                                 scale_s, moments.kurtosis - 3.0),
+                                 units::in_figures(scale_s), moments.kurtosis - 3.0),
                      statistics::log_normal_tails(normal_of_kurtosis(moments))});
   }
   return tests;

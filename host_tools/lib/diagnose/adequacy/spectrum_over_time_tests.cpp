@@ -11,6 +11,7 @@
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -85,10 +86,10 @@ void test_patches(const StandardisedResidual& residual, Tests& tests) {
   const Patches fine = patches_of(residual, 32, 16);
   constexpr double kGrids = 2.0;
   const Patches& clearer = fine.log_p_of_one < coarse.log_p_of_one ? fine : coarse;
-  tests.push_back(
-      {fmt::format("the spectrum changes over time, most near {:.4g} s", clearer.time_s),
-       statistics::log_of_smallest(std::min({coarse.log_p, fine.log_p, clearer.log_p_of_one}),
-                                   2.0 * kGrids)});
+  tests.push_back({fmt::format("the spectrum changes over time, most near {} s",
+                               units::in_figures(clearer.time_s, 4)),
+                   statistics::log_of_smallest(
+                       std::min({coarse.log_p, fine.log_p, clearer.log_p_of_one}), 2.0 * kGrids)});
 }
 
 /// Turning back by some cycles.
@@ -359,9 +360,11 @@ void test_sweeping_line(const Hypothesis& hypothesis, Tests& tests) {
                                      without.density()[index], noise.line_angle, blocks);
   const double line = hypothesis.log_likelihood() - without.log_likelihood();
   const double searched = 2.0 * std::log(static_cast<double>(blocks)) + std::log1p(2.0 * sweep);
-  tests.push_back({fmt::format("the tone at {:.4g} Hz sweeps, it does not wander at random",
-                               noise.line_angle / (2.0 * std::numbers::pi * data.period_s())),
-                   std::min(0.0, line + searched - sweep)});
+  tests.push_back(
+      {fmt::format(
+           "the tone at {} Hz sweeps, it does not wander at random",
+           units::in_figures(noise.line_angle / (2.0 * std::numbers::pi * data.period_s()), 4)),
+       std::min(0.0, line + searched - sweep)});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "host_tools/lib/diagnose/hypothesis/column_search.hpp"
 #include "host_tools/lib/diagnose/hypothesis/linear_model.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -30,10 +31,11 @@ void test_bands(const Hypothesis& hypothesis, double ratio, Tests& tests) {
     for (std::size_t k = first; k < end; ++k) sum += c[k] * c[k] / density[k];
     const auto freedom = static_cast<double>(end - first);
     const FitData& data = hypothesis.data();
-    tests.push_back({fmt::format("between {:.3g} and {:.3g} Hz the noise has {:.2f} times the "
+    tests.push_back({fmt::format("between {} and {} Hz the noise has {:.2f} times the "
                                  "expected power",
-                                 frequency_hz(data, static_cast<double>(first)),
-                                 frequency_hz(data, static_cast<double>(end)), sum / freedom),
+                                 units::in_figures(frequency_hz(data, static_cast<double>(first))),
+                                 units::in_figures(frequency_hz(data, static_cast<double>(end))),
+                                 sum / freedom),
                      statistics::log_chi_squared_tails(sum, freedom)});
     first = end;
   }
@@ -49,8 +51,9 @@ Test strongest_line(const Hypothesis& hypothesis, const std::vector<double>& sum
     most = power;
     at = k;
   }
-  return {fmt::format("a line stands out at {:.4g} Hz",
-                      frequency_hz(hypothesis.data(), static_cast<double>(at) + 0.5)),
+  return {fmt::format(
+              "a line stands out at {} Hz",
+              units::in_figures(frequency_hz(hypothesis.data(), static_cast<double>(at) + 0.5), 4)),
           statistics::log_of_smallest(-0.5 * most, static_cast<double>(sums.size()))};
 }
 
@@ -88,9 +91,9 @@ Test strongest_hump(const Hypothesis& hypothesis, const std::vector<double>& sum
     to = frequency_hz(hypothesis.data(), static_cast<double>(at + width));
     times = most * 2.0 * static_cast<double>(beside) / static_cast<double>(width);
   }
-  return {fmt::format("a line stands out between {:.4g} and {:.4g} Hz, with {:.3g} times the power "
+  return {fmt::format("a line stands out between {} and {} Hz, with {:.3g} times the power "
                       "beside it",
-                      from, to, times),
+                      units::in_figures(from, 4), units::in_figures(to, 4), times),
           statistics::log_of_smallest(least, widths)};
 }
 
@@ -118,9 +121,9 @@ void test_harmonics(const Hypothesis& hypothesis, Tests& tests) {
       freedom += 2.0;
     }
     if (freedom == 0.0) continue;
-    tests.push_back(
-        {fmt::format("the tone at {:.4g} Hz has harmonics: it is no sine", part.shape.front()),
-         statistics::log_chi_squared_tail(2.0 * gain, freedom)});
+    tests.push_back({fmt::format("the tone at {} Hz has harmonics: it is no sine",
+                                 units::in_figures(part.shape.front(), 4)),
+                     statistics::log_chi_squared_tail(2.0 * gain, freedom)});
   }
 }
 
@@ -141,10 +144,10 @@ void test_steadiness(const Hypothesis& hypothesis, Tests& tests) {
         }));
       }
     }
-    tests.push_back(
-        {fmt::format("the tone at {:.4g} Hz changes over the record", part.shape.front()),
-         statistics::log_chi_squared_tail(2.0 * scan.gain(columns),
-                                          static_cast<double>(columns.size()))});
+    tests.push_back({fmt::format("the tone at {} Hz changes over the record",
+                                 units::in_figures(part.shape.front(), 4)),
+                     statistics::log_chi_squared_tail(2.0 * scan.gain(columns),
+                                                      static_cast<double>(columns.size()))});
   }
 }
 

@@ -7,6 +7,7 @@
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -31,12 +32,12 @@ void test_stretches(const StandardisedResidual& residual, std::size_t stretches,
     }
   }
   const EvenSeries& series = residual.hypothesis->data().series();
-  tests.push_back({fmt::format("the strength of the noise varies over time, from one {:.3g} s to "
+  tests.push_back({fmt::format("the strength of the noise varies over time, from one {} s to "
                                "the next",
-                               freedom * series.period_s),
+                               units::in_figures(freedom * series.period_s)),
                    statistics::log_chi_squared_tail(sum, static_cast<double>(stretches))});
-  tests.push_back({fmt::format("the strength of the noise is another near {:.4g} s",
-                               series.time_s(at * length + length / 2)),
+  tests.push_back({fmt::format("the strength of the noise is another near {} s",
+                               units::in_figures(series.time_s(at * length + length / 2), 4)),
                    statistics::log_of_smallest(statistics::log_normal_tails(most),
                                                static_cast<double>(stretches))});
 }
@@ -64,8 +65,9 @@ Test strongest_period(const StandardisedResidual& residual) {
     at = j;
   }
   const double period_s = residual.hypothesis->data().span_s() / static_cast<double>(at);
-  return {fmt::format("the strength of the noise has a period of {:.4g} s", period_s),
-          statistics::log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
+  return {
+      fmt::format("the strength of the noise has a period of {} s", units::in_figures(period_s, 4)),
+      statistics::log_of_smallest(-most / squares, 0.5 * static_cast<double>(n))};
 }
 
 /// Large values follow large values within so many.

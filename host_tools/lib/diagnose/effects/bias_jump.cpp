@@ -26,11 +26,11 @@ class BiasJump final : public Effect {
     const auto time_s = [&](std::size_t i) {
       return fitted.hypothesis.data().series().start_s + fitted.part().shape[i];
     };
-    return {
-        .parameters = {parameter("height_dps", height, fitted.amplitude_error(0) * kDegPerRad),
-                       {"time_s", time_s(0), time_s(1), time_s(2)}},
-        .sentence = fmt::format("The bias jumps by {:.3g} deg/s at {:.5g} s.", height, time_s(0)),
-        .drawing = drawing_of(fitted)};
+    return {.parameters = {parameter("height_dps", height, fitted.amplitude_error(0) * kDegPerRad),
+                           {"time_s", time_s(0), time_s(1), time_s(2)}},
+            .sentence = fmt::format("The bias jumps by {:.3g} deg/s at {} s.", height,
+                                    units::in_figures(time_s(0), 5)),
+            .drawing = drawing_of(fitted)};
   }
 
   /// Where the bias jumped once it may do so again: a filter that is to follow takes jumps for a

@@ -27,9 +27,9 @@ class CorrelatedNoise final : public Effect {
                                               0.5 * noise.error(NoiseParameterId::markov_variance)),
                            positive_parameter("time_constant_s", time_constant,
                                               noise.error(NoiseParameterId::markov_samples))},
-            .sentence = fmt::format("Noise of {:.2g} deg/s (rms) is correlated over {:.3g} s "
+            .sentence = fmt::format("Noise of {:.2g} deg/s (rms) is correlated over {} s "
                                     "(Gauss-Markov).",
-                                    sigma, time_constant)};
+                                    sigma, units::in_figures(time_constant))};
   }
 
   void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {

@@ -7,6 +7,7 @@
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -89,14 +90,14 @@ class DroppedSamples final : public Effect {
   static Description describe_bursts(const Losses& losses, double span_s) {
     const auto gaps = static_cast<double>(losses.runs);
     const double log_error = 1.0 / std::sqrt(gaps);
-    return {
-        .parameters = {positive_parameter("gaps", gaps, log_error),
-                       positive_parameter("mean_gap_s", losses.gaps_s / gaps, log_error)},
-        .sentence = fmt::format("The samples come in bursts, as if they were stamped when they "
-                                "were read: {:.0f} gaps of {:.2g} s on average take up {:.0f} % "
-                                "of the time. How many samples are missing the stamps do not "
-                                "tell.",
-                                gaps, losses.gaps_s / gaps, 100.0 * losses.gaps_s / span_s)};
+    return {.parameters = {positive_parameter("gaps", gaps, log_error),
+                           positive_parameter("mean_gap_s", losses.gaps_s / gaps, log_error)},
+            .sentence = fmt::format("The samples come in bursts, as if they were stamped when they "
+                                    "were read: {:.0f} gaps of {} s on average take up {:.0f} % "
+                                    "of the time. How many samples are missing the stamps do not "
+                                    "tell.",
+                                    gaps, units::in_figures(losses.gaps_s / gaps, 2),
+                                    100.0 * losses.gaps_s / span_s)};
   }
 };
 

@@ -234,10 +234,11 @@ class MotionContamination final : public Effect {
         positive_parameter("duration_s", duration_s, 0.5 / std::sqrt(events))};
     description.sentence = fmt::format(
         "The sensor was turned {:.0f} time{} although it was held for still, the first time at "
-        "{:.5g} s, "
-        "for about {:.2g} s at up to {:.2g} deg/s.",
+        "{} s, "
+        "for about {} s at up to {:.2g} deg/s.",
         events, events > 1.0 ? "s" : "",
-        data.series().time_s(static_cast<std::size_t>(shape.front())), duration_s, peak);
+        units::in_figures(data.series().time_s(static_cast<std::size_t>(shape.front())), 5),
+        units::in_figures(duration_s, 2), peak);
     return description;
   }
 

@@ -141,16 +141,16 @@ class PeriodicDisturbance final : public Effect {
     const double amplitude = std::sqrt(2.0 * noise.line_variance) * kDegPerRad;
     const double frequency = frequency_hz(data, noise.line_angle);
     const double coherence = noise.line_samples * data.period_s();
-    return {
-        .parameters = {positive_parameter("amplitude_dps", amplitude,
-                                          0.5 * fit.error(NoiseParameterId::line_variance)),
-                       parameter("frequency_hz", frequency, frequency_hz(data, angle_error)),
-                       positive_parameter("coherence_time_s", coherence,
-                                          fit.error(NoiseParameterId::line_samples))},
-        .sentence = fmt::format("An oscillation of {:.2g} deg/s about {:.4g} Hz (or an alias of "
-                                "it), whose phase wanders within {:.2g} s, is in the rate: "
-                                "vibration, a resonance, a beat.",
-                                amplitude, frequency, coherence)};
+    return {.parameters = {positive_parameter("amplitude_dps", amplitude,
+                                              0.5 * fit.error(NoiseParameterId::line_variance)),
+                           parameter("frequency_hz", frequency, frequency_hz(data, angle_error)),
+                           positive_parameter("coherence_time_s", coherence,
+                                              fit.error(NoiseParameterId::line_samples))},
+            .sentence = fmt::format("An oscillation of {:.2g} deg/s about {} Hz (or an alias of "
+                                    "it), whose phase wanders within {} s, is in the rate: "
+                                    "vibration, a resonance, a beat.",
+                                    amplitude, units::in_figures(frequency, 4),
+                                    units::in_figures(coherence, 2))};
   }
 
   /// To a node whose ticks are longer than the coherence it is white noise.
@@ -185,9 +185,9 @@ class PeriodicDisturbance final : public Effect {
     });
     return {.parameters = {parameter("amplitude_dps", amplitude, error * kDegPerRad),
                            parameter("frequency_hz", frequency, shape_error(fitted, derivative))},
-            .sentence = fmt::format("A sine of {:.2g} deg/s at {:.5g} Hz (or an alias of it) is in "
+            .sentence = fmt::format("A sine of {:.2g} deg/s at {} Hz (or an alias of it) is in "
                                     "the rate: vibration, a supply, a beat.",
-                                    amplitude, frequency),
+                                    amplitude, units::in_figures(frequency, 5)),
             .drawing = drawing_of(fitted)};
   }
 

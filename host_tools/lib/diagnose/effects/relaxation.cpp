@@ -143,8 +143,9 @@ class Relaxation final : public Effect {
                                      fitted.amplitude_error(largest) * kDegPerRad),
                            {"largest_time_s", time_s(0), time_s(1), time_s(2)}},
             .sentence = fmt::format("The bias jumps {:.0f} time{}, the furthest by {:.3g} deg/s at "
-                                    "{:.5g} s, and comes back with a time constant of {:.3g} s.",
-                                    jumps, jumps > 1.0 ? "s" : "", height, time_s(0), decay_s),
+                                    "{} s, and comes back with a time constant of {} s.",
+                                    jumps, jumps > 1.0 ? "s" : "", height,
+                                    units::in_figures(time_s(0), 5), units::in_figures(decay_s)),
             .drawing = drawing_of(fitted)};
   }
 

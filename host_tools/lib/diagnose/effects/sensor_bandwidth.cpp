@@ -10,6 +10,7 @@
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -43,11 +44,12 @@ class SensorBandwidth final : public Effect {
       const double share = statistics::share_of_logit(logit + errors * error);
       return cut_off_hz(noise.filter_order, share, fitted.hypothesis.data().period_s());
     };
-    return {.parameters = {{"cut_off_hz", cut_off(0.0), cut_off(-statistics::kHalfWidth95),
-                            cut_off(statistics::kHalfWidth95)}},
-            .sentence = fmt::format("The noise above {:.3g} Hz is cut off by a low-pass of order "
-                                    "{}, so that neighbouring samples are alike.",
-                                    cut_off(0.0), std::max(1, noise.filter_order))};
+    return {
+        .parameters = {{"cut_off_hz", cut_off(0.0), cut_off(-statistics::kHalfWidth95),
+                        cut_off(statistics::kHalfWidth95)}},
+        .sentence = fmt::format("The noise above {} Hz is cut off by a low-pass of order "
+                                "{}, so that neighbouring samples are alike.",
+                                units::in_figures(cut_off(0.0)), std::max(1, noise.filter_order))};
   }
 
   /// The filter sees means over its ticks, whose white noise is that below half their rate, and

@@ -108,7 +108,7 @@ class TemperatureDrift final : public Effect {
     const double lag = fitted.part().shape[0];
     if (lag > 0.0) {
       description.parameters.push_back({"lag_s", lag, lag / kLagGrid, lag * kLagGrid});
-      description.sentence += fmt::format(", {:.3g} s behind", lag);
+      description.sentence += fmt::format(", {} s behind", units::in_figures(lag));
     }
     const double reference = fitted.part().shape[1];
     description.parameters.push_back({"reference_degc", reference, reference, reference});
@@ -190,8 +190,8 @@ class TemperatureRate final : public Effect {
                                  fitted.amplitude_error(0) * kDegPerRad),
                        {"lag_s", lag, lag / kLagGrid, lag * kLagGrid}},
         .sentence = fmt::format("The bias follows the change of the temperature, by {:.3g} deg/s "
-                                "for each K/min, {:.3g} s behind.",
-                                coefficient / 60.0, lag),
+                                "for each K/min, {} s behind.",
+                                coefficient / 60.0, units::in_figures(lag)),
         .drawing = drawing_of(fitted)};
   }
 

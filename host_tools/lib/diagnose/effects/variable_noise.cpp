@@ -12,6 +12,7 @@
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -366,12 +367,13 @@ class VariableNoise final : public Effect {
     const double inside = shape[2] - shape[1];
     const double outside = static_cast<double>(data.size()) - inside;
     const double log_error = std::sqrt(0.5 / inside + 0.5 / outside);
-    return {.parameters = {positive_parameter("sigma_ratio", factor, log_error),
-                           {"from_s", from_s, from_s, from_s},
-                           {"to_s", to_s, to_s, to_s}},
-            .sentence = fmt::format("Between {:.4g} s and {:.4g} s the white noise is {:.2f} times "
-                                    "as strong as before and after.",
-                                    from_s, to_s, factor)};
+    return {
+        .parameters = {positive_parameter("sigma_ratio", factor, log_error),
+                       {"from_s", from_s, from_s, from_s},
+                       {"to_s", to_s, to_s, to_s}},
+        .sentence = fmt::format("Between {} s and {} s the white noise is {:.2f} times "
+                                "as strong as before and after.",
+                                units::in_figures(from_s, 4), units::in_figures(to_s, 4), factor)};
   }
   static Description describe_periodic(const FittedPart& fitted, const std::vector<double>& shape) {
     const double depth_error =
@@ -381,8 +383,8 @@ class VariableNoise final : public Effect {
     return {.parameters = {{"swing_period_s", period_s, span_s / shape[4], span_s / shape[3]},
                            parameter("variance_swing", shape[2], depth_error)},
             .sentence = fmt::format("The variance of the white noise swings by {:.0f} % around its "
-                                    "mean, with a period of {:.3g} s.",
-                                    100.0 * shape[2], period_s)};
+                                    "mean, with a period of {} s.",
+                                    100.0 * shape[2], units::in_figures(period_s))};
   }
 };
 

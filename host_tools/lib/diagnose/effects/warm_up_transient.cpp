@@ -35,8 +35,8 @@ class WarmUpTransient final : public Effect {
                                  fitted.amplitude_error(0) * kDegPerRad),
                        positive_parameter("time_constant_s", time_constant, log_error)},
         .sentence = fmt::format("After the start the bias is off by {:.3g} deg/s, which dies out "
-                                "with a time constant of {:.3g} s.",
-                                amplitude, time_constant),
+                                "with a time constant of {} s.",
+                                amplitude, units::in_figures(time_constant)),
         .drawing = drawing_of(fitted)};
   }
 

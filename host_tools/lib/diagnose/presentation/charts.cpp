@@ -169,7 +169,7 @@ report::BarChart coverage_chart(const Gain& gain) {
   return {.title = "How often the 95 % interval holds.",
           .caption = "Headings inside the interval that the node itself gives.",
           .y = {"Coverage", "%"},
-          .categories = {fmt::format("drives of {:.3g} s", gain.drive_s)},
+          .categories = {fmt::format("drives of {} s", units::in_figures(gain.drive_s))},
           .groups = {group("before", gain.coverage95_base, Colour::grey),
                      group("after", gain.coverage95_extended, Colour::blue)},
           .reference = report::Reference{.name = "promised", .value = 95.0}};

@@ -36,6 +36,9 @@ namespace zerorate::diagnose {
 /// Heading drift before and after on one line: "1.04 to 0.869 deg in 94 s"; empty without drives.
 [[nodiscard]] std::string drift_in_words(const Diagnosis& diagnosis);
 
+/// "0.0012", or "below 1e-6".
+[[nodiscard]] std::string p_value_in_words(double p);
+
 /// An effect as people read it: "rate random walk".
 [[nodiscard]] std::string plain_name(std::string_view effect);
 

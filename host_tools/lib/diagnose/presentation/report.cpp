@@ -18,10 +18,6 @@ std::string figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
 }
 
-std::string p_value(double p) {
-  return p < 1e-6 ? "below 1e-6" : fmt::format("{:.2g}", p);
-}
-
 std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
   std::vector<report::KeyFigure> figures{
       {"Verdict", std::string(name(diagnosis.verdict)),
@@ -30,7 +26,7 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
     figures.push_back({"Cause", plain_name(cause->effect),
                        fmt::format("{:.0f} % sure; {:.1f} nats{}, p {}", 100.0 * cause->probability,
                                    cause->gain_nats, cause->axes > 1 ? " of all axes" : "",
-                                   p_value(cause->p_value))});
+                                   p_value_in_words(cause->p_value))});
   }
   const Gain& gain = diagnosis.gain;
   if (gain.has_drives()) {

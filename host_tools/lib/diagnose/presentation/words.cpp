@@ -196,6 +196,10 @@ std::string drift_in_words(const Diagnosis& diagnosis) {
                      in_figures(gain.drive_s, 2));
 }
 
+std::string p_value_in_words(double p) {
+  return p < 1e-6 ? "below 1e-6" : fmt::format("{:.2g}", p);
+}
+
 std::string plain_name(std::string_view effect) {
   std::string name(effect);
   std::ranges::replace(name, '_', ' ');
