@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -161,11 +163,11 @@ class Fitter {
   /// Some dozen passes: for the peak that is wanted alone.
   [[nodiscard]] Maximum with_errors(const Peak& peak) const {
     const Objective function = objective(peak.parameters);
-    const double order = peak.parameters.order_at(peak.theta);
+    Eigen::MatrixXd steps = steps_at(peak);
+    if (peak.theta.size() > 2) steps.row(2) /= order_slope(peak.theta(2));
     return {peak,
             covariance([&](const auto& theta) { return function(with_order(theta, order_of)); },
-                       {with_order(peak.theta, logit_of), peak.minus_two_log},
-                       steps_at(peak, order_slope(order)))};
+                       {with_order(peak.theta, logit_of), peak.minus_two_log}, std::move(steps))};
   }
 
  private:
@@ -211,8 +213,8 @@ class Fitter {
     return peak;
   }
 
-  /// @param order_unit  of the third parameter, as a change of d
-  [[nodiscard]] Eigen::MatrixXd steps_at(const Place& at, double order_unit = 1.0) const {
+  /// Independent steps of white noise, flicker noise and order.
+  [[nodiscard]] Eigen::MatrixXd steps_at(const Place& at) const {
     const double white = std::exp(2.0 * at.theta(0));
     const Eigen::Index size = at.theta.size();
     const auto slopes = [&](double angular_frequency) -> Eigen::VectorXd {
@@ -220,19 +222,18 @@ class Fitter {
       const double flicker =
           std::exp(2.0 * (at.theta(1) - at.parameters.order_at(at.theta) * log_ratio));
       return 2.0 / (white + flicker) *
-             Eigen::Vector3d(white, flicker, -flicker * log_ratio * order_unit).head(size);
+             Eigen::Vector3d(white, flicker, -flicker * log_ratio).head(size);
     };
     double ticks = 0.0;
     for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
-    return independent_steps(slopes, {tick_s(), ticks},
-                             Eigen::Vector3d(0.08, 0.8, 0.4 / order_unit).head(size));
+    return independent_steps(slopes, {tick_s(), ticks}, Eigen::Vector3d(0.08, 0.8, 0.4).head(size));
   }
   [[nodiscard]] Objective objective(const Parameters& parameters) const {
     return [this, parameters](const Eigen::VectorXd& theta) {
       return likelihood(parameters.model(theta)).minus_two_log();
     };
   }
-  [[nodiscard]] double tick_s() const { return static_cast<double>(longest().tick().ns()) * 1e-9; }
+  [[nodiscard]] double tick_s() const { return units::seconds(longest().tick().ns()); }
   [[nodiscard]] const InnovationsLikelihood& longest() const {
     return *std::ranges::max_element(likelihoods_, {}, &InnovationsLikelihood::ticks);
   }

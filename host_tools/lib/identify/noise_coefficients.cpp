@@ -5,6 +5,7 @@
 
 #include "host_tools/lib/identify/innovations_fit.hpp"
 #include "host_tools/lib/identify/minimise.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -42,7 +43,7 @@ struct StartLogarithms {
   double walk;
 
   StartLogarithms(const InnovationsFit& base, const InnovationsLikelihood& likelihood) {
-    const double tick_s = static_cast<double>(likelihood.tick().ns()) * 1e-9;
+    const double tick_s = units::seconds(likelihood.tick().ns());
     const double slowest =
         2.0 * std::numbers::pi / (tick_s * static_cast<double>(likelihood.ticks()));
     const double order = base.flicker->order.value;
@@ -75,10 +76,10 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
     }
     return model;
   };
-  Eigen::VectorXd theta(slow == SlowNoise::both ? 3 : 2);
+  Eigen::VectorXd theta(has_flicker && has_walk ? 3 : 2);
   theta(0) = start.white;
-  theta(1) = slow == SlowNoise::walk ? start.walk : start.flicker;
-  if (slow == SlowNoise::both) theta(2) = start.walk;
+  if (has_flicker) theta(1) = start.flicker;
+  if (has_walk) theta(theta.size() - 1) = start.walk;
   const auto steps_at = [&](const Eigen::VectorXd& at) {
     const auto slopes = [&](double angular_frequency) {
       Eigen::VectorXd slope = (2.0 * at).array().exp();
@@ -86,7 +87,7 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
       if (has_walk) slope(at.size() - 1) /= angular_frequency * angular_frequency;
       return Eigen::VectorXd(2.0 * slope / slope.sum());
     };
-    const Sampling ticks{static_cast<double>(likelihood.tick().ns()) * 1e-9,
+    const Sampling ticks{units::seconds(likelihood.tick().ns()),
                          static_cast<double>(likelihood.ticks())};
     return independent_steps(slopes, ticks, Eigen::Vector3d(0.08, 0.8, 0.8).head(at.size()));
   };

@@ -82,7 +82,6 @@ class Crew {
     const bool has_room = most_threads_ == kAllThreads || hired_ + 1 < most_threads_;
     if (next_ < count_ && has_room && vacancies().take()) {
       ++hired_;
-      ++at_work_;
       others_.emplace_back([this] {
         take_pieces();
         if (!is_replaced_by_caller()) vacancies().give_back();
@@ -94,15 +93,15 @@ class Crew {
   /// The caller has nothing to do until those that it hired are done.
   bool lends_processor() {
     const std::scoped_lock lock{mutex_};
-    is_lent_ = at_work_ > 0;
+    is_lent_ = hired_ > 0;
     return is_lent_;
   }
 
   /// The last one that the caller waits for leaves its processor to it.
   bool is_replaced_by_caller() {
     const std::scoped_lock lock{mutex_};
-    --at_work_;
-    return is_lent_ && at_work_ == 0;
+    --hired_;
+    return is_lent_ && hired_ == 0;
   }
 
   std::optional<std::jthread> next_to_join() {
@@ -120,8 +119,7 @@ class Crew {
   std::mutex mutex_;  ///< guards what follows
   std::size_t next_ = 0;
   std::size_t done_ = 0;
-  unsigned hired_ = 0;
-  unsigned at_work_ = 0;  ///< of those hired
+  unsigned hired_ = 0;    ///< that are at work; none ends while another may be hired
   bool is_lent_ = false;  ///< the processor of the caller
   std::vector<std::jthread> others_;
   std::exception_ptr failure_;

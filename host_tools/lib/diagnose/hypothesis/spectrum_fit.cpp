@@ -92,7 +92,7 @@ class Scoring {
     for (Eigen::Index b = 0; b < totals.size(); ++b) {
       totals(b) = NoiseDensity(factors, places_[static_cast<std::size_t>(b)]).total();
     }
-    return log_likelihood(totals);
+    return log_likelihood(totals, mean_squares_ / totals);
   }
 
   [[nodiscard]] SpectrumFit maximise(NoiseSpectrum start) const {
@@ -211,8 +211,9 @@ class Scoring {
   }
 
   /// Whittle's, of densities.
-  [[nodiscard]] double log_likelihood(const Bins& totals) const {
-    return -(half_counts_ * (totals.log() + mean_squares_ / totals)).sum();
+  /// @param excess  mean squares over the densities
+  [[nodiscard]] double log_likelihood(const Bins& totals, const Bins& excess) const {
+    return -(half_counts_ * (totals.log() + excess)).sum();
   }
 
   /// The log likelihood, its gradient and the expected information.
@@ -231,10 +232,11 @@ class Scoring {
         slopes(b, index(i)) = all_slopes[static_cast<std::size_t>(fitted_[i]->id)];
       }
     }
-    gradient = slopes.transpose() * (half_counts_ * (mean_squares_ / totals - 1.0)).matrix();
+    const Bins excess = mean_squares_ / totals;
+    gradient = slopes.transpose() * (half_counts_ * (excess - 1.0)).matrix();
     const Eigen::MatrixXd weighted = half_counts_.matrix().asDiagonal() * slopes;
     information = slopes.transpose().lazyProduct(weighted);  // few columns
-    return log_likelihood(totals);
+    return log_likelihood(totals, excess);
   }
 
   Bins half_counts_;
