@@ -1,8 +1,10 @@
 /// @file
-/// Lists of types, and loops that the compiler writes out.
+/// Lists of types, arrays of equal values, and loops that the compiler writes out.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <utility>
 
 namespace zerorate::core {
 
@@ -17,6 +19,15 @@ struct TypeList {
     (visit.template operator()<Types>(), ...);
   }
 };
+
+/// Array of N copies of a value, whose type needs no default constructor.
+template <std::size_t N, class Value>
+[[nodiscard]] constexpr std::array<Value, N> filled_array(const Value& value) {
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<Value, N>{(static_cast<void>(I), value)...};
+  }
+  (std::make_index_sequence<N>{});
+}
 
 }  // namespace zerorate::core
 

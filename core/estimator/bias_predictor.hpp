@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 
 #include "core/estimator/prediction.hpp"
 #include "core/noise/model_shape.hpp"
@@ -58,7 +59,12 @@ class NoPredictor {
     return {};
   }
   [[nodiscard]] constexpr float bias_rad_s(const Transition& /*lead*/) const { return 0.0F; }
+  [[nodiscard]] constexpr std::uint32_t window(const Transition& /*lead*/) const { return 0; }
   [[nodiscard]] constexpr Prediction predict(const Transition& /*lead*/) const { return {}; }
+  [[nodiscard]] constexpr Prediction predict(const Transition& /*lead*/,
+                                             const Transition& /*averaged*/) const {
+    return {};
+  }
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Transition& /*lead*/,
                                                             const Transition& /*drive*/) const {
     return {};

@@ -75,9 +75,18 @@ class CalibrationMean {
 
   [[nodiscard]] constexpr float bias_rad_s(const Transition& /*lead*/) const { return mean(); }
 
+  /// Ticks of the measurements that a prediction averages; 0 before the first.
+  [[nodiscard]] constexpr std::uint32_t window(const Transition& /*lead*/) const {
+    return state_.count;
+  }
   [[nodiscard]] constexpr Prediction predict(const Transition& lead) const {
+    return predict(lead, modes_->over(state_.count));
+  }
+  /// @param averaged span of window(lead) ticks
+  [[nodiscard]] constexpr Prediction predict(const Transition& lead,
+                                             const Transition& averaged) const {
     if (state_.count == 0) return {};
-    return {mean(), window(1.0F / count()).point_variance(lead)};
+    return {mean(), weighted(averaged, 1.0F / count()).point_variance(lead)};
   }
 
   [[nodiscard]] constexpr HeadingPrediction predict_heading(const Transition& lead,
@@ -86,7 +95,8 @@ class CalibrationMean {
     const auto ticks = static_cast<float>(drive.ticks);
     const float tick_s = modes_->tick.in_seconds();
     return {mean() * ticks * tick_s,
-            window(ticks / count()).sum_variance(lead, drive) * tick_s * tick_s};
+            weighted(modes_->over(state_.count), ticks / count()).sum_variance(lead, drive) *
+                tick_s * tick_s};
   }
 
  private:
@@ -94,9 +104,10 @@ class CalibrationMean {
   [[nodiscard]] constexpr float mean() const {
     return state_.count == 0 ? 0.0F : state_.reference_rad_s + state_.sum_rad_s / count();
   }
-  [[nodiscard]] constexpr WeightedWindow<Shape> window(float weight) const {
+  [[nodiscard]] constexpr WeightedWindow<Shape> weighted(const Transition& averaged,
+                                                         float weight) const {
     WeightedWindow<Shape> window{*modes_, state_.age - state_.count};
-    window.add(modes_->over(state_.count), weight, state_.white_variance_sum / count());
+    window.add(averaged, weight, state_.white_variance_sum / count());
     return window;
   }
 

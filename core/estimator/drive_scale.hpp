@@ -79,7 +79,7 @@ class DriveScale {
 
   /// A stop begins, for which these biases are predicted.
   constexpr void begin_stop(const BankState& bank) {
-    state_.before = Bank::newest(bank);
+    state_.before = bank.newest();
     for (std::size_t m = 0; m < kHypotheses; ++m) {
       state_.variances_before[m] = bank.filters[m].bias_variance;
     }
@@ -99,7 +99,7 @@ class DriveScale {
     state_.ticks_left = 0;
     float score = 0.0F;
     float information = 0.0F;
-    const Biases after = Bank::newest(bank);
+    const Biases after = bank.newest();
     for (std::size_t i = 0; i < kAxes; ++i) {
       const float moved = after[i].bias_rad_s - state_.before[i].bias_rad_s;
       const float share = share_resolved(bank, i);

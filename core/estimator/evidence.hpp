@@ -29,7 +29,7 @@ template <std::size_t Hypotheses, std::size_t Axes>
 struct Evidence {
   struct OfAxis {
     float log_evidence = 0.0F;  ///< l, less that of the likeliest hypothesis
-    float weight = 1.0F;        ///< posterior probability
+    float weight = 0.0F;        ///< posterior probability; 0 of hypotheses that are not used
     float scale = 1.0F;         ///< s
 
     constexpr bool operator==(const OfAxis&) const = default;
@@ -43,23 +43,24 @@ struct Evidence {
 
   constexpr bool operator==(const Evidence&) const = default;
 
-  /// Begins with the prior of these hypotheses, all at the scale of the model.
+  /// Begins with the prior of these hypotheses, all at the same scale. Call weigh() for each axis.
+  /// Without hypotheses the first one is the model itself, and certain.
   template <class Given>
-  constexpr void start(const Given& given) {
+  constexpr void start(const Given& given, float scale) {
     shape = kPriorShape;
     for (std::size_t m = 0; m < given.count; ++m) {
       for (OfAxis& one : hypotheses[m]) {
-        one = {.log_evidence = given.all[m].first_log_evidence()};
+        one.log_evidence = given.all[m].first_log_evidence();
+        one.scale = scale;
       }
     }
-    weigh(given);
+    if (given.count > 0) return;
+    for (OfAxis& one : hypotheses[0]) one = {.weight = 1.0F, .scale = (shape - 1.0F) / shape};
   }
 
-  /// The unit of all scales was wrong by this factor.
-  constexpr void rescale(float factor) {
-    for (auto& of_axes : hypotheses) {
-      for (OfAxis& one : of_axes) one.scale *= factor;
-    }
+  /// The unit of the scales of hypothesis m is larger by this factor than was assumed.
+  constexpr void rescale(std::size_t m, float factor) {
+    for (OfAxis& one : hypotheses[m]) one.scale *= factor;
   }
 
   /// A measurement that hypothesis m predicted with the variance S and missed by e.
@@ -74,11 +75,33 @@ struct Evidence {
                        (a + 0.5F) * log_of(1.0F + squared / (a + a));
     one.scale += one.scale * (squared - 1.0F) / (a + a + 1.0F);
   }
-  /// All hypotheses were told the measurement.
+  /// All hypotheses have observed the measurement. Call weigh() for each axis next.
   template <class Given>
   constexpr void conclude(const Given& given) {
     shape = faded_shape(given.kept) + 0.5F;
-    weigh(given);
+    for (std::size_t i = 0; i < Axes; ++i) {
+      float largest = hypotheses[0][i].log_evidence;
+      for (std::size_t m = 1; m < given.count; ++m) {
+        largest = std::max(largest, hypotheses[m][i].log_evidence);
+      }
+      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].log_evidence -= largest;
+    }
+  }
+  /// Probabilities of the hypotheses on an axis, from the evidence.
+  template <class Given>
+  constexpr void weigh(const Given& given, std::size_t axis) {
+    float largest = log_posterior(given, 0, axis);
+    for (std::size_t m = 0; m < given.count; ++m) {
+      hypotheses[m][axis].weight = log_posterior(given, m, axis);
+      largest = std::max(largest, hypotheses[m][axis].weight);
+    }
+    float sum = 0.0F;
+    for (std::size_t m = 0; m < given.count; ++m) {
+      float& weight = hypotheses[m][axis].weight;
+      weight = 1.0F - one_minus_exp_neg(largest - weight);
+      sum += weight;
+    }
+    for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][axis].weight /= sum;
   }
 
   /// Mean of the scale: a / (a - 1) times s.
@@ -96,30 +119,6 @@ struct Evidence {
     return std::max(kept * shape, kPriorShape);
   }
 
-  /// Probabilities from the logarithms, of which the largest becomes 0.
-  template <class Given>
-  constexpr void weigh(const Given& given) {
-    for (std::size_t i = 0; i < Axes; ++i) {
-      float largest = hypotheses[0][i].log_evidence;
-      for (std::size_t m = 1; m < given.count; ++m) {
-        largest = std::max(largest, hypotheses[m][i].log_evidence);
-      }
-      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].log_evidence -= largest;
-    }
-    for (std::size_t i = 0; i < Axes; ++i) {
-      float largest = log_posterior(given, 0, i);
-      for (std::size_t m = 1; m < given.count; ++m) {
-        largest = std::max(largest, log_posterior(given, m, i));
-      }
-      float sum = 0.0F;
-      for (std::size_t m = 0; m < given.count; ++m) {
-        OfAxis& one = hypotheses[m][i];
-        one.weight = 1.0F - one_minus_exp_neg(largest - log_posterior(given, m, i));
-        sum += one.weight;
-      }
-      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].weight /= sum;
-    }
-  }
   /// Logarithm of the weight, less a constant.
   template <class Given>
   [[nodiscard]] constexpr float log_posterior(const Given& given, std::size_t m,
@@ -129,36 +128,6 @@ struct Evidence {
     const float own = hypotheses[m][axis].log_evidence;
     return given.all[m].log_prior + own + kPooling * (of_all - own);
   }
-};
-
-/// Mean and variance of what hypotheses say, by their weights. Means are taken from that of the
-/// first, so that nothing large cancels.
-/// @tparam IsOfSeveral false: one hypothesis, whose answer it is
-template <bool IsOfSeveral>
-class Mixture {
- public:
-  constexpr void add(float weight, float mean, float variance) {
-    if constexpr (!IsOfSeveral) {
-      origin_ = mean;
-      variance_ = variance;
-      return;
-    }
-    if (is_empty_) origin_ = mean;
-    is_empty_ = false;
-    const float apart = mean - origin_;
-    apart_ += weight * apart;
-    variance_ += weight * (variance + apart * apart);
-  }
-  [[nodiscard]] constexpr float mean() const { return IsOfSeveral ? origin_ + apart_ : origin_; }
-  [[nodiscard]] constexpr float variance() const {
-    return IsOfSeveral ? variance_ - apart_ * apart_ : variance_;
-  }
-
- private:
-  float origin_ = 0.0F;
-  float apart_ = 0.0F;
-  float variance_ = 0.0F;
-  bool is_empty_ = true;
 };
 
 }  // namespace zerorate::core

@@ -147,6 +147,22 @@ struct KalmanCoefficients {
     return {decaying, rotating};
   }
 
+  /// F' w: weights of the drifts after a span, as weights of the drifts before it.
+  [[nodiscard]] static constexpr Drifts forgotten_transposed(const ModeTransitions& span,
+                                                             Drifts weight) {
+    for (std::size_t i = 0; i < kDecaying; ++i) {
+      weight[i] -= span.decaying[i].one_minus_phi_m * weight[i];
+    }
+    for (std::size_t i = 0; i < kRotating; ++i) {
+      float& re = weight[rotating(i)];
+      float& im = weight[rotating(i) + 1];
+      const Complex forgotten = conjugate(span.rotating[i].one_minus_phi_m) * Complex{re, im};
+      re -= forgotten.re;
+      im -= forgotten.im;
+    }
+    return weight;
+  }
+
   /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick;
   /// and by each constant: the change of its weight.
   [[nodiscard]] static constexpr Drifts movement(const Transition& span) {

@@ -136,14 +136,15 @@ struct KalmanFilter {
     bias_variance *= remaining;
   }
 
-  /// The unit of the variances became so many times as large. What is known of the temperature is
-  /// no noise, and stays.
+  /// The unit of the variances is larger by this factor than was assumed. What is known of the
+  /// temperature is no noise, and stays.
   constexpr void change_unit(float factor) {
-    const float root = square_root(factor);
+    const float per_root = 1.0F / square_root(factor);
+    const float per_unit = 1.0F / factor;
     for (std::size_t i = Coefficients::kTemperature; i < kDrifts; ++i) {
-      bias_covariance[i] /= root;
-      for (std::size_t j = 0; j < Coefficients::kTemperature; ++j) covariance(i, j) /= root;
-      for (std::size_t j = Coefficients::kTemperature; j <= i; ++j) covariance(i, j) /= factor;
+      bias_covariance[i] *= per_root;
+      for (std::size_t j = 0; j < Coefficients::kTemperature; ++j) covariance(i, j) *= per_root;
+      for (std::size_t j = Coefficients::kTemperature; j <= i; ++j) covariance(i, j) *= per_unit;
     }
   }
 

@@ -82,12 +82,20 @@ class MovingAverage {
     return state_.sums.count() == 0 ? 0.0F : mean_of_newest(window_length(lead));
   }
 
+  /// Ticks of the measurements that a prediction averages; 0 before the first.
+  [[nodiscard]] constexpr std::uint32_t window(const Transition& lead) const {
+    return state_.sums.count() == 0 ? 0 : window_length(lead);
+  }
   [[nodiscard]] constexpr Prediction predict(const Transition& lead) const {
-    if (state_.sums.count() == 0) return {};
-    const std::uint32_t length = window_length(lead);
+    return predict(lead, modes_->over(window(lead)));
+  }
+  /// @param averaged span of window(lead) ticks
+  [[nodiscard]] constexpr Prediction predict(const Transition& lead,
+                                             const Transition& averaged) const {
+    const std::uint32_t length = window(lead);
+    if (length == 0) return {};
     WeightedWindow<Shape> window{*modes_, state_.age - length};
-    window.add(length == lead.ticks ? lead : modes_->over(length),
-               1.0F / static_cast<float>(length), white_variance());
+    window.add(averaged, 1.0F / static_cast<float>(length), white_variance());
     return {mean_of_newest(length), window.point_variance(lead)};
   }
 

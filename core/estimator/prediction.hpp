@@ -41,6 +41,7 @@ struct Innovation {
   float residual_rad_s = 0.0F;    ///< measured - predicted
   float variance_rad2_s2 = 0.0F;  ///< predicted variance of the residual
 
+  constexpr bool operator==(const Innovation&) const = default;
   /// Normalised innovation squared; its mean is 1 if the model is right.
   [[nodiscard]] constexpr float normalised_squared() const {
     return variance_rad2_s2 > 0.0F ? residual_rad_s * residual_rad_s / variance_rad2_s2 : 0.0F;

@@ -1,7 +1,8 @@
 /// @file
-/// Does the odometer tell the truth? What the gyro can say against it, in fixed memory.
+/// Contradictions between the odometer and the gyro, in fixed memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,14 +11,36 @@
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "core/samples/tick_window.hpp"
 
 namespace zerorate::core {
 
+/// Limits of what counts as a contradiction.
+struct OdometerCheckParams {
+  /// A change by more is a turn. Larger values tolerate rougher engines and noisier gyros;
+  /// smaller values detect slower turns. Never below six standard deviations of the difference of
+  /// a window from the level. Default 0.25 deg/s; infinite: no turn is ever noticed.
+  float turn_rad_s = 0.25F * kRadPerDeg;
+  /// A rate that has stayed changed for so long, or for four times as long as the one before it,
+  /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
+  /// Default 2 min.
+  Duration longest_turn = Duration::seconds(120);
+  /// Shortest time before a changed level is accepted; used as it is where a stop begins away
+  /// from the predicted bias. Default 5 s.
+  Duration longest_bend = Duration::seconds(5);
+  /// No vehicle drives for so long without any rotation that exceeds the noise. Default 2 min; 0:
+  /// pulses are never doubted for that.
+  Duration longest_straight = Duration::seconds(120);
+  /// Pulses closer together than this cannot come from a turning wheel. Default 0.2 ms: a pulse
+  /// each 2 cm at 100 m/s.
+  Duration shortest_pulse = Duration::microseconds(200);
+};
+
 /// A dead odometer looks like a parked vehicle for ever, and one that counts by itself like a drive
-/// for ever. The gyro knows better, but only by the *change* of its rate: the level is the bias,
-/// which may be anything. So while no pulse comes, a change of the rate between one window and what
-/// it was before is a turn, until the rate is back or has stayed where it is for too long for a
-/// turn; and pulses without any change of the rate do not come from a vehicle that drives.
+/// for ever. The gyro shows the difference, but only by the *change* of its rate: the level is the
+/// bias, which may be anything. So while no pulse comes, a change of the rate from one window to
+/// the next is a turn, until the rate is back or has stayed where it is for too long for a turn;
+/// and pulses without any change of the rate do not come from a vehicle that drives.
 ///
 /// The level matters only where a stop begins: far from the predicted bias, or before there is one
 /// from the stop before, it is either a bias that has changed, or the wire broke in a bend. Nothing
@@ -31,43 +54,22 @@ namespace zerorate::core {
 ///
 /// Fed with the means of the filter's ticks at standstill and with one sample a tick while moving;
 /// some thirty floating-point operations each, and three divisions a window.
+template <std::size_t Axes>
 class OdometerCheck {
  public:
-  static constexpr std::size_t kAxes = 3;
-  using Rates = std::array<float, kAxes>;
+  using Rates = std::array<float, Axes>;
 
-  struct Params {
-    /// A change by more is a turn. Larger values tolerate rougher engines and noisier gyros;
-    /// smaller values detect slower turns. Never below six standard deviations of the difference of
-    /// a window from the level. Default 0.25 deg/s; infinite: no turn is ever noticed.
-    float turn_rad_s = 0.25F * kRadPerDeg;
-    /// A rate that has stayed changed for so long, or for four times as long as the one before it,
-    /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
-    /// Default 2 min.
-    Duration longest_turn = Duration::seconds(120);
-    /// Shortest time before a changed level is accepted; used as it is where a stop begins away
-    /// from the predicted bias. Default 5 s.
-    Duration longest_bend = Duration::seconds(5);
-    /// No vehicle drives for so long without any rotation that exceeds the noise. Default 2 min; 0:
-    /// pulses are never doubted for that.
-    Duration longest_straight = Duration::seconds(120);
-    /// Pulses closer together than this cannot come from a turning wheel. Default 0.2 ms: a pulse
-    /// each 2 cm at 100 m/s.
-    Duration shortest_pulse = Duration::microseconds(200);
-  };
-
+  using Params = OdometerCheckParams;
   struct State {
-    Rates level_rad_s{};    ///< recent level of the rate; while moving, the newest sample
-    Rates trusted_rad_s{};  ///< level before the last change, if there was one
-    Rates sum_rad_s{};      ///< sum of the samples of the window being filled
-    std::uint32_t window_samples = 0;  ///< summed so far
-    std::uint16_t steady_ticks = 0;    ///< since the level changed
-    std::uint16_t needed_ticks = 0;    ///< ticks until a changed level is believed
-    std::uint8_t window_ticks = 0;     ///< that these samples are of; 255: or more
-    std::uint8_t bounced_ticks = 0;    ///< since the newest bounce, counted down
-    bool stands = false;               ///< the level is that of a stop
-    bool turns = false;
-    bool has_trusted = false;  ///< without a trusted level none counts as changed
+    Rates level_rad_s{};             ///< recent level of the rate; while moving, the newest sample
+    Rates trusted_rad_s{};           ///< level before the last change, if there was one
+    TickWindow<Axes> window;         ///< window being filled
+    std::uint16_t steady_ticks = 0;  ///< ticks since the level changed
+    std::uint16_t needed_ticks = 0;  ///< ticks until a changed level is believed
+    std::uint8_t bounced_ticks = 0;  ///< ticks until the newest bounce is forgotten
+    bool stands = false;             ///< the level is that of a stop
+    bool turns = false;              ///< a rotation without pulses
+    bool has_trusted = false;        ///< without a trusted level none counts as changed
 
     constexpr bool operator==(const State&) const = default;
   };
@@ -79,10 +81,10 @@ class OdometerCheck {
         longest_turn_(ticks_in(params.longest_turn, tick)),
         longest_bend_(ticks_in(params.longest_bend, tick)),
         longest_straight_(ticks_in(params.longest_straight, tick)),
-        back_(ticks_clamped_to_u8(kBackFor, tick)),
-        bounced_(ticks_clamped_to_u8(kBouncedFor, tick)),
-        window_(ticks_clamped_to_u8(kWindow, tick)),
-        longest_window_(ticks_clamped_to_u8(kLongestWindow, tick)),
+        back_(ticks_in_u8(kBackFor, tick)),
+        bounced_(ticks_in_u8(kBouncedFor, tick)),
+        window_(window_ticks(tick)),
+        longest_window_(ticks_in_u8(kLongestWindow, tick)),
         longest_memory_(ticks_in(kMemory, tick)),
         fewest_samples_(static_cast<std::uint32_t>(tick * window_ / (sample_period * 2))),
         least_turn_rad2_s2_(params.turn_rad_s * params.turn_rad_s) {
@@ -91,11 +93,11 @@ class OdometerCheck {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return are_bools(state.stands, state.turns, state.has_trusted) &&
            are_plausible(state.level_rad_s) && are_plausible(state.trusted_rad_s) &&
-           are_plausible(state.sum_rad_s) && state.steady_ticks < kNever;
+           TickWindow<Axes>::is_possible(state.window) && state.steady_ticks < kNever;
   }
 
   /// The variance of one sample is known better now.
@@ -106,13 +108,13 @@ class OdometerCheck {
 
   /// A rotation without pulses: what is measured is no bias.
   [[nodiscard]] constexpr bool turns() const { return state_.turns; }
-  /// Anything at all speaks against the odometer.
+  /// Anything at all contradicts the odometer.
   [[nodiscard]] constexpr bool disagrees() const {
     return state_.turns || state_.bounced_ticks > 0 ||
            (!state_.stands && state_.steady_ticks >= longest_straight_);
   }
 
-  /// @param since the pulse before; any other sign or none: out of order, says nothing
+  /// @param since the pulse before; any other sign or none: out of order, ignored
   constexpr void pulse(Duration since) {
     state_.turns = false;
     if (since > Duration{} && since < shortest_pulse_) state_.bounced_ticks = bounced_;
@@ -137,17 +139,12 @@ class OdometerCheck {
   constexpr void on_standing_tick(const Rates& mean_rad_s, std::uint32_t samples,
                                   const Rates* predicted_rad_s) {
     count_down();
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      state_.sum_rad_s[i] += mean_rad_s[i] * static_cast<float>(samples);
-    }
-    state_.window_samples += samples;
-    if (state_.window_ticks < 0xFF) ++state_.window_ticks;
-    if (state_.window_ticks < window_ || state_.window_samples < fewest_samples_) return;
+    state_.window.add(mean_rad_s, samples);
+    if (state_.window.ticks < window_ || state_.window.samples < fewest_samples_) return;
     judge(window(), predicted_rad_s);
   }
 
  private:
-  static constexpr Duration kWindow = Duration::milliseconds(500);  ///< an engine's idling cancels
   static constexpr Duration kLongestWindow = Duration::seconds(2);  ///< of a loud sensor
   static constexpr Duration kBackFor = Duration::seconds(1);        ///< then it is over
   static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
@@ -163,22 +160,14 @@ class OdometerCheck {
     if (!(duration > Duration{}) || ticks >= kNever) return kNever;
     return ticks > 0 ? static_cast<std::uint16_t>(ticks) : std::uint16_t{1};
   }
-  /// At least one, and as many as eight bits hold.
-  static constexpr std::uint8_t ticks_clamped_to_u8(Duration duration, Duration tick) {
-    const std::int64_t ticks = duration / tick;
-    if (ticks < 1) return 1;
-    return ticks < 0xFF ? static_cast<std::uint8_t>(ticks) : std::uint8_t{0xFF};
-  }
-
   static constexpr std::uint16_t clamp_ticks(std::uint16_t least, std::uint32_t ticks,
                                              std::uint16_t most) {
     if (ticks >= most) return most;
     return ticks < least ? least : static_cast<std::uint16_t>(ticks);
   }
 
-  static constexpr float larger(float a, float b) { return a > b ? a : b; }
   static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < Axes; ++i) {
       const float change = a[i] - b[i];
       if (change * change > limit_rad2_s2) return false;
     }
@@ -193,7 +182,7 @@ class OdometerCheck {
     return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, limit_rad2_s2);
   }
 
-  /// Mean rate of a window, and what may be told by it.
+  /// Mean rate of a window, and its noise.
   struct Window {
     Rates mean_rad_s{};
     float ticks = 0.0F;
@@ -205,10 +194,10 @@ class OdometerCheck {
     }
   };
   [[nodiscard]] constexpr Window window() const {
-    const float share = 1.0F / static_cast<float>(state_.window_samples);
-    Window window{.ticks = static_cast<float>(state_.window_ticks)};
-    window.white_of_tick = white_rad2_s2_ * window.ticks * share;
-    for (std::size_t i = 0; i < kAxes; ++i) window.mean_rad_s[i] = state_.sum_rad_s[i] * share;
+    Window window{.mean_rad_s = state_.window.mean_rad_s(),
+                  .ticks = static_cast<float>(state_.window.ticks)};
+    window.white_of_tick =
+        white_rad2_s2_ * window.ticks / static_cast<float>(state_.window.samples);
     return window;
   }
   /// Ticks that the level is the mean of; where a stop begins, those of a window.
@@ -220,11 +209,11 @@ class OdometerCheck {
   /// larger one, and may go on.
   [[gnu::noinline]] constexpr void judge(const Window& closed, const Rates* predicted) {
     const float noise = closed.noise_against(level_ticks());
-    const float limit = larger(least_turn_rad2_s2_, noise);
+    const float limit = std::max(least_turn_rad2_s2_, noise);
     if (!state_.stands) return begin_stop(closed.mean_rad_s, limit, predicted);
     if (!is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
       start_change(closed.mean_rad_s);
-    } else if (noise <= least_turn_rad2_s2_ || state_.window_ticks >= longest_window_) {
+    } else if (noise <= least_turn_rad2_s2_ || state_.window.ticks >= longest_window_) {
       clear_window();
       track_level(closed);
     }
@@ -239,13 +228,13 @@ class OdometerCheck {
 
   constexpr void track_level(const Window& closed) {
     const float share = closed.ticks / (level_ticks() + closed.ticks);
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < Axes; ++i) {
       state_.level_rad_s[i] += share * (closed.mean_rad_s[i] - state_.level_rad_s[i]);
     }
     age_level(static_cast<std::uint16_t>(closed.ticks));
     // A turn that just exceeds the limit must not end by chance: the way back is half as far.
     const float limit =
-        larger(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
+        std::max(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
     const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s, limit);
     if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
   }
@@ -269,11 +258,7 @@ class OdometerCheck {
     state_.steady_ticks =
         static_cast<std::uint16_t>(state_.steady_ticks + (ticks < room ? ticks : room));
   }
-  constexpr void clear_window() {
-    state_.sum_rad_s = {};
-    state_.window_samples = 0;
-    state_.window_ticks = 0;
-  }
+  constexpr void clear_window() { state_.window = {}; }
   constexpr void count_down() {
     if (state_.bounced_ticks > 0) --state_.bounced_ticks;
   }
@@ -288,7 +273,7 @@ class OdometerCheck {
   std::uint8_t longest_window_;
   std::uint16_t longest_memory_;
   std::uint32_t fewest_samples_;  ///< samples that make a window worth judging
-  float least_turn_rad2_s2_;      ///< that is told from noise as little as it may be
+  float least_turn_rad2_s2_;      ///< smallest change reported as a turn, squared
   float white_rad2_s2_ = 0.0F;    ///< variance of a sample
   float noise_rad2_s2_ = 0.0F;
   State state_;

@@ -92,27 +92,35 @@ struct Modes {
 
   [[nodiscard]] constexpr Transition<R, C> one_tick() const { return over(1); }
 
-  /// The span of any number of ticks. Cost: 2 log2(ticks) times that of `then`; mode by mode, so
-  /// that the stack holds one span besides the result.
+  /// Number of pieces that a span is made of: the level, and each mode.
+  static constexpr std::size_t kPieces = 1 + R + C;
+
+  /// Makes one piece of the span of `span.ticks` ticks. Cost: 2 log2(ticks) compositions of a mode.
+  constexpr void make_piece(std::size_t piece, Transition<R, C>& span) const {
+    if (piece == 0) {
+      span.level = core::over(DecayingMode{.one_minus_phi = 0.0F, .noise_variance = walk_variance},
+                              span.ticks);
+    } else if (piece <= R) {
+      span.decaying[piece - 1] = core::over(decaying[piece - 1], span.ticks);
+    } else {
+      span.rotating[piece - 1 - R] = core::over(rotating[piece - 1 - R], span.ticks);
+    }
+  }
+  /// The span of any number of ticks.
   [[nodiscard]] constexpr Transition<R, C> over(std::uint32_t ticks) const {
     Transition<R, C> span;
     span.ticks = ticks;
-    span.level =
-        core::over(DecayingMode{.one_minus_phi = 0.0F, .noise_variance = walk_variance}, ticks);
-    for (std::size_t i = 0; i < R; ++i) span.decaying[i] = core::over(decaying[i], ticks);
-    for (std::size_t i = 0; i < C; ++i) span.rotating[i] = core::over(rotating[i], ticks);
+    for (std::size_t piece = 0; piece < kPieces; ++piece) make_piece(piece, span);
     return span;
   }
-
-  /// Makes `lead` the span of so many ticks, which is most often one more than it was: then it
-  /// costs one composition. Every 1024 ticks the span is made afresh by doubling, so that the
-  /// roundings of a long drive do not add up.
-  constexpr void lead_over(std::uint32_t ticks, const Transition<R, C>& one_tick,
-                           Transition<R, C>& lead) const {
+  /// Lengthens a span by one tick, for the cost of one composition. Each piece is made afresh once
+  /// in 1024 ticks, one piece at a time, so that the roundings of a long drive do not add up.
+  constexpr void lengthen(Transition<R, C>& span, const Transition<R, C>& one_tick) const {
     constexpr std::uint32_t kAfresh = 1024;
-    if (ticks == lead.ticks) return;
-    const bool is_next = ticks == lead.ticks + 1 && ticks % kAfresh != 0;
-    lead = is_next ? then(lead, one_tick) : over(ticks);
+    span = then(span, one_tick);
+    constexpr std::uint32_t kEvery = kAfresh / static_cast<std::uint32_t>(kPieces);
+    const std::uint32_t phase = span.ticks % kAfresh;
+    if (phase % kEvery == 0 && phase / kEvery < kPieces) make_piece(phase / kEvery, span);
   }
 };
 

@@ -1,5 +1,5 @@
 /// @file
-/// Which measurements may be learnt from: samples and odometer pulses in, certain ticks out.
+/// Selection of the measurements to learn from: samples and odometer pulses in, certain ticks out.
 #pragma once
 
 #include <algorithm>
@@ -10,56 +10,57 @@
 #include "core/base/time.hpp"
 #include "core/monitor/odometer_check.hpp"
 #include "core/samples/tick_average.hpp"
+#include "core/samples/white_level.hpp"
 #include "core/standstill/calm_judge.hpp"
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
 
 namespace zerorate::core {
 
-/// Averages the samples of a standstill over ticks, holds the ticks back, and releases those that
+/// Averages the samples of a standstill over ticks, holds the ticks back, and confirms those that
 /// certainly belong to the standstill:
 ///
-///     sample ---> averaged ---> held back ---> released
+///     sample ---> averaged ---> held back ---> confirmed ---> taken
 ///        |           |             |
-///        |           |             +-- dropped: a pulse follows within the hold-back, or the gyro
-///        |           |                 shows motion within 1.5 s (the newest ticks), or a turn
-///        |           |                 without pulses (all ticks)
-///        |           +-- dropped: a pulse comes before the tick is over
-///        +-- dropped: less than the settle time after a pulse
+///        |           |             +-- discarded: a pulse follows within the hold-back, or the
+///        |           |                 gyro shows motion within 1.5 s (the newest ticks), or a
+///        |           |                 turn without pulses (all held ticks)
+///        |           +-- discarded: a pulse comes before the tick is over
+///        +-- discarded: less than the settle time after a pulse
 ///
-/// Without an odometer there are no pulses, and CalmJudge alone tells the standstill.
+/// Without an odometer there are no pulses, and CalmJudge alone decides.
 ///
-/// @tparam Item what is held of a tick: a TickMean<3> and what else belongs to the measurement
-/// @tparam Capacity ticks that are held at most
-template <class Item, std::size_t Capacity>
+/// @tparam Item a TickMean<Axes> with a member `bool begins_stop`, and what else belongs to a
+///   measurement
+/// @tparam Capacity number of ticks that are held at most
+template <class Item, std::size_t Axes, std::size_t Capacity>
 class StopLearning {
  public:
-  static constexpr std::size_t kAxes = OdometerCheck::kAxes;
-  using Rates = OdometerCheck::Rates;
+  using Rates = std::array<float, Axes>;
   using HoldBack = HoldBackLine<Item, Capacity>;
+  using White = WhiteLevel<Axes>;
 
   struct State {
     Instant newest_sample;
     bool has_sample = false;
-    bool stop_is_open = false;  ///< the next tick belongs to the stop of the one released last
+    bool stop_is_open = false;  ///< the next tick belongs to the stop of the newest confirmed one
     Standstill::State standstill;
-    OdometerCheck::State odometer;
-    typename TickAverage<kAxes>::State average;
-    CalmJudge::State calm;
+    typename OdometerCheck<Axes>::State odometer;
+    typename TickAverage<Axes>::State average;
+    typename CalmJudge<Axes>::State calm;
     HoldBack held;
 
     constexpr bool operator==(const State&) const = default;
   };
 
   /// @param white_variance_rad2_s2 of one sample
-  constexpr StopLearning(const Standstill::Params& standstill,
-                         const OdometerCheck::Params& odometer, Duration tick,
-                         Duration sample_period, float white_variance_rad2_s2)
+  constexpr StopLearning(const Standstill::Params& standstill, const OdometerCheckParams& odometer,
+                         Duration tick, Duration sample_period, float white_variance_rad2_s2)
       : half_sample_(sample_period / 2),
         standstill_(standstill),
         odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
         average_(tick, sample_period),
-        calm_(standstill.source, odometer.longest_bend, tick, white_variance_rad2_s2),
+        calm_(standstill.source, odometer.longest_bend, tick),
         has_odometer_(standstill.source != StandstillSource::gyro),
         asks_gyro_(standstill.source != StandstillSource::odometer_alone),
         wait_(longest_wait(standstill, tick) + half_sample_) {}
@@ -68,7 +69,8 @@ class StopLearning {
     return {newest_sample_,    has_sample_,      stop_is_open_, standstill_.state(),
             odometer_.state(), average_.state(), calm_.state(), held_};
   }
-  constexpr void restore(const State& state) {
+  /// @param white level of the node that the state belongs to
+  constexpr void restore(const State& state, const White& white) {
     newest_sample_ = state.newest_sample;
     has_sample_ = state.has_sample;
     stop_is_open_ = state.stop_is_open;
@@ -76,46 +78,43 @@ class StopLearning {
     odometer_.restore(state.odometer);
     average_.restore(state.average);
     calm_.restore(state.calm);
-    odometer_.set_white_noise(calm_.sure_white_variance_rad2_s2());
+    odometer_.set_white_noise(white.upper_variance_rad2_s2());
     held_ = state.held;
   }
 
-  /// Whether memory from outside may be such a state: one that no input leads to could fill the
-  /// line of held ticks, or count beyond its clock.
-  /// @param is_possible_item of what an Item holds beside its mean
+  /// True if a restored state is valid: one that no input leads to could fill the line of held
+  /// ticks, or count beyond its clock.
+  /// @param is_possible_item the same of what an Item holds beside its mean
   template <class IsPossible>
   [[nodiscard]] static bool is_possible(const State& state, Duration tick,
                                         IsPossible is_possible_item) {
     return are_bools(state.has_sample, state.stop_is_open) && is_in_range(state.newest_sample) &&
            Standstill::is_possible(state.standstill) &&
-           OdometerCheck::is_possible(state.odometer) && CalmJudge::is_possible(state.calm) &&
-           TickAverage<kAxes>::is_possible(state.average, tick, state.has_sample,
-                                           state.newest_sample) &&
+           OdometerCheck<Axes>::is_possible(state.odometer) &&
+           CalmJudge<Axes>::is_possible(state.calm) &&
+           TickAverage<Axes>::is_possible(state.average, tick, state.has_sample,
+                                          state.newest_sample) &&
            state.held.is_possible([&](const Item& item, const Item* before) {
-             return TickAverage<kAxes>::is_possible(state.average, item, state.newest_sample) &&
+             return TickAverage<Axes>::is_possible(state.average, item, state.newest_sample) &&
                     (before == nullptr || (before->tick < item.tick && before->end < item.end)) &&
-                    is_possible_item(item);
+                    is_bool(item.begins_stop) && is_possible_item(item);
            });
   }
 
-  /// An odometer pulse; before the sample that is not older.
-  /// @param learn see release_at(): the ticks that are certain already are released now, because
-  ///        after the pulse they would count as a new stop
-  /// @return whether there were any
-  template <class Learn>
-  constexpr bool pulse(Instant at, Learn learn) {
-    if (!has_odometer_) return false;
-    const bool learnt = release_until(standstill_.discard_after(at), learn);
+  /// An odometer pulse; before the sample that is not older. The ticks that are certain already are
+  /// confirmed now, because after the pulse they would count as a new stop.
+  constexpr void pulse(Instant at) {
+    if (!has_odometer_) return;
+    confirm_until(standstill_.discard_after(at));
     held_.discard_after(standstill_.discard_after(at));
     odometer_.pulse(at - standstill_.state().last_pulse);
     end_stop(at);
-    return learnt;
   }
 
-  /// The vehicle moves, and nobody knows since when: no tick that is held is certain any more.
+  /// The vehicle moves, and it is unknown since when: no tick that is held is certain any more.
   constexpr void report_odometer_fault(Instant now) {
     if (!has_odometer_) return;
-    held_.clear();
+    held_.discard_held();
     end_stop(now);
   }
 
@@ -126,7 +125,7 @@ class StopLearning {
   }
 
   /// A sample arrives. For each: begin_sample(), close_tick() and enter_tick() if it begins a tick,
-  /// add(), release_at().
+  /// add(), confirm_at().
   /// @return whether it begins a tick
   constexpr bool begin_sample(Instant at) {
     const bool begins_tick = !has_sample_ || average_.is_over_at(at);
@@ -136,21 +135,21 @@ class StopLearning {
     return begins_tick;
   }
 
-  /// Queues the tick that is over, if it was calm; drops what motion spoils (see above).
+  /// Queues the tick that is over, if it was calm; discards what motion spoils (see above).
   /// @param predicted_rad_s the bias, or nullptr if none is known
-  /// @param variance_rad2_s2 of that prediction
-  /// @param rest what an Item holds beside the mean
-  template <class... Rest>
-  constexpr void close_tick(const Rates* predicted_rad_s, float variance_rad2_s2,
-                            const Rest&... rest) {
+  /// @param variance_rad2_s2 variance of that prediction
+  /// @param measurement makes an Item of the mean of the tick
+  template <class Measurement>
+  constexpr void close_tick(const Rates* predicted_rad_s, float variance_rad2_s2, White& white,
+                            Measurement measurement) {
     if (average_.is_empty()) return;
-    const Item closed{average_.close(), rest...};
+    const Item closed = measurement(average_.close());
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
-    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2);
-    odometer_.set_white_noise(calm_.sure_white_variance_rad2_s2());
+    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2, white);
+    odometer_.set_white_noise(white.upper_variance_rad2_s2());
     const Calm calm = asks_gyro_ ? judged : Calm::calm;
     if (odometer_.turns()) {
-      held_.clear();
+      held_.discard_held();
     } else if (calm == Calm::calm) {
       held_.push(closed);
     } else if (calm == Calm::moved) {
@@ -172,13 +171,17 @@ class StopLearning {
     }
   }
 
-  /// Calls learn(item, begins_stop) for each tick that is certain by the newest sample, oldest
-  /// first. After close_tick(): with a hold-back of one tick this is a sample later.
-  /// @return whether there were any
-  template <class Learn>
-  constexpr bool release_at(Instant now, Learn learn) {
-    return held_.size() > 0 && release_until(now - wait_, learn);
+  /// Confirms the ticks that are certain by the newest sample. After close_tick(): with a hold-back
+  /// of one tick this is a sample later.
+  constexpr void confirm_at(Instant now) {
+    if (held_.size() > held_.confirmed()) confirm_until(now - wait_);
   }
+  /// Number of ticks that are certain and wait to be taken.
+  [[nodiscard]] constexpr std::size_t confirmed() const { return held_.confirmed(); }
+  /// Takes the oldest certain tick.
+  [[nodiscard]] constexpr Item take_confirmed() { return held_.take_confirmed(); }
+  /// Whether another tick would find no place.
+  [[nodiscard]] constexpr bool is_full() const { return held_.size() + 1 >= Capacity; }
 
   /// Never still while the gyro shows motion or a turn without pulses: nothing is learnt then.
   /// Without an odometer that is what moving means.
@@ -192,30 +195,30 @@ class StopLearning {
     return has_odometer_ && odometer_.disagrees();
   }
   [[nodiscard]] constexpr bool has_dead_band() const {
-    return has_odometer_ && calm_.has_dead_band();
+    return has_odometer_ && calm_.share().has_dead_band();
   }
-  [[nodiscard]] constexpr const CalmJudge& calm() const { return calm_; }
+  [[nodiscard]] constexpr const CalmJudge<Axes>& calm() const { return calm_; }
   /// The tick being filled, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
+  /// Places for two ticks that wait to be learnt, the tick being closed, and one to spare.
+  static constexpr std::int64_t kPlacesOfWork = 4;
+
   /// Wait of a tick until nothing can speak against it any more: neither a late pulse nor motion
   /// that the two windows after it show, as far as there is room.
   static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {
-    constexpr auto kRoom = static_cast<std::int64_t>(Capacity) - 2;
+    constexpr auto kRoom = static_cast<std::int64_t>(Capacity) - kPlacesOfWork;
     return std::max(standstill.hold_back,
-                    tick * std::min(CalmJudge::ticks_of_verdict(tick), kRoom));
+                    tick * std::min(CalmJudge<Axes>::ticks_of_verdict(tick), kRoom));
   }
   /// Not inlined: it is called at two places, and a board counts bytes.
-  template <class Learn>
-  [[gnu::noinline]] constexpr bool release_until(Instant certain, Learn learn) {
-    const std::size_t held = held_.size();
-    held_.release_until(certain, [&](const Item& item) {
-      learn(item, !stop_is_open_);
+  [[gnu::noinline]] constexpr void confirm_until(Instant certain) {
+    held_.confirm_until(certain, [&](Item& item) {
+      item.begins_stop = !stop_is_open_;
       stop_is_open_ = true;
     });
-    return held_.size() < held;
   }
 
   constexpr void end_stop(Instant pulse) {
@@ -230,9 +233,9 @@ class StopLearning {
   bool has_sample_ = false;
   bool stop_is_open_ = false;
   Standstill standstill_;
-  OdometerCheck odometer_;
-  TickAverage<kAxes> average_;
-  CalmJudge calm_;
+  OdometerCheck<Axes> odometer_;
+  TickAverage<Axes> average_;
+  CalmJudge<Axes> calm_;
   bool has_odometer_;
   bool asks_gyro_;
   Duration wait_;  ///< of a tick for what may speak against it

@@ -70,14 +70,27 @@ class TemperatureTrack {
     measured_.at = {};
   }
 
-  /// `lead` reaches over so many ticks, from the newest measurement to the one being filled. What
+  /// Fills in a lead of so many ticks, from the newest measurement to the tick being filled. What
   /// is held back counts as what is new.
-  constexpr void lead_over(std::uint32_t ticks, auto& lead) {
+  constexpr void fill_lead(std::uint32_t ticks, auto& lead) const {
     lead.temperature = Thermometer<K>::between(measured_, tick_);
     const auto more = static_cast<float>(ticks - summed_ticks_);
+    for (std::size_t i = 0; i < K; ++i) {
+      lead.temperature.sum[i] = sum_[i] + more * lead.temperature.change[i];
+    }
+  }
+  /// fill_lead() once a tick; the next sum goes on from this one.
+  constexpr void lead_over(std::uint32_t ticks, auto& lead) {
+    fill_lead(ticks, lead);
+    sum_ = lead.temperature.sum;
     summed_ticks_ = ticks;
-    for (std::size_t i = 0; i < K; ++i) sum_[i] += more * lead.temperature.change[i];
-    lead.temperature.sum = sum_;
+  }
+  /// Adds the change between two measurements to a lead that begins at the second.
+  static constexpr void prepend(const auto& since_last, auto& lead) {
+    for (std::size_t i = 0; i < K; ++i) {
+      lead.temperature.change[i] += since_last.temperature.change[i];
+      lead.temperature.unknown[i] += since_last.temperature.unknown[i];
+    }
   }
 
   /// Fills in a drive whose first `past` ticks lie in the lead and had its average; the rest will
@@ -120,7 +133,9 @@ class TemperatureTrack<0> {
   constexpr void resume(Tick /*measured*/) {}
   [[nodiscard]] constexpr bool is_missed(Instant /*now*/) const { return false; }
   constexpr void measure(Tick /*tick*/, auto& /*since_last*/) {}
+  constexpr void fill_lead(std::uint32_t /*ticks*/, auto& /*lead*/) const {}
   constexpr void lead_over(std::uint32_t /*ticks*/, auto& /*lead*/) {}
+  static constexpr void prepend(const auto& /*since_last*/, auto& /*lead*/) {}
   static constexpr void over_drive(const auto& /*lead*/, std::uint32_t /*past*/, auto& /*drive*/) {}
 };
 

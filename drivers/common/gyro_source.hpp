@@ -11,20 +11,12 @@
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "core/samples/gyro_sample.hpp"
 #include "drivers/common/driver_error.hpp"
 
 namespace zerorate::drivers {
 
-/// One reading of a gyro.
-struct GyroSample {
-  core::Instant time;  ///< of the node's monotonic clock
-  /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis (its driver's kAxes is 1) gives
-  /// its rate on all three, so that none of them reads an impossible silence.
-  std::array<core::AngularRate, 3> rate;
-  core::Temperature temperature;  ///< valid only if has_temperature
-  bool has_temperature = false;
-  std::uint8_t saturated_axes = 0;  ///< bit i: axis i is at or beyond full scale
-};
+using core::GyroSample;
 
 /// A gyro that is polled. Never sleeps, retries or logs: the application owns time and counts.
 ///

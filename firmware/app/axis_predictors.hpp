@@ -24,10 +24,11 @@ namespace zerorate::app {
 template <ModelShape Shape, NodeCapacity Capacity>
 class AxisPredictors {
  public:
-  static constexpr std::size_t kAxes = 3;
+  static constexpr std::size_t kAxes = Capacity.axes;
   using Rates = std::array<float, kAxes>;
   using Transition = core::FilterTransition<Shape>;
   using Kalman = core::KalmanBank<Shape, kAxes>;
+  using Lead = typename Kalman::Lead;
   using MovingAverage = std::conditional_t<Capacity.runs_moving_average,
                                            core::MovingAverage<Shape, Capacity.average_levels>,
                                            core::NoPredictor<Shape>>;
@@ -55,13 +56,7 @@ class AxisPredictors {
     }
   };
   using DriveScale = std::conditional_t<kLearns, core::DriveScale<Kalman>, NoDriveScale>;
-  /// Levels that a filter's figures are relative to.
-  struct Levels {
-    float white = 0.0F;  ///< noise that the learnt scales rest on, over the model's; 0: not seen
-    [[no_unique_address]] typename DriveScale::Memory drive;
-
-    constexpr bool operator==(const Levels&) const = default;
-  };
+  using Innovations = typename Kalman::Innovations;
 
   struct State {
     struct Axis {
@@ -72,33 +67,35 @@ class AxisPredictors {
       constexpr bool operator==(const Axis&) const = default;
     };
     Filter kalman;
-    float white_level = 0.0F;  ///< that the learnt scales are relative to; 0: not seen yet
-    bool knows_white = false;  ///< that level stays
-    float stops = 0.0F;        ///< that were learnt from, older ones counted in part
+    float stops = 0.0F;  ///< stops that were learnt from, older ones counted in part
     [[no_unique_address]] typename DriveScale::State drive_scale;
     std::array<Axis, kAxes> axes;
 
     constexpr bool operator==(const State&) const = default;
-    [[nodiscard]] constexpr Levels levels() const {
-      return {.white = white_level, .drive = drive_scale.memory};
-    }
-    /// Whether there is a measurement that later ones have confirmed.
-    [[nodiscard]] constexpr bool has_learnt() const { return kalman.is_confirmed(); }
+  };
+  /// One measurement, and the variance of its white noise as each of those who use it sees it.
+  struct Measurement {
+    Rates rate_rad_s{};
+    float white_of_bank = 0.0F;   ///< relative to the level that the bank's scales rest on
+    float white = 0.0F;           ///< as this sensor has shown it
+    float white_of_model = 0.0F;  ///< by the model
+    Innovations innovations{};    ///< innovations of the bank, once it has compared
+
+    constexpr bool operator==(const Measurement&) const = default;
   };
 
   /// @param params must outlive the predictors
   constexpr explicit AxisPredictors(const NodeParams<Shape>& params)
-      : coefficients_(params.modes, params.gate, params.temperature, params.hypotheses),
+      : coefficients_(params.model.modes, params.model.gate, params.model.temperature,
+                      params.model.hypotheses),
         kalman_(coefficients_),
-        axes_{Axis{params.modes}, Axis{params.modes}, Axis{params.modes}} {}
+        axes_(core::filled_array<kAxes>(Axis{params.model.modes})) {}
   AxisPredictors(const AxisPredictors&) = delete;  // the filter points to its coefficients
   AxisPredictors& operator=(const AxisPredictors&) = delete;
   ~AxisPredictors() = default;
 
   [[nodiscard]] constexpr State state() const {
     State state{.kalman = kalman_.state(),
-                .white_level = white_level_,
-                .knows_white = knows_white_,
                 .stops = stops_,
                 .drive_scale = drive_scale_.state(),
                 .axes = {}};
@@ -111,8 +108,6 @@ class AxisPredictors {
   }
   constexpr void restore(const State& state) {
     kalman_.restore(state.kalman);
-    white_level_ = state.white_level;
-    knows_white_ = state.knows_white;
     stops_ = state.stops;
     drive_scale_.restore(state.drive_scale);
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -122,16 +117,17 @@ class AxisPredictors {
     }
   }
 
-  /// Whether memory from outside may be what a node remembers while the power is off.
-  [[nodiscard]] bool is_possible(const Filter& filter, const Levels& levels) const {
-    return core::is_plausible_variance(levels.white) && DriveScale::is_possible(levels.drive) &&
+  /// True if restored memory of the time without power is valid.
+  [[nodiscard]] bool is_possible(const Filter& filter,
+                                 const typename DriveScale::Memory& drive) const {
+    return DriveScale::is_possible(drive) &&
            is_possible_bank<Kalman>(filter, learns() ? coefficients_.hypotheses->count : 0);
   }
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] bool is_possible(const State& state) const {
-    bool are_possible =
-        core::is_bool(state.knows_white) && core::is_plausible_variance(state.stops) &&
-        DriveScale::is_possible(state.drive_scale) && is_possible(state.kalman, state.levels());
+    bool are_possible = core::is_plausible_variance(state.stops) &&
+                        DriveScale::is_possible(state.drive_scale) &&
+                        is_possible(state.kalman, state.drive_scale.memory);
     for (const auto& axis : state.axes) {
       are_possible = are_possible && core::InnovationMonitor::is_possible(axis.monitor) &&
                      MovingAverage::is_possible(axis.moving_average) &&
@@ -140,79 +136,138 @@ class AxisPredictors {
     return are_possible;
   }
 
+  // A measurement passes these in turn: begin_stop() if it is the first of a stop, bank().advance()
+  // for each hypothesis, compare(), and where that is true learn() for each hypothesis and
+  // conclude(), bank().weigh() for each axis; at the end observe_rest().
+
   /// Predictors without memory across stops start again.
   constexpr void begin_stop() {
     ++stops_;
-    if constexpr (kLearns) {
-      drive_scale_.end_stop(kalman_.state());
-      stop_begins_ = has_learnt();
-    }
+    if constexpr (kLearns) drive_scale_.end_stop(kalman_.state());
     for (Axis& axis : axes_) {
       axis.moving_average.begin_stop();
       axis.calibration_mean.begin_stop();
     }
   }
-  /// Time passes by `since_last`, at the end of which the rates are measured.
-  constexpr void observe(const Transition& since_last, const Rates& rates_rad_s,
-                         const WhiteNoise& white) {
-    if (learns() && white.is_seen && !knows_white_) follow_white_level(white);
-    kalman_.advance(since_last);
+  /// The bank compares the measurement with its forecast.
+  /// @return true if it is to learn it
+  constexpr bool compare(Measurement& measurement, bool begins_stop) {
     if constexpr (kLearns) {
       stops_ *= coefficients_.hypotheses->kept;
-      if (stop_begins_ && learns()) drive_scale_.begin_stop(kalman_.state());
-      stop_begins_ = false;
-    }
-    auto innovations = kalman_.observe(rates_rad_s, white.variance(level_of(white)));
-    if constexpr (kLearns)
-      drive_scale_.on_tick(kalman_.state());  // of a stop that did not begin: nothing
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      if (!learns()) {  // the monitor asks whether the model is right, not what was made of it
-        innovations[i].variance_rad2_s2 +=
-            white.variance(white.model_level) - white.variance(white.level);
+      if (begins_stop && learns() && has_learnt()) {
+        drive_scale_.begin_stop(kalman_.state());
       }
-      const float own = white.variance(white.level) / slow_level(i);
-      axes_[i].monitor.observe(innovations[i]);
-      (void)axes_[i].moving_average.step(since_last, rates_rad_s[i], own);
-      (void)axes_[i].calibration_mean.step(since_last, rates_rad_s[i], own);
+    }
+    return kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank,
+                           measurement.innovations);
+  }
+  constexpr void learn(std::size_t m, const Measurement& measurement) {
+    kalman_.learn(m, measurement.rate_rad_s, measurement.white_of_bank, measurement.innovations);
+  }
+  /// Everything but the bank: drive scale, monitors, moving average and calibration mean.
+  constexpr void observe_rest(const Transition& since_last, const Measurement& measurement) {
+    if constexpr (kLearns) drive_scale_.on_tick(kalman_.state());
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      core::Innovation innovation = measurement.innovations[i];
+      // The monitor judges the model itself, not the white noise that was measured in its place.
+      if (!learns()) {
+        innovation.variance_rad2_s2 += measurement.white_of_model - measurement.white;
+      }
+      axes_[i].monitor.observe(innovation);
+      if constexpr (Capacity.runs_moving_average || Capacity.runs_calibration_mean) {
+        const float white = measurement.white / slow_level(i);
+        (void)axes_[i].moving_average.step(since_last, measurement.rate_rad_s[i], white);
+        (void)axes_[i].calibration_mean.step(since_last, measurement.rate_rad_s[i], white);
+      }
     }
   }
 
-  [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis,
-                                           const Transition& lead) const {
+  [[nodiscard]] constexpr Kalman& bank() { return kalman_; }
+  [[nodiscard]] constexpr const Kalman& bank() const { return kalman_; }
+  /// True if the noise is learnt: there are hypotheses.
+  [[nodiscard]] constexpr bool learns() const { return kalman_.is_learning(); }
+
+  /// Window of the newest measurements that a prediction of an axis needs the span of, in ticks.
+  [[nodiscard]] constexpr std::uint32_t window(Predictor which, const Transition& lead) const {
     switch (which) {
       case Predictor::moving_average:
-        return axes_[axis].moving_average.bias_rad_s(lead);
+        return axes_[0].moving_average.window(lead);
       case Predictor::calibration_mean:
-        return axes_[axis].calibration_mean.bias_rad_s(lead);
+        return axes_[0].calibration_mean.window(lead);
       case Predictor::kalman:
         break;
     }
-    return kalman_.bias_rad_s(lead, axis);
+    return 0;
   }
-  [[nodiscard]] constexpr std::array<core::Prediction, kAxes> predict(
-      Predictor which, const Transition& lead) const {
-    auto predictions =
-        of_all_axes(which, [&](const auto& predictor) { return predictor.predict(lead); });
-    if (which == Predictor::kalman && !learns()) return predictions;
-    for (std::size_t i = 0; i < kAxes; ++i) predictions[i].variance_rad2_s2 *= level_of(which, i);
-    return predictions;
+  /// Prediction of an axis by one of the predictors without a bank.
+  /// @param window span of that many ticks
+  [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis,
+                                                   const Transition& lead,
+                                                   const core::TransitionOf<Shape>& window) const {
+    core::Prediction prediction = which == Predictor::moving_average
+                                      ? axes_[axis].moving_average.predict(lead, window)
+                                      : axes_[axis].calibration_mean.predict(lead, window);
+    prediction.variance_rad2_s2 *= slow_level(axis);
+    return prediction;
   }
-  [[nodiscard]] constexpr std::array<core::HeadingPrediction, kAxes> predict_heading(
-      Predictor which, const Transition& lead, const Transition& drive) const {
-    auto headings = of_all_axes(
-        which, [&](const auto& predictor) { return predictor.predict_heading(lead, drive); });
-    if (which == Predictor::kalman && !learns()) return headings;
-    for (std::size_t i = 0; i < kAxes; ++i) headings[i].variance_rad2 *= level_of(which, i);
-    return headings;
+  /// Factor of the variances that the bank predicts, by what the drives have shown.
+  [[nodiscard]] constexpr float drive_scale() const {
+    if constexpr (kLearns) return learns() ? drive_scale_.scale() : 1.0F;
+    return 1.0F;
+  }
+
+  /// Bias of an axis.
+  /// @param lead spans from the newest measurement of each filter; the other predictors stand at
+  ///   `lead.others`
+  [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis,
+                                           const Lead& lead) const {
+    switch (which) {
+      case Predictor::moving_average:
+        return axes_[axis].moving_average.bias_rad_s(lead.others);
+      case Predictor::calibration_mean:
+        return axes_[axis].calibration_mean.bias_rad_s(lead.others);
+      case Predictor::kalman:
+        break;
+    }
+    return kalman_.forecast().bias_rad_s(lead, axis);
+  }
+  [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis,
+                                                   const Lead& lead,
+                                                   const core::ModesOf<Shape>& modes) const {
+    if (which != Predictor::kalman) {
+      return predict(which, axis, lead.others, modes.over(window(which, lead.others)));
+    }
+    core::Prediction prediction = kalman_.forecast().predict(lead)[axis];
+    prediction.variance_rad2_s2 *= drive_scale();
+    return prediction;
+  }
+  [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
+                                                                  const Lead& lead,
+                                                                  const Transition& drive) const {
+    core::HeadingPrediction heading;
+    switch (which) {
+      case Predictor::moving_average:
+        heading = axes_[axis].moving_average.predict_heading(lead.others, drive);
+        break;
+      case Predictor::calibration_mean:
+        heading = axes_[axis].calibration_mean.predict_heading(lead.others, drive);
+        break;
+      case Predictor::kalman:
+        heading = kalman_.forecast().predict_heading(lead, drive)[axis];
+        heading.variance_rad2 *= drive_scale();
+        return heading;
+    }
+    heading.variance_rad2 *= slow_level(axis);
+    return heading;
   }
 
   /// The Kalman predictor as of the newest measurement: worth keeping while the power is off, with
-  /// its levels, if has_learnt(). The other predictors begin anew at the next stop.
+  /// its drive scale, if has_learnt(). The other predictors begin anew at the next stop.
   [[nodiscard]] constexpr const Filter& filter() const { return kalman_.state(); }
-  [[nodiscard]] constexpr Levels levels() const {
-    return {.white = white_level_, .drive = drive_scale_.state().memory};
+  [[nodiscard]] constexpr typename DriveScale::Memory drive_memory() const {
+    return drive_scale_.state().memory;
   }
-  /// Whether there is a measurement that later ones have confirmed.
+  /// True if later measurements have confirmed one.
   [[nodiscard]] constexpr bool has_learnt() const { return filter().is_confirmed(); }
   /// Noise of an axis as it was learnt.
   [[nodiscard]] constexpr LearntNoise learnt_noise(std::size_t axis) const {
@@ -227,36 +282,24 @@ class AxisPredictors {
 
   /// Starts the Kalman predictor from what another run learnt; the others begin anew.
   /// Not inlined: what stands on the stack here is gone when the bias is predicted.
-  /// @param ticks since its newest measurement
-  [[gnu::noinline]] void resume(const NodeParams<Shape>& params, std::uint32_t ticks,
-                                std::span<const std::uint8_t, sizeof(Filter)> learnt,
-                                const Levels& levels) {
+  [[gnu::noinline]] void resume(std::span<const std::uint8_t, sizeof(Filter)> learnt,
+                                const typename DriveScale::Memory& drive) {
     kalman_.restore(learnt);
-    white_level_ = levels.white;
-    knows_white_ = levels.white > 0.0F;  // else no window of a stop has shown it
-    drive_scale_.restore(levels.drive);
-    pass_pause(params, ticks);
+    drive_scale_.restore(drive);
   }
   /// Starts the Kalman predictor from biases that another model learnt; all its noise is learnt
   /// anew.
-  [[gnu::noinline]] void resume(const NodeParams<Shape>& params, std::uint32_t ticks,
-                                const Rates& biases_rad_s, float variance_rad2_s2) {
+  [[gnu::noinline]] void resume(const Rates& biases_rad_s, float variance_rad2_s2) {
     kalman_.start_from(biases_rad_s, variance_rad2_s2);
-    pass_pause(params, ticks);
   }
-
-  /// Variance of the white noise of a tick, as learnt.
-  [[nodiscard]] constexpr float white_variance(const WhiteNoise& white, std::size_t axis) const {
-    if (!learns()) return white.variance(white.level);
-    return white.variance(level_of(white)) *
-           kalman_.expected(axis, 1.0F, [](const auto& /*one*/, float scale) { return scale; });
+  /// Ages what is known by a time without power, which may change the bias.
+  [[gnu::noinline]] void pass_pause(const Transition& pause, float turn_on_variance_rad2_s2) {
+    kalman_.advance(pause);
+    kalman_.restart_transients();
+    kalman_.inflate_variance(turn_on_variance_rad2_s2);
   }
 
  private:
-  /// Factor of the white noise that is more than its estimate's error: the sensor is shaken, or no
-  /// longer.
-  static constexpr float kChanged = 2.0F;
-
   struct Axis {
     core::InnovationMonitor monitor;
     [[no_unique_address]] MovingAverage moving_average;
@@ -266,71 +309,15 @@ class AxisPredictors {
         : monitor(modes.tick), moving_average(modes), calibration_mean(modes) {}
   };
 
-  /// Ages what is known by so many ticks without power.
-  constexpr void pass_pause(const NodeParams<Shape>& params, std::uint32_t ticks) {
-    kalman_.advance(Transition{params.modes.over(ticks)});
-    kalman_.restart_transients();
-    kalman_.inflate_variance(params.turn_on_variance_rad2_s2);
-  }
-
-  [[nodiscard]] constexpr bool learns() const {
-    return kLearns && coefficients_.hypotheses->count > 0;
-  }
-  /// White noise over that which the model's is taken to be: a learning bank has its own scale.
-  [[nodiscard]] constexpr float level_of(const WhiteNoise& white) const {
-    if (!learns()) return white.level;
-    if (!white.is_known || !knows_white_) return 1.0F;
-    const float change = white.level / white_level_;
-    return change < kChanged && change * kChanged > 1.0F ? 1.0F : change;
-  }
-  /// The scales are relative to the white noise of the first half minute, as well as it is known.
-  constexpr void follow_white_level(const WhiteNoise& white) {
-    if (white_level_ == 0.0F) {
-      kalman_.start_learning(white.level);
-    } else {
-      kalman_.rescale(white.level / white_level_);
-    }
-    white_level_ = white.level;
-    knows_white_ = white.is_known;
-  }
-  /// Factor of the variances that a predictor gives: a bank has its own scales, of which the drives
-  /// have shown what they are worth.
-  [[nodiscard]] constexpr float level_of(Predictor which, std::size_t axis) const {
-    if (which != Predictor::kalman) return slow_level(axis);
-    if constexpr (kLearns) {
-      return drive_scale_.scale();
-    } else {
-      return 1.0F;
-    }
-  }
-  /// How much stronger the slow noise is than the model says.
+  /// Slow noise over the model's.
   [[nodiscard]] constexpr float slow_level(std::size_t axis) const {
     return kalman_.expected(axis, 1.0F,
                             [](const auto& one, float scale) { return scale * one.level; });
   }
 
-  /// Answers of action(predictor) for all axes: of a bank at once, of the others one by one.
-  template <class Action>
-  [[nodiscard]] constexpr auto of_all_axes(Predictor which, Action action) const {
-    switch (which) {
-      case Predictor::moving_average:
-        return std::array{action(axes_[0].moving_average), action(axes_[1].moving_average),
-                          action(axes_[2].moving_average)};
-      case Predictor::calibration_mean:
-        return std::array{action(axes_[0].calibration_mean), action(axes_[1].calibration_mean),
-                          action(axes_[2].calibration_mean)};
-      case Predictor::kalman:
-        break;
-    }
-    return action(kalman_);
-  }
-
   typename Kalman::Coefficients coefficients_;
   Kalman kalman_;
-  float white_level_ = 0.0F;
-  bool knows_white_ = false;
   float stops_ = 0.0F;
-  bool stop_begins_ = false;
   [[no_unique_address]] DriveScale drive_scale_;
   std::array<Axis, kAxes> axes_;
 };

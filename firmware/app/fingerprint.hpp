@@ -59,23 +59,23 @@ template <class Node>
   Fingerprint print;
   print.add(std::uint32_t{sizeof(typename Node::Predictors::Filter)});
   print.add(std::uint32_t{sizeof(typename Node::State)});
-  print.add(params.modes.tick);
-  print.add(params.modes.start);
-  print.add(params.modes.walk_variance);
-  print.add_modes(params.modes.decaying);
-  print.add_modes(params.modes.rotating);
-  print.add(params.white_variance_rad2_s2);
-  print.add(params.measurement_floor_variance_rad2_s2);
+  print.add(params.model.modes.tick);
+  print.add(params.model.modes.start);
+  print.add(params.model.modes.walk_variance);
+  print.add_modes(params.model.modes.decaying);
+  print.add_modes(params.model.modes.rotating);
+  print.add(params.model.white_variance_rad2_s2);
+  print.add(params.model.measurement_floor_variance_rad2_s2);
   if constexpr (!std::is_empty_v<typename Node::TickTemperature>) {
-    print.add(params.temperature.reference_degc);
-    print.add(params.temperature.slope_rad_s_per_k);
-    print.add(params.temperature.slope_sigma_rad_s_per_k);
-    print.add(params.temperature.curvature_rad_s_per_k2);
-    print.add(params.temperature.curvature_sigma_rad_s_per_k2);
-    print.add(params.temperature.lag_s);
+    print.add(params.model.temperature.reference_degc);
+    print.add(params.model.temperature.slope_rad_s_per_k);
+    print.add(params.model.temperature.slope_sigma_rad_s_per_k);
+    print.add(params.model.temperature.curvature_rad_s_per_k2);
+    print.add(params.model.temperature.curvature_sigma_rad_s_per_k2);
+    print.add(params.model.temperature.lag_s);
   }
   if constexpr (Node::kScreensSamples) {
-    const core::SampleModel& samples = params.samples;
+    const core::SampleModel& samples = params.model.samples;
     for (const float figure : {samples.outliers.probability, samples.outliers.variance_rad2_s2,
                                samples.motion.begin_probability, samples.motion.end_probability,
                                samples.motion.variance_rad2_s2, samples.level.variance,
@@ -84,9 +84,9 @@ template <class Node>
       print.add(figure);
     }
   }
-  print.add(params.sample_period);
+  print.add(params.model.sample_period);
   print.add(params.learns_white_noise);
-  print.add(params.hypotheses);
+  print.add(params.model.hypotheses);
   for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
   return print.value();
 }

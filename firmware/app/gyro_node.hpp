@@ -1,18 +1,19 @@
 /// @file
 /// The node: samples and odometer pulses in, bias-corrected rate with its interval out.
 ///
-/// This is the one step function of the project. The MCU image, the Linux daemon, a replay on a PC
-/// and the likelihood that identifies a model all call GyroNode::step.
+/// The microcontroller image, the Linux daemon and a replay on a PC call GyroNode::step. What
+/// follows a closed tick is TickNode, which the likelihood of a recording and the gain of a model
+/// run too: there is no second copy of a formula (docs/adr/0002).
 ///
 /// The life of a tick:
 ///
-///     GyroSample --> SampleScreening --> StopLearning --> AxisPredictors --> RateMessage
-///      (a driver)     wild samples are    settle,          learn from the     rate less bias,
-///                     left out            average,         mean, predict      sigma, Health,
-///                                         hold back        the tick           Motion
-///                                            ^                being filled
+///     GyroSample --> TickNode::take --> StopLearning --> TickNode::learn --> RateMessage
+///      (a driver)     wild samples are   settle,          one step or more     rate less bias,
+///                     left out           average,         a sample             sigma, Health,
+///                                        hold back                             Motion
+///                                           ^
 ///     odometer pulse -----------------------+
-///     temperature ---> TemperatureTrack: weights of the tick, held beside its mean
+///     temperature ---> TickNode: weights of the tick, held beside its mean
 #pragma once
 
 #include <algorithm>
@@ -23,53 +24,44 @@
 #include <type_traits>
 
 #include "core/base/result.hpp"
-#include "core/samples/tick_average.hpp"
+#include "core/samples/gyro_sample.hpp"
 #include "core/standstill/stop_learning.hpp"
-#include "core/temperature/temperature_track.hpp"
-#include "drivers/common/gyro_source.hpp"
-#include "firmware/app/axis_predictors.hpp"
 #include "firmware/app/node_params.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/sample_screening.hpp"
+#include "firmware/app/tick_node.hpp"
 
 namespace zerorate::app {
 
-/// One sensor with three axes. Chip-free and board-free; no heap; one thread (the caller's).
-/// Cost per sample: a few additions; per tick: see the predictors.
+/// One sensor. Chip-free and board-free; no heap; one thread (the caller's).
+///
+/// What a tick costs is spread over the samples of the next one, so that no call is long: a rate is
+/// published with the newest prediction that is complete (docs/adr/0021).
+/// Cost per sample: a few additions and its share of TickNode::cost_of_tick().
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
-  static constexpr std::size_t kAxes = 3;
+  static constexpr std::size_t kAxes = Capacity.axes;
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<Shape>;
-  using Predictors = AxisPredictors<Shape, Capacity>;
-  using Transition = core::FilterTransition<Shape>;
-  using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
-  using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
-  using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
-  /// A measurement that waits until it is certain that the vehicle stood.
-  struct HeldTick : core::TickMean<kAxes> {
-    [[no_unique_address]] TickTemperature temperature;
-    [[no_unique_address]] typename Screening::Squares squares;
-
-    constexpr bool operator==(const HeldTick&) const = default;
-  };
-  using Learning = core::StopLearning<HeldTick, Capacity.held_ticks>;
+  using Ticks = TickNode<Shape, Capacity>;
+  using Predictors = typename Ticks::Predictors;
+  using Transition = typename Ticks::Transition;
+  using TemperatureTrack = typename Ticks::TemperatureTrack;
+  using TickTemperature = typename Ticks::TickTemperature;
+  using Screening = typename Ticks::Screening;
+  using Learning = core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks>;
 
   /// Everything the node remembers; restored into a node with the same parameters it continues
   /// bit for bit.
   struct State {
-    bool odometer_fault = false;       ///< not yet published
-    std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
-    Transition lead;                   ///< from there to the tick being filled
+    bool odometer_fault = false;  ///< not yet published
     typename Learning::State learning;
-    [[no_unique_address]] typename TemperatureTrack::State temperature;
-    [[no_unique_address]] typename Screening::State screening;
-    typename Predictors::State predictors;
+    typename Ticks::State ticks;
 
     constexpr bool operator==(const State&) const = default;
     [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
-      return learning.average.tick + 1 - measured_ticks;
+      return ticks.ticks_since_measured();
     }
   };
   static_assert(std::is_trivially_copyable_v<State>);
@@ -81,45 +73,44 @@ class GyroNode {
   /// @param params must pass check() and outlive the node
   constexpr explicit GyroNode(const Params& params)
       : params_(params),
-        one_tick_(params.modes.one_tick()),
-        learning_(params.standstill, params.odometer, params.modes.tick, params.sample_period,
-                  params.white_variance_rad2_s2),
-        temperature_(params.temperature),
-        screening_(params.samples),
-        predictors_(params) {
+        learning_(params.standstill, params.odometer, params.model.modes.tick,
+                  params.model.sample_period, params.model.white_variance_rad2_s2),
+        ticks_(params),
+        pace_(pace_of(params.model)) {
     ZERORATE_ASSERT(check(params).has_value());
   }
 
   /// An odometer pulse. Before step() with a sample that is not older.
   constexpr void pulse(core::Instant at) {
-    if (learning_.pulse(at, learner())) predict_tick();
-    screening_.end_stop();
+    learning_.pulse(at);
+    ticks_.end_stop();
   }
 
-  /// The odometer input failed or dropped edges; that it was moving is known, but not since when:
-  /// no tick that is held back is certain any more.
+  /// The odometer input failed or dropped edges: the vehicle was moving, and it is unknown since
+  /// when. No tick that is held back is certain any more.
   constexpr void report_odometer_fault(core::Instant now) {
     odometer_fault_ = true;
     learning_.report_odometer_fault(now);
-    screening_.end_stop();
+    ticks_.end_stop();
   }
 
   /// Takes one sample. Samples must come in the order of their time stamps; one that is not newer
   /// than the one before, or not finite, is refused with a flag and changes nothing.
-  constexpr RateMessage step(const drivers::GyroSample& sample) {
+  constexpr RateMessage step(const core::GyroSample& sample) {
     RateMessage message{.time = sample.time};
     const bool refused = is_refused(sample, message.health);
     if (!refused) take_in(sample);
 
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;
-    message.health.saturated = sample.saturated_axes != 0 || screening_.is_saturated(sample.rate);
+    message.health.saturated =
+        sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
     describe(message, refused ? Rate{} : sample.rate);
     return message;
   }
 
-  /// Says what is known while the gyro gives no samples: a message without a rate, the bias and its
-  /// interval as of the newest sample, and no claim that the vehicle stands.
+  /// Message while the gyro gives no samples: without a rate, with the bias and its interval as of
+  /// the newest sample, and without a claim that the vehicle stands.
   constexpr RateMessage step_without_sample(core::Instant now) {
     RateMessage message{.time = now};
     message.health.sensor_fault = true;
@@ -127,26 +118,28 @@ class GyroNode {
     return message;
   }
 
+  /// Does at once what is left to do for the ticks that are certain, before a record is saved. A
+  /// long call with many hypotheses.
+  constexpr void finish_work() {
+    while (has_work()) (void)one_step();
+  }
+
   /// Bias that a predictor expects at the newest sample, alone and with its variance.
   [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
-    return core::rad_per_s(predictors_.bias_rad_s(which, axis, lead_));
+    return core::rad_per_s(ticks_.bias_rad_s(which, axis));
   }
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return params_.with_earth(predictors_.predict(which, lead_)[axis], axis);
+    return params_.with_earth(ticks_.predict(which, axis), axis);
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
   [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
                                                                   core::Instant from,
                                                                   core::Instant to) const {
-    const std::uint32_t first = std::max(learning_.tick_of(from), measured_ticks_);
+    const std::uint32_t first = std::max(learning_.tick_of(from), ticks_.measured_ticks());
     const std::uint32_t last = std::max(learning_.tick_of(to), first);
-    const Transition lead{params_.modes.over(first - measured_ticks_)};
-    Transition drive{params_.modes.over(last - first)};
-    const std::uint32_t now = std::clamp(measured_ticks_ + lead_.ticks, first, last);
-    temperature_.over_drive(lead_, now - first, drive);
-    core::HeadingPrediction heading = predictors_.predict_heading(which, lead, drive)[axis];
-    const float length_s = (params_.modes.tick * std::int64_t{last - first}).in_seconds();
+    core::HeadingPrediction heading = ticks_.predict_heading(which, axis, first, last);
+    const float length_s = (params_.model.modes.tick * std::int64_t{last - first}).in_seconds();
     heading.variance_rad2 += params_.earth.heading_variance_rad2_s2[axis] * length_s * length_s;
     return heading;
   }
@@ -155,144 +148,136 @@ class GyroNode {
   /// The filter's tick of the newest sample, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return learning_.tick(); }
   /// Ticks up to and with the newest one that has been learnt from.
-  [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return measured_ticks_; }
+  [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return ticks_.measured_ticks(); }
+  /// Whether a tick that is certain has not been learnt, or the newest prediction is not complete.
+  [[nodiscard]] constexpr bool has_work() const {
+    return ticks_.is_busy() || learning_.confirmed() > 0;
+  }
 
   [[nodiscard]] constexpr State state() const {
-    return {.odometer_fault = odometer_fault_,
-            .measured_ticks = measured_ticks_,
-            .lead = lead_,
-            .learning = learning_.state(),
-            .temperature = temperature_.state(),
-            .screening = screening_.state(),
-            .predictors = predictors_.state()};
+    return {
+        .odometer_fault = odometer_fault_, .learning = learning_.state(), .ticks = ticks_.state()};
   }
   /// Goes on from a state of a node with the same parameters, bit for bit.
   constexpr void restore(const State& state) {
     odometer_fault_ = state.odometer_fault;
-    measured_ticks_ = state.measured_ticks;
-    lead_ = state.lead;
-    learning_.restore(state.learning);
-    temperature_.restore(state.temperature);
-    screening_.restore(state.screening);
-    predictors_.restore(state.predictors);
-    if (learning_.has_sample()) predict_tick();
+    ticks_.restore(state.ticks);
+    learning_.restore(state.learning, ticks_.white());
   }
 
   /// Variance of the white noise of a sample: as this sensor has shown it, or by the model.
   [[nodiscard]] constexpr float white_variance_rad2_s2(std::size_t axis) const {
-    WhiteNoise white = white_noise_of(params_, screening_, learning_.calm(), 1.0F);
-    white.floor_rad2_s2 = 0.0F;
-    return predictors_.white_variance(white, axis);
+    return ticks_.white_variance_rad2_s2(axis);
   }
 
   [[nodiscard]] constexpr const Params& params() const { return params_; }
-  /// Span from the newest measurement to the tick being filled.
-  [[nodiscard]] constexpr const Transition& lead() const { return lead_; }
-  [[nodiscard]] constexpr const Predictors& predictors() const { return predictors_; }
-  /// The temperature that the filter stands at, if it follows it: that of the newest measurement.
-  [[nodiscard]] constexpr TickTemperature measured_temperature() const {
-    return temperature_.measured();
-  }
-  /// Ticks from the newest measurement to the end of the one being filled.
-  [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
-    return learning_.tick() + 1 - measured_ticks_;
-  }
-  /// Goes on, before the first sample, with what another run learnt: ages it by the ticks since its
-  /// newest measurement, and adds what the bias changes by while the power is off.
-  /// @param learnt arguments of AxisPredictors::resume(): a filter, or biases alone
+  [[nodiscard]] constexpr const Ticks& ticks() const { return ticks_; }
+  [[nodiscard]] constexpr const Predictors& predictors() const { return ticks_.predictors(); }
+  /// Goes on, before the first sample, with what another run learnt; see TickNode::resume().
   template <class... Learnt>
-  void resume(TickTemperature temperature, std::uint32_t ticks, const Learnt&... learnt) {
+  void resume(const Learnt&... learnt) {
     ZERORATE_ASSERT(!learning_.has_sample());
-    temperature_.resume(temperature);
-    predictors_.resume(params_, ticks, learnt...);
-    predict_tick();
+    ticks_.resume(learnt...);
   }
 
  private:
-  using Rate = std::array<core::AngularRate, kAxes>;
-  [[nodiscard]] constexpr bool is_refused(const drivers::GyroSample& sample, Health& health) const {
+  using Rate = std::array<core::AngularRate, 3>;
+  using Rates = std::array<float, kAxes>;
+
+  static constexpr std::uint32_t kShortCall = 8;  ///< cost units of a call that is short
+
+  /// Cost units a sample that do the work of a tick before the next one begins.
+  [[nodiscard]] static constexpr std::uint32_t pace_of(const core::NodeModel<Shape>& model) {
+    const auto samples = static_cast<std::uint32_t>(
+        std::clamp(model.modes.tick / model.sample_period, std::int64_t{1}, std::int64_t{0xFFFF}));
+    return (Ticks::cost_of_tick() + samples - 1) / samples;
+  }
+  [[nodiscard]] static constexpr std::array<core::AngularRate, kAxes> rates_of(
+      const core::GyroSample& sample) {
+    std::array<core::AngularRate, kAxes> rates;
+    std::copy_n(sample.rate.begin(), kAxes, rates.begin());
+    return rates;
+  }
+
+  [[nodiscard]] constexpr bool is_refused(const core::GyroSample& sample, Health& health) const {
     health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
     health.time_refused = !learning_.can_take(sample.time);
     return health.sample_refused || health.time_refused;
   }
-  constexpr void take_in(const drivers::GyroSample& sample) {
+  constexpr void take_in(const core::GyroSample& sample) {
     const bool begins_tick = learning_.begin_sample(sample.time);
-    if (begins_tick) {
-      const std::array<float, kAxes> predicted_rad_s{
-          predicted_[0].bias_rad_s, predicted_[1].bias_rad_s, predicted_[2].bias_rad_s};
-      learning_.close_tick(predicted_[0].is_available() ? &predicted_rad_s : nullptr,
-                           predicted_[0].variance_rad2_s2, temperature_.tick(),
-                           screening_.squares());
-      learning_.enter_tick(sample.time);
-      screening_.begin_tick(predicted_, params_.white_variance_rad2_s2,
-                            params_.measurement_floor_variance_rad2_s2);
-    }
+    if (begins_tick) turn_to_tick(sample.time);
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    temperature_.take(sample.time, begins_tick,
-                      sample.has_temperature ? sample.temperature.degc() : kNone);
-    std::array<float, kAxes> rate_rad_s{};
+    ticks_.take_temperature(sample.time, begins_tick,
+                            sample.has_temperature ? sample.temperature.degc() : kNone);
+    Rates rate_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
       rate_rad_s[i] = sample.rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
     }
     learning_.add(sample.time, begins_tick, rate_rad_s,
-                  [&] { return sample.saturated_axes == 0 && screening_.take(rate_rad_s); });
-    if (learning_.release_at(sample.time, learner()) || begins_tick) predict_tick();
+                  [&] { return sample.saturated_axes == 0 && ticks_.take(rate_rad_s); });
+    learning_.confirm_at(sample.time);
+    work();
+  }
+  /// Closes the tick that is over, and begins the next one.
+  constexpr void turn_to_tick(core::Instant at) {
+    // Only where samples were lost: then this call is as long as the work that they would have
+    // done.
+    while (learning_.is_full() && learning_.confirmed() > 0) (void)one_step();
+    const auto& predicted = ticks_.predicted();
+    Rates predicted_rad_s{};
+    for (std::size_t i = 0; i < kAxes; ++i) predicted_rad_s[i] = predicted[i].bias_rad_s;
+    learning_.close_tick(
+        predicted[0].is_available() ? &predicted_rad_s : nullptr, predicted[0].variance_rad2_s2,
+        ticks_.white(),
+        [&](const core::TickMean<kAxes>& mean) { return ticks_.measurement(mean); });
+    learning_.enter_tick(at);
+    ticks_.begin_tick(learning_.tick());
+    ticks_.begin_samples();
   }
 
-  /// Callback of StopLearning for each tick that is certain.
-  [[nodiscard]] constexpr auto learner() {
-    return [this](const HeldTick& mean, bool begins_stop) {
-      const std::uint32_t ticks = mean.tick + 1 - measured_ticks_;
-      Transition since_last{ticks == 1 ? one_tick_ : params_.modes.over(ticks)};
-      temperature_.measure(mean.temperature, since_last);
-      screening_.advance(ticks);
-      if (begins_stop) predictors_.begin_stop();
-      const auto samples = static_cast<float>(mean.samples);
-      predictors_.observe(since_last, mean.rate_rad_s,
-                          white_noise_of(params_, screening_, learning_.calm(), samples));
-      screening_.observe(mean.squares, params_.white_variance_rad2_s2, samples);
-      measured_ticks_ = mean.tick + 1;
-    };
+  /// Does the share of a sample, more where several ticks wait and the call stays short.
+  constexpr void work() {
+    const auto waiting =
+        static_cast<std::uint32_t>(std::max(learning_.confirmed(), std::size_t{1}));
+    const std::uint32_t share = std::max(pace_, std::min(pace_ * waiting, kShortCall));
+    for (std::uint32_t done = 0; done < share && has_work();) done += one_step();
   }
-
-  constexpr void predict_tick() {
-    temperature_.lead_over(ticks_since_measured(), lead_);
-    params_.modes.lead_over(ticks_since_measured(), one_tick_, lead_);
-    predicted_ = predictors_.predict(params_.published, lead_);
+  /// A tick is predicted before the next measurement is learnt.
+  constexpr std::uint32_t one_step() {
+    if (!ticks_.is_busy()) ticks_.learn(learning_.take_confirmed());
+    return ticks_.step();
   }
 
   /// Fills in what does not depend on whether there was a sample.
   constexpr void describe(RateMessage& message, const Rate& rate) {
-    message.health.calibrated = predicted_[0].is_available() && predictors_.has_learnt();
+    const auto& predicted = ticks_.predicted();
+    const auto& predictors = ticks_.predictors();
+    message.health.calibrated = predicted[0].is_available() && predictors.has_learnt();
     message.health.odometer_fault = odometer_fault_;
     odometer_fault_ = false;
     message.health.odometer_disagreement = learning_.odometer_disagrees();
     message.health.odometer_dead_band = learning_.has_dead_band();
-    message.calm_percent = learning_.calm().percent();
+    message.calm_percent = learning_.calm().share().percent();
     message.health.measurement_rejected =
-        screening_.is_disturbed() || predictors_.filter().rejected > 0;
-    message.health.temperature_missing = temperature_.is_missed(message.time);
+        ticks_.screening().is_disturbed() || predictors.filter().rejected > 0;
+    message.health.temperature_missing = ticks_.temperature().is_missed(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.health.model_inconsistent |=
-          !predictors_.is_consistent(i) || params_.is_beyond_zero_rate(predicted_[i].bias_rad_s);
-      const core::AngularRate bias = core::rad_per_s(predicted_[i].bias_rad_s);
+          !predictors.is_consistent(i) || params_.is_beyond_zero_rate(predicted[i].bias_rad_s);
+      const core::AngularRate bias = core::rad_per_s(predicted[i].bias_rad_s);
       message.axes[i] = {
           .measured = rate[i],
           .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
           .bias = bias,
-          .sigma = core::rad_per_s(params_.with_earth(predicted_[i], i).sigma_rad_s())};
+          .sigma = core::rad_per_s(params_.with_earth(predicted[i], i).sigma_rad_s())};
     }
   }
 
   const Params& params_;
-  core::TransitionOf<Shape> one_tick_;
   Learning learning_;
-  [[no_unique_address]] TemperatureTrack temperature_;
-  [[no_unique_address]] Screening screening_;
-  Predictors predictors_;
-  std::array<core::Prediction, kAxes> predicted_{};  ///< by the published predictor, for this tick
-  Transition lead_{};
-  std::uint32_t measured_ticks_ = 0;
+  Ticks ticks_;
+  std::uint32_t pace_;  ///< cost units of the work of a sample
   bool odometer_fault_ = false;
 };
 

@@ -98,7 +98,7 @@ class NodeLoop {
     const bool is_stamped = edge && !gyro_.is_batched();
     if (is_stamped) next_edge_by_ = *edge + gyro_.sample_period() * 2;
     const core::Instant stamp = is_stamped ? *edge : now;
-    std::array<drivers::GyroSample, Batch> samples{};
+    std::array<core::GyroSample, Batch> samples{};
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);

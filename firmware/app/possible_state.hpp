@@ -150,20 +150,25 @@ template <class Bank>
   return true;
 }
 
-/// Whether memory from outside may be the state of a node with the parameters of this one. What the
-/// node makes of a possible state may still predict what is no number: see predicts_numbers().
+/// True if a restored state is valid for a node with the parameters of this one. What the node
+/// makes of a valid state may still predict what is no number: see predicts_numbers().
 template <class Node>
 [[nodiscard]] bool is_possible_state(const Node& node, const typename Node::State& state) {
-  const auto is_possible_item = [](const typename Node::HeldTick& held) {
+  using Ticks = typename Node::Ticks;
+  const auto is_possible_item = [](const typename Ticks::Tick& held) {
     return Node::TickTemperature::is_possible(held.temperature) &&
            Node::Screening::is_possible(held.squares);
   };
-  return core::is_bool(state.odometer_fault) && is_possible_span(state.lead) &&
-         state.measured_ticks <= state.learning.average.tick + 1 &&
-         Node::Learning::is_possible(state.learning, node.params().modes.tick, is_possible_item) &&
-         Node::TemperatureTrack::is_possible(state.temperature) &&
-         Node::Screening::is_possible(state.screening) &&
-         node.predictors().is_possible(state.predictors);
+  const typename Ticks::State& ticks = state.ticks;
+  return core::is_bool(state.odometer_fault) && is_possible_span(ticks.lead) &&
+         ticks.tick == state.learning.average.tick && ticks.measured_ticks <= ticks.tick + 1 &&
+         are_plausible(ticks.predicted, true) &&
+         Node::Learning::is_possible(state.learning, node.params().model.modes.tick,
+                                     is_possible_item) &&
+         Node::TemperatureTrack::is_possible(ticks.temperature) &&
+         Node::Screening::is_possible(ticks.screening) &&
+         Ticks::WhiteLevel::is_possible(ticks.white) && Ticks::is_possible(ticks.work) &&
+         node.predictors().is_possible(ticks.predictors);
 }
 
 /// Whether what a node has taken up from outside, and aged, is possible, and everything that the
@@ -172,18 +177,21 @@ template <class Node>
 template <class Node>
 [[nodiscard, gnu::noinline]] bool predicts_numbers(const Node& node) {
   const auto& predictors = node.predictors();
-  if (!predictors.is_possible(predictors.filter(), predictors.levels())) return false;
+  if (!predictors.is_possible(predictors.filter(), predictors.drive_memory())) return false;
   constexpr std::uint32_t kFactor = 64;
   constexpr std::uint32_t kMonths = 1U << 24U;  // at 2 Hz
-  typename Node::Transition lead = node.lead();
-  for (std::uint32_t ticks = 1;; ticks *= kFactor) {
+  for (std::uint32_t ticks = 1; ticks <= kMonths; ticks *= kFactor) {
+    const typename Node::Transition lead{node.params().model.modes.over(ticks)};
     for (const Predictor which : {Predictor::kalman, node.params().published}) {
       const bool may_be_silent = which != Predictor::kalman || !predictors.has_learnt();
-      if (!are_plausible(predictors.predict(which, lead), may_be_silent)) return false;
+      std::array<core::Prediction, Node::kAxes> predictions{};
+      for (std::size_t i = 0; i < Node::kAxes; ++i) {
+        predictions[i] = predictors.predict(which, i, {lead, lead}, node.params().model.modes);
+      }
+      if (!are_plausible(predictions, may_be_silent)) return false;
     }
-    if (ticks > kMonths) return true;
-    lead = typename Node::Transition{node.params().modes.over(ticks)};
   }
+  return true;
 }
 
 }  // namespace zerorate::app

@@ -9,7 +9,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
-#include "core/standstill/calm_judge.hpp"
+#include "core/standstill/calm_share.hpp"
 #include "core/standstill/standstill.hpp"
 
 namespace zerorate::app {
@@ -49,7 +49,7 @@ struct AxisRate {
 };
 
 struct RateMessage {
-  static constexpr std::uint8_t kNoCalm = core::CalmJudge::kNoPercent;
+  static constexpr std::uint8_t kNoCalm = core::CalmShare::kNoPercent;
 
   core::Instant time;
   core::Motion motion = core::Motion::moving;

@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/compile_time.hpp"
 #include "core/base/numeric.hpp"
 #include "core/base/units.hpp"
 #include "core/estimator/prediction.hpp"
-#include "core/samples/noise_level_track.hpp"
 #include "core/samples/sample_model.hpp"
 #include "core/samples/sample_screen.hpp"
 
@@ -51,9 +51,6 @@ class SampleScreening {
   }
   [[nodiscard]] constexpr bool is_disturbed() const { return false; }
   [[nodiscard]] constexpr Squares squares() const { return {}; }
-  constexpr void advance(std::uint32_t /*ticks*/) {}
-  [[nodiscard]] constexpr float level() const { return 1.0F; }
-  constexpr void observe(const Squares& /*squares*/, float /*white_variance*/, float /*samples*/) {}
 };
 
 /// In a node with room for it, as long as the model asks for it.
@@ -70,33 +67,25 @@ class SampleScreening<Axes, true> {
   struct State {
     bool disturbed = false;
     std::array<core::SampleScreen::State, Axes> screens;
-    core::NoiseLevelTrack::State level;
 
     constexpr bool operator==(const State&) const = default;
   };
 
   constexpr explicit SampleScreening(const core::SampleModel& model)
-      : model_(&model),
-        screens_{core::SampleScreen{model}, core::SampleScreen{model}, core::SampleScreen{model}},
-        level_{model.level} {
-    static_assert(Axes == 3);
-  }
+      : model_(&model), screens_(core::filled_array<Axes>(core::SampleScreen{model})) {}
   [[nodiscard]] constexpr State state() const {
-    State state{.disturbed = disturbed_, .screens = {}, .level = level_.state()};
+    State state{.disturbed = disturbed_, .screens = {}};
     for (std::size_t i = 0; i < Axes; ++i) state.screens[i] = screens_[i].state();
     return state;
   }
   constexpr void restore(const State& state) {
     disturbed_ = state.disturbed;
-    level_.restore(state.level);
     for (std::size_t i = 0; i < Axes; ++i) screens_[i].restore(state.screens[i]);
   }
 
   /// Whether memory from outside may be such a state.
   [[nodiscard]] static bool is_possible(const State& state) {
-    bool are_possible = core::is_bool(state.disturbed) && state.level.level > 0.0F &&
-                        core::is_plausible(state.level.level) &&
-                        core::is_plausible_variance(state.level.variance);
+    bool are_possible = core::is_bool(state.disturbed);
     for (const auto& screen : state.screens) {
       are_possible = are_possible && core::SampleScreen::is_possible(screen);
     }
@@ -114,13 +103,14 @@ class SampleScreening<Axes, true> {
   }
 
   /// A tick begins, for which this is predicted.
+  /// @param white_variance variance of a sample
   constexpr void begin_tick(const std::array<core::Prediction, Axes>& predicted,
                             float white_variance, float measurement_floor_variance) {
     if (!model_->needs_screen()) return;
     for (std::size_t i = 0; i < Axes; ++i) {
       screens_[i].begin_tick(predicted[i].bias_rad_s,
                              predicted[i].variance_rad2_s2 + measurement_floor_variance,
-                             level_.level() * white_variance);
+                             white_variance);
     }
   }
 
@@ -142,6 +132,9 @@ class SampleScreening<Axes, true> {
     }
     return is_saturated;
   }
+  [[nodiscard]] constexpr const core::SampleScreen& screen(std::size_t axis) const {
+    return screens_[axis];
+  }
   /// Whether the newest sample was not learnt from.
   [[nodiscard]] constexpr bool is_disturbed() const { return disturbed_; }
 
@@ -151,28 +144,9 @@ class SampleScreening<Axes, true> {
     return squares;
   }
 
-  /// Time passes until the next measurement.
-  constexpr void advance(std::uint32_t ticks) { level_.advance(ticks); }
-  /// Strength of the sensor's white noise: its variance over the nominal one, on all axes alike.
-  [[nodiscard]] constexpr float level() const { return level_.level(); }
-  /// Follows the strength by the samples of a tick. An axis without any noise is not there.
-  /// @param white_variance of a sample, nominal
-  constexpr void observe(const Squares& squares, float white_variance, float samples) {
-    float sum = 0.0F;
-    float all_samples = 0.0F;
-    for (const float square : squares.rad2_s2) {
-      if (square > 0.0F) {
-        sum += square;
-        all_samples += samples;
-      }
-    }
-    if (all_samples > 0.0F) level_.observe(sum / (all_samples * white_variance), all_samples);
-  }
-
  private:
   const core::SampleModel* model_;
   std::array<core::SampleScreen, Axes> screens_;
-  core::NoiseLevelTrack level_;
   bool disturbed_ = false;
 };
 

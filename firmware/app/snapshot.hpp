@@ -58,7 +58,7 @@ enum class SnapshotRefusal : std::uint8_t {
 enum class Resumption : std::uint8_t {
   continued,      ///< bit for bit, as if there had been no pause
   aged,           ///< by the time that the clock says to have passed since
-  aged_by_a_day,  ///< without a clock: no shorter pause makes the interval too narrow
+  aged_by_a_day,  ///< no clock: assume a day, so the interval is never too narrow
   bias_alone,     ///< the model is another: aged likewise, and the noise is learnt anew
 };
 
@@ -111,54 +111,59 @@ class Snapshot {
   using State = typename Node::State;
   using Predictors = typename Node::Predictors;
   using Filter = typename Predictors::Filter;
-  using Levels = typename Predictors::Levels;
+  using Levels = typename Node::Ticks::Levels;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
 
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
-  static constexpr std::uint16_t kLayout = 6;
+  static constexpr std::uint16_t kLayout = 7;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
+  static constexpr std::size_t kBytesOfBiases = 4 * (Node::kAxes + 3);
   static constexpr std::size_t kBytesOfFilters =
-      64 + 24 + sizeof(Filter) + sizeof(Levels) + kBytesOfTemperature + 4;
-  static constexpr std::size_t kBytesOfState = 64 + 24 + sizeof(State) + 4;
+      64 + kBytesOfBiases + sizeof(Filter) + sizeof(Levels) + kBytesOfTemperature + 4;
+  static constexpr std::size_t kBytesOfState = 64 + kBytesOfBiases + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
   constexpr Snapshot(const Params& params, std::uint32_t sensor)
       : model_(fingerprint<Node>(params)),
         sensor_(sensor),
-        tick_(params.modes.tick),
+        tick_(params.model.modes.tick),
         reference_degc_(reference_of(params)),
-        turn_on_is_known_(core::is_finite(params.turn_on_variance_rad2_s2)) {}
+        turn_on_is_known_(core::is_finite(params.model.turn_on_variance_rad2_s2)) {}
 
-  /// A record for boards that lose their power.
+  /// A record for boards that lose their power, of all that is certain (GyroNode::finish_work).
   [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
-      const Node& node, const SnapshotTime& time) const {
+      Node& node, const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfFilters> record{};
     write_filters(node, time, record);
     return record;
   }
   /// Writes that record into the caller's memory.
-  void write_filters(const Node& node, const SnapshotTime& time,
+  void write_filters(Node& node, const SnapshotTime& time,
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
+    node.finish_work();
+    const auto& ticks = node.ticks();
     std::span<std::uint8_t> rest = begin(record, Content::filters, node.predictors().has_learnt(),
-                                         node.ticks_since_measured(), time);
+                                         ticks.ticks_since_measured(), time);
     const Filter& filter = node.predictors().filter();
-    put(rest, biases_of(filter, node.measured_temperature(), node.ticks_since_measured()));
+    const Temperature temperature = ticks.temperature().measured();
+    put(rest, biases_of(filter, temperature, ticks.ticks_since_measured()));
     put(rest, filter);
-    put(rest, node.predictors().levels());
-    if constexpr (kBytesOfTemperature > 0) put(rest, node.measured_temperature());
+    put(rest, ticks.levels());
+    if constexpr (kBytesOfTemperature > 0) put(rest, temperature);
     finish(record);
   }
   /// A record for programs that are restarted.
   [[nodiscard]] std::array<std::uint8_t, kBytesOfState> of_state(const State& state,
                                                                  const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfState> record{};
-    auto rest = begin(record, Content::state, state.predictors.kalman.is_confirmed(),
-                      state.ticks_since_measured(), time);
-    const auto temperature = Node::TemperatureTrack::measured(state.temperature);
-    put(rest, biases_of(state.predictors.kalman, temperature, state.ticks_since_measured()));
+    const Filter& filter = state.ticks.predictors.kalman;
+    auto rest =
+        begin(record, Content::state, filter.is_confirmed(), state.ticks_since_measured(), time);
+    const auto temperature = Node::TemperatureTrack::measured(state.ticks.temperature);
+    put(rest, biases_of(filter, temperature, state.ticks_since_measured()));
     put(rest, state);
     finish(record);
     return record;
@@ -179,9 +184,9 @@ class Snapshot {
       node.restore(state);
       return if_possible(node, *header, Resumption::continued);
     }
-    const Filter& learnt = state.predictors.kalman;
+    const Filter& learnt = state.ticks.predictors.kalman;
     return resume(node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
-                  state.predictors.levels(), Node::TemperatureTrack::measured(state.temperature),
+                  state.ticks.levels(), Node::TemperatureTrack::measured(state.ticks.temperature),
                   *header, now);
   }
   /// restore() of records of the filters only: no room for a whole state on the stack.
@@ -241,7 +246,7 @@ class Snapshot {
   };
   static constexpr float kMostTicks = 1e9F;
   static constexpr std::size_t kPayload = sizeof(Header) + sizeof(Biases);
-  static_assert(kPayload == 64 + 24);
+  static_assert(kPayload == 64 + kBytesOfBiases);
   struct Pause {
     std::uint32_t ticks = 0;
     bool is_known = false;  ///< by the clock; else a day
@@ -295,7 +300,7 @@ class Snapshot {
 
   [[nodiscard]] static constexpr float reference_of([[maybe_unused]] const Params& params) {
     if constexpr (kBytesOfTemperature > 0) {
-      return params.temperature.reference_degc;
+      return params.model.temperature.reference_degc;
     } else {
       return 0.0F;
     }
@@ -304,7 +309,7 @@ class Snapshot {
                                  std::uint32_t ticks_since_measured) const {
     Biases biases{.temperature_degc = std::numeric_limits<float>::quiet_NaN(),
                   .age_s = static_cast<float>(ticks_since_measured) * tick_.in_seconds()};
-    const auto newest = Predictors::Kalman::newest(filter);
+    const auto newest = filter.newest();
     for (std::size_t i = 0; i < Node::kAxes; ++i) {
       biases.bias_rad_s[i] = newest[i].bias_rad_s;
       biases.variance_rad2_s2 = std::max(biases.variance_rad2_s2, newest[i].variance_rad2_s2);
@@ -323,7 +328,8 @@ class Snapshot {
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
     if (!pause) return core::Unexpected{pause.error()};
-    node.resume(temperature, added(header.ticks_since_measured, pause->ticks), learnt, levels);
+    node.resume(temperature, added(header.ticks_since_measured, pause->ticks), levels.white, learnt,
+                levels.drive);
     return if_possible(node, header,
                        pause->is_known ? Resumption::aged : Resumption::aged_by_a_day);
   }
@@ -340,7 +346,7 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
     }
-    node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks),
+    node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks), 0.0F,
                 learnt.bias_rad_s, learnt.variance_rad2_s2);
     return if_possible(node, header, Resumption::bias_alone);
   }

@@ -60,9 +60,21 @@ inline constexpr float kLargestDrift = 1e3F;
          model.evidence_kept > 0.0F && model.evidence_kept <= 1.0F &&
          std::ranges::all_of(model.hypotheses, [](const auto& one) { return is_sound(one); });
 }
-[[nodiscard]] inline bool is_sound(const zerorate_model& model) {
+/// A model that follows the temperature is refused by a library that does not.
+[[nodiscard]] inline bool is_followed(const zerorate_temperature_drift& drift) {
+  return ZERORATE_TEMPERATURE != 0 ||
+         (drift.slope_rad_s_per_k == 0.0F && drift.slope_sigma_rad_s_per_k == 0.0F &&
+          drift.curvature_rad_s_per_k2 == 0.0F && drift.curvature_sigma_rad_s_per_k2 == 0.0F);
+}
+[[nodiscard]] inline bool are_sound_modes(const zerorate_model& model) {
   const auto sound = [](const auto& mode) { return is_sound(mode); };
-  return std::ranges::all_of(model.decaying, sound) && std::ranges::all_of(model.rotating, sound) &&
+#if ZERORATE_ROTATING_MODES > 0
+  if (!std::ranges::all_of(model.rotating, sound)) return false;
+#endif
+  return std::ranges::all_of(model.decaying, sound);
+}
+[[nodiscard]] inline bool is_sound(const zerorate_model& model) {
+  return are_sound_modes(model) && is_followed(model.temperature) &&
          is_magnitude(model.walk_variance_rad2_s2) && is_magnitude(model.white_variance_rad2_s2) &&
          core::is_finite_positive(model.white_variance_rad2_s2) &&
          is_magnitude(model.measurement_floor_variance_rad2_s2) &&

@@ -27,11 +27,17 @@
 namespace zerorate::c_api {
 namespace {
 
-constexpr core::ModelShape kShape{.decaying = ZERORATE_DECAYING_MODES,
-                                  .rotating = ZERORATE_ROTATING_MODES,
-                                  .temperature_weights = core::TemperatureDrift::kWeights,
-                                  .hypotheses = ZERORATE_HYPOTHESES};
-using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_levels = 12}>;
+constexpr core::ModelShape kShape{
+    .decaying = ZERORATE_DECAYING_MODES,
+    .rotating = ZERORATE_ROTATING_MODES,
+    .temperature_weights = ZERORATE_TEMPERATURE != 0 ? core::TemperatureDrift::kWeights : 0,
+    .hypotheses = ZERORATE_HYPOTHESES};
+constexpr app::NodeCapacity kCapacity{.axes = ZERORATE_AXES,
+                                      .held_ticks = ZERORATE_HELD_TICKS,
+                                      .average_levels = 12,
+                                      .runs_moving_average = ZERORATE_HAS_MOVING_AVERAGE != 0,
+                                      .runs_calibration_mean = ZERORATE_HAS_CALIBRATION_MEAN != 0};
+using Node = app::GyroNode<kShape, kCapacity>;
 using Snapshot = app::Snapshot<Node>;
 using Modes = core::ModesOf<kShape>;
 
@@ -48,6 +54,9 @@ struct Instance {
   bool has_sample = false;
 };
 static_assert(sizeof(Instance) <= sizeof(zerorate_node));
+static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");
+static_assert(ZERORATE_AXES >= 1 && ZERORATE_AXES <= 3);
+static_assert(ZERORATE_DECAYING_MODES >= 1 && ZERORATE_ROTATING_MODES >= 0);
 static_assert(alignof(Instance) <=
               alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
 static_assert(Snapshot::kBytesOfFilters == ZERORATE_SNAPSHOT_BYTES);
@@ -82,6 +91,7 @@ core::ModesOf<kShape> modes_of(const zerorate_model& model) {
     modes.decaying[i] = {mode.one_minus_phi, mode.noise_variance, mode.initial_variance,
                          mode.initial_mean};
   }
+#if ZERORATE_ROTATING_MODES > 0
   for (std::size_t i = 0; i < kShape.rotating; ++i) {
     const zerorate_rotating_mode& mode = model.rotating[i];
     if (!does_something(mode)) continue;
@@ -90,6 +100,7 @@ core::ModesOf<kShape> modes_of(const zerorate_model& model) {
                          mode.initial_variance,
                          mode.initial_mean};
   }
+#endif
   return modes;
 }
 
@@ -155,30 +166,32 @@ core::StandstillSource source_of(zerorate_standstill standstill) {
 
 Node::Params params_of(const zerorate_model& model, const zerorate_config& config) {
   const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
-  return {.modes = modes_of(model),
-          .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-          .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
-          .turn_on_variance_rad2_s2 =
-              is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
-          .largest_bias_rad_s = model.largest_bias_rad_s > 0.0F
-                                    ? model.largest_bias_rad_s
-                                    : std::numeric_limits<float>::infinity(),
-          .gate = {.threshold_sigma = model.gate_threshold_sigma,
-                   .longest_knock_ticks = model.gate_longest_knock_ticks},
-          .temperature = {.reference_degc = model.temperature.reference_degc,
-                          .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
-                          .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
-                          .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
-                          .curvature_sigma_rad_s_per_k2 =
-                              model.temperature.curvature_sigma_rad_s_per_k2,
-                          .lag_s = model.temperature.lag_s},
-          .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+  const core::NodeModel<kShape> noise {
+    .modes = modes_of(model), .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+    .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
+    .turn_on_variance_rad2_s2 =
+        is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
+    .largest_bias_rad_s = model.largest_bias_rad_s > 0.0F ? model.largest_bias_rad_s
+                                                          : std::numeric_limits<float>::infinity(),
+    .gate = {.threshold_sigma = model.gate_threshold_sigma,
+             .longest_knock_ticks = model.gate_longest_knock_ticks},
+#if ZERORATE_TEMPERATURE
+    .temperature = {.reference_degc = model.temperature.reference_degc,
+                    .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
+                    .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
+                    .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
+                    .curvature_sigma_rad_s_per_k2 = model.temperature.curvature_sigma_rad_s_per_k2,
+                    .lag_s = model.temperature.lag_s},
+#endif
+    .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+    .hypotheses = hypotheses_of<kShape>(model)
+  };
+  return {.model = noise,
           .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
                          .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
                          .source = source_of(config.standstill)},
           .earth = earth_of(config),
-          .published = predictor_of(config.predictor),
-          .hypotheses = hypotheses_of<kShape>(model)};
+          .published = predictor_of(config.predictor)};
 }
 
 zerorate_motion motion_of(core::Motion motion) {
@@ -197,12 +210,12 @@ bool is_time(std::int64_t ns) {
   return core::is_in_range(core::Instant::from_ns(ns));
 }
 
-drivers::GyroSample sample_of(const zerorate_measurement& measured) {
-  drivers::GyroSample sample{.time = core::Instant::from_ns(measured.time_ns),
-                             .temperature = core::Temperature::from_degc(measured.temperature_degc),
-                             .has_temperature = measured.has_temperature,
-                             .saturated_axes = measured.saturated_axes};
-  for (std::size_t i = 0; i < sample.rate.size(); ++i) {
+core::GyroSample sample_of(const zerorate_measurement& measured) {
+  core::GyroSample sample{.time = core::Instant::from_ns(measured.time_ns),
+                          .temperature = core::Temperature::from_degc(measured.temperature_degc),
+                          .has_temperature = measured.has_temperature,
+                          .saturated_axes = measured.saturated_axes};
+  for (std::size_t i = 0; i < Node::kAxes; ++i) {
     sample.rate[i] = core::rad_per_s(measured.rate_rad_s[i]);
   }
   return sample;
@@ -325,7 +338,7 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
-  const drivers::GyroSample sample = c_api::sample_of(*measured);
+  const core::GyroSample sample = c_api::sample_of(*measured);
   const app::RateMessage message = instance->node.step(sample);
   if (message.has_rate()) {
     instance->newest_sample = sample.time;
@@ -342,9 +355,10 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   const auto& params = instance->params;
   const core::Instant from = instance->newest_sample;
-  if (samples > (core::kLatestTime - from) / params.sample_period) return ZERORATE_BAD_ARGUMENT;
+  if (samples > (core::kLatestTime - from) / params.model.sample_period)
+    return ZERORATE_BAD_ARGUMENT;
   const auto heading = instance->node.predict_heading(
-      params.published, axis, from, from + params.sample_period * std::int64_t{samples});
+      params.published, axis, from, from + params.model.sample_period * std::int64_t{samples});
   if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;
   *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
   return ZERORATE_OK;
@@ -366,10 +380,10 @@ zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axi
   return ZERORATE_OK;
 }
 
-zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t* record,
+zerorate_result zerorate_save(zerorate_node* self, int64_t utc_s, uint8_t* record,
                               size_t capacity) {
   if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
-  const auto* instance = instance_in(self);
+  auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
   if (!instance->node.predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;

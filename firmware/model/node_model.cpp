@@ -226,7 +226,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
   const double tick_s = seconds(filter_tick);
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   double white_variance_of_tick = arw * arw / tick_s;
-  NodeModel<kLargestLearningShape> node;
+  NodeModel<kLargestLearningShape> node{.sample_period = sample_period};
   Decades decades = decades_of({});
   if (model.flicker) {
     FlickerFit fit = fit_flicker(*model.flicker, tick_s);

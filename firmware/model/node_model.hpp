@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "core/base/time.hpp"
-#include "core/estimator/gate.hpp"
-#include "core/noise/hypotheses.hpp"
+#include "core/model/node_model.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
-#include "core/samples/sample_model.hpp"
 #include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
@@ -32,30 +29,8 @@ inline constexpr core::ModelShape kLargestShape{
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
-/// The noise of one axis as the node needs it.
 template <core::ModelShape Shape>
-struct NodeModel {
-  core::ModesOf<Shape> modes;                       ///< the slow noise, at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;              ///< of one sample, r in S(f) = r + ...
-  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< stays however many samples are averaged
-  /// Variance of the change of the bias while the power is off; infinite where the model does not
-  /// say.
-  float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
-  /// Largest bias by the chip's specification; infinite where the model does not say.
-  float largest_bias_rad_s = std::numeric_limits<float>::infinity();
-  core::Gate gate;
-  core::TemperatureDrift temperature;    ///< off where the model has none
-  core::SampleModel samples;             ///< off where the model has nothing of it
-  core::HypothesesOf<Shape> hypotheses;  ///< none where nothing is to be learnt
-  /// Step that samples are rounded to, for whoever wants the probability of a reading: the filter
-  /// takes its error for noise, which the two variances above hold already.
-  float quantization_step_rad_s = 0.0F;
-
-  /// Variance of the mean of a tick's samples.
-  [[nodiscard]] constexpr float measurement_variance(float count) const {
-    return white_variance_rad2_s2 / count + measurement_floor_variance_rad2_s2;
-  }
-};
+using NodeModel = core::NodeModel<Shape>;
 
 /// Whether the model consists of at most six decades, a random walk, and what is no state: then it
 /// runs in a node of six decaying modes.
@@ -152,8 +127,9 @@ template <core::ModelShape Shape>
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.largest_bias_rad_s = full.largest_bias_rad_s;
   fitting.gate = full.gate;
-  fitting.temperature = full.temperature;
+  if constexpr (Shape.temperature_weights > 0) fitting.temperature = full.temperature;
   fitting.samples = full.samples;
+  fitting.sample_period = full.sample_period;
   fitting.quantization_step_rad_s = full.quantization_step_rad_s;
   if constexpr (Shape.hypotheses > 1) {
     static_assert(Shape.hypotheses == kMostHypotheses);

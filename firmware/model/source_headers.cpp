@@ -80,21 +80,29 @@ std::string temperature(const core::TemperatureDrift& drift) {
           ",\n        .lag_s = " + literal(drift.lag_s) + "}");
 }
 
-/// A list of numbers in braces.
-std::string numbers(const auto& values) {
+/// A list of the first numbers in braces.
+std::string numbers(const float* first, std::size_t count) {
   std::string text;
-  for (const float value : values) text += (text.empty() ? "" : ", ") + literal(value);
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + literal(first[i]);
   return "{" + text + "}";
 }
 
+/// Refusal of a library that is too small for the model, by the compiler.
+std::string size_guard(std::string_view size, std::size_t needed) {
+  if (needed == 0) return {};
+  return "#if " + std::string{size} + " < " + std::to_string(needed) +
+         "\n#error \"this model needs " + std::string{size} + " of " + std::to_string(needed) +
+         " or more\"\n#endif\n";
+}
+
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
-std::string hypotheses(const core::HypothesesOf<kCApiShape>& all) {
+std::string hypotheses(const core::HypothesesOf<kCApiShape>& all, std::size_t decaying) {
   if (all.count == 0) return {};
   std::string text;
   for (std::size_t m = 0; m < all.count; ++m) {
     const auto& one = all.all[m];
     text +=
-        "        {.strength = " + numbers(one.strength) +
+        "        {.strength = " + numbers(one.strength.data(), decaying) +
         ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
         ", .order = " + literal(one.order) +
         ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
@@ -117,6 +125,11 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
         "keyword");
   }
   const auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
+  const auto is_active = [](const auto& mode) { return detail::is_active(mode); };
+  const auto decaying =
+      static_cast<std::size_t>(std::ranges::count_if(node.modes.decaying, is_active));
+  const auto rotating =
+      static_cast<std::size_t>(std::ranges::count_if(node.modes.rotating, is_active));
   if (node.samples.is_on()) {
     throw std::invalid_argument(
         "the model \"" + model.name +
@@ -137,8 +150,11 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          "#ifndef " +
          guard + "\n#define " + guard +
          "\n\n"
-         "#include <zerorate.h>\n\n"
-         "// clang-format off\n"
+         "#include <zerorate.h>\n\n" +
+         size_guard("ZERORATE_DECAYING_MODES", decaying) +
+         size_guard("ZERORATE_ROTATING_MODES", rotating) +
+         size_guard("ZERORATE_TEMPERATURE", node.temperature.is_on() ? 1 : 0) +
+         "\n// clang-format off\n"
          "static const zerorate_model " +
          constant + " = {\n" + field("sample_period_ns", sample_period) +
          field("tick_ns", filter_tick) +
@@ -154,7 +170,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
-         temperature(node.temperature) + hypotheses(node.hypotheses) +
+         temperature(node.temperature) + hypotheses(node.hypotheses, decaying) +
          "};\n"
          "// clang-format on\n\n"
          "#endif\n";
@@ -223,12 +239,6 @@ std::string samples(const core::SampleModel& samples) {
          range(samples.range) + "},\n";
 }
 
-std::string numbers(const float* first, std::size_t count) {
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + literal(first[i]);
-  return "{" + text + "}";
-}
-
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
 std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& all,
                               std::size_t decaying) {
@@ -275,7 +285,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          std::to_string(node.temperature.is_on() ? kLargestShape.temperature_weights : 0) +
          ", .hypotheses = " + std::to_string(std::max(node.hypotheses.count, std::size_t{1})) +
          "};\n\n"
-         "inline constexpr app::NodeParams<kModelShape> kNodeParams{\n"
+         "inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {\n"
          "    .modes = {.tick = " +
          nanoseconds(filter_tick) +
          ",\n"
@@ -300,7 +310,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          temperature_member(node.temperature) + samples(node.samples) +
          "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
          hypotheses_member(node.hypotheses, decaying) +
-         "};\n"
+         "}};\n"
          "// clang-format on\n\n"
          "}  // namespace zerorate::exported\n";
 }

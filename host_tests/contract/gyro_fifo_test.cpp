@@ -12,8 +12,8 @@ namespace zerorate::contract {
 namespace {
 
 using core::deg_per_s;
+using core::GyroSample;
 using drivers::DriverErrorCode;
-using drivers::GyroSample;
 
 template <class Wiring>
 class GyroFifo : public ::testing::Test {

@@ -15,8 +15,8 @@ namespace zerorate::contract {
 namespace {
 
 using core::deg_per_s;
+using core::GyroSample;
 using drivers::DriverErrorCode;
-using drivers::GyroSample;
 using hal::testing::Fault;
 using support::Rates;
 

@@ -12,9 +12,9 @@ namespace zerorate::contract {
 namespace {
 
 using core::deg_per_s;
+using core::GyroSample;
 using drivers::DriverError;
 using drivers::DriverErrorCode;
-using drivers::GyroSample;
 using hal::testing::Fault;
 using support::ConfiguredBits;
 

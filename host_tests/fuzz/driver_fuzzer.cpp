@@ -30,11 +30,11 @@ void tell_lies(Rig& rig, FuzzedDataProvider& input) {
 
 template <class Rig>
 core::Instant take_samples(Rig& rig, core::Instant last) {
-  std::array<drivers::GyroSample, 8> out{};
+  std::array<core::GyroSample, 8> out{};
   const auto count = rig.read(out);
   if (!count) return last;
   fuzz::promise(*count <= out.size(), "no more samples than there is room for");
-  for (const drivers::GyroSample& sample : std::span{out}.first(*count)) {
+  for (const core::GyroSample& sample : std::span{out}.first(*count)) {
     fuzz::promise(sample.time > last, "samples come in the order of time");
     fuzz::promise(sample.time <= rig.clock.now(), "no sample is of the future");
     for (const core::AngularRate rate : sample.rate) {

@@ -53,7 +53,7 @@ struct GyroRig {
     chip.measure(rate, temperature);
   }
 
-  core::Result<std::size_t, drivers::DriverError> read(std::span<drivers::GyroSample> out) {
+  core::Result<std::size_t, drivers::DriverError> read(std::span<core::GyroSample> out) {
     return driver.read(clock.now(), out);
   }
 

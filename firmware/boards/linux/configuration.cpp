@@ -101,23 +101,14 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
   }
   const core::Duration period = duration_of(1.0 / sample_rate_hz);
   const core::Duration tick = std::max(period, duration_of(1.0 / filter.rate_hz));
-  Node::Params params{.modes = {},
-                      .white_variance_rad2_s2 = 0.0F,
-                      .sample_period = period,
-                      .standstill = filter.standstill,
-                      .published = filter.published};
-  const auto noise = at_key(root, "model", [&] {
-    return model::make_node_model<model::kLargestLearningShape>(sensor, period, tick);
-  });
-  params.modes = noise.modes;
-  params.white_variance_rad2_s2 = noise.white_variance_rad2_s2;
-  params.measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2;
-  params.turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2;
-  params.largest_bias_rad_s = noise.largest_bias_rad_s;
-  params.gate = noise.gate;
-  params.temperature = noise.temperature;
-  params.samples = noise.samples;
-  params.hypotheses = noise.hypotheses;
+  const Node::Params params{
+      .model = at_key(root, "model",
+                      [&] {
+                        return model::make_node_model<model::kLargestLearningShape>(sensor, period,
+                                                                                    tick);
+                      }),
+      .standstill = filter.standstill,
+      .published = filter.published};
   if (const auto possible = Node::check(params); !possible) {
     root.fail_at("filter", "hold_back_s is longer than the node can hold at this rate_hz");
   }

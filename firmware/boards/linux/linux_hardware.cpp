@@ -16,7 +16,7 @@ namespace {
 
 drivers::Repetition repetition_of(const Configuration& configuration) {
   const GyroSettings& gyro = configuration.gyro;
-  const float variance = configuration.node.white_variance_rad2_s2;
+  const float variance = configuration.node.model.white_variance_rad2_s2;
   const core::AngularRate sigma = core::rad_per_s(std::sqrt(variance));
   const ChipDescription* const chip = find_chip(gyro.chip);
   // Counts at full scale of a chip that is not known: the fewest of those with 16 bits, because a

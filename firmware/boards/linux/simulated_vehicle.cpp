@@ -61,7 +61,7 @@ SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
             return drivers::Lsm6dso{drivers::SpiRegisters{spi}, settings_of(configuration.gyro)};
           },
           chip_),
-      noise_(0.0F, std::sqrt(configuration.node.white_variance_rad2_s2)),
+      noise_(0.0F, std::sqrt(configuration.node.model.white_variance_rad2_s2)),
       bias_rad_s_{core::deg_per_s(0.35F).in(core::rad_per_s),
                   core::deg_per_s(-0.2F).in(core::rad_per_s),
                   core::deg_per_s(0.12F).in(core::rad_per_s)} {

@@ -13,7 +13,7 @@ namespace zerorate::exported {
 // clang-format off
 inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0, .hypotheses = 1};
 
-inline constexpr app::NodeParams<kModelShape> kNodeParams{
+inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     .modes = {.tick = core::Duration::nanoseconds(500000000),
               .start = core::Start::stationary,
               .is_stationary = true,
@@ -32,7 +32,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{
     .largest_bias_rad_s = 0.04363323F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .sample_period = core::Duration::nanoseconds(10000000),
-};
+}};
 // clang-format on
 
 }  // namespace zerorate::exported

@@ -13,7 +13,7 @@ namespace zerorate::exported {
 // clang-format off
 inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0, .hypotheses = 12};
 
-inline constexpr app::NodeParams<kModelShape> kNodeParams{
+inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     .modes = {.tick = core::Duration::nanoseconds(500000000),
               .start = core::Start::stationary,
               .is_stationary = true,
@@ -71,7 +71,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{
          .log_prior = 0.645F, .level = 102.54302F, .order = 0.68F,
          .bias_instability_rad_s = 0.00020033799F, .angle_random_walk_rad_per_sqrt_s = 4.370941e-05F},
     }}},
-};
+}};
 // clang-format on
 
 }  // namespace zerorate::exported

@@ -32,13 +32,13 @@ inline constexpr std::uint32_t kBeat_us = Chip::kHasDataReady ? 10'000 : 2'500;
 
 /// Speed of the serial line. A message takes 830 bits; at most half of the line shall be used.
 inline constexpr std::uint32_t kBaud =
-    exported::kNodeParams.sample_period < core::Duration::milliseconds(8) ? 460'800 : 230'400;
+    exported::kNodeParams.model.sample_period < core::Duration::milliseconds(8) ? 460'800 : 230'400;
 
 /// At ticks of 0.5 s the hold-back of 0.5 s needs 3 of 8 places, and a moving average would
 /// remember thirteen hours of one stop (core::SuffixSums). Only what is published runs beside the
 /// Kalman predictor. More does not fit into the memory that pico.ld.in grants; where samples are
 /// screened each place is larger and there are fewer.
-inline constexpr bool kScreens = exported::kNodeParams.samples.is_on();
+inline constexpr bool kScreens = exported::kNodeParams.model.samples.is_on();
 inline constexpr app::NodeCapacity kNodeCapacity{
     .held_ticks = kScreens ? 4 : 8,
     .average_levels = 12,

@@ -38,21 +38,71 @@ extern "C" {
 #define ZERORATE_ALIGNED _Alignas(16)
 #endif
 
-#define ZERORATE_AXES 3
-#define ZERORATE_DECAYING_MODES 7
-#define ZERORATE_ROTATING_MODES 1
-/** Noise models that an instance weighs: 12, 4 or, without learning, 1. The same for the library
- * and for all that includes this header; the model file says how many `zerorate export --c` writes.
+/**
+ * @name Size of an instance
+ * Chosen when the library is compiled, and the same for all that includes this header: a program
+ * that chose otherwise does not link, because zerorate_init() has another name. Fewer of anything
+ * take less memory and less time (docs/reference/c-interface.md has a table).
+ * @{
  */
+/** Measured axes, the first of a sample: 1 to 3. */
+#ifndef ZERORATE_AXES
+#define ZERORATE_AXES 3
+#endif
+/** Decaying modes: a flicker noise takes six, each Gauss-Markov process, warm-up and ramp one. */
+#ifndef ZERORATE_DECAYING_MODES
+#define ZERORATE_DECAYING_MODES 7
+#endif
+/** Rotating modes: a periodic disturbance takes one. */
+#ifndef ZERORATE_ROTATING_MODES
+#define ZERORATE_ROTATING_MODES 1
+#endif
+/** 1: a model may follow the temperature. */
+#ifndef ZERORATE_TEMPERATURE
+#define ZERORATE_TEMPERATURE 1
+#endif
+/** Noise models that an instance weighs: 12, 4 or, without learning, 1. */
 #ifndef ZERORATE_HYPOTHESES
 #define ZERORATE_HYPOTHESES 12
 #endif
+/** Ticks of the filter that are held back at most; hold-back and tick must fit. */
+#ifndef ZERORATE_HELD_TICKS
+#define ZERORATE_HELD_TICKS 16
+#endif
+/** 1: the moving average runs beside the Kalman predictor. */
+#ifndef ZERORATE_HAS_MOVING_AVERAGE
+#define ZERORATE_HAS_MOVING_AVERAGE 1
+#endif
+/** 1: the calibration mean runs beside the Kalman predictor. */
+#ifndef ZERORATE_HAS_CALIBRATION_MEAN
+#define ZERORATE_HAS_CALIBRATION_MEAN 1
+#endif
+/** @} */
+
+/* States of a filter, and bytes of its parts. */
+#define ZERORATE_DRIFTS \
+  (ZERORATE_DECAYING_MODES + (2 * ZERORATE_ROTATING_MODES) + (2 * ZERORATE_TEMPERATURE))
+#define ZERORATE_FILTER_BYTES                                                   \
+  (4 * (1 + ZERORATE_DRIFTS + ((ZERORATE_DRIFTS * (ZERORATE_DRIFTS + 1)) / 2) + \
+        (ZERORATE_AXES * (1 + ZERORATE_DRIFTS))))
+#define ZERORATE_LEARNS ((ZERORATE_HYPOTHESES > 1) ? 1 : 0)
+#define ZERORATE_SPAN_BYTES (28 + (24 * ZERORATE_DECAYING_MODES) + (40 * ZERORATE_ROTATING_MODES))
+#define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
-#define ZERORATE_INSTANCE_BYTES (5792 + (640 * ZERORATE_HYPOTHESES))
+#define ZERORATE_INSTANCE_BYTES                                                                   \
+  (736 + (126 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+   (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
+   (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
+   (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
+   (ZERORATE_HYPOTHESES * (ZERORATE_FILTER_BYTES + 4 + (8 * ZERORATE_DRIFTS))) +                  \
+   (ZERORATE_LEARNS *                                                                             \
+    (40 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
+   (ZERORATE_AXES * ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))))
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES        \
-  (156 + (456 * ZERORATE_HYPOTHESES) + \
-   ((ZERORATE_HYPOTHESES > 1) ? (12 + (36 * ZERORATE_HYPOTHESES)) : 0))
+#define ZERORATE_SNAPSHOT_BYTES                              \
+  (88 + (12 * ZERORATE_AXES) + (32 * ZERORATE_TEMPERATURE) + \
+   (ZERORATE_HYPOTHESES * ZERORATE_FILTER_BYTES) +           \
+   (ZERORATE_LEARNS * (12 + (12 * ZERORATE_AXES * ZERORATE_HYPOTHESES))))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
 /** For zerorate_rate: no stop has been judged yet. */
@@ -151,7 +201,9 @@ typedef struct zerorate_model {
   float gate_threshold_sigma; /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
+#if ZERORATE_ROTATING_MODES > 0
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
+#endif
   zerorate_temperature_drift temperature; /**< zeros: the bias does not follow it */
   uint8_t hypothesis_count;               /**< of those below; 0: the model is taken at its word */
   float evidence_kept; /**< share of the evidence that a measurement leaves, at most 1 */
@@ -231,6 +283,15 @@ typedef struct zerorate_node {
 /** 1 s to settle, half a second held back, the Kalman predictor, sensor 0. */
 zerorate_config zerorate_default_config(void);
 
+/* The name that is linked tells the size of an instance. */
+#define ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c) \
+  name##_##a##_##d##_##r##_##t##_##h##_##q##_##m##_##c
+#define ZERORATE_JOINED(name, a, d, r, t, h, q, m, c) ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c)
+#define zerorate_init                                                                             \
+  ZERORATE_JOINED(zerorate_init, ZERORATE_AXES, ZERORATE_DECAYING_MODES, ZERORATE_ROTATING_MODES, \
+                  ZERORATE_TEMPERATURE, ZERORATE_HYPOTHESES, ZERORATE_HELD_TICKS,                 \
+                  ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN)
+
 /**
  * Begins anew. The model and the configuration are copied.
  * @param config NULL: zerorate_default_config()
@@ -281,8 +342,7 @@ zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axi
  * @param utc_s seconds since 1970, or ZERORATE_NO_CLOCK
  * @return ZERORATE_NOTHING_LEARNT before it is calibrated, ZERORATE_BUFFER_TOO_SMALL
  */
-zerorate_result zerorate_save(const zerorate_node* self, int64_t utc_s, uint8_t* record,
-                              size_t capacity);
+zerorate_result zerorate_save(zerorate_node* self, int64_t utc_s, uint8_t* record, size_t capacity);
 
 /**
  * Takes a record up, after zerorate_init() and before the first sample: ages it by the time that

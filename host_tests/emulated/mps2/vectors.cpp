@@ -194,16 +194,16 @@ std::uint32_t node_frames() {
   core::FlickerDecades<4> flicker;
   flicker.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F};
   flicker.variance_rad2_s2.fill(sigma * sigma);
-  params.modes = core::compose(kTick, core::Start::stationary, flicker);
+  params.model.modes = core::compose(kTick, core::Start::stationary, flicker);
   Node node{params};
   Digest digest;
   Integers integers;
   core::Instant at = core::Instant::from_ns(1'000'000'000);
   for (std::uint32_t i = 0; i < 3000; ++i) {
-    at = at + params.sample_period;
+    at = at + params.model.sample_period;
     const bool drives = i % 1500 > 1000;
     if (drives && i % 7 == 0) node.pulse(at);
-    drivers::GyroSample sample{.time = at};
+    core::GyroSample sample{.time = at};
     for (auto& rate : sample.rate) {
       rate = core::rad_per_s(0.01F + integers.share() * (drives ? 0.3F : 1e-3F));
     }

@@ -84,7 +84,7 @@ Published run(const Drive& drive, const char* model, core::StandstillSource sour
     for (double i = std::min(pulses, 16.0) - 1.0; i >= 0.0; --i) {
       node.pulse(instant(time_s - drive.period_s * i / pulses));
     }
-    drivers::GyroSample sample{.time = instant(time_s)};
+    core::GyroSample sample{.time = instant(time_s)};
     for (std::size_t i = 0; i < 3; ++i) {
       sample.rate[i] =
           core::rad_per_s(static_cast<float>(drive.measured_dps[k].at(i) * kRadPerDeg));

@@ -109,7 +109,7 @@ Harm on_a_turntable(const Turntable& setting) {
   constexpr double kRadPerDegree = std::numbers::pi / 180.0;
   constexpr std::array<double, 3> kBias_dps{1.0, -0.4, 0.2};
   constexpr double kFlicker_dps = 0.003;  // of the level, by steps of a random walk a second
-  const double white = std::sqrt(double{params.white_variance_rad2_s2});
+  const double white = std::sqrt(double{params.model.white_variance_rad2_s2});
   const double period_s = 1.0 / setting.real_hz;
   double walk_dps = 0.0;
   Harm harm;
@@ -117,7 +117,7 @@ Harm on_a_turntable(const Turntable& setting) {
     const double t_s = static_cast<double>(k) * period_s;
     walk_dps += kFlicker_dps * 0.1 * std::sqrt(period_s) * random::RandomStream{3, 9}.normal(k);
     const bool turns = t_s >= 150.0 && t_s < 180.0;
-    drivers::GyroSample sample{.time = core::Instant::from_ns(std::llround(1e9 * t_s))};
+    core::GyroSample sample{.time = core::Instant::from_ns(std::llround(1e9 * t_s))};
     for (std::size_t i = 0; i < 3; ++i) {
       const double turn_dps = turns && i == 2 ? setting.turn_dps : 0.0;
       const double rate = kRadPerDegree * (kBias_dps[i] + walk_dps + turn_dps) +

@@ -60,11 +60,11 @@ template <std::size_t R>
       .sample_period = kPeriod,
       .learns_white_noise = false};  // the model is the sensor
   if constexpr (R == 6) {
-    params.modes = core::compose(kPeriod, core::Start::stationary, lags);
+    params.model.modes = core::compose(kPeriod, core::Start::stationary, lags);
   } else {
     const core::WarmUp warm_up{.sigma_rad_s = static_cast<float>(0.05 * kRadPerDeg),
                                .time_constant_s = static_cast<float>(kWarmUp_s)};
-    params.modes = core::compose(kPeriod, core::Start::stationary, lags, warm_up);
+    params.model.modes = core::compose(kPeriod, core::Start::stationary, lags, warm_up);
   }
   return params;
 }

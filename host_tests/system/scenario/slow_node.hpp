@@ -61,7 +61,7 @@ app::RateMessage step_slowly(Node& node, const SlowGyro& gyro, std::size_t sampl
                              bool moves) {
   if (moves) node.pulse(slow_instant(k));
   const double turn_rad_s = moves ? 0.1 * std::sin(0.3 * static_cast<double>(k)) : 0.0;
-  drivers::GyroSample measured{.time = slow_instant(k)};
+  core::GyroSample measured{.time = slow_instant(k)};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     measured.rate[axis] =
         core::rad_per_s(static_cast<float>(gyro.measured_rad_s[axis][sample] + turn_rad_s));

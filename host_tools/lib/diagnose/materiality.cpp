@@ -38,7 +38,7 @@ class Ticks {
     samples_ = static_cast<std::size_t>(
         std::max(1.0, std::round(static_cast<double>(tick.ns()) * 1e-9 / period_s_)));
     size_ = spectrum::fast_length_below(data.size() / samples_);
-    temperature_ = temperatures_of(data);
+    temperature_ = data.series().temperature_degc;
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -79,22 +79,10 @@ class Ticks {
   }
 
  private:
-  [[nodiscard]] std::vector<float> temperatures_of(const FitData& data) const {
-    const std::vector<double>& all = data.series().temperature_degc;
-    std::vector<float> means;
-    if (all.empty()) return means;
-    for (std::size_t k = 0; k < size_; ++k) {
-      double sum = 0.0;
-      for (std::size_t i = k * samples_; i < (k + 1) * samples_; ++i) sum += all[i];
-      means.push_back(static_cast<float>(sum / static_cast<double>(samples_)));
-    }
-    return means;
-  }
-
   double period_s_;
   std::size_t samples_ = 1;
   std::size_t size_ = 0;
-  std::vector<float> temperature_;
+  std::span<const double> temperature_;  ///< temperature of each sample; empty where there is none
 };
 
 /// Model without single disturbed samples, which neither the record nor the simulations hold.

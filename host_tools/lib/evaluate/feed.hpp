@@ -21,7 +21,7 @@ class DirectFeed {
  public:
   explicit DirectFeed(Node& node) : node_(node) {}
 
-  app::RateMessage feed(const drivers::GyroSample& sample, std::span<const core::Instant> pulses) {
+  app::RateMessage feed(const core::GyroSample& sample, std::span<const core::Instant> pulses) {
     for (const core::Instant pulse : pulses) node_.pulse(pulse);
     return node_.step(sample);
   }
@@ -49,7 +49,7 @@ class ChipFeed {
     }
   }
 
-  app::RateMessage feed(const drivers::GyroSample& sample, std::span<const core::Instant> pulses) {
+  app::RateMessage feed(const core::GyroSample& sample, std::span<const core::Instant> pulses) {
     clock_.advance_to(sample.time);
     for (const core::Instant pulse : pulses) odometer_.pulse(pulse);
     gyro_->measure(sample.rate, sample.temperature);

@@ -82,7 +82,7 @@ class StopJudge {
   /// calibration mean.
   void end_stop(const Node& node, core::Instant start, ReplayResult& result) const {
     if (!before_ || !first_tick_) return;
-    const core::Duration tick = node.params().modes.tick;
+    const core::Duration tick = node.params().model.modes.tick;
     const core::Instant from = start + tick * std::int64_t{*first_tick_};
     const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
     const double length_s = (to - from).in_seconds();
@@ -90,7 +90,7 @@ class StopJudge {
       const double measured =
           double{node.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s)};
       const double white = double{node.white_variance_rad2_s2(i)} *
-                           double{node.params().sample_period.in_seconds()} / length_s;
+                           double{node.params().model.sample_period.in_seconds()} / length_s;
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
         const auto predicted = before_->predict_heading(kAllPredictors[p], i, from, to);
         if (!predicted.is_available()) continue;
@@ -200,7 +200,7 @@ class Run {
 
   /// Whether the node has learnt something that was not told yet.
   [[nodiscard]] bool has_news() const {
-    return replayed_.params().hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
+    return replayed_.params().model.hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
   }
 
   void tell_learnt(std::int64_t time_ns) {

@@ -58,7 +58,7 @@ struct ReplayOptions {
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;
   /// With a schedule nobody doubts pulses without motion: the sensor was at rest.
-  core::OdometerCheck::Params odometer;
+  core::OdometerCheckParams odometer;
   core::EarthRate earth;     ///< zero: the latitude is not known
   bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
 };

@@ -48,7 +48,7 @@ class ReplayNode {
 
   /// Sample and pulses of a row.
   struct Arrival {
-    drivers::GyroSample sample;
+    core::GyroSample sample;
     std::span<const core::Instant> pulses;  ///< valid until the next row
     bool moving;                            ///< as the recording or the schedule has it
   };
@@ -85,23 +85,14 @@ class ReplayNode {
  private:
   static typename Node::Params make_params(const ReplayOptions& options,
                                            const SampleTiming& timing) {
-    const auto model =
-        model::make_node_model<Shape>(options.model, timing.sample_period, timing.filter_tick);
-    typename Node::Params params{
-        .modes = model.modes,
-        .white_variance_rad2_s2 = model.white_variance_rad2_s2,
-        .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
-        .largest_bias_rad_s = model.largest_bias_rad_s,
-        .gate = model.gate,
-        .samples = model.samples,
-        .sample_period = timing.sample_period,
-        .standstill = options.standstill,
-        .odometer = options.odometer,
-        .earth = options.earth,
-        .published = options.published,
-        .learns_white_noise = options.learns_noise};
-    if (options.learns_noise) params.hypotheses = model.hypotheses;
-    if constexpr (Shape.temperature_weights > 0) params.temperature = model.temperature;
+    typename Node::Params params{.model = model::make_node_model<Shape>(
+                                     options.model, timing.sample_period, timing.filter_tick),
+                                 .standstill = options.standstill,
+                                 .odometer = options.odometer,
+                                 .earth = options.earth,
+                                 .published = options.published,
+                                 .learns_white_noise = options.learns_noise};
+    if (!options.learns_noise) params.model.hypotheses = {};
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
       throw std::invalid_argument(std::string(explain(checked.error())));
@@ -110,8 +101,8 @@ class ReplayNode {
   }
 
   /// A recording of one axis drives all three, so that no axis reads an impossible silence.
-  [[nodiscard]] drivers::GyroSample sample_of(const recording::Row& row, core::Instant at) const {
-    drivers::GyroSample sample{.time = at};
+  [[nodiscard]] core::GyroSample sample_of(const recording::Row& row, core::Instant at) const {
+    core::GyroSample sample{.time = at};
     for (std::size_t i = 0; i < Node::kAxes; ++i) {
       sample.rate[i] = core::rad_per_s(row.rate_rad_s[i < axis_count_ ? i : 0]);
     }

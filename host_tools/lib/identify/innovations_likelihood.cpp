@@ -1,6 +1,6 @@
 #include "host_tools/lib/identify/innovations_likelihood.hpp"
 
-#include "core/estimator/kalman_predictor.hpp"
+#include "firmware/app/tick_node.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -17,27 +17,26 @@ InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, st
                                              core::Duration sample_period, core::Duration tick)
     : sample_period_(sample_period), tick_(tick) {
   if (ticks.size() < 2) throw recording::DataError("a likelihood needs at least two ticks");
-  measurements_.reserve(ticks.size());
-  std::uint32_t measured_ticks = 0;
+  ticks_.reserve(ticks.size());
   for (const TickMean& mean : ticks) {
-    measurements_.push_back(
-        {mean.tick + 1 - measured_ticks, static_cast<float>(mean.samples), mean.rate_rad_s[axis]});
-    measured_ticks = mean.tick + 1;
+    ticks_.push_back({.tick = mean.tick,
+                      .samples = mean.samples,
+                      .end = {},
+                      .rate_rad_s = {mean.rate_rad_s[axis]}});
   }
 }
 
 template <core::ModelShape Shape>
 Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
-  const auto node = model::make_node_model<Shape>(model, sample_period_, tick_);
-  const auto one_tick = node.modes.one_tick();
-  const core::KalmanCoefficients<Shape> coefficients{node.modes, node.gate};
-  core::KalmanPredictor<Shape> filter{coefficients};
+  using Node = app::TickNode<Shape, app::kFilterAlone>;
+  const app::NodeParams<Shape> params{
+      .model = model::make_node_model<Shape>(model, sample_period_, tick_),
+      .learns_white_noise = false};
+  Node node{params};
   Likelihood likelihood;
   statistics::SumOfLogs log_variances;
-  for (const Measurement& measurement : measurements_) {
-    const core::Innovation innovation =
-        filter.step(measurement.ticks == 1 ? one_tick : node.modes.over(measurement.ticks),
-                    measurement.rate_rad_s, node.measurement_variance(measurement.samples));
+  for (const core::TickMean<1>& mean : ticks_) {
+    const core::Innovation& innovation = node.learn_at_once({mean, false, {}, {}})[0];
     if (innovation.first) continue;
     const double variance = double{innovation.variance_rad2_s2};
     const double residual = double{innovation.residual_rad_s};

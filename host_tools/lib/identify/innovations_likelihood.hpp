@@ -9,6 +9,7 @@
 
 #include "core/base/time.hpp"
 #include "core/noise/model_shape.hpp"
+#include "core/samples/tick_average.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
@@ -28,8 +29,8 @@ struct Likelihood {
   [[nodiscard]] double minus_two_log() const { return log_variances + squared_innovations; }
 };
 
-/// The ticks of one axis, ready to be run through core::KalmanPredictor as GyroNode runs them: a
-/// tick of few samples has more white noise, a gap or a drive is one step over many ticks.
+/// Ticks of one axis, to be run through app::TickNode: a tick of few samples has more white noise,
+/// a gap or a drive is one step over many ticks.
 class InnovationsLikelihood {
  public:
   /// @param ticks in order, at least two; throws recording::DataError otherwise
@@ -43,20 +44,15 @@ class InnovationsLikelihood {
   /// Throws std::invalid_argument for a model that the node cannot run (see make_node_model).
   [[nodiscard]] Likelihood operator()(const model::SensorModel& model) const;
 
-  [[nodiscard]] std::size_t ticks() const { return measurements_.size(); }
+  [[nodiscard]] std::size_t ticks() const { return ticks_.size(); }
   [[nodiscard]] core::Duration tick() const { return tick_; }
   [[nodiscard]] core::Duration sample_period() const { return sample_period_; }
 
  private:
-  struct Measurement {
-    std::uint32_t ticks;  ///< since the one before
-    float samples;
-    float rate_rad_s;
-  };
   template <core::ModelShape Shape>
   [[nodiscard]] Likelihood run(const model::SensorModel& model) const;
 
-  std::vector<Measurement> measurements_;
+  std::vector<core::TickMean<1>> ticks_;
   core::Duration sample_period_;
   core::Duration tick_;
 };

@@ -201,7 +201,7 @@ std::vector<std::string> require_rest(const RestSamples& samples) {
 
 namespace {
 
-static_assert(recording::kMaxAxes == core::CalmJudge::kAxes);
+using Judge = core::CalmJudge<recording::kMaxAxes>;
 
 /// A tick of the node, and the samples that it is the mean of.
 struct JudgedTick {
@@ -234,21 +234,21 @@ class StopBias {
     }
   }
   /// nullptr before two seconds are known.
-  [[nodiscard]] const core::CalmJudge::Rates* known() const {
+  [[nodiscard]] const Judge::Rates* known() const {
     constexpr int kTicks = 4;
     return ticks_ < kTicks ? nullptr : &bias_rad_s_;
   }
 
  private:
-  core::CalmJudge::Rates bias_rad_s_{};
+  Judge::Rates bias_rad_s_{};
   int ticks_ = 0;
 };
 
 std::vector<JudgedTick> judge_ticks(const RestSamples& samples, core::StandstillSource source) {
   const core::Duration tick = std::max(core::Duration::milliseconds(500), samples.sample_period);
   core::TickAverage<recording::kMaxAxes> average{tick, samples.sample_period};
-  core::CalmJudge judge{source, core::OdometerCheck::Params{}.longest_bend, tick,
-                        variance_of_differences(samples)};
+  Judge judge{source, core::OdometerCheckParams{}.longest_bend, tick};
+  core::WhiteLevel<recording::kMaxAxes> white{variance_of_differences(samples), {}, tick, true};
   StopBias bias;
   std::vector<JudgedTick> ticks;
   std::size_t first = 0;
@@ -256,9 +256,12 @@ std::vector<JudgedTick> judge_ticks(const RestSamples& samples, core::Standstill
     if (average.is_empty()) return;
     ticks.push_back({.mean = average.close(), .first = first, .end = end});
     first = end;
-    const core::Calm calm = judge.judge(ticks.back().mean, bias.known(), 0.0F);
+    const core::Calm calm = judge.judge(ticks.back().mean, bias.known(), 0.0F, white);
     ticks.back().moved = calm != core::Calm::calm;
-    if (calm == core::Calm::calm) bias.add(ticks.back().mean);
+    if (calm == core::Calm::calm) {
+      bias.add(ticks.back().mean);
+      white.observe(ticks.back().mean);
+    }
     if (calm != core::Calm::moved) return;
     const std::uint32_t newest = ticks.back().mean.tick;
     for (auto one = ticks.rbegin();

@@ -132,7 +132,7 @@ class Witness {
       node_.pulse(pulses_.front());
       pulses_.pop_front();
     }
-    drivers::GyroSample sample{.time = message.time, .rate = {}, .temperature = {}};
+    core::GyroSample sample{.time = message.time, .rate = {}, .temperature = {}};
     for (std::size_t i = 0; i < 3; ++i) sample.rate[i] = message.axes[i].measured;
     const app::RateMessage here = node_.step(sample);
     for (std::size_t i = 0; i < 3; ++i) {

@@ -183,7 +183,7 @@ constexpr Node::Params kParams{.modes = kModes,
 constinit Node node{kParams};
 
 void count_node() {
-  drivers::GyroSample sample{.time = core::Instant::from_ns(1'000'000'000)};
+  core::GyroSample sample{.time = core::Instant::from_ns(1'000'000'000)};
   const auto prepare = [&] {
     sample.time = sample.time + kSamplePeriod;
     for (auto& rate : sample.rate) rate = core::rad_per_s(noisy_rate_rad_s());

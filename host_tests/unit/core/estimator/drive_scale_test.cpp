@@ -32,14 +32,15 @@ struct Bank {
     std::array<float, kAxes> bias_rad_s{};
     std::array<Filter, kHypotheses> filters{};
     Evidence evidence;
-  };
-  [[nodiscard]] static std::array<Prediction, kAxes> newest(const State& state) {
-    std::array<Prediction, kAxes> all{};
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      all[i] = {state.bias_rad_s[i], 2.0F * state.filters[0].bias_variance};
+
+    [[nodiscard]] std::array<Prediction, kAxes> newest() const {
+      std::array<Prediction, kAxes> all{};
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        all[i] = {bias_rad_s[i], 2.0F * filters[0].bias_variance};
+      }
+      return all;
     }
-    return all;
-  }
+  };
 };
 using Scale = DriveScale<Bank>;
 

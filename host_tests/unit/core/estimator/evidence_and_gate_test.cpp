@@ -47,7 +47,8 @@ float residual(std::int64_t k, std::size_t axis) {
 Three told(std::int64_t measurements, float kept = 1.0F) {
   Three evidence;
   const Given given{.kept = kept};
-  evidence.start(given);
+  evidence.start(given, 1.0F);
+  for (std::size_t i = 0; i < 2; ++i) evidence.weigh(given, i);
   for (std::int64_t k = 0; k < measurements; ++k) {
     for (std::size_t m = 0; m < kHypotheses; ++m) {
       for (std::size_t i = 0; i < 2; ++i) {
@@ -55,6 +56,7 @@ Three told(std::int64_t measurements, float kept = 1.0F) {
       }
     }
     evidence.conclude(given);
+    for (std::size_t i = 0; i < 2; ++i) evidence.weigh(given, i);
   }
   return evidence;
 }
@@ -135,6 +137,7 @@ TEST(EvidenceOfAnImpossibleMeasurement, StaysFinite) {
     evidence.observe(m, 1, 1e-30F, 0.0F, 1.0F);
   }
   evidence.conclude(Given{});
+  for (std::size_t i = 0; i < 2; ++i) evidence.weigh(Given{}, i);
   for (std::size_t m = 0; m < kHypotheses; ++m) {
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_TRUE(is_finite(evidence.hypotheses[m][i].weight));

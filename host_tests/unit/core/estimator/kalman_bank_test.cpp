@@ -130,8 +130,8 @@ TEST(KalmanBankOfThreeHypotheses, IsTheMixtureOfThreeBanks) {
     double angle_square = 0.0;
     double weights = 0.0;
     for (std::size_t m = 0; m < 3; ++m) {
-      const double weight = double{bank.weight(m, i)};
-      const double scale = double{bank.mean_scale(m, i)};
+      const double weight = double{bank.state().weight(m, i)};
+      const double scale = double{bank.state().mean_scale(m, i)};
       const Prediction one = alone[m].predict(models[m].over(20))[i];
       const HeadingPrediction turn =
           alone[m].predict_heading(models[m].over(2), models[m].over(kDrive))[i];

@@ -9,7 +9,8 @@
 namespace zerorate::core {
 namespace {
 
-using Rates = OdometerCheck::Rates;
+using Check = OdometerCheck<3>;
+using Rates = Check::Rates;
 
 constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
@@ -22,16 +23,16 @@ Rates turning(float dps) {
   return {kBias[0], kBias[1], kBias[2] + dps * kRadPerDeg};
 }
 
-OdometerCheck make_check(const OdometerCheck::Params& params = {}, Duration tick = kTick) {
-  return OdometerCheck{params, tick, kSamplePeriod, kSigmaRadS * kSigmaRadS};
+Check make_check(const OdometerCheckParams& params = {}, Duration tick = kTick) {
+  return Check{params, tick, kSamplePeriod, kSigmaRadS * kSigmaRadS};
 }
 
-void stand(OdometerCheck& check, const Rates& mean, int ticks, const Rates* predicted = nullptr) {
+void stand(Check& check, const Rates& mean, int ticks, const Rates* predicted = nullptr) {
   for (int i = 0; i < ticks; ++i) check.on_standing_tick(mean, kSamples, predicted);
 }
 
 /// Ticks until turns() is as wanted, 1000 if it never is.
-int ticks_until(OdometerCheck& check, const Rates& mean, bool turns) {
+int ticks_until(Check& check, const Rates& mean, bool turns) {
   for (int ticks = 1; ticks < 1000; ++ticks) {
     check.on_standing_tick(mean, kSamples, &kBias);
     if (check.turns() == turns) return ticks;
@@ -40,13 +41,13 @@ int ticks_until(OdometerCheck& check, const Rates& mean, bool turns) {
 }
 
 TEST(OdometerCheckAtALargeBias, AcceptsItsLevel) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 100);
   EXPECT_FALSE(check.disagrees());
 }
 
 TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATickOfItsFullRate) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 120);
   EXPECT_EQ(ticks_until(check, turning(1.0F), true), 1);
   stand(check, turning(1.0F), 119);  // a minute of it
@@ -55,7 +56,7 @@ TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATickOfItsFullRate) {
 }
 
 TEST(OdometerCheckWithoutPulses, FollowsWhatChangesSlowly) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   for (int tick = 0; tick < 7200; ++tick) {  // 2 deg/s within an hour
     stand(check, turning(2.0F * static_cast<float>(tick) / 7200.0F), 1);
     ASSERT_FALSE(check.disagrees()) << tick;
@@ -63,7 +64,7 @@ TEST(OdometerCheckWithoutPulses, FollowsWhatChangesSlowly) {
 }
 
 TEST(OdometerCheckWithoutPulses, BelievesAJumpWhenItHasStayedForTwoMinutes) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 100);
   EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1);
   EXPECT_EQ(ticks_until(check, turning(0.5F), false), 240);
@@ -71,7 +72,7 @@ TEST(OdometerCheckWithoutPulses, BelievesAJumpWhenItHasStayedForTwoMinutes) {
 }
 
 TEST(OdometerCheckWhoseLevelWasNew, BelievesTheNextOneSooner) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, turning(11.0F), 1);  // the first sample meant nothing
   EXPECT_EQ(ticks_until(check, kBias, true), 1);
   EXPECT_EQ(ticks_until(check, kBias, false), 10);
@@ -81,7 +82,7 @@ TEST(OdometerCheckWhoseLevelWasNew, BelievesTheNextOneSooner) {
 }
 
 TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 20);
   for (int tick = 0; tick < 5000; ++tick) {
     stand(check, turning(20.0F + static_cast<float>(tick % 40)), 1);
@@ -90,7 +91,7 @@ TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
 }
 
 TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   check.on_driving_tick(kBias);
   stand(check, turning(1.3F), 1, &kBias);
   EXPECT_TRUE(check.disagrees());
@@ -98,7 +99,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
   check.on_driving_tick(kBias);
   stand(check, turning(0.2F), 1, &kBias);
   EXPECT_FALSE(check.disagrees());
-  OdometerCheck fresh = make_check();  // of a node that has learnt nothing yet
+  Check fresh = make_check();  // of a node that has learnt nothing yet
   fresh.on_driving_tick(kBias);
   stand(fresh, turning(50.0F), 1);
   EXPECT_FALSE(fresh.disagrees());
@@ -106,7 +107,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
 
 // The wire breaks in a bend before anything has been learnt.
 TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBeforeWhereNothingIsPredicted) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 4);
   check.pulse(Duration::seconds(1));
   for (int k = 0; k < 20; ++k) check.on_driving_tick(turning(13.0F));
@@ -117,7 +118,7 @@ TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBeforeWhereNothingIsPred
 }
 
 TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 20);
   stand(check, turning(5.0F), 4);
   check.pulse(Duration::seconds(2));
@@ -125,7 +126,7 @@ TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {
 }
 
 TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   for (int tick = 0; tick <= 240; ++tick) {
     EXPECT_FALSE(check.disagrees()) << tick;
     const float noise = 2.0F * kSigmaRadS * (tick % 2 == 0 ? 1.0F : -1.0F);
@@ -138,13 +139,13 @@ TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
 }
 
 TEST(OdometerCheckGivenPulsesAtRest, IsSilentWhereNobodyWantsToKnow) {
-  OdometerCheck check = make_check({.longest_straight = {}});
+  Check check = make_check({.longest_straight = {}});
   for (int tick = 0; tick < 70'000; ++tick) check.on_driving_tick(kBias);
   EXPECT_FALSE(check.disagrees());
 }
 
 TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 3);
   check.pulse(Duration::microseconds(714));  // 14 pulses in 10 ms: 70 m/s at 5 cm a pulse
   EXPECT_FALSE(check.disagrees());
@@ -161,7 +162,7 @@ TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
 // 2 deg/s rms at an idling engine's 22.5 Hz: what is left of it in a window is a sixth of that.
 TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
   for (const int tick_ms : {100, 500}) {
-    OdometerCheck check = make_check({}, Duration::milliseconds(tick_ms));
+    Check check = make_check({}, Duration::milliseconds(tick_ms));
     const int samples = tick_ms / 10;
     for (int tick = 0; tick < 10'000 / samples; ++tick) {
       float sum = 0.0F;
@@ -178,7 +179,7 @@ TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
 
 TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
   for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // of 50
-    OdometerCheck check = make_check();
+    Check check = make_check();
     for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias);
     EXPECT_FALSE(check.disagrees()) << samples;
     check.on_standing_tick(turning(5.0F), samples, &kBias);
@@ -187,7 +188,7 @@ TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
 }
 
 TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 20);
   check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
   EXPECT_FALSE(check.disagrees());
@@ -202,7 +203,7 @@ TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
 TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
   constexpr float kLoud = 0.35F * kRadPerDeg;
   for (const int tick_ms : {10, 20, 100, 500}) {
-    OdometerCheck check{{}, Duration::milliseconds(tick_ms), kSamplePeriod, kLoud * kLoud};
+    Check check{{}, Duration::milliseconds(tick_ms), kSamplePeriod, kLoud * kLoud};
     const auto samples = static_cast<std::uint32_t>(tick_ms / 10);
     const auto run = [&](float dps, int ms) {
       for (int tick = 0; tick < ms / tick_ms; ++tick) {
@@ -225,7 +226,7 @@ TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
 // 5 s are less than a tick of 10 s: one tick, not for ever.
 TEST(OdometerCheckWhoseTickIsLongerThanABend, BelievesTheRateOfTwoTicks) {
   constexpr Duration kLong = Duration::seconds(10);
-  OdometerCheck check{{}, kLong, kSamplePeriod, kSigmaRadS * kSigmaRadS};
+  Check check{{}, kLong, kSamplePeriod, kSigmaRadS * kSigmaRadS};
   constexpr std::uint32_t kMany = 1000;
   for (int tick = 0; tick < 10; ++tick) check.on_standing_tick(kBias, kMany, &kBias);
   check.on_driving_tick(kBias);
@@ -239,11 +240,11 @@ TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
   // Noise of a sample: against a level of 10 s, 6 sigma are 0.58 deg/s after half a second and 0.31
   // deg/s after two.
   constexpr float kLoud = 0.67F * kRadPerDeg;
-  OdometerCheck check{{}, kTick, kSamplePeriod, kLoud * kLoud};
+  Check check{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(check, kBias, 20);
   EXPECT_EQ(ticks_until(check, turning(0.28F), true), 1000);
   EXPECT_LE(ticks_until(check, turning(0.7F), true), 8);
-  OdometerCheck other{{}, kTick, kSamplePeriod, kLoud * kLoud};
+  Check other{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(other, kBias, 20);
   EXPECT_EQ(ticks_until(other, turning(1.5F), true), 1);
 }
@@ -254,7 +255,7 @@ TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
 TEST(OdometerCheckOfALoudSensor, IsSilentInStopsAtRest) {
   constexpr float kLoud = 0.129F * kRadPerDeg;
   constexpr std::uint32_t kOfTick = 5;
-  OdometerCheck check{{}, kTick, Duration::milliseconds(100), kLoud * kLoud};
+  Check check{{}, kTick, Duration::milliseconds(100), kLoud * kLoud};
   std::mt19937_64 engine{5};
   std::normal_distribution<float> of_sample{0.0F, kLoud};
   std::normal_distribution<float> of_tick{0.0F, kLoud / std::sqrt(static_cast<float>(kOfTick))};
@@ -271,17 +272,17 @@ TEST(OdometerCheckOfALoudSensor, IsSilentInStopsAtRest) {
 }
 
 TEST(OdometerCheckWithAnInfiniteTurn, NoticesNone) {
-  OdometerCheck check = make_check({.turn_rad_s = std::numeric_limits<float>::infinity()});
+  Check check = make_check({.turn_rad_s = std::numeric_limits<float>::infinity()});
   stand(check, kBias, 20);
   stand(check, turning(200.0F), 20);
   EXPECT_FALSE(check.disagrees());
 }
 
 TEST(OdometerCheckRestored, GoesOnAsTheOtherWould) {
-  OdometerCheck check = make_check();
+  Check check = make_check();
   stand(check, kBias, 20);
   stand(check, turning(1.0F), 5);
-  OdometerCheck other = make_check();
+  Check other = make_check();
   other.restore(check.state());
   EXPECT_EQ(ticks_until(other, kBias, false), ticks_until(check, kBias, false));
 }

@@ -16,7 +16,8 @@
 namespace zerorate::core {
 namespace {
 
-using Rates = CalmJudge::Rates;
+using Judge = CalmJudge<3>;
+using Rates = Judge::Rates;
 
 constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kBend = Duration::seconds(5);
@@ -26,7 +27,8 @@ struct Stop {
   explicit Stop(int samples_per_tick, float model_sigma_dps = 0.1F,
                 StandstillSource source = StandstillSource::odometer)
       : samples(samples_per_tick),
-        judge(source, kBend, kTick, model_sigma_dps * model_sigma_dps * kRadPerDeg * kRadPerDeg) {}
+        judge(source, kBend, kTick),
+        white(model_sigma_dps * model_sigma_dps * kRadPerDeg * kRadPerDeg, {}, kTick, true) {}
 
   /// A tick with these rates, and the verdict.
   Calm tick(const std::function<double(double seconds)>& rate_dps,
@@ -45,7 +47,9 @@ struct Stop {
     }
     for (std::size_t i = 0; i < 3; ++i) mean.rate_rad_s[i] = static_cast<float>(sum[i] / samples);
     means.push_back(mean.rate_rad_s);
-    return judge.judge(mean, predicted_rad_s, variance);
+    const Calm verdict = judge.judge(mean, predicted_rad_s, variance, white);
+    if (verdict == Calm::calm) white.observe(mean);
+    return verdict;
   }
   int calm_of(
       int ticks, const std::function<double(double)>& rate_dps = [](double) { return 0.0; }) {
@@ -54,11 +58,12 @@ struct Stop {
     return calm;
   }
   [[nodiscard]] double white_sigma_dps() const {
-    return std::sqrt(double{judge.white_variance_rad2_s2()}) / double{kRadPerDeg};
+    return std::sqrt(double{white.shown_rad2_s2()}) / double{kRadPerDeg};
   }
 
   int samples;
-  CalmJudge judge;
+  Judge judge;
+  WhiteLevel<3> white;
   double sigma_dps = 0.05;
   std::uint32_t next = 0;
   std::mt19937 random{1};
@@ -71,7 +76,7 @@ TEST(CalmJudgeOfWhiteNoise, FindsNoMotion) {
     Stop stop{samples};
     // The three windows of a verdict exceed the limit by chance less than once in 10^5.
     EXPECT_GE(stop.calm_of(2000), 1995) << samples;
-    EXPECT_GE(stop.judge.percent(), 99) << samples;
+    EXPECT_GE(stop.judge.share().percent(), 99) << samples;
   }
 }
 
@@ -96,7 +101,7 @@ TEST(CalmJudgeWithThreeWindows, TakesTheirSampleVarianceForTheWhiteNoise) {
     for (const Rates& one : stop.means) expected += std::pow(double{one[i]} - mean, 2) / 2.0;
   }
   expected *= 5.0 / 3.0;  // of a sample, the mean of three axes
-  EXPECT_NEAR(double{stop.judge.white_variance_rad2_s2()}, expected, 1e-5 * expected);
+  EXPECT_NEAR(double{stop.white.shown_rad2_s2()}, expected, 1e-5 * expected);
 }
 
 TEST(CalmJudgeOfARotation, SpoilsTheWindowsThatSeeItsBeginAndItsEnd) {
@@ -120,7 +125,7 @@ TEST(CalmJudgeOfARotationOnOneAxisOnly, SeesItToo) {
     TickMean<3> mean{.tick = k, .samples = 5};
     for (float& rate : mean.rate_rad_s) rate = normal(random);
     if (k == 59) mean.rate_rad_s[1] += 0.5F * kRadPerDeg;
-    last = stop.judge.judge(mean, nullptr, 0.0F);
+    last = stop.judge.judge(mean, nullptr, 0.0F, stop.white);
     if (k < 59) {
       EXPECT_EQ(last, Calm::calm) << k;
     }
@@ -185,7 +190,7 @@ TEST(CalmJudgeOfAReadingThatNeverChanges, KeepsAPositiveVariance) {
   Stop stop{5};
   stop.sigma_dps = 0.0;
   EXPECT_EQ(stop.calm_of(500), 500);
-  EXPECT_GT(stop.judge.white_variance_rad2_s2(), 0.0F);
+  EXPECT_GT(stop.white.shown_rad2_s2(), 0.0F);
   EXPECT_GT(stop.white_sigma_dps(), 0.005 * 0.1);
 }
 
@@ -202,28 +207,28 @@ TEST(CalmJudgeOfStops, ReportsADeadBandAfterThreeWithMotion) {
   stop.calm_of(40);
   const auto rolls = [&](double seconds) { return std::fmod(seconds, 1.0) < 0.5 ? 1.0 : 0.0; };
   for (int k = 0; k < 3; ++k) {
-    EXPECT_FALSE(stop.judge.has_dead_band());
+    EXPECT_FALSE(stop.judge.share().has_dead_band());
     stop.judge.end_stop();
     stop.calm_of(4, rolls);
     stop.calm_of(40);
-    EXPECT_LT(stop.judge.percent(), 100);
-    EXPECT_GT(stop.judge.percent(), 80);
+    EXPECT_LT(stop.judge.share().percent(), 100);
+    EXPECT_GT(stop.judge.share().percent(), 80);
   }
   stop.judge.end_stop();
-  EXPECT_TRUE(stop.judge.has_dead_band());
+  EXPECT_TRUE(stop.judge.share().has_dead_band());
   for (int k = 0; k < 3; ++k) {
     stop.judge.end_stop();
     stop.calm_of(40);
   }
   stop.judge.end_stop();
-  EXPECT_FALSE(stop.judge.has_dead_band());
-  EXPECT_EQ(stop.judge.percent(), 100);
+  EXPECT_FALSE(stop.judge.share().has_dead_band());
+  EXPECT_EQ(stop.judge.share().percent(), 100);
 }
 
 TEST(CalmJudgeBeforeThreeWindows, HasNoShare) {
   Stop stop{5};
   stop.calm_of(2);
-  EXPECT_EQ(stop.judge.percent(), CalmJudge::kNoPercent);
+  EXPECT_EQ(stop.judge.share().percent(), CalmShare::kNoPercent);
 }
 
 TEST(CalmJudgeRestored, GoesOnBitForBit) {

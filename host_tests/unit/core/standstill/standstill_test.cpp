@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <vector>
+
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/odometer_traits.hpp"
 #include "core/standstill/standstill.hpp"
@@ -75,13 +78,20 @@ struct Item {
   Instant end;
 };
 
-TEST(HoldBackLine, ReleasesInOrderWhatIsOldEnough) {
+/// Takes every item that ends no later than `until`.
+template <std::size_t Capacity>
+std::vector<int> take_until(HoldBackLine<Item, Capacity>& line, Instant until) {
+  line.confirm_until(until, [](Item&) {});
+  std::vector<int> numbers;
+  while (line.confirmed() > 0) numbers.push_back(line.take_confirmed().number);
+  return numbers;
+}
+
+TEST(HoldBackLine, ConfirmsInOrderWhatIsOldEnough) {
   HoldBackLine<Item, 4> line;
   for (int i = 0; i < 4; ++i) line.push({i, at_ms(100 * i)});
   EXPECT_TRUE(line.is_full());
-  int expected = 0;
-  line.release_until(at_ms(200), [&](const Item& item) { EXPECT_EQ(item.number, expected++); });
-  EXPECT_EQ(expected, 3);
+  EXPECT_EQ(take_until(line, at_ms(200)), (std::vector{0, 1, 2}));
   EXPECT_EQ(line.size(), 1U);
 }
 
@@ -89,18 +99,27 @@ TEST(HoldBackLine, DiscardsOnlyWhatMayBelongToTheDrive) {
   HoldBackLine<Item, 8> line;
   for (int i = 0; i < 8; ++i) line.push({i, at_ms(100 * i)});
   EXPECT_EQ(line.discard_after(at_ms(450)), 3U);
-  int last = -1;
-  line.release_until(at_ms(10'000), [&](const Item& item) { last = item.number; });
-  EXPECT_EQ(last, 4);
+  EXPECT_EQ(take_until(line, at_ms(10'000)).back(), 4);
 }
 
-TEST(HoldBackLine, IsEmptyAfterClear) {
+TEST(HoldBackLine, KeepsWhatIsConfirmed) {
+  HoldBackLine<Item, 4> line;
+  for (int i = 0; i < 4; ++i) line.push({i, at_ms(100 * i)});
+  line.confirm_until(at_ms(100), [](Item& item) { item.number += 10; });
+  EXPECT_EQ(line.discard_after(at_ms(0)), 2U);
+  line.discard_newest_while([](const Item&) { return true; });
+  line.discard_held();
+  EXPECT_EQ(line.confirmed(), 2U);
+  EXPECT_EQ(take_until(line, at_ms(0)), (std::vector{10, 11}));
+}
+
+TEST(HoldBackLine, IsEmptyAfterDiscardingWhatIsHeld) {
   HoldBackLine<Item, 4> line;
   for (int i = 0; i < 3; ++i) line.push({i, at_ms(100 * i)});
-  line.clear();
+  line.discard_held();
   EXPECT_EQ(line.size(), 0U);
   line.push({7, at_ms(900)});
-  line.release_until(at_ms(900), [](const Item& item) { EXPECT_EQ(item.number, 7); });
+  EXPECT_EQ(take_until(line, at_ms(900)), std::vector{7});
   EXPECT_EQ(line.size(), 0U);
 }
 

@@ -12,7 +12,12 @@
 namespace zerorate::core {
 namespace {
 
-using Learning = StopLearning<TickMean<3>, 16>;
+struct Tick : TickMean<3> {
+  bool begins_stop = false;
+  constexpr bool operator==(const Tick&) const = default;
+};
+using Learning = StopLearning<Tick, 3, 16>;
+using White = WhiteLevel<3>;
 
 constexpr Duration kTick = Duration::milliseconds(100);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
@@ -23,23 +28,31 @@ Instant at_ms(std::int64_t ms) {
 
 /// One second to settle, half a second of hold-back, turns from 0.25 deg/s on; samples every 10 ms.
 struct Vehicle {
-  Learning learning{Standstill::Params{}, OdometerCheck::Params{}, kTick, kSamplePeriod, 1e-12F};
+  Learning learning{Standstill::Params{}, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
   std::vector<std::pair<std::uint32_t, bool>> learnt{};  ///< ticks, and whether each begins a stop
 
-  auto learner() {
-    return [this](const TickMean<3>& mean, bool begins_stop) {
-      learnt.emplace_back(mean.tick, begins_stop);
-    };
-  }
+  White white{1e-12F, {}, kTick, true};
+
   void sample(std::int64_t ms, float rate_rad_s) {
     const Instant at = at_ms(ms);
     const bool begins_tick = learning.begin_sample(at);
     if (begins_tick) {
-      learning.close_tick(nullptr, 0.0F);
+      learning.close_tick(nullptr, 0.0F, white, [](const TickMean<3>& mean) {
+        return Tick{mean, false};
+      });
       learning.enter_tick(at);
     }
     learning.add(at, begins_tick, {rate_rad_s, rate_rad_s, rate_rad_s}, [] { return true; });
-    (void)learning.release_at(at, learner());
+    learning.confirm_at(at);
+    take();
+  }
+  /// Takes what is certain.
+  void take() {
+    while (learning.confirmed() > 0) {
+      const Tick tick = learning.take_confirmed();
+      white.observe(tick);
+      learnt.emplace_back(tick.tick, tick.begins_stop);
+    }
   }
   void samples(std::int64_t from_ms, std::int64_t to_ms, float rate_rad_s = 0.0F) {
     for (std::int64_t ms = from_ms; ms < to_ms; ms += 10) sample(ms, rate_rad_s);
@@ -63,14 +76,15 @@ TEST(StopLearningAtAPulse, ReleasesWhatIsCertainAndDropsTheHoldBack) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
   const auto before = vehicle.learnt.size();
-  EXPECT_TRUE(vehicle.learning.pulse(at_ms(3'150), vehicle.learner()));
+  vehicle.learning.pulse(at_ms(3'150));
+  vehicle.take();
   // Certain are ticks that end by 2.65 s: one or two more, and they belong to the same stop.
   EXPECT_GT(vehicle.learnt.size(), before);
   EXPECT_LE(vehicle.learnt.back().first, 26U);
   EXPECT_FALSE(vehicle.learnt.back().second);
   EXPECT_EQ(vehicle.learning.state().held.size(), 0U);
   // A second pulse: after a single one the silence must be twice that before it.
-  (void)vehicle.learning.pulse(at_ms(3'151), vehicle.learner());
+  vehicle.learning.pulse(at_ms(3'151));
   vehicle.samples(3'160, 6'000);
   EXPECT_GT(vehicle.learnt.back().first, 41U);
   std::size_t stops = 0;
@@ -121,13 +135,13 @@ TEST(StopLearningOnMotionInsideAStop, LearnsFromTheCalmBeforeAndAfterIt) {
 
 TEST(StopLearningWithoutAnOdometer, IsMovingWhileTheGyroIsNotCalm) {
   Vehicle vehicle{.learning = {Standstill::Params{.source = StandstillSource::gyro},
-                               OdometerCheck::Params{}, kTick, kSamplePeriod, 1e-12F}};
+                               OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F}};
   std::int64_t ms = 0;
   const auto run_until = [&](std::int64_t end_ms, float swing_rad_s) {
     for (; ms < end_ms; ms += 10) {
       const float noise = ms / 500 % 2 == 0 ? 1e-5F : -1e-5F;
       vehicle.sample(ms, noise + swing_rad_s * static_cast<float>(ms / 300 % 3));
-      (void)vehicle.learning.pulse(at_ms(ms), vehicle.learner());  // of an odometer that lies
+      vehicle.learning.pulse(at_ms(ms));  // of an odometer that lies
     }
   };
   run_until(10'000, 0.0F);
@@ -147,7 +161,8 @@ TEST(StopLearningRestored, GoesOnAlike) {
   Vehicle whole;
   whole.samples(0, 2'730);
   Vehicle second;
-  second.learning.restore(whole.learning.state());
+  second.white.restore(whole.white.state());
+  second.learning.restore(whole.learning.state(), second.white);
   EXPECT_TRUE(second.learning.state() == whole.learning.state());
   whole.learnt.clear();
   whole.samples(2'730, 4'000);
@@ -164,17 +179,22 @@ TEST(StopLearningOfASensorLouderThanItsModel, SeesNoTurnInItsFirstSeconds) {
   std::mt19937_64 engine{7};
   std::normal_distribution<float> noise{0.0F, kLoud};
   for (int stop = 0; stop < 20'000; ++stop) {
-    Learning learning{Standstill::Params{}, OdometerCheck::Params{}, Duration::milliseconds(500),
+    Learning learning{Standstill::Params{}, OdometerCheckParams{}, Duration::milliseconds(500),
                       kPeriod, kLoud * kLoud / 9.0F};
+    White white{kLoud * kLoud / 9.0F, {}, Duration::milliseconds(500), true};
     Instant at = at_ms(0);
     for (int sample = 0; sample < 80; ++sample, at = at + kPeriod) {
       const bool begins_tick = learning.begin_sample(at);
       if (begins_tick) {
-        learning.close_tick(nullptr, 0.0F);
+        learning.close_tick(nullptr, 0.0F, white, [](const TickMean<3>& mean) {
+          return Tick{mean, false};
+        });
         learning.enter_tick(at);
       }
       learning.add(at, begins_tick, {noise(engine), noise(engine), noise(engine)},
                    [] { return true; });
+      learning.confirm_at(at);
+      while (learning.confirmed() > 0) white.observe(learning.take_confirmed());
       ASSERT_FALSE(learning.odometer_disagrees()) << "stop " << stop << ", sample " << sample;
     }
   }

@@ -40,16 +40,16 @@ TEST(GyroNodeWithoutTemperature, IsTheSameButSaysNone) {
 using WarmNode = GyroNode<core::ModelShape{.decaying = 4, .temperature_weights = 2}>;
 WarmNode::Params warm_params() {
   const auto plain = node_params();
-  WarmNode::Params params{.modes = plain.modes,
-                          .white_variance_rad2_s2 = plain.white_variance_rad2_s2,
-                          .sample_period = plain.sample_period};
-  params.temperature = {.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F};
+  WarmNode::Params params{.model = {.modes = plain.model.modes,
+                                    .white_variance_rad2_s2 = plain.model.white_variance_rad2_s2,
+                                    .sample_period = plain.model.sample_period}};
+  params.model.temperature = {.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F};
   return params;
 }
 
 /// In minutes of standstill and of driving in turn; the temperature rises by a kelvin a minute, the
 /// bias of x, y and z by 1, 2 and 3 times 1e-3 rad/s/K.
-drivers::GyroSample warming_sample(std::int64_t ms) {
+core::GyroSample warming_sample(std::int64_t ms) {
   constexpr float kSlope = 1e-3F;
   const float excess = static_cast<float>(ms) / 60'000.0F - 10.0F;
   auto sample = noisy_sample(at_ms(ms), kBias + kSlope * excess);
@@ -67,8 +67,12 @@ TEST(GyroNodeThatFollowsTheTemperature, LearnsTheSlopeAcrossStops) {
   WarmNode node{params};
   std::int64_t ms = 0;
   for (; ms < 600'000; ms += 10) (void)warming_step(node, ms);
-  // At the end of the sixth drive, a minute and a kelvin after it was measured.
-  const RateMessage message = warming_step(node, ms - 10 + 60'000);
+  // At the end of the sixth drive, a minute and a kelvin after it was measured, and in the last of
+  // the ten samples that share the work of the tick.
+  RateMessage message;
+  for (int sample = 9; sample >= 0; --sample) {
+    message = warming_step(node, ms - 10 + 60'000 - 10 * sample);
+  }
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<float>(i + 1);
     const float truth = axis * (kBias + 1e-3F * (static_cast<float>(ms + 59'990) / 6e4F - 10.0F));
@@ -114,8 +118,8 @@ TEST(GyroNodeWhoseThermometerFallsSilent, SaysSoAndWidensItsInterval) {
 using ScreeningNode = GyroNode<kNodeShape, NodeCapacity{.screens_samples = true}>;
 ScreeningNode::Params screening_params() {
   auto params = node_params();
-  params.samples.outliers = {.probability = 1e-3F,
-                             .variance_rad2_s2 = 1e4F * kWhiteSigmaRadS * kWhiteSigmaRadS};
+  params.model.samples.outliers = {.probability = 1e-3F,
+                                   .variance_rad2_s2 = 1e4F * kWhiteSigmaRadS * kWhiteSigmaRadS};
   return params;
 }
 
@@ -123,7 +127,7 @@ ScreeningNode::Params screening_params() {
 bool is_wild(std::int64_t ms) {
   return ms > 10'000 && ms % 500 == 250;
 }
-drivers::GyroSample sometimes_wild_sample(std::int64_t ms) {
+core::GyroSample sometimes_wild_sample(std::int64_t ms) {
   auto sample = noisy_sample(at_ms(ms), kBias);
   if (is_wild(ms)) sample.rate[1] = sample.rate[1] + core::rad_per_s(200.0F * kWhiteSigmaRadS);
   return sample;
@@ -144,8 +148,8 @@ TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnesAndSaysSo) {
 
 TEST(GyroNodeThatScreensSamples, RestoredGoesOnBitForBit) {
   auto params = screening_params();
-  params.samples.level = {.variance = 0.1F, .time_constants_per_tick = 1e-2F};
-  params.samples.motion = {
+  params.model.samples.level = {.variance = 0.1F, .time_constants_per_tick = 1e-2F};
+  params.model.samples.motion = {
       .begin_probability = 1e-3F, .end_probability = 0.1F, .variance_rad2_s2 = 1e-4F};
   for (const std::int64_t cut : {30'050, 30'260, 45'000}) {
     ScreeningNode whole{params};
@@ -161,9 +165,9 @@ TEST(GyroNodeThatScreensSamples, RestoredGoesOnBitForBit) {
 
 TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
   auto params = screening_params();
-  params.samples = {};
-  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
-  for (auto& mode : params.modes.decaying) {  // as good as none, so that the mean is all
+  params.model.samples = {};
+  params.model.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
+  for (auto& mode : params.model.modes.decaying) {  // as good as none, so that the mean is all
     mode.noise_variance *= 1e-6F;
     mode.initial_variance *= 1e-6F;
   }
@@ -185,8 +189,8 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
 
 TEST(GyroNodeOfASensorWithOneAxis, FollowsTheStrengthOfTheNoiseByThatAxisAlone) {
   auto params = screening_params();
-  params.samples = {};
-  params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-5F};
+  params.model.samples = {};
+  params.model.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-5F};
   ScreeningNode three{params};
   ScreeningNode one{params};
   for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
@@ -197,13 +201,13 @@ TEST(GyroNodeOfASensorWithOneAxis, FollowsTheStrengthOfTheNoiseByThatAxisAlone) 
   }
   // Both are near 1: with 10 samples a tick the mean of 3,000 ticks' worth is known to a few
   // percent.
-  EXPECT_NEAR(one.state().screening.level.level, 1.0F, 0.2F);
-  EXPECT_NEAR(three.state().screening.level.level, 1.0F, 0.2F);
+  EXPECT_NEAR(one.state().ticks.white.track.level, 1.0F, 0.2F);
+  EXPECT_NEAR(three.state().ticks.white.track.level, 1.0F, 0.2F);
 }
 
 TEST(GyroNodeThatKnowsItsRange, SaysWhenASampleIsAtItsEnd) {
   auto params = node_params();
-  params.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};
+  params.model.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};
   ScreeningNode node{params};
   EXPECT_FALSE(node.step(sample_at(at_ms(0), 0.3F)).health.saturated);  // z: 0.9
   EXPECT_TRUE(node.step(sample_at(at_ms(10), 0.4F)).health.saturated);

@@ -30,7 +30,7 @@ using testing::stand;
 /// Samples that a node must refuse, after one at 20 s.
 struct Refused {
   const char* name;
-  drivers::GyroSample sample;
+  core::GyroSample sample;
   Health health;
 };
 
@@ -130,7 +130,7 @@ TEST(GyroNodeOverAWholeDrive, NeverAllocates) {
 }
 
 TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
-  static_assert(sizeof(Node::HeldTick) == sizeof(core::TickMean<3>));
+  static_assert(sizeof(Node::Ticks::Tick) == sizeof(core::TickMean<3>));
   static_assert(std::is_empty_v<core::TemperatureTrack<0>>);
   EXPECT_LT(sizeof(Node),
             sizeof(GyroNode<core::ModelShape{.decaying = 4, .temperature_weights = 2}>));
@@ -146,26 +146,28 @@ TEST(GyroNodeParams, AreCheckedOneByOne) {
     return checked.error();
   };
   using Params = Node::Params;
-  EXPECT_EQ(error([](Params& p) { p.modes.tick = Duration{}; }), ParamsError::tick_not_positive);
-  EXPECT_EQ(error([](Params& p) { p.sample_period = Duration{}; }), ParamsError::tick_not_positive);
-  EXPECT_EQ(error([](Params& p) { p.sample_period = p.modes.tick * 2; }),
+  EXPECT_EQ(error([](Params& p) { p.model.modes.tick = Duration{}; }),
+            ParamsError::tick_not_positive);
+  EXPECT_EQ(error([](Params& p) { p.model.sample_period = Duration{}; }),
+            ParamsError::tick_not_positive);
+  EXPECT_EQ(error([](Params& p) { p.model.sample_period = p.model.modes.tick * 2; }),
             ParamsError::tick_shorter_than_sample);
   for (const float variance : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(),
                                std::numeric_limits<float>::infinity()}) {
-    EXPECT_EQ(error([&](Params& p) { p.white_variance_rad2_s2 = variance; }),
+    EXPECT_EQ(error([&](Params& p) { p.model.white_variance_rad2_s2 = variance; }),
               ParamsError::white_variance_not_positive);
   }
   EXPECT_EQ(error([](Params& p) { p.standstill.settle = Duration::nanoseconds(-1); }),
             ParamsError::negative_time);
   EXPECT_EQ(error([](Params& p) { p.standstill.hold_back = Duration::nanoseconds(-1); }),
             ParamsError::negative_time);
-  EXPECT_EQ(error([](Params& p) { p.standstill.hold_back = p.modes.tick * 63; }),
+  EXPECT_EQ(error([](Params& p) { p.standstill.hold_back = p.model.modes.tick * 61; }),
             ParamsError::hold_back_too_long);
 }
 
 TEST(GyroNodeWithTheLongestHoldBack, NeverOverfillsItsLine) {
   auto params = node_params();
-  params.standstill.hold_back = Duration::nanoseconds((params.modes.tick * 63).ns() - 1);
+  params.standstill.hold_back = Duration::nanoseconds((params.model.modes.tick * 61).ns() - 1);
   ASSERT_TRUE(Node::check(params).has_value());
   Node node{params};
   stand(node, 0, 30'000);
@@ -204,12 +206,12 @@ TEST(GyroNodeState, IsPossibleWhateverItsPaddingHolds) {
   Node node{params};
   stand(node, 0, 10'000);
   Node::State state = node.state();
-  static_assert(std::tuple_size_v<decltype(state.lead.rotating)> == 0);
-  auto* const lead = reinterpret_cast<unsigned char*>(&state.lead);
-  auto* const behind_the_numbers = reinterpret_cast<unsigned char*>(&state.lead.rotating);
-  std::fill(behind_the_numbers, lead + sizeof(state.lead), 0xFF);
+  static_assert(std::tuple_size_v<decltype(state.ticks.lead.rotating)> == 0);
+  auto* const lead = reinterpret_cast<unsigned char*>(&state.ticks.lead);
+  auto* const behind_the_numbers = reinterpret_cast<unsigned char*>(&state.ticks.lead.rotating);
+  std::fill(behind_the_numbers, lead + sizeof(state.ticks.lead), 0xFF);
   EXPECT_TRUE(is_possible_state(node, state));
-  state.lead.level.noise = std::numeric_limits<float>::quiet_NaN();
+  state.ticks.lead.level.noise = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(is_possible_state(node, state));
 }
 
@@ -220,13 +222,13 @@ TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {
   const Node::State state = node.state();
   Node::State other = state;
   EXPECT_TRUE(other == state);
-  other.predictors.kalman.rejected = 1;
+  other.ticks.predictors.kalman.rejected = 1;
   EXPECT_FALSE(other == state);
   other = state;
-  other.predictors.kalman.axes[1].rejection_variance = 1.0F;
+  other.ticks.predictors.kalman.axes[1].rejection_variance = 1.0F;
   EXPECT_FALSE(other == state);
   other = state;
-  other.predictors.axes[1].monitor.doubted = 1;
+  other.ticks.predictors.axes[1].monitor.doubted = 1;
   EXPECT_FALSE(other == state);
 }
 

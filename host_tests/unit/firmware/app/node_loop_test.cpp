@@ -240,7 +240,7 @@ TEST(NodeLoopWhoseChipLostItsSupply, StartsItAgainAndKeepsTheBias) {
   rig.samples(100);
   EXPECT_TRUE(rig.loop.is_running());
   EXPECT_EQ(rig.counters().starts, 2U);
-  EXPECT_GE(rig.node.measured_ticks(), before.measured_ticks);
+  EXPECT_GE(rig.node.measured_ticks(), before.ticks.measured_ticks);
   EXPECT_TRUE(rig.published.messages.back().health.calibrated);
 }
 

@@ -32,13 +32,13 @@ inline constexpr float kWhiteSigmaRadS = 1e-3F;
 [[nodiscard]] inline Node::Params node_params() {
   auto flicker = zerorate::testing::flicker_like<4>(kTick, 0.5);
   for (float& variance : flicker.variance_rad2_s2) variance *= 1e-9F;
-  return {.modes = core::compose(kTick, core::Start::stationary, flicker),
-          .white_variance_rad2_s2 = kWhiteSigmaRadS * kWhiteSigmaRadS,
-          .sample_period = kSamplePeriod};
+  return {.model = {.modes = core::compose(kTick, core::Start::stationary, flicker),
+                    .white_variance_rad2_s2 = kWhiteSigmaRadS * kWhiteSigmaRadS,
+                    .sample_period = kSamplePeriod}};
 }
 
-[[nodiscard]] inline drivers::GyroSample sample_at(core::Instant time, float rate_rad_s) {
-  drivers::GyroSample sample{.time = time};
+[[nodiscard]] inline core::GyroSample sample_at(core::Instant time, float rate_rad_s) {
+  core::GyroSample sample{.time = time};
   for (std::size_t i = 0; i < 3; ++i) {
     sample.rate[i] = core::rad_per_s(rate_rad_s * static_cast<float>(i + 1));
   }
@@ -46,9 +46,9 @@ inline constexpr float kWhiteSigmaRadS = 1e-3F;
 }
 
 /// White noise around a bias that is 1, 2 and 3 times `bias` on x, y and z.
-[[nodiscard]] inline drivers::GyroSample noisy_sample(core::Instant time, float bias_rad_s,
-                                                      std::uint64_t seed = 1) {
-  drivers::GyroSample sample = sample_at(time, bias_rad_s);
+[[nodiscard]] inline core::GyroSample noisy_sample(core::Instant time, float bias_rad_s,
+                                                   std::uint64_t seed = 1) {
+  core::GyroSample sample = sample_at(time, bias_rad_s);
   for (std::size_t i = 0; i < 3; ++i) {
     const random::RandomStream noise{seed, i};
     sample.rate[i] = sample.rate[i] +
@@ -91,7 +91,7 @@ void expect_same(const State& a, const State& b) {
 }
 inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_TRUE(a.learning == b.learning);
-  EXPECT_TRUE(a.predictors == b.predictors);
+  EXPECT_TRUE(a.ticks.predictors == b.ticks.predictors);
   EXPECT_TRUE(a == b);
 }
 

@@ -70,7 +70,7 @@ TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
 // Nobody can tell a constant turn from a bias; but no bias of this chip is so large.
 TEST(GyroNodeSwitchedOnInATurnBeyondItsZeroRateLevel, IsNeverHealthy) {
   auto params = node_params();
-  params.largest_bias_rad_s = 5.0F * kDps;
+  params.model.largest_bias_rad_s = 5.0F * kDps;
   for (const float turn_dps : {-8.0F, 5.5F, 20.0F}) {
     Node node{params};
     Trip trip{node};

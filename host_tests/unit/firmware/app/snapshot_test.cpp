@@ -27,7 +27,7 @@ constexpr float kTurnOnSigma_rad_s = 5e-4F;
 
 Node::Params params_with_turn_on() {
   Node::Params params = testing::node_params();
-  params.turn_on_variance_rad2_s2 = kTurnOnSigma_rad_s * kTurnOnSigma_rad_s;
+  params.model.turn_on_variance_rad2_s2 = kTurnOnSigma_rad_s * kTurnOnSigma_rad_s;
   return params;
 }
 
@@ -91,16 +91,17 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
                             after(kPause_s), again);
     EXPECT_EQ(*resumption, Resumption::aged);
     // The oracle: the same node, asked without a stop between, over the same time.
-    core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{learnt.params.modes};
+    core::KalmanCoefficients<core::ModelShape{.decaying = 4}> coefficients{
+        learnt.params.model.modes};
     core::KalmanBank<core::ModelShape{.decaying = 4}, 3> oracle{coefficients};
     oracle.restore(learnt.node.predictors().filter());
-    const auto ticks = learnt.node.ticks_since_measured() + kPause_s * 10 + 1;
+    const auto ticks = learnt.node.ticks().ticks_since_measured() + kPause_s * 10 + 1;
     const auto expected =
-        oracle.predict(learnt.params.modes.over(static_cast<std::uint32_t>(ticks)))[1];
+        oracle.predict(learnt.params.model.modes.over(static_cast<std::uint32_t>(ticks)))[1];
     const auto resumed = again.predict(Predictor::kalman, 1);
     EXPECT_NEAR(resumed.bias_rad_s, expected.bias_rad_s, 1e-3F * expected.sigma_rad_s());
     EXPECT_NEAR(resumed.variance_rad2_s2,
-                expected.variance_rad2_s2 + learnt.params.turn_on_variance_rad2_s2,
+                expected.variance_rad2_s2 + learnt.params.model.turn_on_variance_rad2_s2,
                 1e-3F * expected.variance_rad2_s2);
   }
 }
@@ -126,11 +127,11 @@ TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStopAndCountsAsCalibratedBefore) 
 // 2^32 ticks of 5 ms are 249 days; what is aged stops at 2^30, and never becomes young again.
 TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByAsManyAsAreCounted) {
   Node::Params params = params_with_turn_on();
-  params.modes =
+  params.model.modes =
       core::compose(core::Duration::milliseconds(5), core::Start::stationary,
                     zerorate::testing::flicker_like<4>(core::Duration::milliseconds(5), 0.5),
                     core::RandomWalk{.coefficient_rad_s_sqrt_s = 1e-6F});
-  params.sample_period = core::Duration::milliseconds(5);
+  params.model.sample_period = core::Duration::milliseconds(5);
   params.standstill.hold_back = core::Duration::milliseconds(200);  // as many ticks as are held
   Node node{params};
   for (std::int64_t ms = 0; ms < 30'000; ms += 5) {
@@ -281,7 +282,7 @@ TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {
   EXPECT_EQ(refusal_of(record, after(10), params_with_turn_on(), kSensor + 1),
             SnapshotRefusal::other_sensor);
   const Node::Params params = params_with_turn_on();
-  const Node fresh{params};
+  Node fresh{params};
   EXPECT_EQ(refusal_of(learnt.snapshot.of_filters(fresh, kSaved), after(10)),
             SnapshotRefusal::nothing_learnt);
 }
@@ -300,8 +301,8 @@ TEST(SnapshotOfAModelThatDoesNotTellTheTurnOn, IsRefusedInAnotherSessionOnly) {
 TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
   constexpr float kAmplitude_rad_s = 4e-3F;
   Node::Params params = params_with_turn_on();
-  params.modes =
-      core::compose(params.modes.tick, core::Start::stationary,
+  params.model.modes =
+      core::compose(params.model.modes.tick, core::Start::stationary,
                     core::FlickerDecades<3>{.time_constant_s = {1.0F, 10.0F, 100.0F},
                                             .variance_rad2_s2 = {1e-10F, 1e-10F, 1e-10F}},
                     core::WarmUp{.sigma_rad_s = kAmplitude_rad_s, .time_constant_s = 20.0F});
@@ -309,7 +310,8 @@ TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
   Node again{params};
   EXPECT_EQ(*taken_up(params, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again),
             Resumption::aged);
-  const float variance = kAmplitude_rad_s * kAmplitude_rad_s + params.turn_on_variance_rad2_s2;
+  const float variance =
+      kAmplitude_rad_s * kAmplitude_rad_s + params.model.turn_on_variance_rad2_s2;
   EXPECT_NEAR(again.predict(Predictor::kalman, 0).variance_rad2_s2 / variance, 1.0F, 0.1F);
   EXPECT_NEAR(bias_of(again), kBias_rad_s, 5e-4F);
   RateMessage last;
@@ -326,7 +328,7 @@ TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
 TEST(SnapshotOfAnotherModel, GivesTheBiasWithAWiderInterval) {
   Learnt learnt;
   Node::Params louder = params_with_turn_on();
-  louder.white_variance_rad2_s2 *= 2.0F;
+  louder.model.white_variance_rad2_s2 *= 2.0F;
   Node aged{learnt.params};
   ASSERT_EQ(
       *taken_up(learnt.params, learnt.snapshot.of_filters(learnt.node, kSaved), after(60), aged),
@@ -351,7 +353,7 @@ TEST(SnapshotOfAnotherModel, IsRefusedWhereItsBiasesAreNoNumbers) {
   constexpr std::size_t kBiasesAt = 64;
   Learnt learnt;
   Node::Params louder = params_with_turn_on();
-  louder.white_variance_rad2_s2 *= 2.0F;
+  louder.model.white_variance_rad2_s2 *= 2.0F;
   for (const std::size_t number : {0U, 1U, 2U, 3U, 5U}) {
     auto record = learnt.snapshot.of_filters(learnt.node, kSaved);
     for (std::size_t byte = 0; byte < 4; ++byte) record[kBiasesAt + 4 * number + byte] = 0xFF;
@@ -363,8 +365,8 @@ TEST(SnapshotOfAnotherModel, IsRefusedWhereItsBiasesAreNoNumbers) {
 TEST(SnapshotOfAModelWithAnotherGate, IsTakenUpForItsNumbersMeanTheSame) {
   Learnt learnt;
   Node::Params stricter = params_with_turn_on();
-  stricter.gate = {.threshold_sigma = 4.0F, .longest_knock_ticks = 3};
-  stricter.turn_on_variance_rad2_s2 *= 4.0F;
+  stricter.model.gate = {.threshold_sigma = 4.0F, .longest_knock_ticks = 3};
+  stricter.model.turn_on_variance_rad2_s2 *= 4.0F;
   Node again{stricter};
   EXPECT_EQ(*taken_up(stricter, learnt.snapshot.of_filters(learnt.node, kSaved), after(10), again),
             Resumption::aged);

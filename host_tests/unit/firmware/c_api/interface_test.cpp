@@ -38,7 +38,7 @@ void stand(zerorate_node& node, std::uint64_t seed = 1) {
   for (std::int64_t k = 0; k < kStopSamples; ++k) feed(node, moment(k, seed));
 }
 
-Record save(const zerorate_node& node, std::int64_t utc_s = kUtc_s) {
+Record save(zerorate_node& node, std::int64_t utc_s = kUtc_s) {
   Record record{};
   EXPECT_EQ(zerorate_save(&node, utc_s, record.data(), record.size()), ZERORATE_OK);
   return record;
@@ -47,21 +47,15 @@ Record save(const zerorate_node& node, std::int64_t utc_s = kUtc_s) {
 TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
   using Node = app::GyroNode<model::kCApiShape>;
   const auto period = core::Duration::nanoseconds(kPeriod_ns);
-  const auto noise = model::make_node_model<model::kCApiShape>(model::find_model("lsm6dso"), period,
-                                                               core::Duration::milliseconds(500));
   const Node::Params params{
-      .modes = noise.modes,
-      .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-      .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
-      .gate = noise.gate,
-      .sample_period = period,
-      .hypotheses = noise.hypotheses};
+      .model = model::make_node_model<model::kCApiShape>(model::find_model("lsm6dso"), period,
+                                                         core::Duration::milliseconds(500))};
   Node expected{params};
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
   for (std::int64_t k = 0; k < 3 * (kStopSamples + kDriveSamples); ++k) {
     const Moment now = moment(k);
-    drivers::GyroSample sample{.time = core::Instant::from_ns(now.measured.time_ns)};
+    core::GyroSample sample{.time = core::Instant::from_ns(now.measured.time_ns)};
     for (std::size_t i = 0; i < 3; ++i)
       sample.rate[i] = core::rad_per_s(now.measured.rate_rad_s[i]);
     if (!now.stands) expected.pulse(sample.time);

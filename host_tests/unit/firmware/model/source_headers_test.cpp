@@ -136,20 +136,22 @@ TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
   const auto node =
       make_node_model<exported::kModelShape>(find_model("lsm6dso"), kLsm6dsoPeriod, kTick);
   const auto& params = exported::kNodeParams;
-  EXPECT_EQ(params.white_variance_rad2_s2, node.white_variance_rad2_s2);
-  EXPECT_EQ(params.measurement_floor_variance_rad2_s2, node.measurement_floor_variance_rad2_s2);
-  EXPECT_EQ(params.gate.threshold_sigma, node.gate.threshold_sigma);
-  EXPECT_EQ(params.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
-  EXPECT_EQ(params.modes.is_stationary, node.modes.is_stationary);
-  EXPECT_EQ(params.sample_period, kLsm6dsoPeriod);
-  EXPECT_EQ(params.modes.tick, kTick);
-  EXPECT_EQ(params.modes.start, node.modes.start);
-  EXPECT_EQ(params.modes.walk_variance, node.modes.walk_variance);
+  EXPECT_EQ(params.model.white_variance_rad2_s2, node.white_variance_rad2_s2);
+  EXPECT_EQ(params.model.measurement_floor_variance_rad2_s2,
+            node.measurement_floor_variance_rad2_s2);
+  EXPECT_EQ(params.model.gate.threshold_sigma, node.gate.threshold_sigma);
+  EXPECT_EQ(params.model.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
+  EXPECT_EQ(params.model.modes.is_stationary, node.modes.is_stationary);
+  EXPECT_EQ(params.model.sample_period, kLsm6dsoPeriod);
+  EXPECT_EQ(params.model.modes.tick, kTick);
+  EXPECT_EQ(params.model.modes.start, node.modes.start);
+  EXPECT_EQ(params.model.modes.walk_variance, node.modes.walk_variance);
   for (std::size_t i = 0; i < exported::kModelShape.decaying; ++i) {
-    EXPECT_EQ(params.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
-    EXPECT_EQ(params.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
-    EXPECT_EQ(params.modes.decaying[i].initial_variance, node.modes.decaying[i].initial_variance);
-    EXPECT_EQ(params.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);
+    EXPECT_EQ(params.model.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
+    EXPECT_EQ(params.model.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
+    EXPECT_EQ(params.model.modes.decaying[i].initial_variance,
+              node.modes.decaying[i].initial_variance);
+    EXPECT_EQ(params.model.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);
   }
 }
 

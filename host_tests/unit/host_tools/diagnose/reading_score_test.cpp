@@ -1,4 +1,4 @@
-#include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
+#include "host_tools/lib/diagnose/forecast_gain/reading_score.hpp"
 
 #include <gtest/gtest.h>
 

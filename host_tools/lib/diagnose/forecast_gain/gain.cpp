@@ -32,23 +32,6 @@ BootstrapFigure with_interval(std::size_t size, const statistics::Statistic& sta
       {.draws = 400, .block = static_cast<std::size_t>(std::cbrt(static_cast<double>(size)))});
 }
 
-/// The mean of each tick; none where the record has no temperature. The samples of the ticks follow
-/// each other, so that a tick holds the next ones.
-std::vector<float> temperatures_of(const Record& record,
-                                   const std::vector<identify::TickMean>& ticks) {
-  std::vector<float> means;
-  if (record.temperature_degc.empty()) return means;
-  means.reserve(ticks.size());
-  auto next = record.temperature_degc.begin();
-  for (const identify::TickMean& tick : ticks) {
-    const auto end = next + std::int64_t{tick.samples};
-    means.push_back(
-        static_cast<float>(std::accumulate(next, end, 0.0) / static_cast<double>(tick.samples)));
-    next = end;
-  }
-  return means;
-}
-
 double rms_heading(const std::vector<ScoredDrive>& drives,
                    const std::vector<std::size_t>& indices) {
   double squares = 0.0;
@@ -155,7 +138,6 @@ HeldOutDrives::HeldOutDrives(const Record& record, double holdout, std::uint64_t
   means_ = identify::average_ticks(samples, tick_);
   const std::uint32_t all = means_.back().tick + 1;
   judged_from_ = static_cast<std::uint32_t>((1.0 - holdout) * static_cast<double>(all));
-  temperatures_ = temperatures_of(record, means_);
 }
 
 ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
@@ -165,7 +147,7 @@ ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
   const std::uint32_t cycle = std::clamp((all - judged_from_) / kCycles, 4U, longest);
   return {.ticks = means_,
           .rate_rad_s = record_->rate_rad_s,
-          .temperature_degc = temperatures_,
+          .temperature_degc = record_->temperature_degc,
           .level_step_rad_s = level_step_rad_s,
           .sample_period = duration(record_->mean_period_s),
           .tick = tick_,
@@ -175,22 +157,23 @@ ScoredTicks HeldOutDrives::cut(double level_step_rad_s) const {
 }
 
 const NodeScores& HeldOutDrives::scores(const model::SensorModel& model, const ScoredTicks& ticks,
-                                        ScoreOf what) {
+                                        ScoreOf what, Learning learning) {
   const auto known = std::ranges::find_if(scored_, [&](const Scored& scored) {
     return scored.level_step_rad_s == ticks.level_step_rad_s && scored.what == what &&
-           scored.model == model;
+           scored.learning == learning && scored.model == model;
   });
   if (known != scored_.end()) return known->scores;
-  scored_.push_back({model, ticks.level_step_rad_s, what, score(model, ticks, what)});
+  scored_.push_back(
+      {model, ticks.level_step_rad_s, what, learning, score(model, ticks, what, learning)});
   return scored_.back().scores;
 }
 
 Gain HeldOutDrives::gain(const model::SensorModel& base, const model::SensorModel& extended,
-                         HeldOutPart part) {
+                         HeldOutPart part, Learning learning) {
   const ScoredTicks scored = cut(extended.quantization ? extended.quantization->step_rad_s : 0.0);
   const ScoreOf what = level_of(extended);
-  const NodeScores& with_base = scores(base, scored, what);
-  const NodeScores& with_extended = scores(extended, scored, what);
+  const NodeScores& with_base = scores(base, scored, what, learning);
+  const NodeScores& with_extended = scores(extended, scored, what, learning);
 
   Gain gain{.drive_s =
                 static_cast<double>(tick_.ns()) * 1e-9 * static_cast<double>(scored.drive_ticks)};

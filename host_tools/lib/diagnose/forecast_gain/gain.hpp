@@ -30,25 +30,27 @@ class HeldOutDrives {
   /// measured. Intervals by resampling blocks of drives (Künsch 1989), in pairs. Each model is run
   /// once, however often it is compared. Throws ModelCannotRun.
   /// @param base, extended  fitted to the first part
+  /// @param learning  on: the gain on the node as it is shipped
   [[nodiscard]] Gain gain(const model::SensorModel& base, const model::SensorModel& extended,
-                          HeldOutPart part = HeldOutPart::all);
+                          HeldOutPart part = HeldOutPart::all, Learning learning = Learning::on);
 
  private:
   struct Scored {
     model::SensorModel model;
     double level_step_rad_s;
     ScoreOf what;
+    Learning learning;
     NodeScores scores;
   };
 
   [[nodiscard]] ScoredTicks cut(double level_step_rad_s) const;
-  const NodeScores& scores(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what);
+  const NodeScores& scores(const model::SensorModel& model, const ScoredTicks& ticks, ScoreOf what,
+                           Learning learning);
 
   const Record* record_;
   std::uint64_t seed_;
   core::Duration tick_;
   std::vector<identify::TickMean> means_;
-  std::vector<float> temperatures_;
   std::uint32_t judged_from_ = 0;
   std::deque<Scored> scored_;  ///< that were asked for
 };

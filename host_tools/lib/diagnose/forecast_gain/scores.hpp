@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/samples/sample_screen.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
@@ -19,8 +18,9 @@ struct ScoredTicks {
   std::span<const identify::TickMean> ticks;  ///< the axis is the first one
   std::span<const double> rate_rad_s;         ///< the samples of the ticks, one after the
                                               ///< other; none where no model asks for them
-  std::span<const float> temperature_degc;    ///< mean of each tick; none: there is no thermometer
-  double level_step_rad_s = 0.0;              ///< of the levels that the samples lie on; 0: none
+  /// Temperature of each sample of the ticks; none: there is no thermometer.
+  std::span<const double> temperature_degc;
+  double level_step_rad_s = 0.0;  ///< of the levels that the samples lie on; 0: none
   core::Duration sample_period;
   core::Duration tick;
   std::uint32_t judged_from = 0;  ///< tick; everything before it is a stop
@@ -34,6 +34,12 @@ struct ScoredDrive {
   double sigma_rad = 0.0;        ///< as predicted, white noise and temperature included
   double squares_rad2_s2 = 0.0;  ///< sum of squared errors of the tick means
   std::size_t ticks = 0;
+};
+
+/// Way in which the node runs a model.
+enum class Learning {
+  off,  ///< takes the model at its word
+  on,   ///< learns the noise from the stops, as it is shipped
 };
 
 /// Object of a log score, which is the same for all models that are compared.
@@ -59,31 +65,14 @@ struct NodeScores {
 /// Object of a model's score: samples if the model says more of them than white noise.
 [[nodiscard]] ScoreOf level_of(const model::SensorModel& model);
 
-/// The drives alone: one pass. Throws ModelCannotRun.
+/// The drives alone: one pass of app::TickNode that takes the model at its word. Throws
+/// ModelCannotRun.
 [[nodiscard]] std::vector<ScoredDrive> score_drives(const model::SensorModel& model,
                                                     const ScoredTicks& ticks);
 
-/// Two passes of the node's filter, in its single precision. Throws ModelCannotRun.
+/// Drives, and log scores of a node that stands all the time: one pass of app::TickNode up to where
+/// the model is judged, and two from there. Throws ModelCannotRun.
 [[nodiscard]] NodeScores score(const model::SensorModel& model, const ScoredTicks& ticks,
-                               ScoreOf what);
-
-/// Scale that readings are read off; by default a reading is the rate itself.
-struct Scale {
-  double step_rad_s = 0.0;  ///< of what readings are rounded to; 0: they are not
-  /// Spacing of the levels that readings lie on, where the model does not know of them: its density
-  /// at the levels is made to sum to 1. 0: there are none.
-  double unknown_step_rad_s = 0.0;
-  double rounding_variance = 0.0;  ///< what the variance of a forecast holds of that
-  /// Width of the cell that a reading at the end of the range stands for, where nothing is rounded.
-  double end_cell_rad_s = 0.0;
-  core::MeasuringRange range;
-};
-
-/// Log density of a reading, or the log of its probability over the width of its cell: rounded, it
-/// stands for half a step on both sides, at an end of the range for all beyond. So densities and
-/// probabilities can be compared, and each sums to 1 over all readings (Dawid 1984: prequential).
-/// The mean of the readings is expected, because the filter learns it.
-[[nodiscard]] double log_score(const core::SampleScreen::Forecast& forecast, double reading_rad_s,
-                               const Scale& scale);
+                               ScoreOf what, Learning learning);
 
 }  // namespace zerorate::diagnose

@@ -101,8 +101,8 @@ TEST(ConfigurationWithEverything, IsReadAsItStandsThere) {
   ASSERT_TRUE(c.odometer);
   EXPECT_EQ(c.odometer->line, "24");
   EXPECT_EQ(c.odometer->edge, hal::linux_os::Edge::both);
-  EXPECT_EQ(c.node.modes.tick, core::Duration::milliseconds(250));
-  EXPECT_EQ(c.node.sample_period, core::Duration::nanoseconds(4807692));  // 1 / 208 Hz
+  EXPECT_EQ(c.node.model.modes.tick, core::Duration::milliseconds(250));
+  EXPECT_EQ(c.node.model.sample_period, core::Duration::nanoseconds(4807692));  // 1 / 208 Hz
   EXPECT_EQ(c.node.standstill.settle, core::Duration::seconds(2));
   EXPECT_EQ(c.node.standstill.hold_back, core::Duration::milliseconds(250));
   EXPECT_EQ(c.node.published, app::Predictor::moving_average);

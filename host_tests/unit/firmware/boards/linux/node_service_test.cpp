@@ -281,7 +281,7 @@ TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
 
 TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTurnOn) {
   ServiceRig rig;
-  rig.configuration.node.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  rig.configuration.node.model.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   rig.restart(kBoot);
   rig.run(2000);
   rig.service->finish();
@@ -292,7 +292,7 @@ TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTur
 
 TEST(NodeServiceAfterAnotherBoot, GoesOnWithAWiderIntervalIfTheModelKnowsTheTurnOn) {
   ServiceRig rig;
-  rig.configuration.node.turn_on_variance_rad2_s2 = 1e-6F;
+  rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
   rig.restart(kBoot);
   rig.run(2000);
   const app::RateMessage before = rig.latest();
@@ -311,12 +311,12 @@ TEST(NodeServiceAfterAnotherBoot, GoesOnWithAWiderIntervalIfTheModelKnowsTheTurn
 
 TEST(NodeServiceWithAnotherModel, GoesOnWithTheSavedBiasAlone) {
   ServiceRig rig;
-  rig.configuration.node.turn_on_variance_rad2_s2 = 1e-6F;
+  rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
   rig.restart(kBoot);
   rig.run(2000);
   rig.service->finish();
   Configuration changed = rig.configuration;
-  changed.node.white_variance_rad2_s2 *= 2.0F;
+  changed.node.model.white_variance_rad2_s2 *= 2.0F;
   NodeService again{changed, rig.hardware, &rig.storage, kBoot, keep_line};
   EXPECT_TRUE(again.restore());
   EXPECT_TRUE(was_logged("restored, the bias alone, for the model has changed"));

@@ -1,0 +1,45 @@
+/// @file
+/// Noise model of a sensor in the figures that a node computes with.
+#pragma once
+
+#include <limits>
+
+#include "core/base/time.hpp"
+#include "core/estimator/gate.hpp"
+#include "core/noise/hypotheses.hpp"
+#include "core/noise/model_shape.hpp"
+#include "core/noise/temperature_drift.hpp"
+#include "core/samples/sample_model.hpp"
+
+namespace zerorate::core {
+
+/// Noise of each axis of a sensor at the filter's tick. Made by model::make_node_model() or
+/// exported by `zerorate export`.
+template <ModelShape Shape>
+struct NodeModel {
+  ModesOf<Shape> modes;                             ///< slow noise at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;              ///< white variance of one sample
+  float measurement_floor_variance_rad2_s2 = 0.0F;  ///< variance that averaging does not remove
+  /// Variance of the change of the bias while the power is off; infinite: unknown, and nothing is
+  /// worth keeping.
+  float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  /// Largest magnitude of a bias by the chip's specification. A larger one is learnt and flagged.
+  float largest_bias_rad_s = std::numeric_limits<float>::infinity();
+  Gate gate;  ///< gate of the Kalman predictor; off by default
+  /// Dependence on the temperature that the Kalman predictor starts from; off by default.
+  [[no_unique_address]] TemperatureBlock<Shape.temperature_weights> temperature{};
+  SampleModel samples{};   ///< model of single samples; off by default
+  Duration sample_period;  ///< nominal; the stamps of the samples decide
+  /// Slow noises that the sensor may have; none: the model is taken at its word.
+  [[no_unique_address]] HypothesesOf<Shape> hypotheses{};
+  /// Step that samples are rounded to. The filter treats the rounding error as noise, and the two
+  /// variances above contain it.
+  float quantization_step_rad_s = 0.0F;
+
+  /// Variance of the mean of `count` samples.
+  [[nodiscard]] constexpr float measurement_variance(float count) const {
+    return white_variance_rad2_s2 / count + measurement_floor_variance_rad2_s2;
+  }
+};
+
+}  // namespace zerorate::core

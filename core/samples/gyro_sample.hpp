@@ -1,0 +1,24 @@
+/// @file
+/// One reading of a gyro.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// Rates and temperature that a gyro measured at one time.
+struct GyroSample {
+  Instant time;  ///< of the node's monotonic clock
+  /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis gives its rate on all three, so
+  /// that no axis shows zero noise.
+  std::array<AngularRate, 3> rate;
+  Temperature temperature;  ///< valid only if has_temperature
+  bool has_temperature = false;
+  std::uint8_t saturated_axes = 0;  ///< bit i: axis i is at or beyond full scale
+};
+
+}  // namespace zerorate::core

@@ -1,0 +1,510 @@
+/// @file
+/// The node behind a closed tick: what is learnt from it, and what is predicted for the next ones.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "core/base/assert.hpp"
+#include "core/base/time.hpp"
+#include "core/samples/tick_average.hpp"
+#include "core/samples/white_level.hpp"
+#include "core/temperature/temperature_track.hpp"
+#include "firmware/app/axis_predictors.hpp"
+#include "firmware/app/node_params.hpp"
+#include "firmware/app/sample_screening.hpp"
+
+namespace zerorate::app {
+
+/// Screens samples, learns from the means of ticks at standstill, and predicts the bias of the tick
+/// being filled. GyroNode adds the stamps, the standstill and the messages. The likelihood of a
+/// recording (identify) and the gain of a model (diagnose) feed ticks without these.
+///
+/// Learning from a tick and predicting one are long with many hypotheses, so both are cut into
+/// steps:
+///
+///     learn():   span, advance a hypothesis, compare, learn a hypothesis, conclude, weigh an axis,
+///                moving average and calibration mean
+///     predict(): lead, window of the average, predict a hypothesis
+///
+/// step() does one of them. Until the last one predicted() is the prediction of before. What is
+/// computed does not depend on how the steps are spread (docs/adr/0021).
+///
+/// Fixed memory, no heap; one thread (the caller's). Cost: see step_cost().
+template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
+class TickNode {
+ public:
+  static constexpr std::size_t kAxes = Capacity.axes;
+  using Params = NodeParams<Shape>;
+  using Rates = std::array<float, kAxes>;
+  using Predictors = AxisPredictors<Shape, Capacity>;
+  using Predictions = std::array<core::Prediction, kAxes>;
+  using Transition = core::FilterTransition<Shape>;
+  using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
+  using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
+  using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
+  using WhiteLevel = core::WhiteLevel<kAxes>;
+  using Lead = typename Predictors::Lead;
+
+  /// A measurement: the mean of a tick at standstill, with its circumstances.
+  struct Tick : core::TickMean<kAxes> {
+    bool begins_stop = false;  ///< first measurement of a stop
+    [[no_unique_address]] TickTemperature temperature;
+    [[no_unique_address]] typename Screening::Squares squares;
+
+    constexpr bool operator==(const Tick&) const = default;
+  };
+
+  /// Steps of the work, in order.
+  enum class Stage : std::uint8_t {
+    idle,
+    span,
+    advance,
+    compare,
+    learn,
+    conclude,
+    weigh,
+    rest,
+    lead,
+    window,
+    predict,
+  };
+  /// Work in progress.
+  struct Work {
+    Stage stage = Stage::idle;
+    std::uint8_t item = 0;         ///< next piece, hypothesis or axis of the stage
+    bool is_stale = false;         ///< the prediction is not that of the tick being filled
+    bool begins_to_learn = false;  ///< the white noise was seen for the first time
+    float unit_factor = 1.0F;      ///< change of the unit of the bank's variances
+    Tick tick;                     ///< measurement that is being learnt
+    typename Predictors::Measurement measurement;
+    typename Predictors::Kalman::Forecast::Mixtures mixtures{};
+    Transition span;  ///< from the measurement before, or the window of an average
+
+    constexpr bool operator==(const Work&) const = default;
+  };
+  /// Levels that a filter's figures are relative to; kept with it while the power is off.
+  struct Levels {
+    float white = 0.0F;  ///< white level that learnt scales rest on; 0: not seen
+    [[no_unique_address]] typename Predictors::DriveScale::Memory drive;
+
+    constexpr bool operator==(const Levels&) const = default;
+  };
+
+  /// Everything that is remembered; restored into a node with the same parameters it continues bit
+  /// for bit.
+  struct State {
+    std::uint32_t tick = 0;            ///< tick being filled
+    std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
+    Transition lead;                   ///< from there to the end of that tick; 0 ticks: not made
+    Predictions predicted{};
+    [[no_unique_address]] typename TemperatureTrack::State temperature;
+    [[no_unique_address]] typename Screening::State screening;
+    typename WhiteLevel::State white;
+    typename Predictors::State predictors;
+    Work work;
+
+    constexpr bool operator==(const State&) const = default;
+    [[nodiscard]] constexpr Levels levels() const {
+      return {.white = white.reference, .drive = predictors.drive_scale.memory};
+    }
+    [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
+      return tick + 1 - measured_ticks;
+    }
+  };
+  static_assert(std::is_trivially_copyable_v<State>);
+
+  /// @param params must outlive the node
+  constexpr explicit TickNode(const Params& params)
+      : params_(params),
+        one_tick_{params.model.modes.one_tick()},
+        temperature_(params.model.temperature),
+        screening_(params.model.samples),
+        white_(params.model.white_variance_rad2_s2, params.model.samples, params.model.modes.tick,
+               params.learns_white_noise),
+        predictors_(params) {}
+
+  [[nodiscard]] constexpr State state() const {
+    return {.tick = tick_,
+            .measured_ticks = measured_ticks_,
+            .lead = lead_,
+            .predicted = predicted_,
+            .temperature = temperature_.state(),
+            .screening = screening_.state(),
+            .white = white_.state(),
+            .predictors = predictors_.state(),
+            .work = work_};
+  }
+  constexpr void restore(const State& state) {
+    tick_ = state.tick;
+    measured_ticks_ = state.measured_ticks;
+    lead_ = state.lead;
+    predicted_ = state.predicted;
+    temperature_.restore(state.temperature);
+    screening_.restore(state.screening);
+    white_.restore(state.white);
+    predictors_.restore(state.predictors);
+    work_ = state.work;
+  }
+  /// Begins with what another run learnt, as aged by the caller, and widens it by what the bias
+  /// changes by while the power is off.
+  /// @param ticks since its newest measurement
+  /// @param learnt arguments of AxisPredictors::resume(): a filter and its drive scale, or biases
+  template <class... Learnt>
+  void resume(TickTemperature temperature, std::uint32_t ticks, float white_level,
+              const Learnt&... learnt) {
+    temperature_.resume(temperature);
+    white_.set_reference(white_level);
+    predictors_.resume(learnt...);
+    pass_pause(ticks);
+  }
+  /// The sensor was without power: widens what is known, and predicts anew.
+  /// @param ticks of the pause that the stamps of the samples do not contain
+  void pass_pause(std::uint32_t ticks) {
+    finish();
+    predictors_.pass_pause(Transition{params_.model.modes.over(ticks)},
+                           params_.model.turn_on_variance_rad2_s2);
+    lead_.ticks = 0;
+    work_.is_stale = true;
+    finish();
+  }
+
+  /// A tick begins, for which something is to be predicted. After a gap the older prediction has no
+  /// interval: that would be too narrow.
+  constexpr void begin_tick(std::uint32_t tick) {
+    if (tick > tick_ + 1) {
+      for (core::Prediction& one : predicted_)
+        one.variance_rad2_s2 = core::Prediction{}.variance_rad2_s2;
+    }
+    tick_ = tick;
+    work_.is_stale = true;
+  }
+  /// The samples of that tick begin, which are screened by the newest prediction.
+  constexpr void begin_samples() {
+    screening_.begin_tick(predicted_, white_.model_level() * params_.model.white_variance_rad2_s2,
+                          params_.model.measurement_floor_variance_rad2_s2);
+  }
+  /// Temperature at the time of a sample; no number where there is no reading.
+  constexpr void take_temperature(core::Instant at, bool begins_tick, float degc) {
+    temperature_.take(at, begins_tick, degc);
+  }
+  /// A sample at standstill.
+  /// @return whether it may be learnt from
+  [[nodiscard]] constexpr bool take(const Rates& rate_rad_s) { return screening_.take(rate_rad_s); }
+  /// The vehicle moves.
+  constexpr void end_stop() { screening_.end_stop(); }
+  /// Measurement of the tick that is over, from the mean of its samples.
+  [[nodiscard]] constexpr Tick measurement(const core::TickMean<kAxes>& mean) const {
+    return {mean, false, temperature_.tick(), screening_.squares()};
+  }
+
+  /// Begins to learn from a tick. It shows in the prediction of the next tick that begins.
+  /// @pre !is_learning(), and the tick is later than the measurement before
+  constexpr void learn(const Tick& tick) {
+    ZERORATE_ASSERT(!is_learning());
+    const std::uint32_t ticks = tick.tick + 1 - measured_ticks_;
+    work_.tick = tick;
+    lead_.ticks = 0;
+    temperature_.measure(tick.temperature, work_.span);
+    white_.advance(ticks);
+    white_.observe(tick);
+    prepare_measurement();
+    if (tick.begins_stop) predictors_.begin_stop();
+    work_.span.ticks = ticks;
+    go_to(Stage::span);
+    if (ticks != 1) return;
+    static_cast<core::TransitionOf<Shape>&>(work_.span) = one_tick_;
+    go_to(Stage::advance);
+  }
+  [[nodiscard]] constexpr bool is_learning() const {
+    return work_.stage != Stage::idle && work_.stage < Stage::lead;
+  }
+  /// Whether a measurement or a prediction is not complete.
+  [[nodiscard]] constexpr bool is_busy() const {
+    return work_.stage != Stage::idle || work_.is_stale;
+  }
+
+  /// Does one step.
+  /// @return its cost, see step_cost()
+  constexpr std::uint32_t step() {
+    switch (work_.stage) {
+      case Stage::idle:
+        if (!work_.is_stale) return 0;
+        go_to(Stage::lead);
+        return step_lead();
+      case Stage::span:
+        params_.model.modes.make_piece(work_.item, work_.span);
+        return next(kPieces, Stage::advance, cost_of_piece(work_.span.ticks));
+      case Stage::advance:
+        return step_advance();
+      case Stage::compare:
+        go_to(predictors_.compare(work_.measurement, work_.tick.begins_stop) ? Stage::learn
+                                                                             : Stage::rest);
+        return kCostOfComparison;
+      case Stage::learn:
+        predictors_.learn(work_.item, work_.measurement);
+        return next(count(), Stage::conclude, kCostOfLearning);
+      case Stage::conclude:
+        predictors_.bank().conclude();
+        go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
+        return kCostOfConclusion;
+      case Stage::weigh:
+        predictors_.bank().weigh(work_.item);
+        return next(kAxes, Stage::rest, kCostOfWeighing);
+      case Stage::rest:
+        return step_rest();
+      case Stage::lead:
+        return step_lead();
+      case Stage::window:
+        params_.model.modes.make_piece(work_.item, work_.span);
+        return next(kPieces, Stage::predict, cost_of_piece(work_.span.ticks));
+      case Stage::predict:
+        return step_predict();
+    }
+    return 0;
+  }
+  /// Completes what was begun.
+  constexpr void finish() {
+    while (is_busy()) (void)step();
+  }
+  /// Learns from a tick at once.
+  /// @return the innovations of the bank
+  constexpr const typename Predictors::Innovations& learn_at_once(const Tick& tick) {
+    learn(tick);
+    while (is_learning()) (void)step();
+    return work_.measurement.innovations;
+  }
+
+  /// Upper bound of the cost of the steps from one tick to the next, in units of 5,000 instructions
+  /// of a Cortex-M0+ at -O2 (500 of a Cortex-M4F).
+  [[nodiscard]] static constexpr std::uint32_t cost_of_tick() {
+    constexpr auto kFilters = static_cast<std::uint32_t>(Shape.hypotheses);
+    return kFilters * (kCostOfAdvance + kCostOfLearning + kCostOfPrediction) + kCostOfComparison +
+           kCostOfConclusion + static_cast<std::uint32_t>(kAxes) * kCostOfWeighing + kCostOfRest +
+           2 * static_cast<std::uint32_t>(kPieces) * cost_of_piece(kLongLead);
+  }
+
+  /// Biases of the axes by the published predictor, as far as the steps have come.
+  [[nodiscard]] constexpr const Predictions& predicted() const { return predicted_; }
+  /// Bias that a predictor expects at the end of the tick being filled.
+  [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis) const {
+    return with_lead([&](const Lead& lead) { return predictors_.bias_rad_s(which, axis, lead); });
+  }
+  [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
+    return with_lead([&](const Lead& lead) {
+      return predictors_.predict(which, axis, lead, params_.model.modes);
+    });
+  }
+  /// Predicted integral of the bias over the ticks from `first` to before `last`.
+  /// @param first, last not before measured_ticks()
+  [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
+                                                                  std::uint32_t first,
+                                                                  std::uint32_t last) const {
+    const auto& modes = params_.model.modes;
+    const std::uint32_t behind = first - measured_ticks_;
+    const Transition others{modes.over(behind)};
+    Transition drive{modes.over(last - first)};
+    const std::uint32_t now = std::clamp(tick_ + 1, first, last);
+    Transition to_now;
+    to_now.ticks = tick_ + 1 - measured_ticks_;
+    temperature_.fill_lead(to_now.ticks, to_now);
+    TemperatureTrack::over_drive(to_now, now - first, drive);
+    if (!is_advancing()) {
+      return predictors_.predict_heading(which, axis, {others, others}, drive);
+    }
+    const Transition advanced{modes.over(behind - std::min(behind, work_.span.ticks))};
+    return predictors_.predict_heading(which, axis, {others, advanced, advanced_filters()}, drive);
+  }
+
+  [[nodiscard]] constexpr std::uint32_t tick() const { return tick_; }
+  /// Ticks up to and with the newest one that has been learnt from.
+  [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return measured_ticks_; }
+  /// Ticks from the newest measurement to the end of the one being filled.
+  [[nodiscard]] constexpr std::uint32_t ticks_since_measured() const {
+    return tick_ + 1 - measured_ticks_;
+  }
+  [[nodiscard]] constexpr const Params& params() const { return params_; }
+  [[nodiscard]] constexpr const Predictors& predictors() const { return predictors_; }
+  [[nodiscard]] constexpr const Screening& screening() const { return screening_; }
+  [[nodiscard]] constexpr const WhiteLevel& white() const { return white_; }
+  [[nodiscard]] constexpr WhiteLevel& white() { return white_; }
+  [[nodiscard]] constexpr const TemperatureTrack& temperature() const { return temperature_; }
+  [[nodiscard]] constexpr Levels levels() const {
+    return {.white = white_.reference(), .drive = predictors_.drive_memory()};
+  }
+  [[nodiscard]] constexpr const Transition& lead() const { return lead_; }
+
+  /// Variance of the white noise of a sample, as learnt.
+  [[nodiscard]] constexpr float white_variance_rad2_s2(std::size_t axis) const {
+    const float model = params_.model.white_variance_rad2_s2;
+    if (!predictors_.learns()) return white_.level() * model;
+    return white_.change() * model *
+           predictors_.bank().expected(axis, 1.0F,
+                                       [](const auto& /*one*/, float scale) { return scale; });
+  }
+
+  /// True if restored work is valid: what it indexes exists, and its numbers are plausible.
+  [[nodiscard]] static bool is_possible(const Work& work) {
+    const auto items = std::max({Shape.hypotheses, kAxes, kPieces});
+    const auto stage = std::bit_cast<std::uint8_t>(work.stage);
+    return stage <= static_cast<std::uint8_t>(Stage::predict) && work.item < items &&
+           core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop) &&
+           core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
+           TickTemperature::is_possible(work.tick.temperature) &&
+           Screening::is_possible(work.tick.squares) && core::are_plausible(work.tick.rate_rad_s) &&
+           is_possible_span(work.span);
+  }
+
+ private:
+  static constexpr std::size_t kPieces = core::ModesOf<Shape>::kPieces;
+  // Units of 5,000 instructions of a Cortex-M0+: what docs/reference/c-interface.md counts.
+  static constexpr std::uint32_t kCostOfAdvance = 2;
+  static constexpr std::uint32_t kCostOfComparison = 3;
+  static constexpr std::uint32_t kCostOfLearning = 3;
+  static constexpr std::uint32_t kCostOfConclusion = 1;
+  static constexpr std::uint32_t kCostOfWeighing = 3;
+  static constexpr std::uint32_t kCostOfRest = 3;
+  static constexpr std::uint32_t kCostOfLead = 2;
+  static constexpr std::uint32_t kCostOfPrediction = 2;
+  static constexpr std::uint32_t kLongLead = 16;
+  static constexpr std::uint32_t cost_of_piece(std::uint32_t ticks) {
+    return 1U + static_cast<std::uint32_t>(std::bit_width(ticks)) / 4U;
+  }
+
+  [[nodiscard]] constexpr std::size_t count() const { return predictors_.bank().count(); }
+  /// Whether some filters stand at the measurement before and others, or none, at the newest.
+  [[nodiscard]] constexpr bool is_advancing() const {
+    return work_.stage == Stage::span || work_.stage == Stage::advance;
+  }
+  [[nodiscard]] constexpr std::size_t advanced_filters() const {
+    return work_.stage == Stage::advance ? work_.item : 0;
+  }
+  constexpr void go_to(Stage stage) {
+    work_.stage = stage;
+    work_.item = 0;
+  }
+  /// Goes to the next item, or after `items` of them to the next stage.
+  constexpr std::uint32_t next(std::size_t items, Stage stage, std::uint32_t cost) {
+    if (++work_.item >= items) go_to(stage);
+    return cost;
+  }
+
+  /// Variances of the white noise of the mean, and the unit that the bank's variances are to have.
+  constexpr void prepare_measurement() {
+    const core::NodeModel<Shape>& model = params_.model;
+    const float averaged = model.white_variance_rad2_s2 / static_cast<float>(work_.tick.samples);
+    const float floor = model.measurement_floor_variance_rad2_s2;
+    work_.unit_factor = 1.0F;
+    work_.begins_to_learn = false;
+    if (predictors_.learns() && white_.is_to_rebase()) {
+      work_.begins_to_learn = white_.reference() == 0.0F;
+      work_.unit_factor = white_.rebase();
+      if (work_.begins_to_learn) predictors_.bank().start_learning(white_.reference());
+    }
+    const float level = white_.level();
+    work_.measurement = {
+        .rate_rad_s = work_.tick.rate_rad_s,
+        .white_of_bank = (predictors_.learns() ? white_.change() : level) * averaged + floor,
+        .white = level * averaged + floor,
+        .white_of_model = white_.model_level() * averaged + floor,
+        .innovations = {}};
+  }
+
+  constexpr std::uint32_t step_advance() {
+    const std::size_t m = work_.item;
+    std::uint32_t cost = kCostOfAdvance;
+    if (work_.unit_factor != 1.0F) {
+      ++cost;
+      if (work_.begins_to_learn) {
+        predictors_.bank().change_unit(m, work_.unit_factor);
+      } else {
+        predictors_.bank().rescale(m, work_.unit_factor);
+      }
+    }
+    predictors_.bank().advance(m, work_.span);
+    (void)next(count(), Stage::compare, cost);
+    if (work_.stage == Stage::compare) measured_ticks_ = work_.tick.tick + 1;
+    return cost;
+  }
+  constexpr std::uint32_t step_rest() {
+    predictors_.observe_rest(work_.span, work_.measurement);
+    if constexpr (Capacity.screens_samples) {
+      white_.observe_squares(work_.tick.squares.rad2_s2, static_cast<float>(work_.tick.samples));
+    }
+    go_to(Stage::idle);
+    return kCostOfRest;
+  }
+  /// Makes the lead piece by piece, unless it is one tick longer than it was.
+  constexpr std::uint32_t step_lead() {
+    const auto& modes = params_.model.modes;
+    const std::uint32_t ticks = ticks_since_measured();
+    if (work_.item == 0) {
+      work_.is_stale = false;
+      if (lead_.ticks > 0 && lead_.ticks + 1 == ticks) {
+        modes.lengthen(lead_, one_tick_);
+        finish_lead();
+        return kCostOfLead;
+      }
+      lead_.ticks = ticks;
+    }
+    modes.make_piece(work_.item, lead_);
+    if (++work_.item == kPieces) finish_lead();
+    return cost_of_piece(lead_.ticks);
+  }
+  constexpr void finish_lead() {
+    temperature_.lead_over(lead_.ticks, lead_);
+    work_.mixtures = {};
+    work_.span.ticks = predictors_.window(params_.published, lead_);
+    go_to(work_.span.ticks > 0 ? Stage::window : Stage::predict);
+  }
+  constexpr std::uint32_t step_predict() {
+    if (params_.published != Predictor::kalman) {
+      predicted_[work_.item] =
+          predictors_.predict(params_.published, work_.item, lead_, work_.span);
+      return next(kAxes, Stage::idle, kCostOfPrediction);
+    }
+    const auto forecast = predictors_.bank().forecast();
+    forecast.add(work_.mixtures, work_.item, lead_);
+    if (++work_.item == count()) {
+      predicted_ = forecast.of(work_.mixtures);
+      for (auto& one : predicted_) one.variance_rad2_s2 *= predictors_.drive_scale();
+      go_to(Stage::idle);
+    }
+    return kCostOfPrediction;
+  }
+
+  /// Calls use(lead) with the spans to the end of the tick being filled, which are at hand until a
+  /// tick is learnt.
+  template <class Use>
+  [[nodiscard]] constexpr auto with_lead(Use use) const {
+    const auto& modes = params_.model.modes;
+    const std::uint32_t ticks = ticks_since_measured();
+    if (!is_busy() && lead_.ticks == ticks) return use(Lead{lead_, lead_});
+    Transition others{modes.over(ticks)};
+    temperature_.fill_lead(ticks, others);
+    if (!is_advancing()) return use(Lead{others, others});
+    Transition advanced{modes.over(ticks - work_.span.ticks)};
+    temperature_.fill_lead(advanced.ticks, advanced);
+    TemperatureTrack::prepend(work_.span, others);
+    return use(Lead{others, advanced, advanced_filters()});
+  }
+
+  const Params& params_;
+  core::TransitionOf<Shape> one_tick_;
+  [[no_unique_address]] TemperatureTrack temperature_;
+  [[no_unique_address]] Screening screening_;
+  WhiteLevel white_;
+  Predictors predictors_;
+  Predictions predicted_{};  ///< by the published predictor
+  Transition lead_{};
+  Work work_{};
+  std::uint32_t tick_ = 0;
+  std::uint32_t measured_ticks_ = 0;
+};
+
+}  // namespace zerorate::app
