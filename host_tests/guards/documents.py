@@ -31,6 +31,7 @@ ROOMS = ("core", "docs", "drivers", "firmware", "hal", "host_tests", "host_tools
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 INLINE_CODE = re.compile(r"`([^`\n]+)`")
 PATH = re.compile(rf"(?:{'|'.join(ROOMS)})(?:/[\w.*+-]+)+/?")
+SOURCE = re.compile(r"[\w*+-]+\.(?:c|cmake|cpp|h|hpp|js|mjs)")
 SURNAME = r"[A-Z][\w'-]*[a-z]"
 CITATION = re.compile(
     rf"\b((?:{SURNAME}, )*{SURNAME}(?:,? and {SURNAME}| et al\.)?) \(?((?:18|19|20)\d\d)\b(?!-\d)")
@@ -118,16 +119,18 @@ def broken_links(tree):
 
 
 def dead_paths(tree):
-    """Paths in backticks that lead nowhere; `*` and capitals such as NAME stand for anything."""
+    """Paths in backticks that lead nowhere, and bare names of sources that no folder holds; `*` and capitals such as NAME
+    stand for anything."""
     for name in tree.pages():
         if name == "CHANGELOG.md":  # tells of files as they were
             continue
         for number, line in prose_of(tree.text(name)):
             for code in INLINE_CODE.findall(line):
                 path = code.rstrip("/")
-                if not PATH.fullmatch(code) or path in tree.places:
+                if not (PATH.fullmatch(code) or SOURCE.fullmatch(code)) or path in tree.places:
                     continue
-                pattern = re.sub(r"\\\*|[A-Z]{3,}", "[^/]*", re.escape(path)) + r"(\.\w+)?"
+                folders = "(.*/)?" if SOURCE.fullmatch(code) else ""
+                pattern = folders + re.sub(r"\\\*|[A-Z]{3,}", "[^/]*", re.escape(path)) + r"(\.\w+)?"
                 if not any(re.fullmatch(pattern, place) for place in tree.places):
                     yield f"{name}:{number}: no such file: {code}"
 

@@ -48,6 +48,11 @@ class DeadPath(unittest.TestCase):
         self.assertEqual(findings_in({"a.md": "`core/gone.hpp`\n"}, documents.dead_paths),
                          ["a.md:1: no such file: core/gone.hpp"])
 
+    def test_is_also_the_bare_name_of_a_source_that_no_folder_holds(self):
+        files = {"a.md": "`units.hpp` `gone.hpp` `NAME_test.cpp` `gone.toml`\n", "core/base/units.hpp": "",
+                 "host_tests/a_test.cpp": ""}
+        self.assertEqual(findings_in(files, documents.dead_paths), ["a.md:1: no such file: gone.hpp"])
+
     def test_is_not_one_with_a_stand_in_that_fits(self):
         files = {"a.md": "`core/*.hpp` `core/NAME` `core/noise/`\n", "core/noise/white.hpp": "", "core/units.hpp": ""}
         self.assertEqual(findings_in(files, documents.dead_paths), [])

@@ -15,7 +15,7 @@
 
 namespace zerorate::diagnose {
 
-/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
+/// An effect must be less likely to be chance than this [nats], so that 18 of them together are
 /// seen in one clean recording of some 200.
 inline constexpr double kSelectionThreshold_nats = 8.1;
 
