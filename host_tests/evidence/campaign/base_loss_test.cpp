@@ -1,7 +1,7 @@
 /// @file
 /// The information that sizes hidden effects, against dense covariances and exact likelihoods.
 
-#include "host_tools/lib/campaign/base_loss.hpp"
+#include "host_tools/lib/simulate/sizing/base_loss.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/lib/campaign/sized_effect.hpp"
+#include "host_tools/lab/campaign/outside_catalogue.hpp"
+#include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 
-namespace zerorate::campaign {
+namespace zerorate::sizing {
 namespace {
 
 using Eigen::MatrixXd;
@@ -280,7 +281,7 @@ TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
   const random::RandomStream stream(11);
   const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
   Draws draws{stream.substream("effects")};
-  for (const auto entries : {catalogue(), outside_catalogue()}) {
+  for (const auto entries : {catalogue(), campaign::outside_catalogue()}) {
     for (const EffectEntry& entry : entries) {
       const SizedEffect effect = entry.draw(setting, draws);
       const auto size = size_for(effect, 40.0);
@@ -340,4 +341,4 @@ TEST(EffectsOfAPair, AreOfTheSizesThatTheyHaveAloneWhereNeitherHidesTheOther) {
 }
 
 }  // namespace
-}  // namespace zerorate::campaign
+}  // namespace zerorate::sizing

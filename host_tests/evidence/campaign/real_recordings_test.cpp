@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "host_tests/support/folders.hpp"
+#include "host_tools/lib/contest/drives.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/experiments/drives/drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::diagnose {
@@ -119,14 +119,14 @@ TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
 }
 
 TEST_F(DiagnosisOfRealRecording, GivesModelsThatPredictTheDrivesOfOtherRunsBetterThanTheBase) {
-  const experiments::DriveContestOptions options{
+  const contest::DriveContestOptions options{
       .schedules = {{15.0, 60.0}, {30.0, 120.0}, {60.0, 300.0}, {20.0, 300.0}, {120.0, 600.0}},
-      .fit_by = experiments::FitBy::diagnosis};
-  const experiments::DriveContest contest =
-      experiments::run_drive_contest(means_of_the_adis16405(), options, {});
+      .fit_by = contest::FitBy::diagnosis};
+  const contest::DriveContest contest =
+      contest::run_drive_contest(means_of_the_adis16405(), options, {});
   EXPECT_LT(contest.extended_over_base.value, 0.98);
   const auto& extended =
-      contest.overall[static_cast<std::size_t>(experiments::Contestant::kalman_extended)];
+      contest.overall[static_cast<std::size_t>(contest::Contestant::kalman_extended)];
   EXPECT_GT(extended.coverage.value, 0.94);
   EXPECT_LT(extended.coverage.value, 0.96);
 }

@@ -1,10 +1,10 @@
-#include "host_tools/lib/campaign/tally.hpp"
+#include "host_tools/lab/campaign/tally.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host_tools/lib/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/scenario.hpp"
 
 namespace zerorate::campaign {
 namespace {

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "hal/linux/descriptor.hpp"
+#include "host_tools/lib/output/appended_file.hpp"
 #include "host_tools/lib/output/output_file.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/row.hpp"
@@ -99,20 +99,18 @@ class ContinuedWriter {
 
  private:
   void append_to_text(const Row& row);
-  void open(int flags);
+  void open(output::AppendedFile::Begin begin);
   [[nodiscard]] std::string packed() const;
-  [[nodiscard]] std::uint64_t whole_bytes() const;
   void cut_off_torn_part();
   void read_held();
-  [[nodiscard]] Error cannot(std::string_view action, int error_number) const;
+  [[nodiscard]] Error cannot(std::string_view action, const std::error_code& fault) const;
 
   std::filesystem::path path_;
   bool is_packed_;
   Columns columns_;
   HeldRecording held_;
-  hal::linux_os::Descriptor file_;
-  std::uint64_t size_ = 0;  ///< of the whole parts
-  std::string text_;        ///< rows of the part that has not been flushed
+  std::optional<output::AppendedFile> file_;
+  std::string text_;  ///< rows of the part that has not been flushed
 };
 
 }  // namespace zerorate::recording
