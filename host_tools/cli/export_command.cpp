@@ -90,7 +90,7 @@ Command add_export(CLI::App& app) {
       ->capture_default_str();
   command->footer(
       "Examples:\n"
-      "  zerorate export mine.toml --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp\n"
+      "  zerorate export mine.toml --cpp --hypotheses 1 -o firmware/boards/models/lsm6dso.hpp\n"
       "  zerorate export mine.toml --c --name front_gyro --sample-rate 100 -o front_gyro.h");
   return {command, [flags] { return run_export(*flags); }};
 }
