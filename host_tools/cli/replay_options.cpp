@@ -18,6 +18,7 @@
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
@@ -131,30 +132,37 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
 void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
   if (!result.learnt) return;
   fmt::print(
-      "\nNoise model learnt from the stops, with 95 % intervals\n{:<5}{:>7}{:>26}{:>26}{:>32}\n",
-      "axis", "stops", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
+      "\nNoise model learnt from the stops, with 95 % intervals (evidence: as many stops of full "
+      "weight)\n{:<5}{:>9}{:>26}{:>26}{:>32}\n",
+      "axis", "evidence", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
   for (const std::size_t axis : axes) {
     const auto learnt = evaluate::learnt_model((*result.learnt)[axis]);
-    fmt::print("{:<5}{:>7.1f}{:>26}{:>26}{:>32}\n", evaluate::axis_name(result, axis), learnt.stops,
+    fmt::print("{:<5}{:>9.1f}{:>26}{:>26}{:>32}\n", evaluate::axis_name(result, axis), learnt.stops,
                evaluate::in_words(learnt.order), evaluate::in_words(learnt.bias_instability_dph),
                evaluate::in_words(learnt.angle_random_walk_dps_per_sqrt_hz));
   }
 }
 
+/// A number for a table; "-" where nothing was measured.
+std::string cell(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
 void print_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
-  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>12}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
-             "drives", "drift deg rms", "ratio to CM", "coverage 95", "sigma/rms", "RSSE deg/s",
-             "IE deg");
+  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>23}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
+             "drives", "drift deg rms", "ratio to CM [95 %]", "coverage 95", "sigma/rms",
+             "RSSE deg/s", "IE deg");
   for (const std::size_t axis : axes) {
     const auto& baseline = result.scores[axis].back();
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>16.4f}{:>12.3f}{:>13.3f}{:>11.2f}{:>12.3f}{:>11.4f}\n",
+      fmt::print("{:<5}{:<18}{:>7}{:>16}{:>23}{:>13}{:>11}{:>12}{:>11}\n",
                  evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
-                 scores.heading_drift_rms_rad() * kDegPerRad,
-                 scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
-                 scores.coverage95(), scores.sigma_over_rms(),
-                 scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
+                 cell(scores.heading_drift_rms_rad() * kDegPerRad, 4),
+                 evaluate::in_words(evaluate::drift_ratio(scores, baseline)),
+                 cell(scores.coverage95(), 3), cell(scores.sigma_over_rms(), 2),
+                 cell(scores.mean_rsse_rad_s() * kDegPerRad, 3),
+                 cell(scores.mean_integrated_rad() * kDegPerRad, 4));
     }
   }
 }
@@ -179,7 +187,11 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
 }  // namespace
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
-  add_axis_option(app, flags.axis);
+  app.add_option(
+         "--axis", flags.axis,
+         "x, y, z, or all, the vertical axis first (by the reference, else z); default: of a "
+         "drive the vertical axis alone, with --schedule all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}));
   auto* model = app.add_option("--model", flags.model,
                                "sensor model: a TOML file or a name from 'zerorate model list'");
   model->capture_default_str();
@@ -261,6 +273,29 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
         core::earth_rate(static_cast<float>(*flags.latitude_deg), up_axis_called(flags.up));
   }
   return options;
+}
+
+std::vector<std::size_t> shown_axes(const ReplayFlags& flags, std::size_t axis_count,
+                                    const std::optional<truth::Truth>& truth) {
+  std::vector<std::size_t> axes = scored_axes(flags, axis_count);
+  if (axes.size() == 1) return axes;
+  const std::size_t vertical = truth ? truth->vertical.axis : axis_count - 1;
+  const bool is_drive = flags.schedule.empty();
+  if (is_drive && flags.axis.empty()) return {vertical};
+  std::ranges::rotate(axes, axes.begin() + static_cast<std::ptrdiff_t>(vertical));
+  return axes;
+}
+
+std::vector<std::size_t> scored_axes(const ReplayFlags& flags, std::size_t axis_count) {
+  return identify::axes_called(flags.axis.empty() ? "all" : flags.axis, axis_count);
+}
+
+void print_what_is_not_shown(const ReplayFlags& flags, const evaluate::ReplayResult& result,
+                             const std::vector<std::size_t>& axes) {
+  if (!flags.axis.empty() || axes.size() == result.axis_count) return;
+  fmt::print("axis {} is the vertical one{}; --axis all shows the others too\n",
+             evaluate::axis_name(result, axes.front()),
+             result.true_drives ? ", by the reference" : " unless --axis names another");
 }
 
 void add_truth_flags(CLI::App& app, TruthFlags& flags) {

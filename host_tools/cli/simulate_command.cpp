@@ -91,7 +91,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
   recording::Reader reader{path};
-  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
+  const auto axes = shown_axes(options.flags, reader.columns().axis_count, {});
   print_result(replay_watched(reader, replay_options, {},
                               [&](std::uint64_t row) { return drive.rows[row].true_rate_rad_s; }),
                axes);

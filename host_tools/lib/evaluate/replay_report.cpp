@@ -165,7 +165,9 @@ report::BarChart drift_bars(const ReplayResult& result, const std::vector<std::s
 report::Table score_table(const ReplayResult& result, const std::vector<std::size_t>& axes) {
   report::Table table{
       .caption =
-          "Ratio: drift over that of the calibration mean. Coverage: share of the drives "
+          "Ratio: drift over that of the calibration mean, with its 95 % interval by a bootstrap "
+          "over "
+          "the drives. Coverage: share of the drives "
           "whose drift lies in the predicted 95 % interval. Sigma / rms: mean predicted over "
           "actual error; honest is 1 for drives of equal length and about .75 for random ones. "
           "RSSE, IE: root sum of squared and integrated error, "
@@ -174,7 +176,7 @@ report::Table score_table(const ReplayResult& result, const std::vector<std::siz
                   {"Predictor"},
                   {.heading = "Drives"},
                   {"Heading drift", "deg rms", 4},
-                  {.heading = "Ratio", .decimals = 3},
+                  {.heading = "Ratio [95 %]"},
                   {.heading = "Coverage", .decimals = 3},
                   {.heading = "Sigma / rms", .decimals = 2},
                   {"RSSE", "deg/s", 3},
@@ -185,9 +187,8 @@ report::Table score_table(const ReplayResult& result, const std::vector<std::siz
       const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
       table.rows.push_back({axis_name(result, axis), std::string(title(predictor)), scores.drives(),
                             scores.heading_drift_rms_rad() * kDegPerRad,
-                            scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
-                            scores.coverage95(), scores.sigma_over_rms(),
-                            scores.mean_rsse_rad_s() * kDegPerRad,
+                            in_words(drift_ratio(scores, baseline)), scores.coverage95(),
+                            scores.sigma_over_rms(), scores.mean_rsse_rad_s() * kDegPerRad,
                             scores.mean_integrated_rad() * kDegPerRad});
     }
   }
@@ -229,9 +230,8 @@ std::vector<report::KeyFigure> key_figures(const ReplayResult& result, std::size
   return {{"Drives", std::to_string(kalman.drives()), "axis " + axis_name(result, axis)},
           {"Heading drift", fmt::format("{:.3f}°", kalman.heading_drift_rms_rad() * kDegPerRad),
            "Kalman, rms per drive"},
-          {"Against the mean of the stop",
-           fmt::format("{:.2f}", kalman.heading_drift_rms_rad() / mean.heading_drift_rms_rad()),
-           "ratio of drifts; below 1 is better"},
+          {"Against the mean of the stop", in_words(drift_ratio(kalman, mean)),
+           "ratio of drifts with its 95 % interval; below 1 is better"},
           {"Interval coverage", fmt::format("{:.0f} %", kalman.coverage95() * 100.0),
            "of drives inside the 95 % interval"}};
 }
@@ -255,11 +255,11 @@ std::string summary(const ReplayResult& result, std::size_t axis) {
   return fmt::format(
       "Over {} drives the heading of axis {} drifted by {:.3f} deg rms with the Kalman predictor "
       "and "
-      "by {:.3f} deg with the mean of the last stop (ratio {:.2f}); {:.0f} % of the drives lay "
+      "by {:.3f} deg with the mean of the last stop (ratio {}); {:.0f} % of the drives lay "
       "inside the predicted 95 % interval.",
       kalman.drives(), axis_name(result, axis), kalman.heading_drift_rms_rad() * kDegPerRad,
-      mean.heading_drift_rms_rad() * kDegPerRad,
-      kalman.heading_drift_rms_rad() / mean.heading_drift_rms_rad(), kalman.coverage95() * 100.0);
+      mean.heading_drift_rms_rad() * kDegPerRad, in_words(drift_ratio(kalman, mean)),
+      kalman.coverage95() * 100.0);
 }
 
 report::Report make_report(const ReplayResult& result, const std::vector<std::size_t>& axes,
@@ -309,9 +309,11 @@ report::Chart learnt_chart(const ReplayTrace& trace, std::string title, report::
 report::Table learnt_table(const ReplayResult& result, const std::vector<std::size_t>& axes) {
   report::Table table{
       .caption =
-          "Noise model by the end, with 95 % intervals. Stops: how many the figures rest on, older "
-          "ones counted in part.",
-      .columns = {{"Axis"}, {"Stops", "", 1}, {"Order d"}, {"B, deg/h"}, {"N, deg/s/sqrt(Hz)"}}};
+          "Noise model by the end, with 95 % intervals. Evidence: the figures rest on as many "
+          "stops "
+          "of full weight; older stops count in part.",
+      .columns = {
+          {"Axis"}, {"Evidence", "stops", 1}, {"Order d"}, {"B, deg/h"}, {"N, deg/s/sqrt(Hz)"}}};
   for (const std::size_t axis : axes) {
     const LearntModel learnt = learnt_model((*result.learnt)[axis]);
     table.rows.push_back({axis_name(result, axis), learnt.stops, in_words(learnt.order),
