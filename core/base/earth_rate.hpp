@@ -21,7 +21,7 @@ struct UpAxis {
 /// Shares of the Earth's rotation in the rates of a level sensor; zero where the latitude is not
 /// known, and the rotation stays in the bias (docs/reference/earth-rate.md).
 struct EarthRate {
-  std::array<float, 3> vertical_rad_s{};  ///< the same whatever the heading: taken out of the rates
+  std::array<float, 3> vertical_rad_s{};  ///< share of the vertical, taken out of the rates
   /// Variance of what a level axis sees at another heading than that of the stop.
   std::array<float, 3> heading_variance_rad2_s2{};
 

@@ -155,7 +155,7 @@ template <class Scalar>
 /// (1 + x / 256)^256: 0.05 % low at x = 0.5, 7 % at x = 6.
 [[nodiscard]] constexpr float student_factor(float z2, float degrees_of_freedom) {
   const float exponent = z2 / degrees_of_freedom;
-  float growth = (1.0F / 256.0F) * exponent;  // of the power beyond 1, without cancellation
+  float growth = (1.0F / 256.0F) * exponent;  // power minus 1, without cancellation
   for (int doubling = 0; doubling < 8; ++doubling) growth *= 2.0F + growth;
   return growth / exponent;
 }

@@ -44,8 +44,8 @@ class DriveScale {
   struct State {
     Memory memory;
     Biases before{};               ///< predicted when the stop began
-    Variances variances_before{};  ///< by each hypothesis, of scale 1
-    std::uint8_t ticks_left = 0;   ///< of the stop, until it is judged; 0: no stop
+    Variances variances_before{};  ///< variance by each hypothesis, at scale 1
+    std::uint8_t ticks_left = 0;   ///< ticks until the stop is judged; 0: no stop
 
     constexpr bool operator==(const State&) const = default;
   };

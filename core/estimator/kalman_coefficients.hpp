@@ -44,9 +44,9 @@ struct KalmanCoefficients {
 
   /// Variances and covariances that noise adds over a span of ticks.
   struct Noise {
-    float bias = 0.0F;  ///< to the variance of the bias [rad2/s2]
-    Drifts cross{};     ///< to its covariances with the drifts
-    Drifts drift{};     ///< to the variances of the drifts
+    float bias = 0.0F;  ///< added to the variance of the bias [rad2/s2]
+    Drifts cross{};     ///< added to its covariances with the drifts
+    Drifts drift{};     ///< added to the variances of the drifts
   };
 
   float tick_s;

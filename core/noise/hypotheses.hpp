@@ -20,7 +20,7 @@ template <std::size_t Decaying>
 struct Hypothesis {
   std::array<float, Decaying> strength{};  ///< variance of each mode over the model's
   float log_prior = 0.0F;               ///< logarithm of the prior probability, less any constant
-  float level = 1.0F;                   ///< of the slow noise over half a minute, over the model's
+  float level = 1.0F;                   ///< slow noise over half a minute, over the model's
   float order = 0.0F;                   ///< d
   float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
@@ -37,7 +37,7 @@ struct Hypothesis {
 /// Hypotheses of a filter of this shape, and how it weighs them.
 template <ModelShape Shape>
 struct Hypotheses {
-  std::size_t count = 0;  ///< of those below; 0: the model is known, and nothing is learnt
+  std::size_t count = 0;  ///< hypotheses in use; 0: the model is known, and nothing is learnt
   /// Share of the evidence that a measurement leaves; 1: all of it.
   float kept = 1.0F;
   std::array<Hypothesis<Shape.decaying>, Shape.hypotheses> all{};

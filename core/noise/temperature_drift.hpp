@@ -43,7 +43,7 @@ struct TemperatureTransition {
   using Weights = std::array<float, K>;
 
   Weights change{};  ///< change of the weights from before the span to its end
-  Weights sum{};     ///< over the ticks of the span, of the change up to each
+  Weights sum{};     ///< sum over the ticks of the span of the change up to each
   /// Standard deviation of the change that is not known, because the temperature is not. Both
   /// weights then change together, and the mean of that is zero.
   Weights unknown{};

@@ -44,7 +44,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
 
 /// FIFO_STATUS.
 struct FifoStatus {
-  std::uint8_t frames;  ///< that wait, at most 100
+  std::uint8_t frames;  ///< frames that wait, at most 100
   bool is_overrun;      ///< frames were lost since the FIFO was cleared
   bool is_plausible;    ///< the FIFO can hold so much
 };

@@ -18,7 +18,7 @@ enum class DriverErrorCode : std::uint8_t {
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
   sensor_fault,  ///< the chip's own supervision says that its data are not to be used
-  frozen,        ///< the same counts again and again, for longer than noise makes them alike
+  frozen,        ///< equal counts for longer than noise repeats a value
 };
 
 /// For logs and tables.

@@ -17,7 +17,7 @@ namespace zerorate::drivers {
 
 /// One reading of a gyro.
 struct GyroSample {
-  core::Instant time;  ///< of the node's monotonic clock
+  core::Instant time;  ///< on the node's monotonic clock
   /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis (its driver's kAxes is 1) gives
   /// its rate on all three, so that none of them reads an impossible silence.
   std::array<core::AngularRate, 3> rate;

@@ -54,7 +54,7 @@ class SampleClock {
   core::Duration period_;
   core::Duration step_;
   core::Instant latest_;  ///< the last stamp given
-  core::Instant newest_;  ///< of the sample that came last into the FIFO
+  core::Instant newest_;  ///< time of the newest sample in the FIFO
   std::int64_t waiting_ = 0;
   bool is_locked_ = false;
 };

@@ -20,19 +20,19 @@ enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
 /// Figures in which the chips differ. Addresses and fields of outputs, status, identity and FIFO
 /// data are the same in all of them.
 struct Variant {
-  std::uint8_t identity;  ///< of WHO_AM_I; two of them answer alike
+  std::uint8_t identity;  ///< answer of WHO_AM_I; two chips share one
   bool has_4000_dps;
   bool has_new_layout;  ///< range in CTRL6, FIFO_STATUS1 at 1Bh, trim at 4Fh
   bool has_tag_parity;
   std::uint8_t status_always_zero;  ///< bits of STATUS_REG
-  std::uint8_t level_high_bits;     ///< of the FIFO's level in FIFO_STATUS2
+  std::uint8_t level_high_bits;     ///< level of the FIFO in FIFO_STATUS2
   std::uint8_t level_always_zero;   ///< bits of FIFO_STATUS2
-  std::uint8_t fastest_code;        ///< of the output data rate
+  std::uint8_t fastest_code;        ///< code of the fastest output data rate
   std::uint16_t fastest_hz;         ///< each code below it halves the rate
-  std::uint8_t trim_step;           ///< of the oscillator [0.01 %]
+  std::uint8_t trim_step;           ///< step of the oscillator [0.01 %]
 };
 
-/// By Model.
+/// Variants in the order of Chip.
 inline constexpr Variant kLsm6dso{.identity = 0x6C,
                                   .has_4000_dps = false,
                                   .has_new_layout = false,

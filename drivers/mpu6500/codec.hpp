@@ -16,8 +16,8 @@ namespace zerorate::drivers::mpu6500 {
 struct Variant {
   std::uint8_t identity;
   std::uint16_t fifo_bytes;   ///< at least so many
-  float counts_per_degree;    ///< of the thermometer; 0: not known
-  float degc_at_zero_counts;  ///< the same
+  float counts_per_degree;    ///< slope of the thermometer; 0: not known
+  float degc_at_zero_counts;  ///< its temperature at 0 counts
 };
 
 /// Chips that are accepted; README.md says why these.

@@ -28,15 +28,15 @@ inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
     .temperature_weights = core::TemperatureDrift::kWeights};
-/// That shape with every hypothesis.
+/// Shape of the full model with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
 /// The noise of one axis as the node needs it.
 template <core::ModelShape Shape>
 struct NodeModel {
-  core::ModesOf<Shape> modes;                       ///< the slow noise, at the filter's tick
-  float white_variance_rad2_s2 = 0.0F;              ///< of one sample, r in S(f) = r + ...
+  core::ModesOf<Shape> modes;           ///< the slow noise, at the filter's tick
+  float white_variance_rad2_s2 = 0.0F;  ///< white variance of one sample, r in S(f) = r + ...
   float measurement_floor_variance_rad2_s2 = 0.0F;  ///< stays however many samples are averaged
   /// Variance of the change of the bias while the power is off; infinite where the model does not
   /// say.

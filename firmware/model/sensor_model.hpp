@@ -118,7 +118,7 @@ struct Quantization {
 
 /// Single wild samples: noise of their own on top, one sample at a time.
 struct Outliers {
-  double probability = 0.0;  ///< of a sample
+  double probability = 0.0;  ///< probability that a sample is one
   double sigma_rad_s = 0.0;
   std::string source{};
 
@@ -182,7 +182,7 @@ struct ZeroRate {
 /// How a node learns the slow noise of its sensor, from the figures of the model.
 struct Learning {
   int hypotheses = 12;         ///< 12, 4 (of one order) or 1: the model is taken at its word
-  double half_life_s = 150.0;  ///< of the evidence, in time at standstill
+  double half_life_s = 150.0;  ///< half-life of the evidence, in time at standstill
 
   bool operator==(const Learning&) const = default;
 };

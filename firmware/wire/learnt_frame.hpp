@@ -36,7 +36,7 @@ struct LearntModel {
 /// Figure of a learnt model under the name that JSON and metrics use, with the unit of that name.
 struct LearntQuantity {
   std::string_view name;
-  std::string_view sigma_name;  ///< of its standard deviation
+  std::string_view sigma_name;  ///< name of its standard deviation
   app::LearntFigure app::LearntNoise::*figure;
   float si_per_unit;
 };

@@ -49,7 +49,7 @@ class GpioLine {
   [[nodiscard]] int descriptor() const;
 
  private:
-  struct Request;  // what libgpiod gave us
+  struct Request;  // line of libgpiod
   LineSettings settings_;
   std::unique_ptr<Request> request_;
 };

@@ -181,7 +181,7 @@ void IioDevice::find_channels() {
 
 void IioDevice::set_scale(double full_scale_rad_s) {
   constexpr double kCounts = 32768.0;
-  constexpr double kRounding = 0.99;  // of a scale that is told with two digits (bmg160)
+  constexpr double kRounding = 0.99;  // a scale may be given with two digits (bmg160)
   const auto attribute = folder_.first_of({"in_anglvel_scale", axes_[0] + "_scale"});
   if (!attribute) throw KernelFileError(folder_.path_of("in_anglvel_scale"), ENOENT);
   const auto choices = folder_.first_of(

@@ -202,7 +202,7 @@ inline constexpr Register<0x1800'0010> kSelect;
 inline constexpr ReadOnly<0x1800'0028> kStatus;
 inline constexpr Register<0x1800'0060> kData;
 inline constexpr std::uint32_t kFrames8Bits = 7U << 16U;         // sent and received at once
-inline constexpr std::uint32_t kMapped = (31U << 16U) | 0x300U;  // as boot2.S leaves it
+inline constexpr std::uint32_t kMapped = (31U << 16U) | 0x300U;  // mode that boot2.S leaves
 inline constexpr std::uint32_t kBusy = bit(0);
 inline constexpr std::uint32_t kReceiveNotEmpty = bit(3);
 }  // namespace ssi

@@ -27,7 +27,7 @@ class SimulatedStModule : public SimulatedRegisters<128> {
   /// Figures in which the modules' data paths differ.
   struct DataPath {
     std::size_t fifo_words;
-    std::uint8_t watermark_high_bit;  ///< of FIFO_CTRL2; 0: the watermark has eight bits
+    std::uint8_t watermark_high_bit;  ///< bit of FIFO_CTRL2; 0: the watermark has eight bits
     core::Duration turn_on_time;
   };
 

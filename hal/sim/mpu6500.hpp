@@ -75,7 +75,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
 
   std::uint8_t identity_;
   std::deque<std::uint8_t> fifo_;
-  std::uint8_t last_fifo_byte_ = 0;   ///< what an empty FIFO gives
+  std::uint8_t last_fifo_byte_ = 0;   ///< answer of an empty FIFO
   std::uint8_t latched_count_l_ = 0;  ///< FIFO_COUNTL as of the newest reading of FIFO_COUNTH
   core::Instant powered_at_;
 };

@@ -30,7 +30,7 @@ struct DemoOptions {
   ReplayFlags flags;
   std::string directory = "zerorate-demo";
   double hours = 2.0;
-  std::uint64_t seed = 3;  ///< of seven the one with the median ratio to the calibration mean
+  std::uint64_t seed = 3;  ///< seed of seven with the median ratio to the calibration mean
 };
 
 /// A replay that leaves its results in the demo's directory.

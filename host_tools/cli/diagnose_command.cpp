@@ -33,7 +33,7 @@ using units::in_figures;
 
 struct DiagnoseOptions {
   InputFlags input_flags;
-  recording::Input recording;  ///< by input_flags
+  recording::Input recording;  ///< filled by input_flags
   std::string axis = "all";
   std::string still_from = "odometer";
   std::string model;

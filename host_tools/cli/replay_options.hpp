@@ -25,7 +25,7 @@ struct ReplayFlags {
   std::optional<double> bias_instability_dph;
   std::string schedule;
   std::string through = "source";
-  std::optional<std::string> chip;  ///< of --through chip
+  std::optional<std::string> chip;  ///< value of --through chip
   std::string predictor = "kalman";
   std::optional<double> sample_rate_hz;
   std::optional<double> filter_rate_hz;

@@ -42,7 +42,7 @@ struct Number {
   if (places > 31) return 1;
   return (significand >> places) | ((significand << (32 - places)) != 0 ? 1U : 0U);
 }
-/// To 24 bits: to nearest, ties to even.
+/// Rounds to 24 bits, ties to even.
 [[nodiscard]] constexpr Bits rounded(Bits significand) {
   const Bits near = (significand >> 8U) + ((significand >> 7U) & 1U);
   return (significand & 0xFFU) == 0x80U ? near & ~Bits{1} : near;

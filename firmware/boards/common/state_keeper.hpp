@@ -66,7 +66,7 @@ class StateKeeper {
   const app::Snapshot<Node>& snapshot_;
   Medium& medium_;
   core::Instant next_at_;
-  std::uint32_t saved_ticks_ = 0;  ///< of the newest save
+  std::uint32_t saved_ticks_ = 0;  ///< tick of the newest save
   bool was_still_ = false;
   bool is_prepared_ = true;  ///< restore() did
   /// Here and not on the stack, which is measured for its deepest moment.

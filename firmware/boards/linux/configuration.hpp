@@ -32,8 +32,8 @@ struct StateSettings {
 };
 
 struct Configuration {
-  std::string name;  ///< of the node, in lines and metrics; empty: it is the only one
-  std::string user;  ///< to become after the start as root; empty: stay
+  std::string name;  ///< name of the node in lines and metrics; empty: it is the only one
+  std::string user;  ///< user of the process after a start as root; empty: unchanged
   GyroSettings gyro;
   std::optional<hal::linux_os::LineSettings> data_ready;
   std::optional<hal::linux_os::LineSettings> odometer;  ///< on a GPIO line

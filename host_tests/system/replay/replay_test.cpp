@@ -28,7 +28,7 @@ constexpr recording::Columns kOneRate{1, recording::RateUnit::rad_per_s, false, 
 
 struct ChipUnderTest {
   const char* chip;
-  double lsb_dps;  ///< of the datasheet, at 250 deg/s, or of the only range
+  double lsb_dps;  ///< datasheet value at 250 deg/s, or at the only range
   recording::Columns columns;
 };
 constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
@@ -55,7 +55,7 @@ void expect_identical(const Replayed& a, const Replayed& b) {
 // mean with positive weights. The filter's weights may be negative, but little: twice the bound.
 void expect_same_but_for_rounding(const Replayed& chip, const Replayed& source, double lsb_dps,
                                   app::Predictor published) {
-  const double rounding = 1e-7;  // of single precision, at rates below 0.02 rad/s
+  const double rounding = 1e-7;  // rounding of single precision at rates below 0.02 rad/s
   const double lsb_rad_s = lsb_dps * testing::kRadPerDeg;
   const double bias_bound = published == app::Predictor::kalman ? lsb_rad_s : 0.5 * lsb_rad_s;
   ASSERT_EQ(chip.messages.size(), source.messages.size());

@@ -22,7 +22,7 @@ struct Outcome {
   std::uint64_t messages = 0;
   std::uint64_t healthy = 0;
   std::uint64_t no_numbers = 0;  ///< messages with a rate, and a figure in it that is none
-  double worst_sigmas = 0.0;     ///< of the error of a bias that was called healthy
+  double worst_sigmas = 0.0;     ///< largest error of a bias that was called healthy
   std::uint64_t restarts_with_memory = 0;
 };
 

@@ -70,7 +70,7 @@ struct CampaignOptions {
   std::string json;
   std::pair<std::size_t, std::string> write_run;
   bool gain = false;
-  std::size_t gain_recordings = 20;  ///< of each effect
+  std::size_t gain_recordings = 20;  ///< recordings with each effect
 };
 
 /// A program that fails has not answered; the campaign goes on.

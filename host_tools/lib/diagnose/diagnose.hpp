@@ -21,7 +21,7 @@ struct DiagnoseOptions {
   /// the verdict is on it. The best fit of white and 1/f noise where it is absent.
   std::optional<model::SensorModel> base_model;
   double holdout = 0.3;    ///< share at the end that is not used for the fits the gain is told from
-  std::uint64_t seed = 1;  ///< of the simulations
+  std::uint64_t seed = 1;  ///< seed of the simulations
   /// Most samples that are diagnosed, from the beginning of a record. A remark says so: memory
   /// stays below about 1 GiB an axis, time below 3 minutes.
   std::size_t most_samples = 4'000'000;

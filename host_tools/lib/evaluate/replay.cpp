@@ -102,8 +102,8 @@ class StopJudge {
   }
 
  private:
-  std::optional<Node> before_;               ///< as it was before the stop
-  std::optional<std::uint32_t> first_tick_;  ///< of the stop that was learnt from
+  std::optional<Node> before_;               ///< node before the stop
+  std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
 };
 
 /// The replay of one recording through one node type.

@@ -117,7 +117,7 @@ Normal next(const std::vector<AxisLikelihood>& axes, const std::vector<bool>& is
 Normal fit_normal(const std::vector<AxisLikelihood>& axes, const std::vector<bool>& is_in,
                   Normal now) {
   constexpr int kMostSteps = 300;
-  constexpr double kSmall = 2e-4;  // of a spread
+  constexpr double kSmall = 2e-4;  // share of a spread
   for (int step = 0; step < kMostSteps; ++step) {
     const Normal then = next(axes, is_in, now);
     const Point spread = then.covariance.diagonal().cwiseSqrt();

@@ -67,7 +67,7 @@ class RankSums {
 
  private:
   static constexpr std::size_t kMostExact = 50;       ///< sensors of a lot
-  std::map<std::size_t, std::vector<double>> tails_;  ///< by the size of the lot
+  std::map<std::size_t, std::vector<double>> tails_;  ///< key: size of the lot
 };
 
 LotFigure compare_noise(const Population& population, std::size_t lot, int coordinate,

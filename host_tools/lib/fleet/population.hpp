@@ -40,10 +40,10 @@ struct Sensor {
   std::size_t lot = 0;
   std::size_t recordings = 0;
   std::vector<Reason> reasons;  ///< the most surprising first
-  double log_p = 0.0;           ///< of the most surprising one among so many
+  double log_p = 0.0;           ///< log p of the most surprising one among so many
   double q_value = 1.0;         ///< false discovery rate at which the sensor is named
   bool is_outlier = false;
-  std::optional<double> change_log_p;  ///< of changes between its recordings; two or more
+  std::optional<double> change_log_p;  ///< log p of changes between its recordings; two or more
   double change_q_value = 1.0;
   bool has_changed = false;
 };
@@ -53,7 +53,7 @@ struct LotFigure {
   std::size_t lot = 0;
   std::string what;          ///< a coordinate, or "outliers"
   double lot_value = 0.0;    ///< median of the lot's sensors, SI; share of the outliers
-  double other_value = 0.0;  ///< of the other sensors
+  double other_value = 0.0;  ///< value of the other sensors
   double p_value = 1.0;
   bool differs = false;  ///< the lot differs, and this figure alone would tell so
 };
@@ -87,7 +87,7 @@ struct Population {
   std::vector<LotFigure> lot_figures;  ///< the least p-value first
   std::vector<EffectCount> effects;    ///< the most frequent first
   std::vector<StoredRecording> bad;
-  Normal distribution;               ///< of the core
+  Normal distribution;               ///< distribution of the core
   Point mean_error = Point::Zero();  ///< standard errors of the mean, sensors being independent
   std::size_t core = 0;              ///< axes
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.

@@ -22,14 +22,14 @@ namespace zerorate::identify {
 struct AxisCharacterization {
   std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
   InnovationsFit fit;
-  model::SensorModel model;  ///< of the fit, with its sources
+  model::SensorModel model;  ///< model of the fit, with its sources
   NoiseCoefficients coefficients;
   /// Exact local Whittle estimate of d from the frequencies below half the corner; nothing where
   /// there is no flicker noise or too little of the record is without holes.
   std::optional<Estimate> local_whittle_order;
   std::vector<AllanPoint> allan;     ///< rad/s; of the longest stretch without holes
   std::vector<DensityBin> density;   ///< one-sided, (rad/s)^2/Hz; of the same stretch
-  std::vector<std::string> remarks;  ///< what a user should know of these figures
+  std::vector<std::string> remarks;  ///< limits of these figures, for the user
 
   /// The point of the Allan deviation whose upper limit is the lowest: the floor that is known, not
   /// a dip of the long averaging times, which hardly anything is known of.
@@ -42,12 +42,12 @@ struct Sameness {
 
   std::string axis;
   InnovationsFit together;            ///< fitted to all recordings at once
-  std::vector<InnovationsFit> alone;  ///< of each recording, at the order of `together`
+  std::vector<InnovationsFit> alone;  ///< fit of each recording, at the order of `together`
   double likelihood_ratio = 0.0;
   std::size_t degrees_of_freedom = 0;
-  double p_value = 1.0;      ///< of a ratio this large where nothing has changed
+  double p_value = 1.0;      ///< probability of a ratio this large where nothing has changed
   double threshold = 1.0;    ///< for p: kSize over the number of axes
-  model::SensorModel model;  ///< of `together`
+  model::SensorModel model;  ///< model of `together`
 
   [[nodiscard]] bool holds() const { return p_value >= threshold; }
 };
@@ -58,14 +58,14 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   recording::Findings findings;
-  std::vector<std::string> doubts{};  ///< of require_rest(): the caller's
+  std::vector<std::string> doubts{};  ///< doubts of require_rest(), set by the caller
   core::Duration sample_period;       ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
-  double rest_s = 0.0;    ///< what the ticks sum up to
+  double rest_s = 0.0;    ///< length of all ticks together
   std::vector<AxisCharacterization> axes;
-  std::vector<std::string> further_recordings;  ///< that the axes were compared with
-  std::vector<Sameness> sameness;               ///< of each axis; none without further recordings
+  std::vector<std::string> further_recordings;  ///< recordings that the axes were compared with
+  std::vector<Sameness> sameness;  ///< sameness of each axis; none without further recordings
 };
 
 struct CharacterizeOptions {
@@ -81,7 +81,7 @@ struct CharacterizeOptions {
 /// sample period; a longer one beyond 65,536 ticks (9 h), doubled until they are fewer: bounded
 /// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
 [[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
-/// That of samples, which may come in bursts: never shorter than their mean interval.
+/// Period of the samples, which may come in bursts: never shorter than their mean interval.
 [[nodiscard]] core::Duration identification_tick(const RestSamples& samples);
 
 /// Tick means of one axis of a recording.

@@ -10,7 +10,7 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr double kSignificance = 0.01;  ///< of a slow noise beside the other
+constexpr double kSignificance = 0.01;  ///< significance of a slow noise beside the other
 constexpr double kOneOverF = 0.5;       ///< order of the noise that B is the strength of
 
 /// Slow noises that stand beside the white noise.

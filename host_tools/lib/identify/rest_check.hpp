@@ -42,8 +42,8 @@ class RestCheck {
   struct Axis {
     std::optional<double> reference_rad_s;  ///< median of the first block
     std::size_t moved = 0;                  ///< half-second means
-    double furthest_rad_s = 0.0;            ///< of the means that moved, from the reference
-    std::vector<double> white_sigmas;       ///< of the blocks, 1000 at most
+    double furthest_rad_s = 0.0;       ///< largest distance of a mean that moved from the reference
+    std::vector<double> white_sigmas;  ///< sigmas of the blocks, 1000 at most
     /// Whether all rates are whole numbers of deg/s and of rad/s, and their range.
     std::array<bool, 2> is_whole{true, true};
     double least = std::numeric_limits<double>::infinity();
@@ -81,7 +81,7 @@ struct MotionAtRest {
   /// in increasing order.
   std::vector<double> turning_rad_s;
 
-  [[nodiscard]] double share() const;  ///< of the samples
+  [[nodiscard]] double share() const;  ///< share of the samples
   /// Motion in every second stop, of three at least, is no accident.
   [[nodiscard]] bool is_usual() const {
     return stops_with_motion >= 3 && 2 * stops_with_motion >= stops;

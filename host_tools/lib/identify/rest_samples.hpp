@@ -34,7 +34,7 @@ struct RestSamples {
   /// The samples, by index, between which and the one before the vehicle moved; ascending.
   std::vector<std::size_t> after_drives;
 
-  std::uint64_t rows = 0;    ///< of the recording
+  std::uint64_t rows = 0;    ///< rows of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
   recording::Findings findings;

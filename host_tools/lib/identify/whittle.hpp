@@ -23,7 +23,7 @@ struct WhiteFlickerFit {
   /// variance is that of white noise alone then.
   std::optional<FlickerEstimate> flicker;
   double likelihood_ratio;  ///< 2 log of likelihood with over without flicker noise
-  double p_value;           ///< of a ratio this large under white noise alone
+  double p_value;           ///< probability of a ratio this large under white noise alone
 };
 
 struct WhiteFlickerOptions {

@@ -16,11 +16,11 @@ namespace zerorate::live {
 
 /// Events of a recording; whatever does not become a row is counted.
 struct RecorderCounts {
-  std::uint64_t rows = 0;          ///< of this session
+  std::uint64_t rows = 0;          ///< rows of this session
   std::uint64_t lost = 0;          ///< messages, by gaps in the numbers
   std::uint64_t without_rate = 0;  ///< messages of a gyro that gave no sample, or a refused one
   std::uint64_t out_of_order = 0;  ///< messages that came after later ones, or twice
-  std::uint64_t restarts = 0;      ///< of the node
+  std::uint64_t restarts = 0;      ///< restarts of the node
   std::uint64_t pauses = 0;        ///< intervals of more than a second between two rows
   std::uint64_t set_back = 0;      ///< times that the clock stood before the newest row
 };

@@ -119,7 +119,7 @@ class Crew {
   std::mutex mutex_;  ///< guards what follows
   std::size_t next_ = 0;
   std::size_t done_ = 0;
-  unsigned hired_ = 0;    ///< that are at work; none ends while another may be hired
+  unsigned hired_ = 0;    ///< threads at work; none ends while another may be hired
   bool is_lent_ = false;  ///< the processor of the caller
   std::vector<std::jthread> others_;
   std::exception_ptr failure_;

@@ -65,7 +65,7 @@ struct HeldRecording {
   std::int64_t last_time_ns = 0;
   std::int64_t last_odometer_pulses = 0;
   std::int64_t recorded_ns = 0;  ///< sum of the intervals that are no pauses
-  std::uint64_t torn_bytes = 0;  ///< of an unfinished part at the end, which were cut off
+  std::uint64_t torn_bytes = 0;  ///< bytes of an unfinished part at the end, which were cut off
 };
 
 /// An interval between two rows that is longer is a pause of the recording, not recorded time.

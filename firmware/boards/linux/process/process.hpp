@@ -17,7 +17,7 @@ namespace zerorate::linux_node {
 
 /// How urgent the measuring is.
 struct RealTimeSettings {
-  int priority = 0;  ///< of the measuring thread, SCHED_FIFO; 0: an ordinary thread
+  int priority = 0;  ///< SCHED_FIFO priority of the measuring thread; 0: an ordinary thread
   bool lock_memory = true;
 };
 

@@ -13,8 +13,8 @@ using Rates = OdometerCheck::Rates;
 
 constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
-constexpr std::uint32_t kSamples = 50;  ///< of a full tick
-constexpr float kSigmaRadS = 1e-3F;     ///< of a sample: of a tick 0.008 deg/s
+constexpr std::uint32_t kSamples = 50;  ///< samples of a full tick
+constexpr float kSigmaRadS = 1e-3F;     ///< noise of a sample: 0.008 deg/s for a tick
 constexpr Rates kBias{12.0F * kRadPerDeg, -0.3F * kRadPerDeg, 0.1F * kRadPerDeg};
 
 /// About z, on top of the bias.
@@ -98,7 +98,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
   check.on_driving_tick(kBias);
   stand(check, turning(0.2F), 1, &kBias);
   EXPECT_FALSE(check.disagrees());
-  OdometerCheck fresh = make_check();  // of a node that has learnt nothing yet
+  OdometerCheck fresh = make_check();  // a node that has learnt nothing yet
   fresh.on_driving_tick(kBias);
   stand(fresh, turning(50.0F), 1);
   EXPECT_FALSE(fresh.disagrees());
@@ -177,7 +177,7 @@ TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
 }
 
 TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
-  for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // of 50
+  for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // a full tick has 50
     OdometerCheck check = make_check();
     for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias);
     EXPECT_FALSE(check.disagrees()) << samples;

@@ -47,7 +47,7 @@ TEST(SampleScreenOfPlainNoise, SumsSquaresThatEstimateTheWhiteVariance) {
   std::normal_distribution<float> normal;
   double sum = 0.0;
   for (int tick = 0; tick < kTicks; ++tick) {
-    const float bias = normal(random);  // of variance 1, as predicted
+    const float bias = normal(random);  // predicted variance: 1
     screen.begin_tick(0.0F, 1.0F, kWhite);
     for (int k = 0; k < kSamples; ++k) (void)screen.take(bias + 2.0F * normal(random));
     sum += double{screen.squares_rad2_s2()};

@@ -127,7 +127,7 @@ TEST(StopLearningWithoutAnOdometer, IsMovingWhileTheGyroIsNotCalm) {
     for (; ms < end_ms; ms += 10) {
       const float noise = ms / 500 % 2 == 0 ? 1e-5F : -1e-5F;
       vehicle.sample(ms, noise + swing_rad_s * static_cast<float>(ms / 300 % 3));
-      (void)vehicle.learning.pulse(at_ms(ms), vehicle.learner());  // of an odometer that lies
+      (void)vehicle.learning.pulse(at_ms(ms), vehicle.learner());  // a wrong odometer
     }
   };
   run_until(10'000, 0.0F);

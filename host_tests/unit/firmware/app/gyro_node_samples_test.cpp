@@ -163,7 +163,7 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
   auto params = screening_params();
   params.samples = {};
   params.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
-  for (auto& mode : params.modes.decaying) {  // as good as none, so that the mean is all
+  for (auto& mode : params.modes.decaying) {  // almost no flicker noise
     mode.noise_variance *= 1e-6F;
     mode.initial_variance *= 1e-6F;
   }

@@ -59,7 +59,7 @@ TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
   EXPECT_LE(trip.agreed_ms(), 61'000);
   EXPECT_TRUE(turning.health.odometer_disagreement);
   EXPECT_EQ(turning.motion, core::Motion::settling);
-  EXPECT_LE(node.measured_ticks(), learnt + 5);  // what was held back when it began
+  EXPECT_LE(node.measured_ticks(), learnt + 5);  // ticks that were held back when the turn began
   EXPECT_LT(std::abs(error_dps(node)), 0.005F);
   const RateMessage after = trip.stand(10'000);
   EXPECT_FALSE(after.health.odometer_disagreement);
@@ -135,7 +135,7 @@ TEST(GyroNodeWithAPulseStampedAhead, SaysSoAndLearnsAgainWhenItsTimeHasCome) {
   EXPECT_TRUE(waiting.health.odometer_disagreement);
   EXPECT_EQ(waiting.motion, core::Motion::moving);
   trip.stand(kAhead_ms - 130'000);
-  EXPECT_LE(node.measured_ticks(), learnt + 20);  // what was held back when it came
+  EXPECT_LE(node.measured_ticks(), learnt + 20);  // ticks that were held back when it came
   const RateMessage after = trip.stand(30'000);
   EXPECT_FALSE(after.health.odometer_disagreement);
   EXPECT_EQ(after.motion, core::Motion::still);

@@ -67,7 +67,8 @@ TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   EXPECT_LT(sigma_rad, 0.02);
 }
 
-// By hand: both variances 1, the measurement's 1, so that half of the residual is taken.
+// Calculation by hand: both variances 1, the measurement's 1, so that half of the residual is
+// taken.
 TEST(ErrorStateFilterWithACompass, TakesItsShare) {
   examples::ErrorStateFilter filter{{}, 0.5F, 1.0F};
   filter.measure_heading(1.0F, 1.0F);

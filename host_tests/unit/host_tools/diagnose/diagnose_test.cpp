@@ -295,7 +295,7 @@ TEST(RemainderOfNothing, IsNotMaterial) {
 }
 
 TEST(RemainderThatSwingsFromStopToDrive, IsMaterial) {
-  // Over 60 s 3 deg, where the white noise sums up to 0.3 deg.
+  // The heading changes by 3 deg over 60 s, where the white noise sums up to 0.3 deg.
   Record record = simulated({}, 11);
   for (std::size_t k = 0; k < record.size(); ++k) {
     record.rate_rad_s[k] += k % 1300 < 650 ? 0.05 * kRadPerDeg : 0.0;

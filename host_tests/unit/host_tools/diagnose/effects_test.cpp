@@ -29,7 +29,7 @@ struct Case {
   simulate::Effect effect;
   std::string parameter;
   double value;
-  double relative_tolerance;  ///< as wide as the effect's own interval has to be at this length
+  double relative_tolerance;  ///< half width of the effect's own interval at this length
 };
 
 void PrintTo(const Case& example, std::ostream* out) {

@@ -17,7 +17,7 @@ constexpr Forecast kMixture{.expected_rad_s = 0.3F,
                             .offset_rad_s = -2.0F,
                             .offset_variance = 4.0F};
 
-/// Over all readings, cells of this width.
+/// Probability of all readings, summed over cells of this width.
 double total(const Forecast& forecast, const Scale& scale, double width, double from, double to) {
   double sum = 0.0;
   for (double reading = from; reading <= to + 0.5 * width; reading += width) {

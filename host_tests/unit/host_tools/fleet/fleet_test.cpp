@@ -79,7 +79,7 @@ struct MadeFleet {
   std::size_t sensors = 400;
   std::size_t recordings = 1;
   std::size_t lots = 10;
-  double bad_lot_shift = 0.0;  ///< of ln N in lot 4
+  double bad_lot_shift = 0.0;  ///< shift of ln N in lot 4
   bool one_changes = false;    ///< the second recording of sensor 7
   std::size_t innovations = 2000;
 };
@@ -292,7 +292,7 @@ TEST_F(Fleet, MergedShardsHaveTheBytesOfOneProcessInAnyOrderAndTwice) {
     EXPECT_EQ(summary.bad.size(), 2U);
     const RunSummary again = run(all, one, {.jobs = 2});
     EXPECT_EQ(again.found_done, 4U);
-    EXPECT_EQ(again.analysed, 1U);  // what could not be read is tried again
+    EXPECT_EQ(again.analysed, 1U);  // unreadable recordings are tried again
   }
   for (std::size_t i = 0; i < 2; ++i) {
     Database shard{path("s" + std::to_string(i)), Database::Access::write};

@@ -1,5 +1,5 @@
 /// @file
-/// Which chip answers: the simulated chips behind the kernel's double.
+/// The probe on the simulated chips behind the kernel's double.
 
 #include <gtest/gtest.h>
 

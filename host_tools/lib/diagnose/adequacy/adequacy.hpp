@@ -17,7 +17,7 @@ inline constexpr double kFamilyError = 0.01;
 /// One look at what is left; the probability is that of anything as odd, the places looked at
 /// included.
 struct Test {
-  std::string words;  ///< what is odd if it fails, e.g. "the noise is skewed"
+  std::string words;  ///< fault that a failure shows, e.g. "the noise is skewed"
   double log_p = 0.0;
 };
 

@@ -107,7 +107,7 @@ class LevelShares {
 
   std::ptrdiff_t places_;
   std::ptrdiff_t reach_;
-  std::vector<double> shares_;  ///< of the levels from -reach to reach, place after place
+  std::vector<double> shares_;  ///< shares of the levels from -reach to reach, place after place
 };
 
 /// How many values the noise lets each level of a lattice expect: every value predicted from all

@@ -15,7 +15,7 @@ namespace {
 
 using units::kDegPerRad;
 
-constexpr double kMostProbable = 0.03;    // what is more frequent is not an outlier
+constexpr double kMostProbable = 0.03;    // a more frequent value is not an outlier
 constexpr double kWorthAnInterval = 5.0;  // nats
 constexpr double kLeastSize = 2.0;        // in standard deviations of the rest
 constexpr double kBinsPerSigma = 20.0;
@@ -131,7 +131,7 @@ class Histogram {
     return mixture;
   }
 
-  /// Over one normal distribution of the best variance.
+  /// Gain over one normal distribution of the best variance.
   [[nodiscard]] double gain(const Mixture& mixture) const {
     double squares = 0.0;
     double total = 0.0;

@@ -81,7 +81,7 @@ class PeriodicDisturbance final : public Effect {
   /// Coefficients with more power than expected: by the likelihood of one factor for all of them.
   static std::optional<Run> strongest_window(const Hypothesis& without) {
     constexpr std::size_t kNarrowest = 8;
-    constexpr std::size_t kLowest = 128;  // so many half cycles, for 40 lost phases (fit_spectrum)
+    constexpr std::size_t kLowest = 128;  // half cycles, for 40 lost phases (fit_spectrum)
     const std::vector<double>& c = without.residual();
     const std::vector<double>& density = without.density();
     std::vector<double> sums(c.size() + 1);
@@ -153,7 +153,7 @@ class PeriodicDisturbance final : public Effect {
                                     units::in_figures(coherence, 2))};
   }
 
-  /// To a node whose ticks are longer than the coherence it is white noise.
+  /// White noise, to a node whose ticks are longer than the coherence.
   static void add_wandering(const FittedPart& fitted, model::SensorModel& model) {
     const FitData& data = fitted.hypothesis.data();
     const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;

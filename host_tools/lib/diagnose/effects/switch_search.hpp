@@ -62,7 +62,7 @@ class SwitchSearch {
   void settle(Switches& path) const;
 
   std::vector<double> record_;    ///< products of the record with a step before each value
-  std::vector<double> distance_;  ///< of two steps, by the sum and the difference of their places
+  std::vector<double> distance_;  ///< products of steps, by sum and difference of place
   double white_variance_ = 0.0;
 };
 

@@ -21,7 +21,7 @@ namespace zerorate::diagnose {
 /// Temperature behind a first-order lag, about the mean temperature.
 struct LaggedTemperature {
   double lag_s = 0.0;
-  std::vector<Column> columns;  ///< of the temperature [K] and of its square [K^2]
+  std::vector<Column> columns;  ///< temperature [K] and its square [K^2]
 };
 
 /// The values of a series about their median, with the transforms that the fits need.

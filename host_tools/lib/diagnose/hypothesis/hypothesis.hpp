@@ -98,7 +98,7 @@ class Hypothesis {
   std::vector<double> variances_;
   std::shared_ptr<const std::vector<bool>> is_replaced_;
   Values repaired_;
-  Values coefficients_;  ///< of the repaired values
+  Values coefficients_;  ///< coefficients of the repaired values
   Values residual_;
   Values given_density_;  ///< null where the noise is fitted
   parallel::Lazy<std::vector<double>> density_;

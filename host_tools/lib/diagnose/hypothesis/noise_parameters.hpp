@@ -41,9 +41,9 @@ struct NoiseParameter {
 
   NoiseParameterId id;
   double NoiseSpectrum::*value;
-  bool NoiseTerms::*term = nullptr;  ///< that it belongs to; none: fitted always
+  bool NoiseTerms::*term = nullptr;  ///< term that has the parameter; none: fitted always
   Kind kind;
-  double unit = 1.0;           ///< of a share
+  double unit = 1.0;           ///< largest value of a share
   double lowest = -kInfinity;  ///< limits of the fit, on its scale for strengths and shares
   double highest = kInfinity;
   /// Limits of a start, by value (of a strength: over the weakest noise that counts). They lie

@@ -11,7 +11,7 @@ namespace zerorate::diagnose {
 /// Order of 1/f noise, which the base model has.
 inline constexpr double kOrderOfBase = 0.5;
 
-/// Which parts a spectrum has besides white and flicker noise.
+/// Parts of a spectrum besides white and flicker noise.
 struct NoiseTerms {
   bool free_order = false;  ///< d is fitted; else it is the one given, or 1/2
   bool random_walk = false;

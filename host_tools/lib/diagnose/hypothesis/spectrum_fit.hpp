@@ -20,7 +20,7 @@ struct SpectralBin {
   double sine;  ///< 2 sin(w/2) at the centre
   double mean_square;
   double count;
-  std::size_t index;  ///< of the coefficient where it stands alone, else 0
+  std::size_t index;  ///< index of the coefficient where it stands alone, else 0
 };
 
 /// One bin for each of the first coefficients, 3 % wide ones above; towards the last coefficient,

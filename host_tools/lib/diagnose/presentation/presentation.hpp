@@ -69,8 +69,8 @@ namespace zerorate::diagnose {
 
 struct ReportText {
   std::string title;
-  std::string recording;   ///< as a user would name it in a command
-  std::string provenance;  ///< what makes the report once more
+  std::string recording;   ///< name of the recording in a command
+  std::string provenance;  ///< command that makes the report again
 };
 
 /// Report of each axis: the verdict in words, the causes and their parameters, Allan deviation and

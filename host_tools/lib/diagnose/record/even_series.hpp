@@ -13,12 +13,12 @@ namespace zerorate::diagnose {
 
 struct EvenSeries {
   double period_s = 0.0;
-  double start_s = 0.0;  ///< of the first sample, on the record's clock
+  double start_s = 0.0;  ///< time of the first sample, on the record's clock
   std::vector<double> rate_rad_s;
-  std::vector<double> temperature_degc;  ///< as many, or none
+  std::vector<double> temperature_degc;  ///< one for each value, or none
   std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
-  Losses losses;                         ///< of the whole record
-  double span_s = 0.0;                   ///< of the whole record
+  Losses losses;                         ///< losses of the whole record
+  double span_s = 0.0;                   ///< length of the whole record
   /// How far the first value lay from those that follow, if so far that it was taken for one of the
   /// switch-on and for lost; else 0.
   double start_off_rad_s = 0.0;

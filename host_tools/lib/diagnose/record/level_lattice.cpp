@@ -7,8 +7,8 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kTolerance = 0.1;         // of a step
-constexpr double kSinglePrecision = 4e-7;  // of the value: a rate was a float
+constexpr double kTolerance = 0.1;         // share of a step
+constexpr double kSinglePrecision = 4e-7;  // rounding of a float, over the value
 
 /// How far apart two equal values of a range may be.
 double single_precision_of(double least, double most) {

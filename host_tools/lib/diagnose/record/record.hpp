@@ -17,8 +17,8 @@ struct Record {
   double mean_period_s = 0.0;    ///< mean interval, holes left out (see identify::RestSamples)
   std::vector<double> time_s;    ///< ascending
   std::vector<double> rate_rad_s;
-  std::vector<double> temperature_degc;  ///< as many, or none
-  std::size_t standstills = 1;           ///< of the recording; this is the longest of them
+  std::vector<double> temperature_degc;  ///< one for each value, or none
+  std::size_t standstills = 1;  ///< standstills of the recording; this is the longest of them
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };

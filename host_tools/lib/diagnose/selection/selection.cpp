@@ -280,7 +280,7 @@ class Selector {
     return std::ranges::find(choices_, &effect, &Choice::effect) != choices_.end();
   }
 
-  /// To the latest choice, if it is near and not named there yet.
+  /// Names the part beside the latest choice, if it is near and not named there yet.
   void add_alternative(const Effect& effect, double behind) {
     std::vector<Alternative>& known = choices_.back().alternatives;
     if (behind > kAlternativeNats || effect.name() == choices_.back().effect->name() ||
@@ -320,7 +320,7 @@ class Selector {
   Catalogue catalogue_;
   Hypothesis state_;
   std::vector<Choice> choices_;
-  std::size_t kept_ = 0;  ///< of the choices, which stay
+  std::size_t kept_ = 0;  ///< choices that stay
 };
 
 }  // namespace

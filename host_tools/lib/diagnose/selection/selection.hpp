@@ -1,5 +1,5 @@
 /// @file
-/// Which effects a record needs: forward selection with second thoughts.
+/// Selection of the effects that a record needs: forward selection with second thoughts.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct Choice {
   double gain_nats = 0.0;
   double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
-  std::vector<Explanation> explanations = {};  ///< that were fitted, weighed; see weigh()
-  std::size_t axes = 1;                        ///< that gain and surprise are of
+  std::vector<Explanation> explanations = {};  ///< fitted explanations, weighed; see weigh()
+  std::size_t axes = 1;                        ///< axes that gain and surprise hold for
   bool is_of_means = false;                    ///< it was chosen for means of the record
   bool in_model = true;                        ///< it is an extension of the model that is written
   std::string left_out_because;                ///< reason where it is not
@@ -43,7 +43,7 @@ struct Choice {
 struct Selection {
   std::vector<Part> parts;
   std::vector<Choice> choices;     ///< one for each part, in their order
-  std::vector<Evidence> evidence;  ///< of each effect on its own, strongest first
+  std::vector<Evidence> evidence;  ///< evidence for each effect on its own, strongest first
   double log_likelihood = 0.0;
 };
 

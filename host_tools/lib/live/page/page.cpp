@@ -257,13 +257,13 @@ class Page::Server {
   std::atomic<std::size_t> viewers_ = 0;
   std::atomic<bool> has_ended_ = false;
 
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // protects all members below
   std::condition_variable changed_;
   bool is_ending_ = false;
   json now_;
   std::uint64_t version_ = 0;
   std::deque<json> history_;
-  std::uint64_t points_ = 0;  ///< of the history since the start
+  std::uint64_t points_ = 0;  ///< points of the history since the start
   std::chrono::steady_clock::time_point newest_point_at_;
 
   std::thread thread_;

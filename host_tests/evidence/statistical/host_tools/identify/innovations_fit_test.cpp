@@ -30,7 +30,7 @@ struct Scenario {
   RestNoise noise;
   std::size_t samples;
   double period_s;
-  std::optional<double> order{};  ///< as given to the fit
+  std::optional<double> order{};  ///< order given to the fit
   std::size_t stop = 0;           ///< length in samples; 0: at rest all the time
 };
 

@@ -115,8 +115,8 @@ TEST(LongestRepetition, IsNotReachedByNoiseThatSpansAFewCounts) {
   }
 }
 
-/// By hand: sigma 1 LSB, of which half counts: a value stays with erf(0.7071) = 0.68269, and
-/// log(1e-12) / log(0.68269) = 72.4.
+/// Calculation by hand: sigma 1 LSB, of which half counts: a value stays with erf(0.7071) =
+/// 0.68269, and log(1e-12) / log(0.68269) = 72.4.
 TEST(LongestRepetition, IsThatOfHalfTheNoise) {
   EXPECT_EQ(longest_repetition(1.0, 1.0, 1.0), 73U);
   EXPECT_EQ(longest_repetition(0.02, 0.02, 1.0), 73U);

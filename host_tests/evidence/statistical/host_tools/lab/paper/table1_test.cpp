@@ -111,7 +111,7 @@ TEST(DecadeFilter, IsWithinHalfAPercentOfTheOptimumAtAnyOrder) {
 
 TEST(DecadeFilter, StaysNextToTheOptimumUnderWhiteNoise) {
   SimulationOptions options{.runs = 40, .seed = 3};
-  options.noise.white_variance = 10.0 * options.noise.innovation_variance;  // as the paper's sensor
+  options.noise.white_variance = 10.0 * options.noise.innovation_variance;  // the paper's ratio
   const auto standings = compare_orders({0.5}, options, {});
   const Expectation& decade = standings.front().expected_decade_kalman;
   const Expectation& optimum = standings.front().expected_optimum;
