@@ -22,7 +22,7 @@ struct UpAxis {
 /// known, and the rotation stays in the bias (docs/reference/earth-rate.md).
 struct EarthRate {
   std::array<float, 3> vertical_rad_s{};  ///< share of the vertical, taken out of the rates
-  /// Variance of what a level axis sees at another heading than that of the stop.
+  /// Variance of what a level axis measures at another heading than that of the stop.
   std::array<float, 3> heading_variance_rad2_s2{};
 
   constexpr bool operator==(const EarthRate&) const = default;

@@ -138,7 +138,7 @@ class DriveScale {
   static constexpr float kLargest = 16.0F;  ///< one stop that went wrong is not the noise
   static constexpr float kLargestRise = 3.0F;
   static constexpr float kLargestFall = -0.5F;
-  /// Factor of the variance from which the sensor is none that the node knows.
+  /// Factor of the variance above which the sensor does not fit the model at all.
   static constexpr float kWorrying = 2.0F;
   static constexpr float kDeviations = 3.0F;
 

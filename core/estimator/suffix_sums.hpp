@@ -19,9 +19,8 @@ namespace zerorate::core {
 /// kPerLevel - 1 blocks of every shorter length are newer, so the suffix mean is wrong by at most
 /// 1 / (4 (kPerLevel - 1)) of the difference between the means of the two parts of that one block;
 /// suffixes that end between blocks are exact, as are all of the newest kExact - 1.
-/// @tparam Levels how many rings. They hold 12 2^(Levels + 1) measurements (22: 1e8, 16: 1.6e6);
-/// what
-///         is older stays in the last block. Each costs 50 bytes.
+/// @tparam Levels number of rings, 50 bytes each. They hold 12 2^(Levels + 1) measurements
+///         (22: 1e8, 16: 1.6e6); older ones stay in the last block.
 template <std::size_t Levels = 22>
 class SuffixSums {
  public:

@@ -13,11 +13,11 @@
 namespace zerorate::core {
 
 /// A flicker noise that the sensor may have, in the modes of the model that it is tried beside
-/// (docs/design/learning.md, section 1). All figures hold for a white noise as the model says; a
+/// (docs/design/learning.md, section 1). All figures hold for the model's white noise; a
 /// filter learns the factor of both.
 /// @tparam Decaying number of decaying modes
 template <std::size_t Decaying>
-struct Hypothesis {
+struct NoiseHypothesis {
   std::array<float, Decaying> strength{};  ///< variance of each mode over the model's
   float log_prior = 0.0F;               ///< logarithm of the prior probability, less any constant
   float level = 1.0F;                   ///< slow noise over half a minute, over the model's
@@ -40,7 +40,7 @@ struct Hypotheses {
   std::size_t count = 0;  ///< hypotheses in use; 0: the model is known, and nothing is learnt
   /// Share of the evidence that a measurement leaves; 1: all of it.
   float kept = 1.0F;
-  std::array<Hypothesis<Shape.decaying>, Shape.hypotheses> all{};
+  std::array<NoiseHypothesis<Shape.decaying>, Shape.hypotheses> all{};
 };
 
 /// Place of the hypotheses in a filter of one: the model itself.

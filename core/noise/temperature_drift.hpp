@@ -12,7 +12,8 @@
 namespace zerorate::core {
 
 /// slope e + curvature e^2 with e = temperature - reference. Both coefficients are constants of the
-/// sensor that a filter knows roughly and learns; e and e^2 are the weights that it sees them with.
+/// sensor with a roughly known value that a filter learns; e and e^2 are the weights of both in a
+/// measurement.
 struct TemperatureDrift {
   static constexpr std::size_t kWeights = 2;
 

@@ -79,7 +79,7 @@ class Thermometer {
            is_plausible_rate(state.element_k) && is_plausible(state.sum_k);
   }
 
-  /// The time of every sample, with what the thermometer says then: any number.
+  /// The time of every sample, and the temperature measured then: any number.
   constexpr void take(Instant at, bool begins_tick, float degc) {
     if (!state_.has_started) state_ = {.has_started = true, .newest = at, .tick = at};
     if (begins_tick) begin_tick(at);

@@ -14,7 +14,7 @@ namespace zerorate::drivers::adxrs453 {
 
 /// 80 LSB are one degree a second.
 inline constexpr core::AngularRate kLsb = core::deg_per_s(1.0F / 80.0F);
-/// 300 deg/s, up to where the datasheet promises accuracy; the chip counts on to 400.
+/// 300 deg/s, the range of the specified accuracy; the chip counts on to 400.
 inline constexpr std::int16_t kFullScaleRaw = 300 * 80;
 
 /// ST1 and ST0 of a reply.

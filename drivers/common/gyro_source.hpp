@@ -19,7 +19,7 @@ namespace zerorate::drivers {
 struct GyroSample {
   core::Instant time;  ///< on the node's monotonic clock
   /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis (its driver's kAxes is 1) gives
-  /// its rate on all three, so that none of them reads an impossible silence.
+  /// its rate on all three, so that none of them shows zero noise.
   std::array<core::AngularRate, 3> rate;
   core::Temperature temperature;  ///< valid only if has_temperature
   bool has_temperature = false;
@@ -40,10 +40,9 @@ struct GyroSample {
 ///   call.
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
-/// - `sample_period()`: the chip's own period, trimmed where the chip tells its trim.
-/// - `is_batched()`: true if samples wait in a FIFO; then the `now` of read() must be the time of
-/// the
-///   reading: the edge of a watermark is older than what came after it.
+/// - `sample_period()`: the chip's own period, trimmed where the chip has a trim register.
+/// - `is_batched()`: true if samples wait in a FIFO. The `now` of read() must then be the time of
+///   the reading: the edge of a watermark is older than the samples that came after it.
 template <class Source>
 concept GyroSource = requires(Source& source, const Source& same, core::Instant now,
                               std::span<GyroSample> out) {

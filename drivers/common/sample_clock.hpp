@@ -17,8 +17,8 @@ namespace zerorate::drivers {
 /// period apart from batch to batch, and move only when they would be impossible: the newest sample
 /// cannot be younger than the reading, nor more than one period older, or there would be a further
 /// one. So the stamps are even, never run backwards, and are less than one period off, however far
-/// the chip's oscillator is from what it says. The first batch begins at the latest possible time;
-/// readings that come close after a sample pull the stamps to where they belong.
+/// the chip's oscillator is from its nominal rate. The first batch begins at the latest possible
+/// time; readings that come close after a sample pull the stamps to where they belong.
 class SampleClock {
  public:
   /// Forgets what came before; no stamp will be earlier than `now`.

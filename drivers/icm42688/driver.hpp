@@ -255,7 +255,7 @@ class Icm42688 {
     return drain_fifo<kPacketBytes>(bus_, icm42688::kFifoData, packets, out, decode);
   }
 
-  /// False if the chip says that it has no sample.
+  /// False if the chip reports that it has no sample.
   bool make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
                    core::Temperature temperature, GyroSample& out) const {
     const std::array raw{decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),

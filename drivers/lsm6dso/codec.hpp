@@ -14,8 +14,8 @@
 
 namespace zerorate::drivers::lsm6dso {
 
-/// Chip of the family.
-enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
+/// Part of the family, by the name in its data sheet.
+enum class Part : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
 
 /// Figures in which the chips differ. Addresses and fields of outputs, status, identity and FIFO
 /// data are the same in all of them.
@@ -32,7 +32,7 @@ struct Variant {
   std::uint8_t trim_step;           ///< step of the oscillator [0.01 %]
 };
 
-/// Variants in the order of Chip.
+/// Variants in the order of Part.
 inline constexpr Variant kLsm6dso{.identity = 0x6C,
                                   .has_4000_dps = false,
                                   .has_new_layout = false,
@@ -60,8 +60,8 @@ inline constexpr std::array kVariants{kLsm6dso, kIsm330dhcx, kIsm330dhcx,
                                               .fastest_code = 12,
                                               .fastest_hz = 7680,
                                               .trim_step = 13}};
-[[nodiscard]] constexpr const Variant& variant(Model model) {
-  return kVariants[static_cast<std::size_t>(model)];
+[[nodiscard]] constexpr const Variant& variant(Part part) {
+  return kVariants[static_cast<std::size_t>(part)];
 }
 
 /// Nominal full scale; the values are the bits FS_G, FS_125 and FS_4000 in place (CTRL2_G of all
@@ -105,7 +105,7 @@ enum class DsvRate : std::uint8_t {
 };
 
 /// In every range the nominal full scale is this many LSB: 125 / 0.004375 = 250 / 0.00875 = ...
-/// Beyond it the chip still counts, but the datasheet promises nothing.
+/// Beyond it the chip still counts, but no accuracy is specified.
 inline constexpr std::int16_t kFullScaleRaw = 28571;
 
 /// The rate of one LSB.

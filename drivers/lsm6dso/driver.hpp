@@ -30,15 +30,15 @@ enum class Mode : std::uint8_t {
 };
 
 /// Output data rates of a chip.
-template <Model kModel>
-using RateOf = std::conditional_t<variant(kModel).has_new_layout, DsvRate, OutputDataRate>;
+template <Part kPart>
+using RateOf = std::conditional_t<variant(kPart).has_new_layout, DsvRate, OutputDataRate>;
 
 /// Chosen once, for the life of the driver; a type for each chip, since two chips answer alike.
-template <Model kModel>
+template <Part kPart>
 struct SettingsOf {
   FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 8.75 mdps at 250 deg/s
-  RateOf<kModel> rate = [] {
-    if constexpr (variant(kModel).has_new_layout)
+  RateOf<kPart> rate = [] {
+    if constexpr (variant(kPart).has_new_layout)
       return DsvRate::hz_120;
     else
       return OutputDataRate::hz_104;
@@ -46,7 +46,7 @@ struct SettingsOf {
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
 };
-using Settings = SettingsOf<Model::lsm6dso>;
+using Settings = SettingsOf<Part::lsm6dso>;
 
 }  // namespace lsm6dso
 
@@ -63,8 +63,8 @@ class Lsm6dso {
       : Lsm6dso(bus, chosen(settings)) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
-  template <lsm6dso::Model kModel>
-  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kModel>& settings)
+  template <lsm6dso::Part kPart>
+  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kPart>& settings)
       : Lsm6dso(bus, chosen(settings)) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
@@ -110,9 +110,9 @@ class Lsm6dso {
     lsm6dso::Mode mode;
     std::uint8_t fifo_watermark;
   };
-  template <lsm6dso::Model kModel>
-  static constexpr Chosen chosen(const lsm6dso::SettingsOf<kModel>& settings) {
-    return {.variant = &lsm6dso::variant(kModel),
+  template <lsm6dso::Part kPart>
+  static constexpr Chosen chosen(const lsm6dso::SettingsOf<kPart>& settings) {
+    return {.variant = &lsm6dso::variant(kPart),
             .full_scale = settings.full_scale,
             .rate = static_cast<std::uint8_t>(settings.rate),
             .mode = settings.mode,

@@ -188,7 +188,7 @@ struct Learning {
 };
 
 /// Knowledge of a sensor like this one beside its data sheet: how far from the model's its
-/// flicker may be. A population of sensors tells.
+/// flicker may be, from a population of sensors.
 struct Prior {
   double order = 0.62;  ///< d: mean over sensors
   double order_sigma = 0.12;

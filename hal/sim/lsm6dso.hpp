@@ -56,7 +56,7 @@ class SimulatedStModule : public SimulatedRegisters<128> {
 
   /// Byte of an output or of the FIFO; nullopt for any other register.
   std::optional<std::uint8_t> read_data(std::uint8_t address);
-  /// Empties the FIFO if the register was FIFO_CTRL4 and it says bypass; drives INT1.
+  /// Empties the FIFO if the register was FIFO_CTRL4 and selects bypass; drives INT1.
   void end_write(std::uint8_t address);
   void drive_int1();
 

@@ -75,9 +75,9 @@ struct DemoDrive {
   }
 };
 
-/// A gyro that is as its model says.
+/// A gyro that behaves like its model.
 void show_plain_drive(const DemoOptions& options, const evaluate::ReplayOptions& replay_options) {
-  fmt::print("1. A drive of {:g} h. The gyro is as its model says ({}).\n", options.hours,
+  fmt::print("1. A drive of {:g} h. The gyro behaves like its model ({}).\n", options.hours,
              replay_options.model.name);
   const DemoDrive demo{options, replay_options.model, "drive.csv.gz", options.seed, {}};
   fmt::print("   {} goes through the simulated chip, its driver and the node.\n\n",

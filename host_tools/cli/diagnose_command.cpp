@@ -80,7 +80,7 @@ std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRe
   };
   return {
       {.name = "motion_in_stops",
-       .sentence = fmt::format("In {:.1f} % of the time in which the odometer says that it "
+       .sentence = fmt::format("In {:.1f} % of the time in which the odometer reports that it "
                                "stands, the gyro shows motion.",
                                100.0 * motion.share()),
        .figures = {{"share", single(motion.share())},
@@ -94,7 +94,7 @@ std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRe
 }
 
 /// Leaves out the motion in the stops of an odometer that is known or seen to be silent too early,
-/// and adds what the gyro says where no reference speed does.
+/// and adds the evidence of the gyro where there is no reference speed.
 void keep_calm(identify::RestSamples& samples, std::optional<OdometerDiagnosis>& odometer) {
   const identify::MotionAtRest motion = identify::find_motion(samples);
   const bool is_told = odometer && odometer->find("motion_in_stops") != nullptr;
@@ -141,7 +141,7 @@ std::optional<odometry::HeadingGain> measure_gain(const DiagnoseOptions& options
 
 void print_odometer(const OdometerDiagnosis& odometer) {
   if (odometer.findings.empty()) {
-    fmt::print("odometer: healthy, as far as the reference's speed tells\n\n");
+    fmt::print("odometer: healthy by the reference's speed\n\n");
     return;
   }
   for (const odometry::OdometerFinding& finding : odometer.findings) {

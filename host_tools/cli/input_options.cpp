@@ -43,7 +43,7 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")
       ->group("Files of other formats");
   add("--speed-column", flags.speed_column,
-      "speed of the vehicle, which tells rest; in the odometer's file if there is one");
+      "speed of the vehicle, which decides what is rest; in the odometer's file if there is one");
   add("--still-below", flags.still_below_mps, "a greater speed is motion [m/s]; default 0")
       ->check(CLI::Range(0.0, 10.0));
   add("--speed-delay", flags.speed_delay_s,
@@ -58,7 +58,8 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
   add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
   add("--odometry-topic", flags.odometry_topic,
-      "topic of nav_msgs/Odometry in a bag, whose speed tells rest; default: the only one, if any");
+      "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
+      "one, if any");
   return recording;
 }
 

@@ -83,7 +83,7 @@ void print_figures(const odometry::SpeedRecord& record, const odometry::Odometer
   fmt::print("Figures in brackets are 95 % intervals.\n");
   print_zero(record, figures);
   print_time(figures);
-  fmt::print("\nrolling at more than {} m/s while the odometer says 0\n", odometry::kStanding_m_s);
+  fmt::print("\nrolling at more than {} m/s while the odometer reads 0\n", odometry::kStanding_m_s);
   print_rolling("all", figures.rolling);
   constexpr std::array kWords{"last metres before a stop", "first metres after it",
                               "inching between", "passing without a stop"};

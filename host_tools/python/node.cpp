@@ -116,7 +116,7 @@ class NodeOfShape : public AnyNode {
   evaluate::DirectFeed<typename evaluate::ReplayNode<Shape>::Node> feed_;
 };
 
-/// The node of Python. It begins with its first samples, which tell what columns there are.
+/// The node of Python. It begins with its first samples, which fix the columns.
 class Node {
  public:
   /// @param sample_period_s  nullopt: the mean interval of the first samples, as in a replay

@@ -175,7 +175,8 @@ Report sample_report() {
       .chart(ratio_chart());
   report.section("Rate")
       .paragraph(
-          "The node saw 1 000 000 samples at 100 Hz; the grey trace is what the sensor "
+          "The node received 1 000 000 samples at 100 Hz; the grey trace is the output of the "
+          "sensor "
           "reported and the blue one what the node handed to the vehicle.")
       .chart(rate_chart(recording));
   report.section("Bias").chart(bias_chart(recording));

@@ -170,8 +170,8 @@ TEST(ReplayOfAGoodRecordingWithBadRows, RefusesThoseAndGoesOn) {
   EXPECT_TRUE(replayed.messages.back().health.calibrated);
 }
 
-// At 100 Hz the settle time drops what a gyro says while it powers up; at 1 Hz it is learnt from,
-// and the node says at once that this is not the sensor of the model.
+// At 100 Hz the settle time drops the output of a gyro while it powers up; at 1 Hz it is learnt
+// from, and the node reports at once that this is not the sensor of the model.
 TEST(ReplayOfTenWildFirstSamples, DropsThemOrReportsThem) {
   const ScratchFolder folder;
   for (const double period_s : {0.01, 1.0}) {

@@ -1,6 +1,6 @@
 // Ten thousand short drives in which any call to the hardware may go wrong: bus, odometer,
 // data-ready, storage, power. Nothing crashes, nothing that is no number is published, and a node
-// that says that all is well knows its bias as well as it says.
+// with the status healthy has a bias error as small as its interval states.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Odometers that fail, and rotations of which an odometer knows nothing.
+// Odometers that fail, and rotations that an odometer cannot measure.
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// @file
-/// Odometer pulses for a replay: of a made-up schedule, or from whatever the recording tells about
-/// motion.
+/// Odometer pulses for a replay: of a made-up schedule, or from whatever columns the recording has
+/// about motion.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,7 @@ class Odometer {
 /// The pulses of a schedule if there is one, else of the recording's odometer or still column.
 /// @param sample_period the nominal one; scheduled and still-flag pulses come at least that often
 /// @param is_needed false: the gyro alone tells rest, pulses serve the scores and may be missing
-/// Throws std::invalid_argument if nothing tells when the vehicle moves, and it is needed.
+/// Throws std::invalid_argument if the motion of the vehicle is needed and no column gives it.
 [[nodiscard]] std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
                                                       const std::optional<ScheduleParams>& schedule,
                                                       core::Instant start,

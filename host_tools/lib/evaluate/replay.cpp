@@ -67,7 +67,7 @@ core::Duration sample_period(const ReplayOptions& options, const BufferedRows& r
 template <class Node>
 class StopJudge {
  public:
-  /// Before the node sees a sample of the stop.
+  /// Called before the node's first sample of the stop.
   void begin_stop(const Node& node) {
     before_.emplace(node.params());
     before_->restore(node.state());
@@ -245,7 +245,7 @@ class Run {
     }
   }
 
-  /// Before the node sees the first sample of the stop: its newest measurement is still the one
+  /// Called before the node's first sample of the stop: its newest measurement is still the one
   /// before the drive.
   void close_drive(core::Instant end) {
     stops_.end_stop(node_, kStart, result_);
@@ -325,7 +325,7 @@ std::string_view explain(app::ParamsError error) {
     case app::ParamsError::white_variance_not_positive:
       return "the model's white noise must be positive";
     case app::ParamsError::no_room_for_samples:
-      return "the model tells of single samples, and the node has no room for that";
+      return "the model describes single samples, and the node has no room for that";
     case app::ParamsError::predictor_not_run:
       return "the node does not run the predictor that it is to publish";
     case app::ParamsError::negative_time:

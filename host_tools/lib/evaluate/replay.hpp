@@ -115,7 +115,8 @@ struct ReplayResult {
   std::uint64_t rows = 0;
   std::uint64_t samples_refused = 0;  ///< refused by the node: not finite, or out of time order
   std::uint64_t samples_saturated = 0;
-  /// While the node said that the sensor does not behave as its model (see InnovationMonitor).
+  /// Time in which the node reported that the sensor does not behave like its model (see
+  /// InnovationMonitor).
   std::uint64_t samples_inconsistent = 0;
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
   std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
@@ -139,7 +140,7 @@ struct ReplayResult {
 /// Replays to the end of the recording in constant memory. Throws recording::Error,
 /// recording::DataError for rates that are certainly not of rest where the options ask for that,
 /// and std::invalid_argument. Truth is known if the observer gives it or the options have a
-/// schedule, which says that the sensor was at rest.
+/// schedule, which requires a sensor at rest.
 [[nodiscard]] ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
                                   const ReplayObserver& observer = {});
 

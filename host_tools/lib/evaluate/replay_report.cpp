@@ -57,7 +57,7 @@ void shade_stops(Chart& chart, const ReplayTrace& trace) {
 
 Chart rate_chart(const ReplayTrace& trace) {
   Chart chart{.title = "Measured and corrected rate",
-              .caption = "What the gyro says and what the node publishes. Drag to zoom.",
+              .caption = "Output of the gyro, and rate that the node publishes. Drag to zoom.",
               .x = {"Time", "s"},
               .y = {"Rate", "deg/s"}};
   report::Series measured{.name = "measured", .colour = Colour::grey};

@@ -24,7 +24,7 @@ inline constexpr int kAnalysisVersion = 2;
 /// Grid of flicker noises over which each recording's likelihood is kept.
 ///
 /// The amplitude is the root of the flicker's density over the white density at the pivot of the
-/// learning node, 1/30 rad/s: there a record says most, whatever its order. Cell
+/// learning node, 1/30 rad/s: there a record has most information, whatever its order. Cell
 /// `order * kAmplitudes + amplitude`.
 struct Grid {
   static constexpr double kPivot_rad_s = 1.0 / 30.0;
@@ -137,7 +137,7 @@ struct AxisLikelihood {
                                 const std::vector<bool>& is_in, Normal first_guess);
 
 /// Evidence of one axis about its sensor and the population.
-struct Evidence {
+struct SensorEvidence {
   /// Likelihood as information: exp(b' z - z' A z / 2) up to a factor, z being the distance from
   /// the mean of the population in units of four spreads. A direction that the record does not tell
   /// has no information.
@@ -146,7 +146,7 @@ struct Evidence {
   Normal posterior;    ///< posterior of the coordinates, with the population as prior
   double log_p = 0.0;  ///< log p of so large a distance from the population
 };
-[[nodiscard]] Evidence evidence_of(const AxisLikelihood& axis, const Normal& population);
+[[nodiscard]] SensorEvidence evidence_of(const AxisLikelihood& axis, const Normal& population);
 
 /// b' A^+ b, and the rank of A.
 [[nodiscard]] std::pair<double, int> squared_norm(const Matrix& information, const Point& shift);

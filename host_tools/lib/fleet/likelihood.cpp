@@ -130,8 +130,8 @@ Normal fit_normal(const std::vector<AxisLikelihood>& axes, const std::vector<boo
   return now;
 }
 
-Evidence evidence_of(const AxisLikelihood& axis, const Normal& population) {
-  Evidence evidence;
+SensorEvidence evidence_of(const AxisLikelihood& axis, const Normal& population) {
+  SensorEvidence evidence;
   std::vector<double> work;
   evidence.posterior = moments_under(axis, population, work);
   const Normal wide{.mean = population.mean,

@@ -23,7 +23,7 @@ struct Member {
   std::size_t sensor = 0;     ///< index
   std::size_t lot = 0;        ///< index
   std::string axis;
-  Evidence evidence;
+  SensorEvidence evidence;
   bool is_in_core = false;  ///< the population is fitted to it
 };
 

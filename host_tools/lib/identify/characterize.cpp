@@ -37,7 +37,7 @@ StartValues rough_start(std::span<const TickMean> ticks, std::size_t axis, doubl
   return {white, white * std::sqrt(middle_rad_per_s)};
 }
 
-/// The Whittle fit; where it sees no flicker noise, as strong a one as the rough start has.
+/// The Whittle fit; where it finds no flicker noise, flicker noise as strong as in the rough start.
 StartValues whittle_start(const EvenRecord& even, const StartValues& rough,
                           std::optional<double> order) {
   const WhiteFlickerFit fit = fit_white_flicker(even.rate_rad_s, {.order = order});

@@ -35,8 +35,8 @@ struct CoefficientMaximum {
   }
 };
 
-/// Logarithms of N, B and K that make noise as strong as a fit's where the recording tells it best:
-/// B at the corner of white and flicker noise, K a decade below it.
+/// Logarithms of N, B and K that make noise as strong as a fit's where the recording determines it
+/// best: B at the corner of white and flicker noise, K a decade below it.
 struct StartLogarithms {
   double white;
   double flicker;

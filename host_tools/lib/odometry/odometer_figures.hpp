@@ -23,7 +23,7 @@ struct Sample {
   BootstrapFigure median;
 };
 
-/// Situation of a vehicle that rolls while its odometer says zero.
+/// Situation of a vehicle that rolls while its odometer reads zero.
 enum class Situation {
   before_stop,  ///< last metres, the odometer is already silent
   after_stop,   ///< first metres, the odometer is still silent
@@ -81,7 +81,7 @@ struct OdometerFigures {
 /// Ends with a line end.
 [[nodiscard]] std::string to_json(const SpeedRecord& record, const OdometerFigures& figures);
 
-/// Row in which the vehicle rolls although its odometer says zero.
+/// Row in which the vehicle rolls although its odometer reads zero.
 struct RollingRow {
   std::size_t row;
   Situation situation;

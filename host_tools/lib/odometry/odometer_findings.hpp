@@ -46,7 +46,7 @@ struct OdometerDiagnosis {
   [[nodiscard]] const OdometerFinding* find(std::string_view name) const;
 };
 
-/// Lines of the table [odometer] that tell a node of the findings.
+/// Lines of the table [odometer] for a node with these findings.
 [[nodiscard]] std::string configuration_of(const SpeedRecord& record,
                                            const std::vector<OdometerFinding>& findings);
 

@@ -23,7 +23,7 @@ struct SpeedRecord {
   std::vector<double> time_s;
   std::vector<double> reference_m_s;  ///< magnitude
   std::vector<double> odometer_m_s;
-  std::vector<double> yaw_rad_s;  ///< without bias; empty where the recording tells of no turning
+  std::vector<double> yaw_rad_s;  ///< without bias; empty where the recording has no turning
   bool counts_pulses = false;     ///< the odometer gives pulses, not a speed
   double metres_per_pulse = 0.0;  ///< distance of the reference over the pulses; 0 without pulses
   std::uint64_t rows_lost = 0;    ///< left out because a value is empty or nan

@@ -33,8 +33,7 @@ Vacancies& vacancies() {
   return all;
 }
 
-/// True on the threads of a call with a number of threads, for which its pieces have to do with one
-/// each.
+/// True inside a call with a limited number of threads: nested calls run on one thread.
 thread_local bool is_limited = false;
 
 /// The pieces of one call, and the threads that take them one after the other.

@@ -13,7 +13,7 @@
 
 namespace zerorate::recording {
 
-/// How the speed of a vehicle tells that the vehicle stands.
+/// Rule by which the speed of a vehicle decides that it stands.
 struct SpeedRule {
   double dead_band_m_s = 0.0;              ///< a greater speed, forwards or backwards, is motion
   core::Duration delay;                    ///< from the motion to the stamp of its speed

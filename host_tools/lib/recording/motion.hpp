@@ -1,5 +1,5 @@
 /// @file
-/// Rows of a gyro, told by the speed or the odometer of the vehicle whether it stands.
+/// Rows of a gyro, marked as still or moving by the speed or the odometer of the vehicle.
 #pragma once
 
 #include <cstdint>

@@ -51,7 +51,7 @@ class DeviceGyro : public drivers::AnyGyro {
  public:
   /// Reason of the newest error. Where that is a wrong identity, the chip is asked once more.
   [[nodiscard]] virtual GyroReason reason(drivers::DriverErrorCode code) = 0;
-  /// For poll(): readable when samples wait. -1: nothing tells.
+  /// For poll(): readable when samples wait. -1: there is no such descriptor.
   [[nodiscard]] virtual int descriptor() const { return -1; }
 };
 

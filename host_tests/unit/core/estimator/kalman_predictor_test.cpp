@@ -71,7 +71,7 @@ class DenseFilter {
   Eigen::VectorXd h_, x_;
 };
 
-/// Measurements of level + modes as the model says, in double.
+/// Measurements of level + modes drawn from the model, in double.
 template <std::size_t R, std::size_t C>
 class SimulatedSensor {
  public:

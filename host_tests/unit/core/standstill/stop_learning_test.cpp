@@ -156,7 +156,7 @@ TEST(StopLearningRestored, GoesOnAlike) {
   EXPECT_TRUE(second.learning.state() == whole.learning.state());
 }
 
-// A sensor three times as loud as its model promises, at 10 Hz: after a second its noise is known
+// A sensor three times as loud as its model, at 10 Hz: after a second its noise is known
 // from a dozen differences only, by chance as half of what it is.
 TEST(StopLearningOfASensorLouderThanItsModel, SeesNoTurnInItsFirstSeconds) {
   constexpr float kLoud = 0.129F * kRadPerDeg;

@@ -58,7 +58,7 @@ TEST(Temperature, Is25DegreesAtZeroAnd256CountsADegree) {
   EXPECT_EQ(decode_temperature(kMax).degc(), 153.0F - 1.0F / 256.0F);
 }
 
-constexpr const Variant& kDsv = variant(Model::lsm6dsv16x);
+constexpr const Variant& kDsv = variant(Part::lsm6dsv16x);
 
 constexpr std::uint8_t code(auto rate) {
   return static_cast<std::uint8_t>(rate);

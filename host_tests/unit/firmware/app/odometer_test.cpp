@@ -1,4 +1,4 @@
-// The node whose odometer fails: what it says, and that it learns nothing from it.
+// The node whose odometer fails: its messages, and that it learns nothing from it.
 
 #include <gtest/gtest.h>
 

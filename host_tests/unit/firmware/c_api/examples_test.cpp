@@ -46,7 +46,7 @@ TEST(HeadingIntegrator, KeepsItsHeadingWithinItsSigma) {
   EXPECT_GT(std::abs(uncorrected_rad - kTrueHeading_rad), 1.0);
 }
 
-/// Sums: what the filter knew of its heading error, and what it was.
+/// Sums: the filter's variance of the heading error, and the error itself.
 TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);

@@ -54,7 +54,7 @@ double physical_spectrum(const SensorModel& model, double nu_hz) {
   return s;
 }
 
-/// The spectrum of what the node's filter believes in, from its coefficients.
+/// Spectrum of the bias in the model of the node's filter, from its coefficients.
 template <core::ModelShape Shape>
 double believed_spectrum(const NodeModel<Shape>& node, double nu_hz) {
   using Complex = std::complex<double>;

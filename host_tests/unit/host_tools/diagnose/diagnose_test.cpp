@@ -270,7 +270,8 @@ TEST(DiagnosisOfARecord, IsTheSameTwice) {
 
 TEST(DiagnosisWithoutATemperature, SaysThatItsDriftWasNotExamined) {
   const Diagnosis diagnosis = diagnose(simulated({}, 1), {.holdout = 0.0});
-  const auto drift = std::ranges::find(diagnosis.evidence, "temperature_drift", &Evidence::effect);
+  const auto drift =
+      std::ranges::find(diagnosis.evidence, "temperature_drift", &SelectionEvidence::effect);
   ASSERT_NE(drift, diagnosis.evidence.end());
   EXPECT_EQ(drift->not_examined, "no temperature");
   EXPECT_FALSE(drift->selected);

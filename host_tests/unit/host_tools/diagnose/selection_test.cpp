@@ -169,11 +169,12 @@ TEST(SelectionBesideThatOfMeans, HasOneEntryAnEffectOfTheScaleOnWhichItIsStronge
   const Selection weak = select_effects(means, effects, slow);
   const Selection both = select_beside(values, effects, fast, means, weak);
 
-  ASSERT_THAT(weak.evidence, Contains(Field(&Evidence::effect, "periodic_disturbance")));
+  ASSERT_THAT(weak.evidence, Contains(Field(&SelectionEvidence::effect, "periodic_disturbance")));
   for (const auto& effect : effects) {
-    EXPECT_LE(std::ranges::count(both.evidence, effect->name(), &Evidence::effect), 1);
+    EXPECT_LE(std::ranges::count(both.evidence, effect->name(), &SelectionEvidence::effect), 1);
   }
-  const auto line = std::ranges::find(both.evidence, "periodic_disturbance", &Evidence::effect);
+  const auto line =
+      std::ranges::find(both.evidence, "periodic_disturbance", &SelectionEvidence::effect);
   ASSERT_NE(line, both.evidence.end());
   EXPECT_GT(line->gain_nats, 100.0);
   EXPECT_TRUE(line->selected);

@@ -166,7 +166,8 @@ TEST(DrivesAgainstAReference, AreNotScoredWithoutABiasOrAcrossAGap) {
   const auto path = testing::write_rows(folder.path() / "drive.csv", kWithReference, rows);
   const TrueDrives drives = *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
   ASSERT_EQ(drives.drives.size(), 5U);
-  EXPECT_EQ(drives.drives[0].flaw, truth::Flaw::no_bias) << "the odometer never said still";
+  EXPECT_EQ(drives.drives[0].flaw, truth::Flaw::no_bias)
+      << "the odometer never reported standstill";
   EXPECT_EQ(drives.drives[1].flaw, truth::Flaw::none);
   EXPECT_TRUE(drives.drives[2].flaw == truth::Flaw::heading_missing ||
               drives.drives[2].flaw == truth::Flaw::rate_missing)

@@ -21,12 +21,12 @@ namespace zerorate::diagnose {
 /// that later fits need not search again. One fit.
 [[nodiscard]] Candidate placed_candidate(const Hypothesis& without, Part part);
 
-/// The offer of a fitted mean, without its surprise.
+/// Candidate for a fitted mean; the surprisal is not set.
 [[nodiscard]] std::optional<Candidate> mean_candidate(const Hypothesis& without,
                                                       const MeanSearch& search);
 
-/// The offer of a fitted mean with one amplitude and a time constant that was searched between two
-/// ends, with its surprise.
+/// Candidate for a fitted mean with one amplitude and a time constant that was searched between two
+/// ends; the surprisal is set.
 [[nodiscard]] std::optional<Candidate> timed_mean_candidate(const Hypothesis& without,
                                                             const MeanSearch& search,
                                                             double shortest, double longest);

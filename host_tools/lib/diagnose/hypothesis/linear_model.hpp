@@ -1,6 +1,6 @@
 /// @file
 /// Generalised least squares with columns in the DCT domain, where the noise is independent: one
-/// inner product and one policy for columns that say the same.
+/// inner product and one policy for columns that are linearly dependent.
 #pragma once
 
 #include <cstddef>

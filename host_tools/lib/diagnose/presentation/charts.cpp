@@ -124,7 +124,7 @@ report::BarChart evidence_chart(const Diagnosis& diagnosis) {
   report::BarGroup gain{.name = "gain", .colour = Colour::blue};
   report::BarGroup price{.name = "price", .colour = Colour::grey};
   bool cut = false;
-  for (const Evidence& evidence : diagnosis.evidence) {
+  for (const SelectionEvidence& evidence : diagnosis.evidence) {
     if (!evidence.not_examined.empty()) continue;
     cut |= evidence.gain_nats > kTallestBarNats;
     chart.categories.push_back(plain_name(evidence.effect));

@@ -117,7 +117,7 @@ report::Table evidence_table(const Diagnosis& diagnosis) {
                                   {.heading = "Gain", .unit = "nats", .decimals = 1},
                                   {.heading = "Price", .unit = "nats", .decimals = 1},
                                   {"In the model"}}};
-  for (const Evidence& evidence : diagnosis.evidence) {
+  for (const SelectionEvidence& evidence : diagnosis.evidence) {
     const bool examined = evidence.not_examined.empty();
     table.rows.push_back(
         {plain_name(evidence.effect),
@@ -243,7 +243,7 @@ report::Report make_report(std::span<const Diagnosis> axes, const ReportText& te
 void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer) {
   auto& section = report.section("Odometer");
   if (odometer.findings.empty()) {
-    section.paragraph("The odometer is healthy, as far as the reference's speed tells.");
+    section.paragraph("The odometer is healthy by the reference's speed.");
     return;
   }
   report::Table table{.caption = "Figures with their 95 % intervals",

@@ -64,14 +64,14 @@ const Misfit* worst_misfit(const Diagnosis& diagnosis) {
 
 /// The next best effect that does not do, each added alone.
 std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
-  const auto chosen = std::ranges::find(diagnosis.evidence, true, &Evidence::selected);
+  const auto chosen = std::ranges::find(diagnosis.evidence, true, &SelectionEvidence::selected);
   if (chosen == diagnosis.evidence.end()) return std::nullopt;
   // Alternatives are compared this way: with the price of parameters and search taken off.
-  const auto worth = [](const Evidence& evidence) {
+  const auto worth = [](const SelectionEvidence& evidence) {
     return evidence.gain_nats - evidence.price_nats;
   };
   const auto& alternatives = diagnosis.causes.front().alternatives;
-  const auto is_rejected = [&](const Evidence& evidence) {
+  const auto is_rejected = [&](const SelectionEvidence& evidence) {
     return !evidence.selected && evidence.not_examined.empty() && worth(evidence) > 0.0 &&
            worth(*chosen) - worth(evidence) > kAlternativeNats &&
            std::ranges::find(alternatives, evidence.effect, &Alternative::effect) ==

@@ -170,7 +170,7 @@ struct CurvePoint {
 };
 
 /// How strongly each effect of the catalogue speaks, when it alone is added to the base.
-struct Evidence {
+struct SelectionEvidence {
   std::string effect;
   double gain_nats = 0.0;
   double price_nats = 0.0;  ///< least gain that counts: the price of parameters and search
@@ -179,7 +179,7 @@ struct Evidence {
 };
 
 /// Adds evidence of another scale. An effect of either pace may be on both: the stronger stays.
-void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all);
+void add_stronger(std::vector<SelectionEvidence> more, std::vector<SelectionEvidence>& all);
 
 struct Point {
   double time_s = 0.0;
@@ -222,12 +222,12 @@ struct Diagnosis {
   /// The base with the extensions that pay. Where a model was given that describes the recording,
   /// that one.
   model::SensorModel extended_model;
-  std::vector<Evidence> evidence;    ///< strongest first
-  std::vector<CurvePoint> allan;     ///< rad/s
-  std::vector<CurvePoint> density;   ///< one-sided, (rad/s)^2/Hz
-  std::vector<Drawing> drawings;     ///< one a cause that can be drawn
-  std::vector<Point> thinned;        ///< the recording, thinned for drawing
-  std::vector<std::string> remarks;  ///< limits of these figures, for the user
+  std::vector<SelectionEvidence> evidence;  ///< strongest first
+  std::vector<CurvePoint> allan;            ///< rad/s
+  std::vector<CurvePoint> density;          ///< one-sided, (rad/s)^2/Hz
+  std::vector<Drawing> drawings;            ///< one a cause that can be drawn
+  std::vector<Point> thinned;               ///< the recording, thinned for drawing
+  std::vector<std::string> remarks;         ///< limits of these figures, for the user
 };
 
 }  // namespace zerorate::diagnose

@@ -42,8 +42,9 @@ struct Choice {
 /// hypothesis of them is found at once.
 struct Selection {
   std::vector<Part> parts;
-  std::vector<Choice> choices;     ///< one for each part, in their order
-  std::vector<Evidence> evidence;  ///< evidence for each effect on its own, strongest first
+  std::vector<Choice> choices;  ///< one for each part, in their order
+  std::vector<SelectionEvidence>
+      evidence;  ///< evidence for each effect on its own, strongest first
   double log_likelihood = 0.0;
 };
 

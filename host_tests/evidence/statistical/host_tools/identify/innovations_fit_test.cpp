@@ -23,7 +23,7 @@ using zerorate::testing::simulate_rest;
 /// 1000, or fewer in the default run, which says less (see the tolerances).
 constexpr std::size_t kRuns = ZERORATE_RECOVERY_RUNS;
 
-/// Simulated noise. A record of ARFIMA noise at one sample a tick is what the filter's model says
+/// Simulated noise. A record of ARFIMA noise at one sample a tick agrees with the filter's model
 /// it is; with several samples a tick, averaging and aliasing bend the flicker noise just below
 /// the tick's rate, which is some tenths of a percent of the white noise and more if it is weak.
 struct Scenario {

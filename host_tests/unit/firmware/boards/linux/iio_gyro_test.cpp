@@ -21,7 +21,7 @@ using drivers::GyroSample;
 
 constexpr core::Instant kStart = core::Instant{} + core::Duration::seconds(100);
 constexpr core::Duration kPeriod = core::Duration::nanoseconds(9'615'385);
-constexpr double kScale = 8.75e-3 * 0.017453292519943295;  // rad/s; the driver tells 0.000152716
+constexpr double kScale = 8.75e-3 * 0.017453292519943295;  // rad/s; the driver gives 0.000152716
 
 GyroSettings settings(const std::string& device, double rate_hz = 104.0) {
   return {.chip = "lsm6dso",
