@@ -18,11 +18,11 @@ namespace zerorate::core {
 /// below 1: were it not, its chance alone would widen the interval of a sensor that is as
 /// predicted.
 ///
-/// The innovations within a stop are many and tell of the white noise. Those between stops are few
-/// and tell what the interval of a drive is worth: a sensor outside the family shows in these
+/// The innovations within a stop are many and depend on the white noise. Those between stops are
+/// few and show whether the interval of a drive holds: a sensor outside the family shows in these
 /// alone. A stop that resolves the share f of the variance v moves the estimate of an axis by d,
 /// whose variance is s f v. The logarithm of s follows the score f (d^2 / (s f v) - 1) / 2 over the
-/// information gathered, f^2 / 2. A stop too short to tell anything has f near 0.
+/// information gathered, f^2 / 2. A stop too short for any information has f near 0.
 ///
 /// Cost of a stop: 20 times the mixture's, and some 40 floating-point operations and 6 divisions.
 template <class Bank>
@@ -85,7 +85,8 @@ class DriveScale {
     }
     state_.ticks_left = kTicks;
   }
-  /// A tick of the stop was learnt from. The drift of a long stop says nothing of the drive.
+  /// Counts a tick of the stop that was learnt from. The drift of a long stop is no measure of the
+  /// drive.
   constexpr void on_tick(const BankState& bank) {
     if (state_.ticks_left == 1) {
       end_stop(bank);

@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the ADXRS453's frames, as pure functions. Source: Analog Devices, ADXRS453 rev. B;
-/// README.md says of each fact how it was come by.
+/// README.md gives the source of each fact.
 #pragma once
 
 #include <bit>

@@ -30,9 +30,9 @@ struct Settings {
 /// A GyroSource with one axis, which it gives on all three. Bus is SpiFrames<...>, SPI mode 0, up
 /// to 8.08 MHz.
 ///
-/// The chip measures all the time and tells of no new sample: the driver takes one a sample period.
-/// Every reply is checked for both parities, for the kind of its frame and for the chip's own
-/// faults.
+/// The chip measures all the time and does not signal new samples: the driver takes one a sample
+/// period. Every reply is checked for both parities, for the kind of its frame and for the chip's
+/// own faults.
 ///
 /// Not thread-safe, not for interrupts. No stack to speak of.
 template <FrameBus Bus>
@@ -83,7 +83,7 @@ class Adxrs453 {
   }
 
   /// Two transactions. Looks at the part's identity, its serial number and its fault register in
-  /// turn: configuration_lost says that another chip answers, sensor_fault that the chip failed.
+  /// turn: configuration_lost: another chip answers; sensor_fault: the chip failed.
   core::Result<void, DriverError> verify_next() {
     if (stage_ != Stage::running) {
       return refused(DriverErrorCode::not_ready, adxrs453::kPid1);

@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the bits of the BMI088's gyro, as pure functions. Source: Bosch BST-BMI088-DS001;
-/// README.md says of each fact how it was come by.
+/// README.md gives the source of each fact.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,7 @@ struct FifoStatus {
   return {frames, (status & bits::kFifoStatusOverrun) != 0, frames <= kFifoFrames};
 }
 
-/// Nominal; the chip does not tell its trim.
+/// Nominal; the chip has no trim register.
 [[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
   switch (rate) {
     case OutputDataRate::hz_2000_bandwidth_532:

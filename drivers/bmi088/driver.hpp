@@ -96,7 +96,7 @@ class Bmi088 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return bmi088::sample_period(settings_.rate);
   }
@@ -112,7 +112,7 @@ class Bmi088 {
     namespace b = bmi088::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
     return ConfigurationTable<kEntries>{{{
-        // The ones and zeros of the first two tell a line that is stuck either way.
+        // The ones and zeros of the first two show a line that is stuck either way.
         configure(kFifoWmEnable, b::kFifoWmEnableBoth, is_fifo ? b::kFifoWmOn : b::kFifoWmOff),
         configure(kGyroLpm1, b::kGyroLpm1Suspend, 0),
         configure(kGyroRange, b::kGyroRangeRange, static_cast<std::uint8_t>(settings.full_scale)),

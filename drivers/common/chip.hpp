@@ -29,7 +29,7 @@ struct Fixed {};
 /// - `kFullScales`     Choices of the range [deg/s]
 /// - `settings(rate, full_scale, is_fifo)`  Settings, from two codes
 /// - `kCounts`         counts at full scale; one is the LSB
-/// - `kHasDataReady`   whether an edge tells of each sample
+/// - `kHasDataReady`   whether the chip signals each sample with an edge
 /// - `kHasFifo`        whether is_fifo may be true
 /// - `kHasThermometer` whether samples can carry a temperature
 /// - `kAxes`           of the gyro: 3 or 1
@@ -50,7 +50,7 @@ concept ChipEntry = requires {
 };
 
 /// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
-/// says by its reset value which chip it is. Where the driver takes relatives too, which give other
+/// identifies the chip by its reset value. Where the driver takes relatives too, which give other
 /// values, `is_identity(value)`.
 template <class Chip>
 concept RegisterChipEntry = ChipEntry<Chip> && requires {

@@ -11,13 +11,13 @@
 namespace zerorate::drivers {
 
 enum class DriverErrorCode : std::uint8_t {
-  bus_failed,          ///< the transaction failed; DriverError::bus says how
+  bus_failed,          ///< the transaction failed; see DriverError::bus
   wrong_identity,      ///< another chip, none, or a stuck data line
   not_ready,           ///< the chip needs time: call again later; or it was not started
   configuration_lost,  ///< a register does not hold what was written to it
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
-  sensor_fault,  ///< the chip's own supervision says that its data are not to be used
+  sensor_fault,  ///< the chip's own supervision found its data invalid
   frozen,        ///< equal counts for longer than noise repeats a value
 };
 

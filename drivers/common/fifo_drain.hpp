@@ -48,7 +48,7 @@ core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, s
 }
 
 /// Lets one overrun be reported once. The error is reported instead of samples, so the FIFO is as
-/// full as before when the next reading comes, and a chip that went on meanwhile says "overrun"
+/// full as before when the next reading comes, and a chip that went on meanwhile reports an overrun
 /// again: that is the same gap, and the reading has to drain the FIFO, or it would never end.
 class OverrunReport {
  public:

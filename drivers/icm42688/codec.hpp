@@ -66,8 +66,8 @@ struct FifoStatus {
           (int_status & bits::kIntStatusAlwaysZero) == 0 && bytes <= kFifoBytes};
 }
 
-/// True if a FIFO packet's header says: a packet of gyro alone, 16 bits. The bits that it does not
-/// look at tell of time stamps and changes of rate.
+/// True for the header of a FIFO packet with gyro data alone, 16 bits. The bits that it does not
+/// look at mark time stamps and changes of rate.
 [[nodiscard]] constexpr bool is_gyro_header(std::uint8_t header) {
   constexpr std::uint8_t kMessageAccelGyro20Bit = 0xF0;
   constexpr std::uint8_t kGyroAlone = 0x20;

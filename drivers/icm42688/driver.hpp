@@ -88,7 +88,7 @@ class Icm42688 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return icm42688::sample_period(settings_.rate);
   }
@@ -110,13 +110,13 @@ class Icm42688 {
                 : std::uint8_t{0};
     return ConfigurationTable<kEntries>{{{
         configure(kRegBankSel, b::kRegBankSelBank, 0),
-        // Count in bytes, not held at the last value, big-endian: its ones and zeros tell a line
+        // Count in bytes, not held at the last value, big-endian: its ones and zeros show a line
         // that is stuck either way.
         configure(kIntfConfig0, b::kIntfConfig0Data,
                   b::kIntfConfig0FifoCountBigEndian | b::kIntfConfig0SensorDataBigEndian),
         configure(kIntConfig, b::kIntConfigInt1,
                   b::kIntConfigInt1PushPull | b::kIntConfigInt1ActiveHigh),
-        // "For proper INT1 and INT2 pin operation" says the register's description.
+        // The register's description: "For proper INT1 and INT2 pin operation".
         configure(kIntConfig1, b::kIntConfig1AsyncReset, 0),
         configure(kIntSource0, b::kIntSource0All,
                   is_fifo ? b::kIntSource0FifoThs : b::kIntSource0UiDrdy),

@@ -145,8 +145,8 @@ struct FifoStatus {
           (status2 & variant.level_always_zero) == 0};
 }
 
-/// True if a FIFO word's tag byte says gyro and its parity, even over all eight bits, is right
-/// where it has one.
+/// True if the tag byte of a FIFO word means gyro and its parity, even over all eight bits, is
+/// right where it has one.
 [[nodiscard]] constexpr bool is_gyro_tag(const Variant& variant, std::uint8_t tag) {
   return (tag >> 3U) == kTagGyro && (!variant.has_tag_parity || std::popcount(tag) % 2 == 0);
 }

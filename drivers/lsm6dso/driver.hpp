@@ -138,7 +138,7 @@ class Lsm6dso {
     constexpr std::uint8_t kFifoCtrl2Used = b::kFifoCtrl2StopOnWtm | b::kFifoCtrl2FifoComprRtEn |
                                             b::kFifoCtrl2OdrChgEn | b::kFifoCtrl2Wtm8;
     return ConfigurationTable<kEntries>{{{
-        // The whole register: its ones and zeros tell a line that is stuck either way.
+        // The whole register: its ones and zeros show a line that is stuck either way.
         configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
         is_new ? configure(kDsvCtrl6, b::kDsvCtrl6All, encode_ctrl6(settings.full_scale))
                : configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),

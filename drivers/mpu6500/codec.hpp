@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the bits of the MPU-6500 and its relatives, as pure functions. Sources: InvenSense
-/// PS-MPU-6500A-01 and PS-MPU-6000A-00; README.md says of each fact how it was come by.
+/// PS-MPU-6500A-01 and PS-MPU-6000A-00; README.md gives the source of each fact.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace zerorate::drivers::mpu6500 {
 
-/// Chip of the family, told by its WHO_AM_I. What is the same in all of them is not here.
+/// Chip of the family, identified by its WHO_AM_I. Only the differences are here.
 struct Variant {
   std::uint8_t identity;
   std::uint16_t fifo_bytes;   ///< at least so many
@@ -20,7 +20,7 @@ struct Variant {
   float degc_at_zero_counts;  ///< its temperature at 0 counts
 };
 
-/// Chips that are accepted; README.md says why these.
+/// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
     Variant{0x68, 1024, 340.0F, 36.53F},  // MPU-6050, MPU-6000, MPU-9150
     Variant{0x70, 512, 333.87F, 21.0F},   // MPU-6500, also where MPU-6050 is written on it
@@ -69,7 +69,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
   return core::deg_per_s(static_cast<float>(250U << code) / 32768.0F);
 }
 
-/// Temperature where `variant` says how; has to know it.
+/// Temperature by the figures of `variant`, which must have them.
 [[nodiscard]] constexpr core::Temperature decode_temperature(const Variant& variant,
                                                              std::int16_t raw) {
   return core::Temperature::from_degc(variant.degc_at_zero_counts +

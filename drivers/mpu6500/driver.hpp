@@ -88,7 +88,7 @@ class Mpu6500 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return mpu6500::sample_period(settings_.rate);
   }
@@ -111,7 +111,7 @@ class Mpu6500 {
     const bool is_fifo = settings.mode == Mode::fifo;
     const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
     return ConfigurationTable<kEntries>{{{
-        // Awake: asleep, it may not take the others. The ones and zeros of these two tell a line
+        // Awake: asleep, it may not take the others. The ones and zeros of these two show a line
         // that is stuck either way.
         configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll),
         configure(kPwrMgmt2, b::kPwrMgmt2Standby, b::kPwrMgmt2AccelOff),
@@ -226,7 +226,7 @@ class Mpu6500 {
     return std::size_t{level.samples};
   }
 
-  /// Nobody knows where in the FIFO a sample begins: it is emptied, and the gap is told.
+  /// The start of a sample in the FIFO is unknown: the FIFO is emptied, and the gap is reported.
   core::Result<std::size_t, DriverError> report_overrun() {
     is_shifted_ = true;
     if (const auto done = clear_fifo(); !done) return core::Unexpected{done.error()};

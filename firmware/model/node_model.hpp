@@ -41,7 +41,7 @@ struct NodeModel {
   /// Variance of the change of the bias while the power is off; infinite where the model does not
   /// say.
   float turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
-  /// Largest bias by the chip's specification; infinite where the model does not say.
+  /// Largest bias by the chip's specification; infinite where the model gives none.
   float largest_bias_rad_s = std::numeric_limits<float>::infinity();
   core::Gate gate;
   core::TemperatureDrift temperature;    ///< off where the model has none

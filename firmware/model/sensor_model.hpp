@@ -144,7 +144,7 @@ struct VariableNoise {
   bool operator==(const VariableNoise&) const = default;
 };
 
-/// The ends of the measuring range: a rate beyond is told as the end.
+/// Ends of the measuring range: a rate beyond reads as the end.
 struct Saturation {
   double lower_rad_s = 0.0;
   double upper_rad_s = 0.0;
@@ -156,7 +156,7 @@ struct Saturation {
 /// Rule for a measurement that is too far from its prediction.
 struct Gate {
   double threshold_sigma = 0.0;  ///< larger: fewer rejections, more harm by what passes
-  /// Disagreement that lasts longer is a change of the bias, not a knock, and is believed.
+  /// Disagreement that lasts longer is a change of the bias, not a knock, and is learnt.
   double longest_knock_s = 5.0;
   std::string source{};
 

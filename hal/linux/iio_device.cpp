@@ -122,7 +122,7 @@ IioIdentity find_iio_gyro(const IioPlaces& places, std::string_view wanted) {
   const std::string quoted = "\"" + std::string{wanted} + "\"";
   if (!found.empty()) {
     throw KernelFileError(places.sysfs, "several gyros are called " + quoted,
-                          "tell its number or label: " + listed(found));
+                          "give its number or label: " + listed(found));
   }
   throw KernelFileError(places.sysfs, "no gyro is called " + quoted,
                         all.empty() ? "there is none; is the driver's module loaded and bound?"

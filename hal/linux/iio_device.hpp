@@ -82,7 +82,8 @@ class IioDevice {
   [[nodiscard]] const IioIdentity& identity() const { return identity_; }
   [[nodiscard]] double rad_s_per_count() const { return scale_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
-  /// Rows of the matrix from the chip's axes to the vehicle's; the identity where none is told.
+  /// Rows of the matrix from the chip's axes to the vehicle's; the identity where the driver gives
+  /// none.
   [[nodiscard]] const std::array<std::array<double, 3>, 3>& mounting() const { return mounting_; }
   /// Axes that the chip has. A chip with one gives it in all three places of a scan.
   [[nodiscard]] std::size_t axes() const { return axes_.size(); }

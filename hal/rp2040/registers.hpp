@@ -46,7 +46,7 @@ inline constexpr std::uint32_t kTimer = bit(21);
 inline constexpr std::uint32_t kUart0 = bit(22);
 }  // namespace resets
 
-/// 2.15.7: clock generators. SELECTED is one-hot: bit i says that source i runs the clock.
+/// 2.15.7: clock generators. SELECTED is one-hot: bit i is set while source i runs the clock.
 namespace clocks {
 inline constexpr Register<0x4000'8030> kRefCtrl;
 inline constexpr ReadOnly<0x4000'8038> kRefSelected;

@@ -244,7 +244,7 @@ Command add_characterize(CLI::App& app) {
                    "enough, else 1/2) or a number from 0.05 to 0.95")
       ->capture_default_str();
   command->add_option("--with", options->others,
-                      "further recordings of the same sensor: tells whether one parameter set "
+                      "further recordings of the same sensor: tests whether one parameter set "
                       "serves all (a test that errs for 1 % of unchanged sensors); if so "
                       "--model-out is fitted to all");
   add_output_options(*command, options->outputs);

@@ -43,7 +43,7 @@ struct DiagnoseOptions {
   OutputOptions outputs;
 };
 
-/// The last part of its path: what a report and a model say of where they come from.
+/// Last part of its path, the source that reports and models name.
 std::string file_name(const recording::Input& recording) {
   return recording.path.filename().string();
 }
@@ -88,7 +88,7 @@ std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRe
                    {"turning_95_percent_dps", turning(0.95)}}},
       {.name = "odometer_dead_band",
        .sentence = fmt::format("In {} of {} stops it is silent while the vehicle moves; its "
-                               "speed takes a ref_speed_mps column to tell.",
+                               "speed needs a ref_speed_mps column.",
                                motion.stops_with_motion, motion.stops),
        .figures = {{"stops_with_motion", single(static_cast<double>(motion.stops_with_motion))}}}};
 }

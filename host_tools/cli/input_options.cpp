@@ -36,7 +36,7 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, "
       "pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
-      "units that names do not tell: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
+      "units that names do not give: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
       "counts), temp=c|k|f, speed=mps|kmh|mph, angle=deg|rad");
   add("--delimiter", flags.delimiter,
       ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
@@ -72,7 +72,8 @@ void add_axis_option(CLI::App& command, std::string& axis) {
 void add_rest_options(CLI::App& command, std::string& still_from) {
   command
       .add_option("--still-from", still_from,
-                  "what tells rest: odometer (pulses, still or speed; without them all is rest) or "
+                  "what decides what is rest: odometer (pulses, still or speed; without them all "
+                  "is rest) or "
                   "gyro (its own calm)")
       ->check(CLI::IsMember({"odometer", "gyro"}))
       ->capture_default_str();

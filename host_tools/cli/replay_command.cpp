@@ -31,7 +31,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   replay_options.checks_rest = true;
   const recording::Input input = to_input(options.input);
-  // A schedule says that the sensor was at rest: then nothing else is the truth.
+  // A schedule means that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};

@@ -86,7 +86,7 @@ void print_notes(const evaluate::ReplayResult& result) {
     fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
   }
   if (result.samples_doubted > 0) {
-    fmt::print("  note: {} samples came while the gate doubted a measurement\n",
+    fmt::print("  note: {} samples came while the gate held back a measurement\n",
                result.samples_doubted);
   }
   if (result.samples_without_temperature > 0) {
@@ -230,7 +230,8 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "how long a sample waits for a late pulse before it counts [s]")
       ->capture_default_str();
   app.add_option("--still-from", flags.still_from,
-                 "what tells rest: odometer (and the calm in its stops), gyro (its calm alone, as "
+                 "what decides what is rest: odometer (and the calm in its stops), gyro (its calm "
+                 "alone, as "
                  "without an odometer) or odometer-alone (whatever the gyro shows)")
       ->check(CLI::IsMember(std::vector<std::string>(kSources.begin(), kSources.end())))
       ->capture_default_str();
@@ -354,7 +355,7 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
     print_scores(result, axes);
   } else if (!result.true_drives) {
     fmt::print(
-        "  note: the true rate is not known, so headings are not scored; --schedule says that the "
+        "  note: the true rate is not known, so headings are not scored; --schedule means that the "
         "sensor was at rest\n");
   }
   print_stop_scores(result, axes);

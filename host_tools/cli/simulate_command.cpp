@@ -56,9 +56,8 @@ ExitCode run_simulate_fleet(const SimulateOptions& options) {
   const std::string folder = options.common.output.empty() ? "fleet" : options.common.output;
   ProgressBar progress{"simulating"};
   fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
-  fmt::print(
-      "{}: {} recordings of {} sensors; fleet.csv lists them, truth.csv tells what is in them\n",
-      folder, fleet.sensors * fleet.recordings, fleet.sensors);
+  fmt::print("{}: {} recordings of {} sensors; fleet.csv lists them, truth.csv what is in them\n",
+             folder, fleet.sensors * fleet.recordings, fleet.sensors);
   return success;
 }
 

@@ -154,7 +154,7 @@ class Node {
     const std::int64_t period_ns = reader.findings().mean_interval_ns();
     if (period_ns == 0) {
       throw std::invalid_argument(
-          "one sample does not tell the sample period: give Node(sample_period_s=...)");
+          "one sample does not determine the sample period: give Node(sample_period_s=...)");
     }
     return core::Duration::nanoseconds(period_ns);
   }

@@ -25,7 +25,8 @@ class StateKeeper {
 
   /// At the start: gives the node what was kept, if it fits, and makes room for the next save.
   [[gnu::noinline]] void restore(Node& node) {
-    // There is no clock on this board, and nobody to tell a refusal to: health says `calibrated`.
+    // There is no clock on this board, and no place for a reason of refusal: see health's
+    // `calibrated`.
     if (const auto record = medium_.newest()) {
       (void)snapshot_.restore_filters(node, *record, {});
     }

@@ -33,7 +33,7 @@ struct Counter {
 };
 using Clock = hal::cortex_m::CounterClock<Counter>;
 
-/// 2, the bus: SPI or I2C (hal/contract says which bytes go where). All operations under one chip
+/// 2, the bus: SPI or I2C (bytes on the wire: hal/contract). All operations under one chip
 /// select; release it on every path; a time limit instead of waiting for ever. For I2C:
 /// `transaction(address, operations)`, hal::I2cBus, and drivers::I2cRegisters below.
 struct Bus {

@@ -133,7 +133,7 @@ Command add_options(CLI::App& app, ReproduceOptions& options) {
       "  zerorate-reproduce table1 --data static/ --report table1.html\n"
       "  zerorate-reproduce figure1 --data run1_1hz.csv.gz --report figure1.html\n"
       "  zerorate-reproduce figure3 --data run1_1hz.csv.gz run2_1hz.csv.gz --report figure3.html\n"
-      "docs/design/paper.md says what is reproduced and what differs.");
+      "What is reproduced and what differs: docs/design/paper.md.");
   return {&app, [&options, calibration, prediction] {
             return run_reproduce(options, calibration->count() + prediction->count() > 0);
           }};

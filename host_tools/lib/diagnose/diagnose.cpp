@@ -141,7 +141,7 @@ std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& re
   return remarks;
 }
 
-/// An axis, what was selected for it, and what the others say.
+/// An axis, the selection for it, and the profile of the others.
 struct Axis {
   Record record;
   Selection selection{};               ///< slow effects alone, where means show them

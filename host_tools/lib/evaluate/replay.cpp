@@ -198,7 +198,7 @@ class Run {
     }
   }
 
-  /// Whether the node has learnt something that was not told yet.
+  /// Whether the node has learnt something that was not reported yet.
   [[nodiscard]] bool has_news() const {
     return replayed_.params().hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
   }
@@ -279,7 +279,7 @@ class Run {
   std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;
-  std::uint32_t told_ticks_ = 0;  ///< measured when it was last told what was learnt
+  std::uint32_t told_ticks_ = 0;  ///< measured ticks at the last report of what was learnt
   StopJudge<Node> stops_;
   std::optional<identify::RestCheck> rest_;
   std::optional<TrueDriveScorer> true_drives_;

@@ -57,7 +57,7 @@ struct ReplayOptions {
   bool has_data_ready = true;  ///< if through chip; false: the wire of its pin is broken
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;
-  /// With a schedule nobody doubts pulses without motion: the sensor was at rest.
+  /// With a schedule pulses without motion are not checked: the sensor was at rest.
   core::OdometerCheck::Params odometer;
   core::EarthRate earth;     ///< zero: the latitude is not known
   bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
@@ -119,7 +119,8 @@ struct ReplayResult {
   /// InnovationMonitor).
   std::uint64_t samples_inconsistent = 0;
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
-  std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
+  std::uint64_t samples_doubted =
+      0;  ///< while the gate held back the newest measurement of an axis
   std::uint64_t samples_without_temperature = 0;  ///< samples without one that the model needs
   std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other
   recording::Findings findings;

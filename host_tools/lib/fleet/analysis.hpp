@@ -139,8 +139,8 @@ struct AxisLikelihood {
 /// Evidence of one axis about its sensor and the population.
 struct SensorEvidence {
   /// Likelihood as information: exp(b' z - z' A z / 2) up to a factor, z being the distance from
-  /// the mean of the population in units of four spreads. A direction that the record does not tell
-  /// has no information.
+  /// the mean of the population in units of four spreads. A direction that the record does not
+  /// determine has no information.
   Matrix information = Matrix::Zero();
   Point shift = Point::Zero();
   Normal posterior;    ///< posterior of the coordinates, with the population as prior

@@ -15,7 +15,7 @@ namespace {
 
 /// The widened population that brings every likelihood to moments has so many times its spread.
 constexpr double kWidening = 4.0;
-/// Information, in units of the widened population's, below which a direction is not told.
+/// Information, in units of the widened population's, below which a direction counts as unknown.
 constexpr double kLeastInformation = 0.05;
 /// Points less likely than the best one by more nats add nothing.
 constexpr float kLeastLikely = -14.0F;

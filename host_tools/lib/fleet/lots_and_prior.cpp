@@ -112,7 +112,7 @@ LotFigure compare_outliers(const Population& population, std::size_t lot) {
           .p_value = p_value};
 }
 
-/// Names the lots that differ, and the figures that tell so.
+/// Names the lots that differ, and the figures in which they do.
 void name_lots(Population& population, const std::vector<std::size_t>& compared) {
   constexpr double kFigures = kCoordinates + 1;
   const auto log_p_of = [](const LotFigure& figure) {

@@ -55,7 +55,7 @@ struct LotFigure {
   double lot_value = 0.0;    ///< median of the lot's sensors, SI; share of the outliers
   double other_value = 0.0;  ///< value of the other sensors
   double p_value = 1.0;
-  bool differs = false;  ///< the lot differs, and this figure alone would tell so
+  bool differs = false;  ///< the lot differs, and this figure alone shows it
 };
 
 struct Lot {
@@ -144,7 +144,8 @@ struct Limits {
 };
 
 /// Limits that all but one in a thousand axes of the population keep, normal tails assumed.
-/// @param test_s  length of the test: figures that a recording of this length cannot tell from its
+/// @param test_s  length of the test: figures that a recording of this length cannot separate from
+/// its
 ///   limits are left out, with a remark; 0: none is
 [[nodiscard]] Limits limits_of(const Population& population, double test_s);
 
@@ -177,9 +178,9 @@ struct Acceptance {
 };
 
 /// Judges a recording at rest. A figure fails where its 95 % interval lies outside of the limits,
-/// passes where it lies inside, and is too short to tell where a limit lies in between. One figure
-/// that fails fails the sensor. B and d are judged together, by the likelihood on the grid. Cost:
-/// below a second for three axes of 6,000 samples. Throws recording::DataError.
+/// passes where it lies inside, and is too short to decide where a limit lies in between. One
+/// figure that fails fails the sensor. B and d are judged together, by the likelihood on the grid.
+/// Cost: below a second for three axes of 6,000 samples. Throws recording::DataError.
 [[nodiscard]] Acceptance accept(const std::filesystem::path& recording, const Limits& limits);
 
 [[nodiscard]] std::string to_json(const Acceptance& acceptance, const std::string& recording);

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// How a coordinate is told.
+/// Presentation of a coordinate.
 struct Shown {
   const char* name;
   const char* key;

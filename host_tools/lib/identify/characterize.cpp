@@ -141,11 +141,11 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
         "The bias drifts at least like a random walk (order .95, the highest allowed): look for "
         "temperature, warm-up or motion before trusting this model.");
   } else if (fit.flicker->rejected_order) {
-    remarks.push_back(
-        fmt::format("The recording is too short to tell the order ({:.2f}, 95 % interval {:.2f} to "
-                    "{:.2f}); 1/2 is kept.",
-                    fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
-                    fit.flicker->rejected_order->hi));
+    remarks.push_back(fmt::format(
+        "The recording is too short to determine the order ({:.2f}, 95 % interval {:.2f} to "
+        "{:.2f}); 1/2 is kept.",
+        fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
+        fit.flicker->rejected_order->hi));
   }
   return remarks;
 }

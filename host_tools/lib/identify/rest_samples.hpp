@@ -52,7 +52,7 @@ struct RestOptions {
   std::function<void(std::optional<double>)> on_progress;
 };
 
-/// Reads a recording to its end. Motion is what its odometer or still column tells, with the
+/// Reads a recording to its end. Motion comes from its odometer or still column, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
 /// time. Memory: 20 bytes a row at rest, 24 with a temperature.
 /// Throws recording::Error; recording::DataError with fewer than two samples at rest.

@@ -42,7 +42,7 @@ struct RecorderSettings {
 class Recorder {
  public:
   /// Throws recording::Error where a file that is to go on cannot. A new file is made when the
-  /// first two seconds of messages have told which columns it has.
+  /// first two seconds of messages have shown which columns it has.
   explicit Recorder(RecorderSettings settings);
 
   /// @param utc_ns  time by the wall clock at which the message came

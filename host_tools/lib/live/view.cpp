@@ -14,7 +14,7 @@ std::string number(bool is_known, float value, int decimals) {
   return is_known && core::is_finite(value) ? fmt::format("{:+.{}f}", value, decimals) : "-";
 }
 
-/// The three figures of an axis; "-" for what the message does not say.
+/// The three figures of an axis; "-" for a figure that the message lacks.
 struct Figures {
   std::string rate_dps, bias_dps, interval_dph;
 };

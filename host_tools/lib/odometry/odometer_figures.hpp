@@ -1,6 +1,6 @@
 /// @file
 /// Figures of a real odometer, measured against a reference's speed, and the stretches in which it
-/// says zero although the vehicle rolls.
+/// reads zero although the vehicle rolls.
 #pragma once
 
 #include <array>

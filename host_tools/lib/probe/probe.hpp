@@ -25,7 +25,7 @@ struct Attempt {
   std::string_view chip;                ///< name in zerorated.toml
   std::optional<std::uint8_t> address;  ///< on I2C
   bool is_found = false;
-  std::string answer;    ///< the identity that was read, or what the bus said
+  std::string answer;    ///< the identity that was read, or the error of the bus
   int error_number = 0;  ///< errno of a device that could not be used
 };
 

@@ -128,7 +128,7 @@ class ColumnNaming {
                 fmt::format("Say the unit: --units {}=...", recording::name(dimension))};
   }
 
-  /// Refuses what the user said and no column bears out.
+  /// Refuses options that match no column.
   void check(const NamedColumns& columns) const {
     for (const auto& [key, name] : layout_.columns) {
       const Quantity* const said = find_quantity(key);

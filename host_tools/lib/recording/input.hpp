@@ -1,5 +1,5 @@
 /// @file
-/// Where a recording comes from, and what its files do not say themselves.
+/// Source of a recording, and the facts that its files lack.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ namespace zerorate::recording {
 
 /// Joins rates with the word of an odometer that has a rate, a delay and a file of its own.
 ///
-/// A row is still where the newest word before it and the next one after it both say so. Silence is
+/// A row is still if the newest speed before it and the next one after it are both zero. Silence is
 /// no standstill: without a word for a second and three of its median intervals the row is flagged
 /// `motion_unknown`, and the vehicle moves. Memory: the rows of one such silence.
 class WithMotion : public RowSource {

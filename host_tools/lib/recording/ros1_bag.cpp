@@ -334,7 +334,7 @@ class Ros1Bag : public Bag {
   [[nodiscard]] const std::filesystem::path& file() const override { return path_; }
 
  private:
-  /// Calls the library, and tells what it throws as an Error.
+  /// Calls the library, and turns its exceptions into an Error.
   template <class Call>
   void guarded(Call call) const {
     try {

@@ -42,7 +42,7 @@ struct Columns {
   bool operator==(const Columns&) const = default;
 };
 
-/// One sample of a recording. What Columns says is absent keeps the value given here.
+/// One sample of a recording. Members without a column keep the value given here.
 struct Row {
   std::int64_t time_ns = 0;                     ///< the file's clock, exact
   std::array<float, kMaxAxes> rate_rad_s = {};  ///< the first Columns::axis_count are used

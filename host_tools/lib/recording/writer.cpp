@@ -255,7 +255,7 @@ std::string ContinuedWriter::packed() const {
     throw std::bad_alloc{};
   }
   std::string member(deflateBound(&stream.z, text_.size()), '\0');
-  // zlib does not write to its input; its type says otherwise for old C.
+  // zlib does not write to its input; the type lacks a const for old C.
   stream.z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text_.data()));  // NOLINT
   stream.z.avail_in = static_cast<uInt>(text_.size());
   stream.z.next_out = reinterpret_cast<Bytef*>(member.data());

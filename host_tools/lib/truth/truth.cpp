@@ -300,7 +300,8 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
   const auto vertical = options.vertical ? options.vertical : find_vertical_axis(track);
   if (!vertical) {
     truth.obstacle =
-        "the reference turns by less than 30 deg, which does not tell the vertical axis; name it "
+        "the reference turns by less than 30 deg, which does not determine the vertical axis; name "
+        "it "
         "with --vertical-axis";
     return truth;
   }

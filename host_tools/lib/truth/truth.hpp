@@ -55,7 +55,7 @@ struct Drive {
 
 struct TruthOptions {
   std::optional<VerticalAxis> vertical;       ///< nullopt: found
-  std::optional<double> reference_error_rad;  ///< nullopt: as the stops say
+  std::optional<double> reference_error_rad;  ///< nullopt: estimated at the stops
   double usable_from_s = 0.0;  ///< time in the recording; before, the reference was still aligning
 };
 

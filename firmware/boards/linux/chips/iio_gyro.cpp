@@ -140,7 +140,7 @@ IioGyro::Count IioGyro::read_buffer(core::Instant now, std::span<drivers::GyroSa
     return failed(hal::BusError::timeout,
                   node +
                       ": no sample for a second (is the chip's interrupt line wired as the device "
-                      "tree says?)");
+                      "tree gives?)");
   }
   return count;
 }

@@ -38,7 +38,7 @@ void lock_memory(const RealTimeSettings& real_time, const Log& log);
 [[nodiscard]] hal::linux_os::Descriptor lock_state(const std::string& file);
 
 /// Sends systemd one message, such as "READY=1", by its notification protocol (sd_notify(3)): a
-/// datagram to the socket that $NOTIFY_SOCKET names. Without the variable nothing is told.
+/// datagram to the socket that $NOTIFY_SOCKET names. Without the variable nothing is sent.
 void notify_service_manager(std::string_view message);
 
 /// Sends "WATCHDOG=1" where the watchdog ($WATCHDOG_USEC) is on: due at least once in half of that

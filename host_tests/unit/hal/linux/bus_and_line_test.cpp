@@ -240,7 +240,7 @@ TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
   const std::string list =
       "iio:device0 \"lsm6dso_gyro\", iio:device12 \"lsm6dso_gyro\" labelled \"roof\")";
   EXPECT_EQ(kernel_error_of([&] { return node("lsm6dso_gyro"); }),
-            sys + ": several gyros are called \"lsm6dso_gyro\" (tell its number or label: " + list);
+            sys + ": several gyros are called \"lsm6dso_gyro\" (give its number or label: " + list);
   EXPECT_EQ(kernel_error_of([&] { return node("3"); }),
             sys + ": no gyro is called \"3\" (there are " + list);
   EXPECT_TRUE(contains(kernel_error_of([] {

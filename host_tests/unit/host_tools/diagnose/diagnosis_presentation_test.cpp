@@ -149,7 +149,7 @@ TEST(DiagnosisInWords, SaysFirstWhetherTheRemainderMatters) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.verdict = Verdict::unexplained;
   EXPECT_EQ(verdict_in_words(diagnosis),
-            "unexplained, and the recording does not tell whether it matters");
+            "unexplained, and the recording does not show whether it matters");
   EXPECT_FALSE(diagnosis.is_material().has_value());
   diagnosis.materiality = Materiality{
       .by_drive = {

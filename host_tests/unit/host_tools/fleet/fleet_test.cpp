@@ -375,7 +375,7 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
   EXPECT_EQ(judgement(3.0, 5.0), Judgement::fail);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.1}).judgement, Judgement::too_short);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.0}).judgement, Judgement::pass);  // 59.99 s apart
-  // A minute does not tell the order within a tenth.
+  // A minute does not determine the order within a tenth.
   EXPECT_EQ(accept(recording, {.order = Range{0.5, 0.6}}).judgement, Judgement::too_short);
 }
 

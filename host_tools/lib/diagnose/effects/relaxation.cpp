@@ -27,7 +27,8 @@ constexpr int kMostDecaySteps = 3;       ///< make a factor of two
 constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
 /// Gains of a decay that begins at each value, at the noise of a search. Of a decay that the end of
-/// the record cuts off the gain is too low: what is seen of the decay tells less than a whole one.
+/// the record cuts off the gain is too low: the visible part of the decay has less information than
+/// a whole one.
 class DecayGains {
  public:
   /// @param decay  time constant in values

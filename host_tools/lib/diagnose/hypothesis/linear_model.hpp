@@ -41,7 +41,7 @@ class NormalEquations {
   /// Best amplitudes.
   /// @param products  inner products of the record with the columns
   [[nodiscard]] std::vector<double> amplitudes(std::span<const double> products) const;
-  /// Variances of the amplitudes; that of a collinear column is as large as can be told.
+  /// Variances of the amplitudes; that of a collinear column is as large as can be determined.
   [[nodiscard]] std::vector<double> variances() const;
 
  private:

@@ -36,7 +36,7 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
                        fmt::format("rms over {:.0f} s, held-out data", gain.drive_s)});
     figures.push_back(
         {"Interval coverage", fmt::format("{:.0f} %", 100.0 * gain.coverage95_extended.value),
-         fmt::format("promised 95 %; {:.0f} % before", 100.0 * gain.coverage95_base.value)});
+         fmt::format("nominal 95 %; {:.0f} % before", 100.0 * gain.coverage95_base.value)});
   }
   return figures;
 }

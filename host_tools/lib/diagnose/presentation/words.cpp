@@ -129,7 +129,7 @@ std::string drive_sentences(const Gain& gain) {
       "[{}, {}], and the 95 % interval covers {:.0f} % {} {:.0f} %.",
       gain.drive_s, ratio < 1.0 ? "falls" : "rises", in_figures(gain.heading_drift_base_deg.value),
       in_figures(after.value), in_figures(after.lo), in_figures(after.hi), covered,
-      same_coverage ? "as before, promised are" : "instead of",
+      same_coverage ? "as before, nominal is" : "instead of",
       same_coverage ? 95.0 : covered_before);
 }
 
@@ -228,7 +228,7 @@ std::string verdict_in_words(const Diagnosis& diagnosis) {
   std::string text(name(diagnosis.verdict));
   if (diagnosis.verdict != Verdict::unexplained) return text;
   const std::optional<bool> is_material = diagnosis.is_material();
-  if (!is_material) return text + ", and the recording does not tell whether it matters";
+  if (!is_material) return text + ", and the recording does not show whether it matters";
   return text + (*is_material ? ", and it matters for the heading"
                               : ", but it does not matter for the heading");
 }

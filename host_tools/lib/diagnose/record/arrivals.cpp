@@ -52,7 +52,7 @@ class GridPhase {
     // Two samples may share a place.
     const double steps = std::max(0.0, 1.0 + late);
     phase_s_ += steps * period_s_;
-    // Clocks drift, holes are long: the latest stamps tell the phase.
+    // Clocks drift, holes are long: the phase comes from the latest stamps.
     constexpr double kFollow = 0.1;
     const double off_s = record_.time_s[k] - phase_s_;
     phase_s_ +=
@@ -128,7 +128,7 @@ constexpr double kNear = 0.05;           // share of the differences that count 
 constexpr double kCoarse = 0.25;         // largest step of a level over the middle difference
 
 /// How many neighbours would be equal by chance, by how close together the least differences lie.
-/// All of them where the levels are too coarse to tell.
+/// All of them where the levels are too coarse for an estimate.
 double equal_by_chance(const std::vector<double>& rates) {
   std::vector<double> differences;
   differences.reserve(rates.size());

@@ -44,7 +44,7 @@ std::optional<LevelLattice> find_lattice(std::span<const double> values) {
   std::vector<double> sorted = gaps;
   std::ranges::sort(sorted);
   const double smallest = sorted[sorted.size() / 20];
-  // Number the levels, then let the outermost ones say how far apart they are.
+  // Number the levels, then take the spacing from the outermost ones.
   std::vector<std::size_t> numbers{0};
   numbers.reserve(levels.size());
   for (const double gap : gaps) {

@@ -10,7 +10,7 @@
 
 namespace zerorate::diagnose {
 
-/// One axis at rest. Time stamps say what is missing.
+/// One axis at rest. Time stamps show what is missing.
 struct Record {
   std::string axis;
   double sample_period_s = 0.0;  ///< median interval

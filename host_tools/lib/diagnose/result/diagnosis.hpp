@@ -18,7 +18,7 @@ namespace zerorate::diagnose {
 using statistics::BootstrapFigure;
 
 enum class Verdict {
-  /// White + 1/f + constant does, or the model that was given, as far as this recording can tell.
+  /// White + 1/f + constant does, or the model that was given, as far as this recording can show.
   consistent,
   explained,    ///< the causes are needed, and with them nothing is left
   unexplained,  ///< with the best extension something is still wrong: no cause is proven
@@ -193,7 +193,7 @@ struct Drawing {
   std::vector<Point> marks;  ///< samples that the effect has touched; may be empty
 };
 
-/// Everything that is said of one axis.
+/// Result for one axis.
 struct Diagnosis {
   /// True where what is left unexplained matters for the heading; nothing where that is not known.
   [[nodiscard]] std::optional<bool> is_material() const {

@@ -202,7 +202,7 @@ class Page::Server {
   }
 
  private:
-  /// Events that a browser has been told.
+  /// Events sent to a browser.
   struct Viewer {
     std::uint64_t version = 0;
     std::uint64_t points = 0;

@@ -221,7 +221,7 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
        "z.toml:19:16: \"latitude_deg\" in [earth]: expected degrees from -90 to 90"},
       {with("[model]", "[earth]\nlatitude_deg = 0\nup = \"w\"\n[model]"),
        "z.toml:20:6: \"up\" in [earth]: expected \"x\""},
-      {with(kOdometer, ""), "\"odometer\": missing: what tells that the vehicle stands?"},
+      {with(kOdometer, ""), "\"odometer\": missing: what decides that the vehicle stands?"},
       {with("interface", "interfaces"), "z.toml:45:1: unknown key \"interfaces\" in [sink]"},
   };
   for (const Mistake& mistake : mistakes) {
