@@ -187,7 +187,7 @@ TEST(BaseLoss, IsHalfTheSquaredNormOfAMeanInTheMetricOfTheNoise) {
   }
 }
 
-TEST(BaseLoss, IsLessThanHalfTheSquaredNormBecauseTheBaseTakesAMeanForNoise) {
+TEST(BaseLoss, IsBelowHalfTheSquaredNormOfAMeanTakenForNoise) {
   const BaseNoise noise(20'000, 1.0, 0.1);
   std::vector<double> ramp(20'000);
   for (std::size_t k = 0; k < ramp.size(); ++k) ramp[k] = 1e-4 * static_cast<double>(k);
@@ -230,7 +230,7 @@ double log_likelihood_of_two_levels(const std::vector<double>& y, double height,
   return sum;
 }
 
-TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
+TEST(LossToTelegraphNoise, IsALowerBoundOfTheExactLoss) {
   constexpr std::size_t kLength = 4000;
   const random::RandomStream stream(7);
   RecordingSetting setting{.samples = kLength,
@@ -323,7 +323,7 @@ TEST(EffectsOfAPair, CostTheNatsThatAreAskedForBesideEachOther) {
   EXPECT_GT(setting.noise.loss_to_mean(mean), kNats + 5.0) << "alone it would be plainer to see";
 }
 
-TEST(EffectsOfAPair, AreOfTheSizesThatTheyHaveAloneWhereNeitherHidesTheOther) {
+TEST(EffectsOfAPair, KeepTheirSizesWhereNeitherHidesTheOther) {
   const random::RandomStream stream(13);
   const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
   const Draws draws{stream.substream("effects")};

@@ -21,7 +21,7 @@ TEST(Score, CountsARightNameFirstAndAlone) {
   EXPECT_TRUE(beside.named && !beside.first && !beside.alone && beside.wrong);
 }
 
-TEST(Score, CallsAnExplanationByAnotherNameWrongEvenWithTheTruthAsItsRival) {
+TEST(Score, CallsAnotherNameWrongEvenBesideTheTruth) {
   const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
   const Score rival = score(ramp, {"explained", {"rate_random_walk"}, {"rate_ramp"}});
   EXPECT_TRUE(!rival.named && rival.alternative && rival.wrong);

@@ -82,7 +82,7 @@ double drift(const Replayed& replayed, app::Predictor predictor) {
   return std::sqrt(squares);
 }
 
-TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGateOrTheCalm) {
+TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByGateOrCalm) {
   const ScratchFolder folder;
   double checked = 0.0;
   double gated = 0.0;

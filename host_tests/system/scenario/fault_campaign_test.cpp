@@ -229,10 +229,10 @@ void expect_honest_health(std::size_t drives) {
   EXPECT_LE(wrong, poisson_quantile(9.0 * 5.7e-7 * static_cast<double>(outcomes.size())));
 }
 
-TEST(NodeOverTwoThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+TEST(NodeOverTwoThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
   expect_honest_health(2'000);
 }
-TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+TEST(NodeOverTenThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
   expect_honest_health(10'000);
 }
 

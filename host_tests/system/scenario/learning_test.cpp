@@ -241,7 +241,7 @@ TEST(LearningOutsideTheFamily, IsHonestOfAGaussMarkovProcess) {
 }
 
 // The bias jumps there and back: nothing that a flicker does.
-TEST(LearningOutsideTheFamily, IsReportedWhereTheBiasJumpsInEachStop) {
+TEST(LearningOutsideTheFamily, IsReportedForABiasThatJumps) {
   std::vector<simulate::Effect> jumps;
   for (std::size_t cycle = 0; cycle < kCycles; ++cycle) {
     jumps.emplace_back(

@@ -112,7 +112,7 @@ TEST(NodeModelOfEachNoise, HasThePhysicalSpectrum) {
   expect_same_spectrum(line, 1e-3, 0.002);
 }
 
-TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
+TEST(NodeModelOfAQuantizer, AveragesTheErrorOverTheSteps) {
   constexpr double kStep = 1e-2;
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> rate(0.0, 1.0);

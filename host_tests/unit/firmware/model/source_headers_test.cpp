@@ -99,7 +99,7 @@ TEST(HeaderOfThePicoThatLearns, IsWhatTheCatalogueExportsToday) {
          "firmware/boards/models/lsm6dso_learning.hpp";
 }
 
-TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
+TEST(HeadersOfTheOtherGyrosOfThePico, EqualTodaysExport) {
   struct Exported {
     std::string chip;
     core::Duration sample_period;

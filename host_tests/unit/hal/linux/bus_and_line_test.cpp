@@ -57,7 +57,7 @@ TEST(SpidevDevice, SetsModeWidthAndSpeedWhenItOpensItsNode) {
   EXPECT_EQ(rig.kernel.opens, 1);
 }
 
-TEST(SpidevDevice, DoesATransactionInOneMessageWithChipSelectHeldBetweenItsParts) {
+TEST(SpidevDevice, HoldsChipSelectOverATransaction) {
   SpiRig rig;
   ASSERT_TRUE(rig.transact());
   EXPECT_EQ(rig.kernel.transfers, 1);
@@ -79,7 +79,7 @@ TEST(I2cDevBus, DoesATransactionInOneMessageList) {
   EXPECT_EQ(rig.kernel.last_i2c[1].len, 6);
 }
 
-TEST(I2cDevBusWhoseAdapterStopsShort, ReportsThatTheDeviceDidNotAcknowledge) {
+TEST(I2cDevBusWhoseAdapterStopsShort, ReportsANack) {
   for (const int messages : {0, 1}) {
     I2cRig rig;
     rig.kernel.next_answer = messages;

@@ -36,7 +36,7 @@ TEST(ReadingScore, OfRoundedReadingsSumsToOneOverTheirLevels) {
   }
 }
 
-TEST(ReadingScore, OfLevelsThatTheModelDoesNotKnowSumsToOneOverThem) {
+TEST(ReadingScore, OfUnknownLevelsSumsToOne) {
   for (const double step : {0.3, 1.5, 6.0, 30.0}) {
     const Scale scale{.unknown_step_rad_s = step};
     const double from = -std::ceil(90.0 / step) * step;

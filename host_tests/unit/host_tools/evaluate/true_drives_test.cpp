@@ -76,7 +76,7 @@ double error_by_hand(const std::vector<app::RateMessage>& messages, std::size_t 
   return turned_about_z_deg * kRadPerDeg - static_cast<double>(0.1L * sum);
 }
 
-TEST(DrivesAgainstAReference, AreTheIntegralOfTheRateLessThePublishedBias) {
+TEST(DrivesAgainstAReference, IntegrateTheCorrectedRate) {
   const zerorate::testing::ScratchFolder folder;
   const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
                                         rows_of_a_drive(1000.0, 5));

@@ -154,7 +154,7 @@ TEST(QValues, AreThoseOfBenjaminiAndHochberg) {
   EXPECT_TRUE(q_values({}).empty());
 }
 
-TEST_F(FleetStatistics, IsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
+TEST_F(FleetStatistics, IsThatOfSensorsNotOfTheirErrors) {
   const Population& population = usual_population();
   const double pivot = std::log(Grid::kPivot_rad_s);
   const double log_flicker = kLogWhite + kLogAmplitude + kOrder * pivot;
@@ -172,7 +172,7 @@ TEST_F(FleetStatistics, IsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
   EXPECT_NEAR(population.spread(2), kOrderSpread, 0.2 * kOrderSpread);
 }
 
-TEST_F(FleetStatistics, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
+TEST_F(FleetStatistics, SpreadOfWhiteNoiseHoldsInShortRecords) {
   // 50 innovations tell ln N within 0.1: the estimates spread by hypot(0.15, 0.1) = 0.18.
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.innovations = 50}), {});
@@ -180,7 +180,7 @@ TEST_F(FleetStatistics, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
   EXPECT_NEAR(population.spread(0), kLogWhiteSpread, 0.09 * kLogWhiteSpread);
 }
 
-TEST_F(FleetStatistics, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
+TEST_F(FleetStatistics, SensorWithARareEffectIsNamed) {
   const Population& population = usual_population();
   const auto found = std::ranges::find(population.sensors, "3", &Sensor::name);
   ASSERT_NE(found, population.sensors.end());
@@ -195,7 +195,7 @@ TEST_F(FleetStatistics, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
   EXPECT_THAT(make_report(population, "test").html(), HasSubstr("bias_jump"));
 }
 
-TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
+TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamed) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.lots = 100, .bad_lot_shift = 0.4}),
                      {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
@@ -206,7 +206,7 @@ TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamedAndLeavesThePopulationAsItWas
   EXPECT_NEAR(population.distribution.mean[0], kLogWhite, 3.0 * population.mean_error[0]);
 }
 
-TEST_F(FleetStatistics, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
+TEST_F(FleetStatistics, SensorThatChangesIsNamedAlone) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"),
                                 {.sensors = 60, .recordings = 2, .lots = 1, .one_changes = true}),
@@ -216,7 +216,7 @@ TEST_F(FleetStatistics, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
   }
 }
 
-TEST_F(FleetStatistics, PriorIsAsWideAsThePopulationAndTheNodeReadsIt) {
+TEST_F(FleetStatistics, PriorIsAsWideAsThePopulation) {
   const Population& population = usual_population();
   const model::SensorModel model = type_model(population, "type");
   EXPECT_NEAR(model.prior->order, kOrder, 0.02);
@@ -327,7 +327,7 @@ TEST_F(Fleet, TableQuotesNamesWithCommas) {
               HasSubstr("\n\"a,b.csv\",\"said \"\"S\"\"\",L0,x,"));
 }
 
-TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamplesWhereFlickerNoiseIsStrong) {
+TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamples) {
   constexpr double kWhite_dps = 0.005;
   simulate_fleet({.sensors = 8,
                   .lots = 1,

@@ -32,7 +32,7 @@ const BootstrapFigure& ratio(const DriveContest& contest, Contestant who) {
   return contest.overall[static_cast<std::size_t>(who)].ratio;
 }
 
-TEST(DriveContestOfSensorsWithFlickerNoise, SetsTheDecadeFilterAboveTheMean) {
+TEST(DriveContestOfSensorsWithFlickerNoise, RanksDecadesOverMean) {
   const ScratchFolder folder;
   const DriveContest contest = run_drive_contest(two_recordings(folder), kOptions, {});
   EXPECT_EQ(contest.fits.size(), 6U);
@@ -48,7 +48,7 @@ TEST(DriveContestOfSensorsWithFlickerNoise, SetsTheDecadeFilterAboveTheMean) {
 
 // Five standard errors of a binomial share; drives of one axis are not quite independent, so the
 // sample is taken to be half as large.
-TEST(DriveContestOfSensorsThatAreAsTheirModel, StatesHonestIntervals) {
+TEST(DriveContestOfSensorsThatAreAsTheirModel, HasHonestIntervals) {
   const ScratchFolder folder;
   const DriveContest contest = run_drive_contest(two_recordings(folder), kOptions, {});
   const double error = std::sqrt(0.95 * 0.05 / (0.5 * static_cast<double>(contest.drives)));

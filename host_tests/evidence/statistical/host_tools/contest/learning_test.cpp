@@ -94,7 +94,7 @@ TEST(FirstDrivesOfRunsWithFewDrives, AreAllDrives) {
             few.cases[0].learning.overall.coverage.value);
 }
 
-TEST(LearningContest, DoesNotDependOnTheNumberOfThreadsNorOnOtherCases) {
+TEST(LearningContest, DoesNotDependOnThreadsOrOtherCases) {
   const ScratchFolder folder;
   const auto recordings = two_recordings(folder);
   LearningOptions options = options_of({{}, {.white = 3.0}});

@@ -94,7 +94,7 @@ void expect_recovery(const Scenario& scenario) {
   if (!scenario.order) free_order.expect_honest("order");
 }
 
-TEST(InnovationsFit, RecoversStrengthsOfOneOverFNoiseWithHonestIntervals) {
+TEST(InnovationsFit, RecoversFlickerNoiseWithHonestIntervals) {
   // 5000 s at 10 Hz: 10,000 ticks of five samples, the noise of a consumer gyro.
   expect_recovery({.noise = {}, .samples = 50'000, .period_s = 0.1, .order = 0.5});
 }

@@ -153,7 +153,7 @@ struct Mistake {
   std::string message;
 };
 
-TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
+TEST(ConfigurationWithAMistake, IsRefusedWithPlaceAndExpected) {
   const std::vector<Mistake> mistakes{
       {with("daemon/1", "daemon/2"), "z.toml:1:10: \"schema\": expected \"zerorate.daemon/1\""},
       {with("[gyro]\n", "[gyro\n"), "z.toml:3:"},

@@ -371,7 +371,7 @@ TEST(IioGyroWithoutABuffer, IsReadOnceAPeriodThroughItsAttributes) {
                        "in_anglvel_z_raw: No such file or directory (was the device unplugged"));
 }
 
-TEST(IioGyroWithoutABuffer, IsRefusedAtARateThatAttributesCannotFollow) {
+TEST(IioGyroWithoutABuffer, IsRefusedAtATooHighRate) {
   Rig rig{polled(), 200.0};
   EXPECT_TRUE(
       contains(rig.start_message(), "at most 100 times a second (wire the chip's interrupt"));

@@ -137,7 +137,7 @@ TEST(TemperatureDriftAlone, CannotBeExaminedWithoutATemperature) {
   EXPECT_FALSE(alone.is_found());
 }
 
-TEST(TemperatureDriftAlone, CannotBeExaminedWhereTheTemperatureHardlyChanges) {
+TEST(TemperatureDriftAlone, NeedsAChangingTemperature) {
   EXPECT_EQ(EffectAlone(make_temperature_drift(), warmed(0.01, 0.0)).obstacle(),
             "the temperature hardly changes");
 }

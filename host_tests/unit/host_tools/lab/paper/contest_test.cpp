@@ -65,7 +65,7 @@ TEST(Lazy, IsMadeOnceForAllThreadsAndCopies) {
 
 // In fixed memory the node forms the suffix means of eq. 8 from blocks, see core/estimator; as
 // predictors they are worth the same.
-TEST(MovingAverage, IsAsGoodAsTheExactSuffixMeansOfEquationsEightAndNine) {
+TEST(MovingAverage, IsAsGoodAsTheSuffixMeansOfEquations8And9) {
   MatrixXd exact = MatrixXd::Zero(300, 250);
   for (Index j = 1; j <= 300; ++j) {
     const Index window = std::min<Index>(j, 250);

@@ -101,7 +101,7 @@ TEST(PlugInPredictor, EqualsTheRecursionOfThePaper) {
   }
 }
 
-TEST(PlugInPredictor, StatesLessThanItsErrorBecauseItTakesTheMeanAsCertain) {
+TEST(PlugInPredictor, StatesLessThanItsError) {
   const LinearPredictor predictor = make_plug_in_predictor(kPaper, kSamples, kLeads);
   const VectorXd truth = error_variance(kPaper, predictor.weights);
   EXPECT_GT(truth(kLeads - 1), 1.04 * predictor.variance(kLeads - 1));
@@ -116,13 +116,13 @@ TEST(BestLinearPredictor, EqualsTheRecursionWithAnUnknownMean) {
   }
 }
 
-TEST(BestLinearPredictor, EqualsTheRecursionWithTheMeanThatItIsGiven) {
+TEST(BestLinearPredictor, EqualsTheRecursionWithAGivenMean) {
   const VectorXd data = any_data();
   expect_equal(make_best_linear_predictor(kWithWhite, Bias::known, kSamples, kLeads), data,
                by_recursion(kWithWhite, data, {}), 1e-9);
 }
 
-TEST(BestLinearPredictor, StatesItsTrueErrorAndFollowsAShiftOfTheBias) {
+TEST(BestLinearPredictor, StatesItsErrorAndFollowsAShift) {
   const LinearPredictor best =
       make_best_linear_predictor(kWithWhite, Bias::diffuse, kSamples, kLeads);
   EXPECT_LT((error_variance(kWithWhite, best.weights) - best.variance).cwiseAbs().maxCoeff(), 1e-9);
@@ -233,7 +233,7 @@ TEST(Autoregression, FitsAgreeOnALongRecord) {
   EXPECT_LT((one.coefficients - other.coefficients).cwiseAbs().maxCoeff(), 20.0 / 20'000);
 }
 
-TEST(AutoregressionForecast, IsTheIteratedRecursionAndItsImpulseResponse) {
+TEST(AutoregressionForecast, IsTheIteratedRecursion) {
   const Autoregression model{
       .mean = 5.0, .coefficients = Eigen::Vector2d{1.2, -0.5}, .innovation_variance = 4.0};
   const std::vector<double> y{0.0, 7.0, 8.0};

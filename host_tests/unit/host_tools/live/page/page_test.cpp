@@ -184,7 +184,7 @@ class Sleeper {
   hal::linux_os::Descriptor socket_;
 };
 
-TEST(PageOfANode, LetsASleepyViewerHoldUpNeitherTheMonitorNorTheOthersNorTheEnd) {
+TEST(PageOfANode, IsNotHeldUpByASlowViewer) {
   auto page = std::make_unique<Page>("127.0.0.1", std::uint16_t{0});
   // More than the kernel keeps for a socket, so that a write has to wait.
   const std::string long_name(8U << 20U, 'x');

@@ -81,7 +81,7 @@ TEST(DecadeFilter, IsBetterThanThePapersFilterAndNextToTheOptimum) {
 
 // A fitted autoregressive model's own band holds too little: that is why all have one under the
 // noise model.
-TEST(SimulatedTable1, FindsEveryPredictorsBandAndInnovationsAsTheyAreStated) {
+TEST(SimulatedTable1, FindsTheStatedBandsAndInnovations) {
   for (const SimulatedStanding& s : table()) {
     const Standing& m = s.measured;
     if (s.expected) {
