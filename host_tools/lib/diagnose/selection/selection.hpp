@@ -15,8 +15,8 @@
 
 namespace zerorate::diagnose {
 
-/// An effect must be less likely to be chance than this [nats], so that 18 of them together are
-/// seen in one clean recording of some 200.
+/// Least surprisal of an effect that is selected [nats]. Of 18 effects together one is found by
+/// chance in some 180 clean recordings: 18 exp(-8.1) = 1 / 183.
 inline constexpr double kSelectionThreshold_nats = 8.1;
 
 /// An effect that was chosen, and what else could have been in its place.
