@@ -88,14 +88,15 @@ TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/lsm6dso.hpp");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(text, format_cpp_header(known_model("lsm6dso"), kLsm6dsoPeriod, kTick))
-      << "run: zerorate export lsm6dso --cpp --hypotheses 1 -o firmware/boards/models/lsm6dso.hpp";
+      << "run: zerorate export lsm6dso --cpp --hypotheses 1 --sample-rate 104.171875 -o "
+         "firmware/boards/models/lsm6dso.hpp";
 }
 
 TEST(HeaderOfThePicoThatLearns, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/lsm6dso_learning.hpp");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_TRUE(text == format_cpp_header(find_model("lsm6dso"), kLsm6dsoPeriod, kTick))
-      << "run: zerorate export lsm6dso --cpp --hypotheses 12 -o "
+      << "run: zerorate export lsm6dso --cpp --hypotheses 12 --sample-rate 104.171875 -o "
          "firmware/boards/models/lsm6dso_learning.hpp";
 }
 
