@@ -99,6 +99,22 @@ TEST(DiagnosisInWords, GivesTheDensityItsUnit) {
                                              "deg/s/sqrt(Hz), 2.1 times the most"));
 }
 
+TEST(PlainParameter, HasItsUnitBehindAComma) {
+  EXPECT_EQ(plain_parameter("coefficient_dps_per_sqrt_s"), "coefficient, deg/s/sqrt(s)");
+  EXPECT_EQ(plain_parameter("quadratic_dps_per_k2"), "quadratic, deg/s/K^2");
+  EXPECT_EQ(plain_parameter("time_constant_s"), "time constant, s");
+  EXPECT_EQ(plain_parameter("cut_off_hz"), "cut off, Hz");
+  EXPECT_EQ(plain_parameter("order"), "order");
+  EXPECT_EQ(plain_parameter("jumps"), "jumps");
+}
+
+TEST(HeadingDriftInWords, NamesAnUnchangedFigureOnce) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  EXPECT_EQ(drift_in_words(diagnosis), "6.9 to 5.2 deg in 300 s");
+  diagnosis.gain.heading_drift_base_deg.value = 5.2004;
+  EXPECT_EQ(drift_in_words(diagnosis), "5.2 deg in 300 s with both");
+}
+
 TEST(DiagnosisInWords, SaysThatNothingChanges) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.gain.heading_drift_ratio = {.value = 0.995, .lo = 0.97, .hi = 1.02};

@@ -45,8 +45,11 @@ namespace zerorate::diagnose {
 /// A statistic as people read it: "Allan deviation".
 [[nodiscard]] std::string plain_statistic(std::string_view statistic);
 
-/// Unit at the end of a statistic's name: "deg/s"; empty where it has none.
-[[nodiscard]] std::string_view unit_of(std::string_view statistic);
+/// Unit at the end of a name in JSON: "deg/s"; empty where it has none.
+[[nodiscard]] std::string_view unit_of(std::string_view name);
+
+/// Name of a parameter for readers: "time constant, s" for "time_constant_s".
+[[nodiscard]] std::string plain_parameter(std::string_view name);
 
 /// Whether something matters for the heading: "it matters", "no matter", or "not decided".
 [[nodiscard]] std::string_view matter_in_words(std::optional<bool> is_material);
