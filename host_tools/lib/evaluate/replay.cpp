@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -193,9 +194,30 @@ class Run {
       }
     }
     if (observer_.on_sample) {
-      observer_.on_sample(
-          {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
+      observer_.on_sample({result_.rows, row.time_ns, moving, message, known_rates(row, truth),
+                           last_stop_means(), node_.measured_ticks()});
     }
+  }
+
+  /// True rates, not a number about an axis of which it is not known.
+  [[nodiscard]] std::array<float, kAxes> known_rates(
+      const recording::Row& row, const std::array<float, kAxes>& scheduled) const {
+    if (result_.truth_known) return scheduled;
+    std::array<float, kAxes> rates;
+    rates.fill(std::numeric_limits<float>::quiet_NaN());
+    if (observer_.truth) {
+      const truth::VerticalAxis& vertical = observer_.truth->vertical;
+      rates[vertical.axis] = static_cast<float>(vertical.sign) * row.ref_rate_rad_s;
+    }
+    return rates;
+  }
+
+  [[nodiscard]] std::array<float, kAxes> last_stop_means() const {
+    std::array<float, kAxes> means;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      means[i] = node_.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s);
+    }
+    return means;
   }
 
   /// Whether the node has learnt something that was not reported yet.

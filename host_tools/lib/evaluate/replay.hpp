@@ -69,7 +69,9 @@ struct ReplayedSample {
   std::int64_t time_ns;  ///< time in the recording; the node's clock is shifted
   bool moving;           ///< state in the recording or the schedule
   const app::RateMessage& message;
+  /// Not a number where it is not known: without a true rate, a schedule or a reference's rate.
   std::array<float, 3> true_rate_rad_s;
+  std::array<float, 3> last_stop_mean_rad_s;  ///< bias of the calibration mean
   std::uint32_t learnt_ticks;  ///< filter ticks up to and with the newest one that was learnt
 };
 

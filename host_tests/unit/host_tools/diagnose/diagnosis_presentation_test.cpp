@@ -215,7 +215,7 @@ TEST(DiagnosisReport, HoldsVerdictEvidenceGainAndModel) {
   const std::string html =
       make_report(axes, {.title = "t", .recording = "rest.csv", .provenance = "p"}).html();
   for (const char* expected :
-       {"Axis z: explained", "coefficient_dps_per_sqrt_s", "not examined: no temperature",
+       {"Axis z: explained", "coefficient, deg/s/sqrt(s)", "not examined: no temperature",
         "Axis z: what the extension buys", "zerorate replay rest.csv", "zerorate.model/2"}) {
     EXPECT_THAT(html, HasSubstr(expected));
   }

@@ -111,8 +111,8 @@ json now_json(const Tally& tally, const std::string& source, std::chrono::millis
   for (const app::AxisRate& axis : message.axes) {
     now["axes"].push_back(
         {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
-         {"bias_dph", number(is_calibrated, axis.bias, core::deg_per_h)},
-         {"half95_dph", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_h)}});
+         {"bias_dps", number(is_calibrated, axis.bias, core::deg_per_s)},
+         {"half95_dps", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_s)}});
   }
   now["learnt"] =
       tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);
@@ -126,7 +126,7 @@ json point_json(const json& now) {
   json point{std::chrono::duration<double>(unix_time).count()};
   const bool is_heard = now["silent_s"].is_null();
   for (const json& axis : now["axes"]) {
-    for (const char* const figure : {"bias_dph", "half95_dph"}) {
+    for (const char* const figure : {"bias_dps", "half95_dps"}) {
       point.push_back(is_heard ? axis[figure] : json(nullptr));
     }
   }
