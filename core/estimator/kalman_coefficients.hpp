@@ -60,7 +60,7 @@ struct KalmanCoefficients {
   std::array<Noise, Shape.hypotheses> tick_noise;
   Forgetting<Shape> tick_forgetting;
 
-  /// @param guesses at the slow noise: must outlive the coefficients
+  /// @param guesses hypotheses of the slow noise; must outlive the coefficients
   constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
                                         const Gate& innovation_gate = {},
                                         const TemperatureBlock<kWeights>& temperature = {},
@@ -147,8 +147,8 @@ struct KalmanCoefficients {
     return {decaying, rotating};
   }
 
-  /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick;
-  /// and by each constant: the change of its weight.
+  /// Movement of the bias over a span by each drift, (1 - F^m) / (1 - F), all ones for a tick, and
+  /// by each constant, the change of its weight.
   [[nodiscard]] static constexpr Drifts movement(const Transition& span) {
     Drifts weight{};
     for (std::size_t i = 0; i < kDecaying; ++i) {
@@ -160,7 +160,7 @@ struct KalmanCoefficients {
     if constexpr (kWeights > 0) set_temperature(weight, span.temperature.change);
     return weight;
   }
-  /// How far the sum of the bias over the ticks of a span moves: sum_lag / alpha.
+  /// Movement of the sum of the bias over the ticks of a span: sum_lag / alpha.
   [[nodiscard]] constexpr Drifts movement_of_sum(const Transition& span) const {
     Drifts weight{};
     for (std::size_t i = 0; i < kDecaying; ++i) {
@@ -176,7 +176,7 @@ struct KalmanCoefficients {
   }
 
  private:
-  /// A filter of several hypotheses may be told that there is one.
+  /// A filter with room for several hypotheses may use one.
   struct StrengthOf {
     const KalmanCoefficients& coefficients;
     std::size_t hypothesis;

@@ -96,8 +96,8 @@ class SuffixSums {
     }
   }
 
-  /// Whether memory from outside may be such sums: its places are there, its blocks make up the
-  /// count, and its numbers are plausible.
+  /// True if restored sums are valid: places in range, blocks that add up to the count, plausible
+  /// numbers.
   [[nodiscard]] constexpr bool is_possible() const {
     if (oldest_exact_ >= kExact || exact_used_ > kExact) return false;
     for (std::size_t level = 0; level < Levels; ++level) {
@@ -140,7 +140,7 @@ class SuffixSums {
   constexpr float& block(std::size_t level, std::size_t i) {
     return blocks_[level][(oldest_[level] + i) % kPerLevel];
   }
-  /// 2^(level + 1), but the oldest of the last level has swallowed all that came before.
+  /// Size of a block: 2^(level + 1); the oldest of the last level holds all older measurements.
   [[nodiscard]] constexpr std::uint32_t size_of_block(std::size_t level, std::size_t i) const {
     const std::uint32_t size = 2U << level;
     return level == Levels - 1 && i == 0 ? size + swallowed_ : size;

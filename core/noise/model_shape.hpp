@@ -1,5 +1,5 @@
 /// @file
-/// How many states of each kind a filter has.
+/// Number of states of each kind in a filter.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 /// @file
-/// A chip as programs know it that choose a gyro by its name, or use every gyro that there is.
+/// Description of a chip, for programs that choose a gyro by its name or use every known gyro.
 #pragma once
 
 #include <concepts>
@@ -18,7 +18,7 @@ struct Choice {
   Code code;
 };
 
-/// Code of what a chip does not let choose.
+/// Code of a setting that the chip does not have.
 struct Fixed {};
 
 /// A line of the table of chips (drivers/chips/chips.hpp):
@@ -58,7 +58,7 @@ concept RegisterChipEntry = ChipEntry<Chip> && requires {
   Chip::kIdentity.reset;
 };
 
-/// True if the driver of the chip takes one that answers so.
+/// True if the driver accepts a chip with this answer.
 template <RegisterChipEntry Chip>
 [[nodiscard]] constexpr bool takes_identity(std::uint8_t value) {
   if constexpr (requires { Chip::is_identity(value); }) {

@@ -1,5 +1,5 @@
 /// @file
-/// Why a driver could not do what it was asked.
+/// Reasons why a driver failed.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ enum class DriverErrorCode : std::uint8_t {
 struct DriverError {
   DriverErrorCode code = DriverErrorCode::bus_failed;
   hal::BusError bus = {};  ///< only meaningful if code is bus_failed
-  std::uint8_t reg = 0;    ///< the register that the failing step was about
+  std::uint8_t reg = 0;    ///< register of the step that failed
 
   constexpr bool operator==(const DriverError&) const = default;
 };

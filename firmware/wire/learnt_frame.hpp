@@ -29,7 +29,7 @@ struct LearntModel {
   constexpr bool operator==(const LearntModel&) const = default;
   /// Effective stops that the figures rest on: one number, because the axes stop together.
   [[nodiscard]] constexpr float stops() const { return axes[0].stops; }
-  /// Whether the figures are more than what was assumed before the first stop.
+  /// Whether at least one stop is behind the figures.
   [[nodiscard]] constexpr bool is_learnt() const { return stops() > 0.0F; }
 };
 

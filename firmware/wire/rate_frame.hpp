@@ -20,7 +20,7 @@ inline constexpr std::size_t kRateFrameBytes = 80;
 inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
 using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
 
-/// Why bytes are not a rate frame.
+/// Reasons why bytes are not a rate frame.
 enum class FrameError : std::uint8_t {
   wrong_size,
   not_a_frame,       ///< it does not begin with "ZR"

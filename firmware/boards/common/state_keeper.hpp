@@ -1,5 +1,5 @@
 /// @file
-/// Keeps what the node has learnt while the power is off.
+/// Keeps the learnt state of the node while the power is off.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class StateKeeper {
   constexpr StateKeeper(const app::Snapshot<Node>& snapshot, Medium& medium)
       : snapshot_(snapshot), medium_(medium) {}
 
-  /// At the start: gives the node what was kept, if it fits, and makes room for the next save.
+  /// Call at the start: restores the saved state, if it fits, and makes room for the next save.
   [[gnu::noinline]] void restore(Node& node) {
     // There is no clock on this board, and no place for a reason of refusal: see health's
     // `calibrated`.
@@ -33,7 +33,7 @@ class StateKeeper {
     (void)medium_.prepare();
   }
 
-  /// After every turn of the main loop.
+  /// Call after every turn of the main loop.
   /// @return whether the flash was away for longer than a sample takes
   bool poll(const Node& node, core::Instant now) {
     if (medium_.is_saving()) {
