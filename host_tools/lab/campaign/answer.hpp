@@ -31,7 +31,7 @@ struct Certainty {
 struct Answer {
   std::string verdict;
   std::vector<std::string> causes;        ///< strongest first
-  std::vector<std::string> alternatives;  ///< of all causes
+  std::vector<std::string> alternatives;  ///< alternatives of all causes
   std::vector<std::string> extensions;    ///< causes that the extended model has
   Gain gain;
   /// 95 % intervals of the parameters of each cause, by its name and theirs.
@@ -49,7 +49,7 @@ struct Score {
   bool named = false;        ///< every hidden effect is among the causes
   bool first = false;        ///< the strongest cause is a hidden effect
   bool alone = false;        ///< and nothing but hidden effects is a cause
-  bool alternative = false;  ///< what is not named as cause is named as alternative to one
+  bool alternative = false;  ///< a hidden effect is an alternative, but no cause
   /// "explained", by a cause that stands alone and is not hidden in it.
   bool wrong = false;
 };

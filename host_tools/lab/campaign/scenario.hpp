@@ -21,7 +21,7 @@ enum class Kind : std::uint8_t { clean, single, pair, outside };
 struct Scenario {
   Kind kind = Kind::clean;
   std::vector<std::string> truth;  ///< names of what is hidden, none if clean
-  std::map<std::string, std::map<std::string, double>> figures;  ///< of each, by its name
+  std::map<std::string, std::map<std::string, double>> figures;  ///< effect, figure
   std::string description;        ///< sample rate, noise and sizes, for who reads of a miss
   bool with_temperature = false;  ///< whether the recording has the column
   simulate::Signal signal;
@@ -30,8 +30,8 @@ struct Scenario {
 struct ScenarioOptions {
   std::uint64_t seed = 1;
   std::size_t samples = 20'000;
-  double rate_hz = 0.0;  ///< of the samples; 0: drawn for each recording
-  double nats = 40.0;    ///< what the best base model loses to each effect
+  double rate_hz = 0.0;  ///< rate of the samples; 0: drawn for each recording
+  double nats = 40.0;    ///< loss of the best base model to each effect
   /// Factor by which effects outside the catalogue are larger: the remainder must fail a test that
   /// holds against the whole family of statistics.
   double outside_factor = 2.5;

@@ -88,7 +88,7 @@ struct Row {
   std::size_t first_and_alone = 0;
   std::size_t alternative = 0;
   std::map<std::string, std::size_t> verdicts;
-  std::map<std::string, std::size_t> answers;  ///< by strongest cause, or the verdict without one
+  std::map<std::string, std::size_t> answers;  ///< key: strongest cause, or the verdict without one
 };
 
 /// Stated probabilities of causes against how often they were right: a reliability diagram.
@@ -137,8 +137,8 @@ class Tally {
   Rate false_alarms_;
   Rate outside_unexplained_;
   Rate wrong_;
-  Reliability reliability_;  ///< of the causes of answers `explained`
-  Rate in_set95_;            ///< whose sets hold a hidden effect
+  Reliability reliability_;  ///< causes of answers `explained`
+  Rate in_set95_;            ///< rate of sets that hold a hidden effect
   std::map<std::string, Rate> coverage_;
   std::vector<std::string> misses_;
 };

@@ -51,12 +51,12 @@ struct Standing {
   Figure std_ie;
   Figure mean_rsse;
   Figure std_rsse;
-  /// To the yardstick on the same sets. The errors are those of paired ratios (delta method), far
-  /// smaller than those of the figures themselves.
+  /// Ratios to the yardstick on the same sets. Their errors are those of paired ratios (delta
+  /// method), far smaller than those of the figures themselves.
   Figure ie_ratio;
   Figure rsse_ratio;
-  Figure coverage;      ///< of two sigma; 0.9545 if the sigma is right
-  Figure own_coverage;  ///< of two of the method's own sigma; not a number if it has no other
+  Figure coverage;      ///< coverage of two sigma; 0.9545 if the sigma is right
+  Figure own_coverage;  ///< coverage of two of the method's own sigma; NaN without one
   Figure nis;           ///< not a number if the predictor has no innovations
 };
 
@@ -80,7 +80,7 @@ struct Expectation {
   double std_ie = 0.0;
   double mean_rsse = 0.0;
   double std_rsse = 0.0;
-  double coverage = 0.0;  ///< of two stated sigma
+  double coverage = 0.0;  ///< coverage of two stated sigma
 
   [[nodiscard]] double mean_squared_rsse() const {
     return mean_rsse * mean_rsse + std_rsse * std_rsse;

@@ -29,13 +29,13 @@ struct ExampleRun {
   struct Prediction {
     std::string name;
     std::vector<double> bias;   ///< one a sample of the prediction phase
-    std::vector<double> sigma;  ///< of a raw sample
+    std::vector<double> sigma;  ///< sigma of a raw sample
     double integrated_error = 0.0;
     double rsse = 0.0;
   };
 
-  std::string source;  ///< what the samples are
-  std::string unit;    ///< of the samples; empty for the simulation, as in the paper
+  std::string source;  ///< origin of the samples
+  std::string unit;    ///< unit of the samples; empty for the simulation, like in the paper
   double sample_period_s = 1.0;
   Lengths lengths;
   std::vector<double> samples;

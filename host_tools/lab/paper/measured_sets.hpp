@@ -33,13 +33,13 @@ struct FittedNoise {
   Figure flicker;                         ///< s_f at d = 1/2; 0 where none is detectable
   reference::FractionalNoise half_order;  ///< d = 1/2, as the paper takes it
   reference::FractionalNoise free_order;  ///< d fitted too
-  Figure order;                           ///< that d
+  Figure order;                           ///< order d with its error
 };
 
 /// Table I of all recordings of one sample rate together.
 struct MeasuredTable {
   double sample_period_s = 0.0;
-  std::vector<FittedNoise> fits;  ///< of each recording and axis
+  std::vector<FittedNoise> fits;  ///< one for each recording and axis
   std::size_t sets = 0;
   std::vector<Standing> standings;  ///< IE in deg, RSSE in deg/s; the last is the yardstick
 };

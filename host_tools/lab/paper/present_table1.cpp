@@ -24,8 +24,8 @@ struct Printed {
   double std_ie;
   double mean_rsse;
   double std_rsse;
-  double ie_ratio;    ///< to its CM
-  double rsse_ratio;  ///< to its CM
+  double ie_ratio;    ///< ratio to its CM
+  double rsse_ratio;  ///< ratio to its CM
 };
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -60,7 +60,7 @@ struct OrderStanding {
 struct FilterCost {
   std::size_t samples = 0;           ///< length n of the calibration so far
   double full_state_sample_s = 0.0;  ///< time that the full-state filter takes for sample n + 1
-  double decade_sample_s = 0.0;      ///< the same of the decade filter: a mean over n samples
+  double decade_sample_s = 0.0;      ///< time of the decade filter, a mean over n samples
 };
 
 /// Times both on this machine, one thread. The full-state filter at n starts from the covariance

@@ -86,7 +86,7 @@ MatrixXd forecast_weights(const Autoregression& model, std::size_t leads) {
   const Index p = model.coefficients.size();
   const auto m = static_cast<Index>(leads);
   const VectorXd oldest_first = model.coefficients.reverse();
-  MatrixXd columns(p, p + m);  // of each value, known or forecast; contiguous in time
+  MatrixXd columns(p, p + m);  // column of each value, known or forecast; contiguous in time
   columns.leftCols(p).setIdentity();
   for (Index j = 0; j < m; ++j) {
     columns.col(p + j).noalias() = columns.middleCols(j, p) * oldest_first;

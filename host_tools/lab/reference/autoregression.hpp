@@ -14,7 +14,7 @@ namespace zerorate::reference {
 struct Autoregression {
   double mean = 0.0;
   Eigen::VectorXd coefficients;
-  double innovation_variance = 0.0;  ///< of e
+  double innovation_variance = 0.0;  ///< variance of e
 };
 
 /// The mean of the data, and the coefficients by least squares of the one-step errors: what the
@@ -30,7 +30,7 @@ struct Autoregression {
 
 struct Forecast {
   Eigen::VectorXd values;
-  Eigen::VectorXd variance;  ///< of y itself; as if the model's parameters were exact
+  Eigen::VectorXd variance;  ///< variance of y itself, under the model's parameters as if exact
 };
 
 /// The iterated forecast of the `leads` values after the data, and its variance

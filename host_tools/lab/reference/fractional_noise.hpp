@@ -27,7 +27,7 @@ struct FractionalNoise {
 /// A predictor that weighs the calibration samples, whatever way the weights were found.
 struct LinearPredictor {
   Eigen::MatrixXd weights;   ///< leads x calibration samples; row j predicts b + x at lead j + 1
-  Eigen::VectorXd variance;  ///< what the predictor states of its error at each lead, v left out
+  Eigen::VectorXd variance;  ///< stated error variance at each lead, v left out
 };
 
 /// The true variance, at each lead, of a'y - (b + x) for every row a of weights that sums to 1:

@@ -254,7 +254,7 @@ class Contest {
   const DriveContestOptions& options_;
   std::vector<Fits> fits_;
   std::vector<Cluster> clusters_;
-  std::vector<std::vector<std::vector<AxisSums>>> sums_;  ///< by recording, schedule, axis
+  std::vector<std::vector<std::vector<AxisSums>>> sums_;  ///< index: recording, schedule, axis
 };
 
 }  // namespace

@@ -18,13 +18,13 @@
 
 namespace zerorate::contest {
 
-/// Who takes part. The first two and the last two are predictors of the node; the random-walk
-/// filter is the node's with another model; the exponential mean is what trackers commonly do.
+/// Contestants. The first two and the last two are predictors of the node. The random-walk filter
+/// is the node's with another model. The exponential mean is the common method of trackers.
 enum class Contestant : std::uint8_t {
   kalman_extended,     ///< decade filter, d fitted; or the model that the diagnosis extended
   kalman_base,         ///< decade filter, d = 1/2
   random_walk_filter,  ///< white noise and a random walk, its memory tuned
-  exponential_mean,    ///< of all samples at rest so far, its memory tuned
+  exponential_mean,    ///< mean of all samples at rest so far, its memory tuned
   moving_average,
   calibration_mean,  ///< the yardstick
 };
@@ -33,7 +33,7 @@ inline constexpr std::size_t kContestants = 6;
 /// Method that makes models of recordings.
 enum class FitBy : std::uint8_t {
   characterization,  ///< white and 1/f noise by likelihood, its order free and 1/2
-  diagnosis,         ///< what `zerorate diagnose` writes, and 1/f noise
+  diagnosis,         ///< model of `zerorate diagnose`, and 1/f noise
 };
 
 /// @param fit_by  says what the first two are
@@ -61,14 +61,14 @@ struct DriveContest {
   struct AxisModels {
     std::string recording;
     std::size_t axis;
-    model::SensorModel extended;  ///< as fitted to this recording, for use on others
+    model::SensorModel extended;  ///< fitted to this recording, for use on others
     model::SensorModel base;
   };
 
   DriveContestOptions options;
   std::vector<std::string> recordings;
   std::vector<AxisModels> fits;
-  std::size_t drives = 0;  ///< of each contestant
+  std::size_t drives = 0;  ///< drives of each contestant
   std::vector<std::array<DriveStanding, kContestants>> by_schedule;
   std::array<DriveStanding, kContestants> overall;
   BootstrapFigure extended_over_base;  ///< ratio of their drifts, as DriveStanding::ratio

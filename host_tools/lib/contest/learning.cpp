@@ -79,7 +79,7 @@ struct LearningSums {
 /// Outcome of one schedule and seed on one recording.
 struct Outcome {
   std::vector<LearningSums> axes;
-  std::vector<std::optional<evaluate::LearntNoises>> learnt;  ///< by case
+  std::vector<std::optional<evaluate::LearntNoises>> learnt;  ///< index: case
 };
 
 /// One replay's drives, scored in all and at first.

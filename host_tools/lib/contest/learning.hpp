@@ -28,7 +28,7 @@ struct LearningOptions {
   DriveContestOptions drives;  ///< fit_on and fit_by are not used: both origins take part
 };
 
-/// Who takes part with a model that does not depend on the data sheet.
+/// Contestants with a model that does not depend on the data sheet.
 enum class Tuned : std::uint8_t {
   on_others,  ///< decade filter with the means of the models fitted to the other recordings
   hindsight,  ///< decade filter with the model fitted to the same recording
@@ -40,7 +40,7 @@ inline constexpr std::size_t kTuned = 2;
 struct LearningStandings {
   std::vector<DriveStanding> by_schedule;
   DriveStanding overall;
-  DriveStanding first_drives;      ///< of each run: LearningContest::kFirstDrives
+  DriveStanding first_drives;      ///< first drives of each run: LearningContest::kFirstDrives
   BootstrapFigure over_on_others;  ///< ratio of its drift to that of Tuned::on_others
 };
 
@@ -66,7 +66,7 @@ struct LearningContest {
   LearningOptions options;
   std::vector<std::string> recordings;
   std::vector<DriveContest::AxisModels> fits;
-  std::size_t drives = 0;  ///< of each contestant
+  std::size_t drives = 0;  ///< drives of each contestant
   std::array<LearningStandings, kTuned> tuned;
   std::vector<Case> cases;
 };

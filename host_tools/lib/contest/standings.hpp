@@ -22,7 +22,7 @@ struct DriveStanding {
   BootstrapFigure ratio;
   BootstrapFigure coverage;     ///< share of the drives inside the 95 % interval; NaN without one
   double sigma_over_rms = 0.0;  ///< see evaluate::DriveScores; NaN without an interval
-  double drift_rms_deg = 0.0;   ///< over all drives
+  double drift_rms_deg = 0.0;   ///< rms over all drives
 };
 
 /// Sums over drives of one axis, addable.

@@ -22,7 +22,7 @@ struct Presentation {
   std::string title;
   std::string lead;
   std::vector<Part> parts;
-  std::string json;  ///< of a schema that the producer names
+  std::string json;  ///< object of a schema that the producer names
 };
 
 /// The tables for a terminal, without the charts.

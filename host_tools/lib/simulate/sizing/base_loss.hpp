@@ -94,8 +94,8 @@ class BaseNoise {
   void mix();
 
   std::vector<Spectrum> shapes_;   ///< white noise, flicker noise, and what else is known
-  std::vector<double> variances_;  ///< of the shapes, as they are in truth
-  Spectrum gain_;                  ///< of the low-pass, 1 without
+  std::vector<double> variances_;  ///< true variances of the shapes
+  Spectrum gain_;                  ///< gain of the low-pass, 1 without
   std::vector<std::vector<double>> means_;
   Spectrum spectrum_;
 };

@@ -37,13 +37,13 @@ class Draws {
 struct RecordingSetting {
   std::size_t samples = 0;
   double period_s = 0.0;
-  BaseNoise noise;  ///< of all but the last few samples (see contrasts)
+  BaseNoise noise;  ///< noise of all but the last few samples (see contrasts)
   double flicker_sigma_rad_s = 0.0;
   double bias_rad_s = 0.0;
   std::vector<double> temperature_degc;  ///< smooth, over a few kelvin
   std::vector<double> slow_rad_s;  ///< the bias and the 1/f noise that this recording will have
   random::RandomStream stream;
-  double finest_step_share = 0.1;  ///< of a quantizer, of the step that costs what is asked for
+  double finest_step_share = 0.1;  ///< finest step over the one with the wanted cost
 
   [[nodiscard]] double record_s() const { return static_cast<double>(samples) * period_s; }
   [[nodiscard]] double rate_hz() const { return 1.0 / period_s; }

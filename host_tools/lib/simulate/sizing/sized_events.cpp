@@ -17,10 +17,10 @@ using simulate::Effect;
 /// The events of one recording at unit size.
 struct Events {
   std::vector<double> contrasts;
-  std::vector<double> squared_norms;  ///< of each, twice what knowing it is worth
-  double expected_norm = 0.0;         ///< of an event of unit amplitude
-  double price_nats = 0.0;            ///< of beginning at one moment, per event
-  double silence_nats = 0.0;          ///< of beginning at none of the others
+  std::vector<double> squared_norms;  ///< for each event, twice the gain of knowing it
+  double expected_norm = 0.0;         ///< norm of an event of unit amplitude
+  double price_nats = 0.0;            ///< price of beginning at one moment, per event
+  double silence_nats = 0.0;          ///< price of beginning at none of the others
 };
 
 /// Energies of what stands between zeros.
