@@ -120,7 +120,7 @@ Command add_evaluate(CLI::App& app) {
   auto* fit_by =
       drives
           ->add_option("--fit-by", options->fit_by,
-                       "what makes the models: characterization (order fitted against d = 1/2) or "
+                       "source of the models: characterization (order fitted against d = 1/2) or "
                        "diagnosis (what `zerorate diagnose` finds against its base)")
           ->check(CLI::IsMember({"characterization", "diagnosis"}))
           ->capture_default_str();

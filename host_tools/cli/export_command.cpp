@@ -55,10 +55,8 @@ Command add_export(CLI::App& app) {
   auto* command = app.add_subcommand("export", "Write a sensor model as source for firmware");
   command->add_option("MODEL", flags->model, "a TOML file or a name from 'zerorate model list'")
       ->required();
-  auto* cpp =
-      command->add_flag("--cpp", flags->cpp, "as a C++ header of constants, for our own images");
-  command->add_flag("--c", flags->c, "as a C header, for firmware that calls zerorate.h")
-      ->excludes(cpp);
+  auto* cpp = command->add_flag("--cpp", flags->cpp, "C++ header of constants, for our own images");
+  command->add_flag("--c", flags->c, "C header, for firmware that calls zerorate.h")->excludes(cpp);
   command->add_option("--name", flags->name, "name of the constant, with --c")
       ->capture_default_str();
   command

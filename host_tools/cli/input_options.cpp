@@ -72,7 +72,7 @@ void add_axis_option(CLI::App& command, std::string& axis) {
 void add_rest_options(CLI::App& command, std::string& still_from) {
   command
       .add_option("--still-from", still_from,
-                  "what decides what is rest: odometer (pulses, still or speed; without them all "
+                  "source of rest: odometer (pulses, still or speed; without them all "
                   "is rest) or "
                   "gyro (its own calm)")
       ->check(CLI::IsMember({"odometer", "gyro"}))

@@ -213,7 +213,7 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_option("--chip", flags.chip, "the chip of --through chip; default lsm6dso")
       ->check(CLI::IsMember(chip_names()));
   app.add_option("--predictor", flags.predictor,
-                 "whose bias corrects the published rate: kalman, moving_average, calibration_mean")
+                 "predictor of the published rate: kalman, moving_average, calibration_mean")
       ->capture_default_str();
   app.add_option(
          "--sample-rate", flags.sample_rate_hz,
@@ -230,7 +230,7 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "how long a sample waits for a late pulse before it counts [s]")
       ->capture_default_str();
   app.add_option("--still-from", flags.still_from,
-                 "what decides what is rest: odometer (and the calm in its stops), gyro (its calm "
+                 "source of rest: odometer (and the calm in its stops), gyro (its calm "
                  "alone, as "
                  "without an odometer) or odometer-alone (whatever the gyro shows)")
       ->check(CLI::IsMember(std::vector<std::string>(kSources.begin(), kSources.end())))

@@ -106,14 +106,15 @@ void add_fleet_options(CLI::App& command, SimulateOptions& options) {
   const auto add = [&](const char* name, auto& value, const char* text, const auto& check) {
     command.add_option(name, value, text)->needs(is_fleet)->check(check)->capture_default_str();
   };
-  add("--sensors", fleet.sensors, "of the fleet", CLI::PositiveNumber);
-  add("--recordings", fleet.recordings, "of each sensor", CLI::PositiveNumber);
-  add("--samples", fleet.samples, "of each recording", CLI::Range(1000, 10'000'000));
-  add("--lots", fleet.lots, "of the sensors, of which one is bad", CLI::PositiveNumber);
-  add("--bad-lot-factor", fleet.bad_lot_factor, "on N and B of its sensors", CLI::PositiveNumber);
-  add("--hidden-share", fleet.hidden_share, "of the sensors, with a hidden effect on one axis",
+  add("--sensors", fleet.sensors, "number of sensors", CLI::PositiveNumber);
+  add("--recordings", fleet.recordings, "recordings of each sensor", CLI::PositiveNumber);
+  add("--samples", fleet.samples, "samples of each recording", CLI::Range(1000, 10'000'000));
+  add("--lots", fleet.lots, "lots of the sensors, one of them bad", CLI::PositiveNumber);
+  add("--bad-lot-factor", fleet.bad_lot_factor, "factor on N and B of the bad lot's sensors",
+      CLI::PositiveNumber);
+  add("--hidden-share", fleet.hidden_share, "share of the sensors with a hidden effect on one axis",
       CLI::Range(0.0, 1.0));
-  add("--nats", fleet.nats, "of likelihood that the effect costs a model without it",
+  add("--nats", fleet.nats, "likelihood that the effect costs a model without it [nats]",
       CLI::PositiveNumber);
   add("--jobs", fleet.jobs, "threads; 0: as many as the machine has", CLI::Range(0, 256));
 }

@@ -215,12 +215,13 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
       "  zerorate-campaign --gain --document FILE.md          what the extended models are worth\n"
       "  zerorate-campaign --write-run 17 recording.csv       one recording, for a look");
   app.add_option("--runs", options.runs, "recordings; a round has 34")->capture_default_str();
-  app.add_option("--nats", options.scenario.nats, "what the best base model loses to each effect")
+  app.add_option("--nats", options.scenario.nats,
+                 "loss of the best base model to each effect [nats]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--seed", options.scenario.seed, "of everything that is drawn")
+  app.add_option("--seed", options.scenario.seed, "seed of everything that is drawn")
       ->capture_default_str();
-  app.add_option("--samples", options.scenario.samples, "of each recording")
+  app.add_option("--samples", options.scenario.samples, "samples of each recording")
       ->check(CLI::Range(1000, 1'000'000))
       ->capture_default_str();
   app.add_option("--rate-hz", options.scenario.rate_hz, "sample rate, in place of a drawn one")
@@ -234,10 +235,10 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
                  "run at 40 and at 25 nats and write the tables into this document");
   app.add_flag("--gain", options.gain,
                "measure what the extended models are worth instead: an effect after the other");
-  app.add_option("--recordings", options.gain_recordings, "of each effect, with --gain")
+  app.add_option("--recordings", options.gain_recordings, "recordings of each effect, with --gain")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--commit", options.commit, "of the program that is tried, for the document");
+  app.add_option("--commit", options.commit, "commit of the program under test, for the document");
   app.add_option("--write-run", options.write_run, "write the recording of one run and stop");
   return {&app, [&options] {
             run(options);
