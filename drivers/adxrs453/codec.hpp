@@ -19,7 +19,7 @@ inline constexpr std::int16_t kFullScaleRaw = 300 * 80;
 
 /// ST1 and ST0 of a reply.
 enum class Status : std::uint8_t {
-  invalid = 0,    ///< the chip does not trust its own data
+  invalid = 0,    ///< the chip marks its own data as invalid
   valid = 1,      ///< sensor data
   self_test = 2,  ///< data while the self-test is asserted
   register_access = 3,
@@ -52,7 +52,7 @@ static_assert(kCheckCommand == 0x2000'0003);
   return std::popcount(reply >> 16U) % 2 == 1 && std::popcount(reply) % 2 == 1;
 }
 
-/// True of what a line gives to which nobody talks.
+/// True for the output of a line without a chip.
 [[nodiscard]] constexpr bool is_stuck(std::uint32_t reply) {
   return reply == 0 || reply == 0xFFFF'FFFF;
 }

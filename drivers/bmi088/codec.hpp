@@ -73,10 +73,10 @@ struct FifoStatus {
   return core::Duration::milliseconds(10);
 }
 
-/// No access for so long after a software reset.
+/// Time without access after a software reset.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(30);
 
-/// How long after configuration the output may not be used: the start-up time of 30 ms, and ten
+/// Time after configuration until the output may be used: the start-up time of 30 ms, and ten
 /// samples, which in every setting are longer than one period of the filter's corner frequency.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(30) + period * 10;

@@ -175,8 +175,8 @@ class Icm42688 {
     return std::size_t{make_sample(now, gyro_of(*outputs), temperature, out) ? 1U : 0U};
   }
 
-  /// Temperature, three axes of the accelerometer that are of no use, the gyro, the time of FSYNC,
-  /// and INT_STATUS.
+  /// Temperature, three unused axes of the accelerometer, the gyro, the time of FSYNC, and
+  /// INT_STATUS.
   using Outputs = std::array<std::uint8_t, 17>;
 
   static constexpr bool is_new(const Outputs& outputs) {
@@ -187,8 +187,8 @@ class Icm42688 {
   }
 
   /// Data-ready falls when it is read. So it is read behind the data, in one burst, where it also
-  /// tells that the line is not stuck; and since a conversion may fall into the burst, a sample
-  /// counts when a second burst repeats it. One that changed without data-ready is dropped.
+  /// shows that the line is not stuck. A conversion may fall into the burst: a sample counts when a
+  /// second burst repeats it, and is dropped when it changed without data-ready.
   /// @return outputs that are not new: there is no sample
   core::Result<Outputs, DriverError> read_settled_outputs() {
     constexpr int kMostBursts = 4;  // a slow bus may meet a conversion in each of them

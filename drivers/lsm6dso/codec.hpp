@@ -187,10 +187,10 @@ struct FifoStatus {
   return core::Duration::nanoseconds(divider * 10'000'000'000'000 / tenth_mhz);
 }
 
-/// How long after power-up the output may not be used: 70 ms and a number of samples that depends
-/// on the rate, with LPF1 off and in high-performance mode (AN5040, tables 14 and 15), and one more
-/// sample, since the chip's samples are not aligned with our clock. Of the other chips it is
-/// assumed.
+/// Time after power-up until the output may be used: 70 ms and a number of samples that depends on
+/// the rate, with LPF1 off and in high-performance mode (AN5040, tables 14 and 15), and one more
+/// sample, since the chip's samples are not aligned with our clock. For the other chips the same
+/// is assumed.
 /// @param rate  code of the output data rate
 [[nodiscard]] constexpr core::Duration settling_time(const Variant& variant, unsigned rate,
                                                      core::Duration period) {

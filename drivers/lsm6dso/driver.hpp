@@ -206,8 +206,8 @@ class Lsm6dso {
     }
     if ((*status & lsm6dso::bits::kStatusGda) == 0) return std::size_t{0};
     // Only now: reading the outputs clears data-ready, and a sample that came after the status was
-    // read would be thrown away with it. The status comes once more in front of them: what a line
-    // gives that got stuck in between is no sample.
+    // read would be thrown away with it. The status comes once more in front of them: the output of
+    // a line that got stuck in between is no sample.
     std::array<std::uint8_t, 10> bytes{};
     if (const auto done = read_registers(bus_, lsm6dso::kStatusReg, bytes); !done) {
       return core::Unexpected{done.error()};

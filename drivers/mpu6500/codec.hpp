@@ -15,7 +15,7 @@ namespace zerorate::drivers::mpu6500 {
 /// Chip of the family, identified by its WHO_AM_I. Only the differences are here.
 struct Variant {
   std::uint8_t identity;
-  std::uint16_t fifo_bytes;   ///< at least so many
+  std::uint16_t fifo_bytes;   ///< least size of the FIFO
   float counts_per_degree;    ///< slope of the thermometer; 0: not known
   float degc_at_zero_counts;  ///< its temperature at 0 counts
 };
@@ -106,7 +106,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
 
 /// Level of the FIFO.
 struct FifoLevel {
-  std::uint16_t samples;  ///< complete ones that wait
+  std::uint16_t samples;  ///< complete samples that wait
   bool is_whole;          ///< there are no bytes beside them
   bool is_overrun;        ///< samples were lost, or are about to be
   bool is_plausible;      ///< the FIFO can hold so much
@@ -125,8 +125,8 @@ struct FifoLevel {
 /// Time until the chip may be used after a reset of the whole, and of its signal paths, each.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(100);
 
-/// How long after configuration the output may not be used: twice the start-up time of 35 ms, and
-/// three samples for the filter, and that samples are not aligned with our clock.
+/// Time after configuration until the output may be used: twice the start-up time of 35 ms, and
+/// three samples for the filter and for samples that are not aligned with our clock.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(70) + period * 3;
 }
