@@ -1,11 +1,11 @@
 // Curves over a common x, drawn by uPlot.
 
-// Moves x to the start of the data where five digits cannot tell its ends apart, as for time stamps since 1970.
+// Counts time from the start of the data where its ticks would all read the same, such as stamps since 1970.
 function countFromStart(data) {
   const all = data.series.flatMap((one) => one.x);
-  if (data.x.logarithmic || all.length === 0) return data;
+  if (data.x.logarithmic || data.x.unit !== "s" || all.length === 0) return data;
   const [least, greatest] = all.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]);
-  if (least < 1e4 * (greatest - least)) return data;
+  if (least < 1e4 * Math.max(greatest - least, 100)) return data;
   const start = Math.floor(least);
   return {
     ...data,
