@@ -147,7 +147,7 @@ void print_odometer(const OdometerDiagnosis& odometer) {
   for (const odometry::OdometerFinding& finding : odometer.findings) {
     fmt::print("odometer: {}\n\n{}\n", finding.name, finding.sentence);
     for (const auto& [name, figure] : finding.figures) {
-      fmt::print("    {:<38}{:>12.4g}", name, figure.value);
+      fmt::print("    {:<37} {:>12.4g}", name, figure.value);
       if (std::isfinite(figure.lo)) fmt::print(" [{:.4g}, {:.4g}]", figure.lo, figure.hi);
       fmt::print("\n");
     }
@@ -208,25 +208,25 @@ void print_cause(const diagnose::Cause& cause, bool is_verbose) {
              100.0 * cause.probability, cause.in_model ? ", in the model" : ", not in the model",
              cause.axes > 1 ? ", of all axes together" : "", rivals_in_words(cause));
   for (const diagnose::Parameter& parameter : cause.parameters) {
-    fmt::print("    {:<38}{:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
+    fmt::print("    {:<37} {:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
                in_figures(parameter.lo, 4), in_figures(parameter.hi, 4));
   }
   if (!is_verbose) return;
-  fmt::print("    {:<38}{:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
+  fmt::print("    {:<37} {:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
              diagnose::p_value_in_words(cause.p_value));
   if (const auto& drift = cause.heading_drift_ratio) {
-    fmt::print("    {:<38}{:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
+    fmt::print("    {:<37} {:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
                drift->value, drift->lo, drift->hi);
   }
 }
 
 void print_misfit(const Diagnosis& diagnosis) {
   if (std::ranges::none_of(diagnosis.misfit, &diagnose::Misfit::is_outside)) return;
-  fmt::print("\n  {:<28}{:<24}{:>12}  {}\n", "statistic", "where", "recording",
+  fmt::print("\n  {:<27} {:<23} {:>12}  {}\n", "statistic", "where", "recording",
              diagnosis.is_base_given ? "given model, simulated" : "white + 1/f, simulated");
   for (const diagnose::Misfit& row : diagnosis.misfit) {
     if (!row.is_outside()) continue;
-    fmt::print("  {:<28}{:<24}{:>12}  {} to {}\n", row.statistic, row.where,
+    fmt::print("  {:<27} {:<23} {:>12}  {} to {}\n", row.statistic, row.where,
                in_figures(row.measured, 4), in_figures(row.simulated_lo, 4),
                in_figures(row.simulated_hi, 4));
   }
@@ -234,7 +234,7 @@ void print_misfit(const Diagnosis& diagnosis) {
 
 void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate) {
   if (!std::isfinite(estimate.value)) return;
-  fmt::print("  {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
+  fmt::print("  {:<37} {:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
              estimate.hi);
 }
 

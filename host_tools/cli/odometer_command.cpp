@@ -18,7 +18,7 @@ struct OdometerOptions {
 };
 
 void print_figure(std::string_view what, const std::string& figure, std::string_view remark = "") {
-  fmt::print("  {:<28}{:<28}{}\n", what, figure, remark);
+  fmt::print("  {:<27} {:<27} {}\n", what, figure, remark);
 }
 
 std::string text(const odometry::BootstrapFigure& figure, double unit = 1.0) {

@@ -118,11 +118,11 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
     fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
                static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
   }
-  fmt::print("\n{:<18}{:>7}{:>15}{:>12}{:>11}{:>13}{:>13}\n", "predictor", "drives",
+  fmt::print("\n{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12}\n", "predictor", "drives",
              "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
   for (const app::Predictor predictor : evaluate::kAllPredictors) {
     const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<18}{:>7}{:>15.4f}{:>12.4f}{:>11.4f}{:>13.3f}{:>13.3f}\n",
+    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f}\n",
                evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
                score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
                score.coverage95_of_node);
@@ -133,12 +133,13 @@ void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::s
   if (!result.learnt) return;
   fmt::print(
       "\nNoise model learnt from the stops, with 95 % intervals (evidence: as many stops of full "
-      "weight)\n{:<5}{:>9}{:>26}{:>26}{:>32}\n",
+      "weight)\n{:<4} {:>9} {:>25} {:>25} {:>31}\n",
       "axis", "evidence", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
   for (const std::size_t axis : axes) {
     const auto learnt = evaluate::learnt_model((*result.learnt)[axis]);
-    fmt::print("{:<5}{:>9.1f}{:>26}{:>26}{:>32}\n", evaluate::axis_name(result, axis), learnt.stops,
-               evaluate::in_words(learnt.order), evaluate::in_words(learnt.bias_instability_dph),
+    fmt::print("{:<4} {:>9.1f} {:>25} {:>25} {:>31}\n", evaluate::axis_name(result, axis),
+               learnt.stops, evaluate::in_words(learnt.order),
+               evaluate::in_words(learnt.bias_instability_dph),
                evaluate::in_words(learnt.angle_random_walk_dps_per_sqrt_hz));
   }
 }
@@ -149,14 +150,14 @@ std::string cell(double value, int decimals) {
 }
 
 void print_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
-  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>23}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
-             "drives", "drift deg rms", "ratio to CM [95 %]", "coverage 95", "sigma/rms",
-             "RSSE deg/s", "IE deg");
+  fmt::print("\n{:<4} {:<17} {:>7} {:>15} {:>22} {:>12} {:>10} {:>11} {:>10}\n", "axis",
+             "predictor", "drives", "drift deg rms", "ratio to CM [95 %]", "coverage 95",
+             "sigma/rms", "RSSE deg/s", "IE deg");
   for (const std::size_t axis : axes) {
     const auto& baseline = result.scores[axis].back();
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>16}{:>23}{:>13}{:>11}{:>12}{:>11}\n",
+      fmt::print("{:<4} {:<17} {:>7} {:>15} {:>22} {:>12} {:>10} {:>11} {:>10}\n",
                  evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
                  cell(scores.heading_drift_rms_rad() * kDegPerRad, 4),
                  evaluate::in_words(evaluate::drift_ratio(scores, baseline)),
@@ -171,13 +172,13 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
   if (result.stop_scores[axes.front()].front().stops() == 0) return;
   fmt::print(
       "\nBias predicted for each stop, less what the stop then measured (sigma: as predicted)\n"
-      "{:<5}{:<18}{:>7}{:>17}{:>14}{:>13}\n",
+      "{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
       "axis", "predictor", "stops", "error deg/h rms", "error sigmas", "coverage 95");
   for (const std::size_t axis : axes) {
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>17.2f}{:>14.2f}{:>13.3f}\n", evaluate::axis_name(result, axis),
-                 evaluate::name(predictor), scores.stops(),
+      fmt::print("{:<4} {:<17} {:>7} {:>16.2f} {:>13.2f} {:>12.3f}\n",
+                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.stops(),
                  scores.error_rms_rad_s() * units::kDphPerRadS, scores.error_rms_sigmas(),
                  scores.coverage95());
     }

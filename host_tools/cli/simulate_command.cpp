@@ -38,7 +38,7 @@ struct SimulateOptions {
 
 ExitCode list_scenarios() {
   for (const simulate::Scenario& scenario : simulate::scenarios()) {
-    fmt::print("{:<25}{}\n", scenario.name, scenario.summary);
+    fmt::print("{:<24} {}\n", scenario.name, scenario.summary);
   }
   return success;
 }
