@@ -1,5 +1,6 @@
 /// @file
-/// From a recording at rest to what the simulation gets wrong, why, and what the cure is worth.
+/// Diagnosis of a recording at rest: the errors of the simulation, their causes, and the gain of a
+/// better model.
 #pragma once
 
 #include <cstddef>

@@ -31,8 +31,8 @@ struct AxisCharacterization {
   std::vector<DensityBin> density;   ///< one-sided, (rad/s)^2/Hz; of the same stretch
   std::vector<std::string> remarks;  ///< limits of these figures, for the user
 
-  /// The point of the Allan deviation whose upper limit is the lowest: the floor that is known, not
-  /// a dip of the long averaging times, which hardly anything is known of.
+  /// Point of the Allan deviation with the lowest upper limit. A dip at long averaging times, where
+  /// the deviation is uncertain, is not taken for the floor.
   [[nodiscard]] const AllanPoint& allan_floor() const;
 };
 
@@ -76,10 +76,10 @@ struct CharacterizeOptions {
   std::function<void(double)> on_progress;
 };
 
-/// The filter tick at which a record is identified: half a second, the node's own, so that what is
-/// fitted is what will run. A shorter one for records of less than 1024 such ticks, down to the
-/// sample period; a longer one beyond 65,536 ticks (9 h), doubled until they are fewer: bounded
-/// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
+/// Filter tick at which a record is identified: half a second, like in the node, so that the fit is
+/// valid there. It is shorter for records of less than 1024 such ticks, down to the sample period,
+/// and doubled beyond 65,536 ticks (9 h) to bound the cost: a mean over seconds keeps all flicker
+/// noise that matters over hours.
 [[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
 /// Period of the samples, which may come in bursts: never shorter than their mean interval.
 [[nodiscard]] core::Duration identification_tick(const RestSamples& samples);
@@ -125,8 +125,8 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
                                           const std::string& recording, const std::string& axis);
 
 /// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
-/// without holes. The strength of the white noise is that of tick means on purpose: at the raw rate
-/// the sensor's low-pass and quantization are in it, which a filter at the tick never sees.
+/// without holes. The white noise is that of tick means on purpose: at the raw rate it contains the
+/// sensor's low-pass and quantization, which are averaged out at the tick.
 /// Time about 1 s an axis for 10^6 samples. Throws recording::DataError for records that are too
 /// short or constant.
 [[nodiscard]] Characterization characterize(const RestSamples& samples,

@@ -34,7 +34,7 @@ class RestCheck {
             bool is_separated = false);
 
   void add(core::Instant at, const std::array<float, recording::kMaxAxes>& rate_rad_s);
-  /// Ends the check. Empty: nothing speaks against rest.
+  /// Ends the check. Empty: no sign of motion or of a wrong unit.
   [[nodiscard]] std::vector<RestDoubt> doubts();
 
  private:
@@ -64,7 +64,7 @@ class RestCheck {
   std::size_t ticks_ = 0;
 };
 
-/// Doubts about samples that are all there.
+/// Doubts about a complete set of samples.
 [[nodiscard]] std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples);
 
 /// Throws recording::DataError with the first certain doubt; returns the sentences of the others.

@@ -20,7 +20,7 @@ namespace zerorate::identify {
 
 using TickMean = core::TickMean<recording::kMaxAxes>;
 
-/// Samples that a node in the place of the recorder would have been allowed to learn from.
+/// Samples that a node would learn from.
 struct RestSamples {
   std::size_t axis_count = recording::kMaxAxes;
   core::Duration sample_period;  ///< the median interval

@@ -37,8 +37,8 @@ struct RecorderSettings {
 /// far as the messages have them.
 ///
 /// The time of a row is that of the sample, moved to seconds since 1970 by one offset for as long
-/// as the node runs. After a restart of the node, and where a file is gone on with, the pulse count
-/// goes on too, with one pulse more, because nobody knows whether the vehicle stood meanwhile.
+/// as the node runs. After a restart of the node, and in a file that is continued, the pulse count
+/// continues with one more pulse, because the vehicle may have moved meanwhile.
 class Recorder {
  public:
   /// Throws recording::Error where a file that is to go on cannot. A new file is made when the

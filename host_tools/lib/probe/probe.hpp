@@ -1,8 +1,8 @@
 /// @file
 /// Search for gyros on a bus, and behind the drivers of the kernel.
 ///
-/// Only identity registers are read, and nothing is written but the address of the register that is
-/// asked for: whatever else listens keeps its settings.
+/// Only identity registers are read, and only their addresses are written: other devices on the bus
+/// keep their settings.
 #pragma once
 
 #include <cstdint>

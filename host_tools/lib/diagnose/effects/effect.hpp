@@ -15,7 +15,7 @@
 
 namespace zerorate::diagnose {
 
-/// The best that an effect can do for a hypothesis that does without it.
+/// Best part that an effect can add to a hypothesis without it.
 struct Candidate {
   Part part;
   double gain_nats = 0.0;
@@ -72,9 +72,9 @@ class Effect {
     return {};
   }
   /// Searches for the effect; nothing where it is not found or where there is an obstacle.
-  /// @param without  hypothesis that does without the effect
+  /// @param without  hypothesis without the effect
   [[nodiscard]] std::optional<Candidate> examine(const Hypothesis& without) const;
-  /// True if the node needs no extension for it: white and flicker noise of tick means have it.
+  /// True if the node needs no extension for it: white and flicker noise of tick means contain it.
   [[nodiscard]] virtual bool is_in_base() const { return false; }
   [[nodiscard]] virtual Description describe(const FittedPart& fitted) const = 0;
   /// Adds the effect to the model that the node runs.

@@ -27,7 +27,7 @@ class ColumnSearch {
   [[nodiscard]] const std::vector<double>& density() const { return hypothesis_->density(); }
   [[nodiscard]] const std::vector<double>& precision() const { return hypothesis_->precision(); }
   [[nodiscard]] const NoiseSpectrum& noise() const { return hypothesis_->noise().spectrum; }
-  /// DCT coefficients of what is to be explained.
+  /// DCT coefficients of the residual to be explained.
   [[nodiscard]] const std::vector<double>& residual() const {
     return is_changed_ ? residual_ : hypothesis_->residual();
   }

@@ -26,7 +26,7 @@ class Hypothesis {
   /// then. The amplitudes of the parts are fitted.
   Hypothesis(const FitData& data, std::vector<Part> parts, std::vector<double> density);
 
-  /// This hypothesis and a part more, fitted from the noise of this one.
+  /// This hypothesis with one more part, fitted from the noise of this one.
   [[nodiscard]] Hypothesis with(Part part) const;
 
   [[nodiscard]] const FitData& data() const { return *data_; }

@@ -21,9 +21,9 @@ namespace zerorate::diagnose {
 [[nodiscard]] double inner(const Column& x, std::span<const double> coefficients,
                            std::span<const double> precision);
 
-/// Normal equations of columns, factorised column by column (Cholesky). A column of which less than
-/// kLeastShare is left beside the columns before it is collinear: it gets no amplitude and gains
-/// nothing. So the gain that a search foretells for a column is the gain of the fit with it.
+/// Normal equations of columns, factorised column by column (Cholesky). A column is collinear if
+/// less than kLeastShare of it is left beside the columns before it: it gets no amplitude and gains
+/// nothing. So the gain that a search computes for a column is the gain of the fit with it.
 class NormalEquations {
  public:
   static constexpr double kLeastShare = 1e-8;

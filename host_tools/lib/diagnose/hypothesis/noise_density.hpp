@@ -1,6 +1,6 @@
 /// @file
-/// The density of a noise spectrum at a bin, part by part, with its derivatives: what the fit of
-/// spectrum_fit.hpp climbs on.
+/// The density of a noise spectrum at a bin, part by part, with the derivatives for the fit of
+/// spectrum_fit.hpp.
 #pragma once
 
 #include <array>

@@ -26,7 +26,8 @@ struct NoiseTerms {
             low_pass || other.low_pass,         given_order ? given_order : other.given_order};
   }
   [[nodiscard]] bool has_order() const { return free_order || given_order; }
-  /// Has slow noise other than the base's, which takes in whatever a wrong function of time leaves.
+  /// Whether there is slow noise besides the base's. Such noise absorbs the residue of a wrong
+  /// function of time.
   [[nodiscard]] bool has_slow_noise() const { return has_order() || random_walk || gauss_markov; }
   bool operator==(const NoiseTerms&) const = default;
 };

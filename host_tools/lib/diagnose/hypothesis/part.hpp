@@ -1,5 +1,5 @@
 /// @file
-/// A part: what one effect contributes to a hypothesis.
+/// Part of a hypothesis that one effect contributes.
 #pragma once
 
 #include <cstddef>

@@ -54,7 +54,7 @@ struct SpectrumFit {
                                        const NoiseTerms& terms,
                                        std::span<const NoiseSpectrum> starts);
 
-/// The likeliest of some spectra: as far as a look at each can tell which start leads up the hill.
+/// The most likely of some spectra, as the start of a fit. One evaluation each.
 /// @param spectra  one or more
 [[nodiscard]] NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
                                          std::span<const SpectralBin> bins, std::size_t size);

@@ -1,5 +1,5 @@
 /// @file
-/// A record on an even grid, with what is missing marked and filled in.
+/// A record on an even grid; lost values are marked and filled in.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ struct EvenSeries {
   std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
   Losses losses;                         ///< losses of the whole record
   double span_s = 0.0;                   ///< length of the whole record
-  /// How far the first value lay from those that follow, if so far that it was taken for one of the
-  /// switch-on and for lost; else 0.
+  /// Distance of the first value from the following ones, if it counts as a switch-on transient and
+  /// as lost; else 0.
   double start_off_rad_s = 0.0;
   /// Means over ticks, because the samples come too unevenly; a value holds some of them.
   bool is_ticks = false;

@@ -73,8 +73,8 @@ struct Cause {
   std::string sentence;  ///< for a firmware engineer, e.g. "A random walk of ... explains it."
   bool in_model = true;  ///< the extended model has it
   std::string left_out_because;  ///< reason where it has not
-  /// Heading drift of the node with its extension over that without, on data held out: less than 1
-  /// is what the cause costs who leaves it out. Nothing where the node cannot follow the cause.
+  /// Heading drift of the node with its extension over that without, on data held out. Below 1 the
+  /// extension pays. Nothing where the node cannot follow the cause.
   std::optional<BootstrapFigure> heading_drift_ratio{};
 
   [[nodiscard]] bool stands_alone() const { return probability >= kStandsAlone; }
@@ -83,7 +83,7 @@ struct Cause {
 inline constexpr double kAlternativeNats = 3.0;
 inline constexpr std::size_t kMostCauses = 3;  ///< causes reported at most
 
-/// A statistic of the recording beside what the base model makes of it in simulation.
+/// A statistic of the recording beside its range in simulations of the base model.
 struct Misfit {
   std::string statistic;  ///< "allan_deviation_dps", "density_dps_per_sqrt_hz", ...
   std::string where;      ///< "tau 200 s", ".5 Hz to 1 Hz"; empty where the whole is meant
@@ -169,7 +169,7 @@ struct CurvePoint {
   double extended_hi = 0.0;
 };
 
-/// How strongly each effect of the catalogue speaks, when it alone is added to the base.
+/// Gain of each effect of the catalogue when it alone is added to the base.
 struct SelectionEvidence {
   std::string effect;
   double gain_nats = 0.0;

@@ -1,6 +1,6 @@
 /// @file
-/// One order of the flicker noise for all axes of a sensor. They are of one make, and together they
-/// tell what none of them tells alone; what is asked of all at once is paid for once.
+/// One order of the flicker noise for all axes of a sensor. The axes are alike, and together they
+/// have more information on the order than each alone. One common question costs one price.
 #pragma once
 
 #include <array>

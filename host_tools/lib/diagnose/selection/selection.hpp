@@ -19,7 +19,7 @@ namespace zerorate::diagnose {
 /// chance in some 180 clean recordings: 18 exp(-8.1) = 1 / 183.
 inline constexpr double kSelectionThreshold_nats = 8.1;
 
-/// An effect that was chosen, and what else could have been in its place.
+/// A chosen effect, and the effects that could take its place.
 struct Choice {
   const Effect* effect = nullptr;
   double gain_nats = 0.0;
@@ -54,8 +54,8 @@ struct Selection {
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
 
-/// True while so many causes more may be added. Obvious causes that are neither functions of time
-/// nor slow noise do not count towards the limit, since they cannot describe just anything.
+/// True while so many more causes may be added. Obvious causes that are neither functions of time
+/// nor slow noise do not count towards the limit: they cannot fit arbitrary data.
 [[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices,
                             std::size_t more = 1);
 
