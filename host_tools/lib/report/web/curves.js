@@ -1,12 +1,14 @@
 // Curves over a common x, drawn by uPlot.
 
-// Counts time from the start of the data where its ticks would all read the same, such as stamps since 1970.
+// Counts time from a round start where its ticks would all read the same, such as stamps since 1970.
 function countFromStart(data) {
   const all = data.series.flatMap((one) => one.x);
   if (data.x.logarithmic || data.x.unit !== "s" || all.length === 0) return data;
   const [least, greatest] = all.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]);
-  if (least < 1e4 * Math.max(greatest - least, 100)) return data;
-  const start = Math.floor(least);
+  const span = Math.max(greatest - least, 100);
+  if (least < 1e4 * span) return data;
+  const round = 10 ** Math.ceil(Math.log10(span));
+  const start = Math.floor(least / round) * round;
   return {
     ...data,
     x: { ...data.x, label: `${data.x.label} since ${typeset(String(start))}` },
