@@ -10,6 +10,6 @@ namespace zerorate::core {
 
 }  // namespace zerorate::core
 
-/// Checks a promise between two pieces of our own code, in every build.
+/// Checks a contract between two pieces of our own code, in every build.
 #define ZERORATE_ASSERT(condition) \
   ((condition) ? static_cast<void>(0) : ::zerorate::core::assertion_failed(__FILE__, __LINE__))

@@ -1,6 +1,6 @@
 /// @file
-/// The little complex arithmetic that an oscillating mode needs. std::complex would pull in the
-/// library routine that treats infinities; our numbers are finite.
+/// Complex arithmetic for an oscillating mode. std::complex would pull in the library routine for
+/// infinities; our numbers are finite.
 #pragma once
 
 namespace zerorate::core {
@@ -18,8 +18,7 @@ struct Complex {
   constexpr Complex operator-() const { return {-re, -im}; }
 };
 
-// No friends: GCC's `#pragma GCC optimize`, by which zerorate.cpp keeps its bits, passes those
-// over.
+// No friends: GCC's `#pragma GCC optimize`, with which zerorate.cpp keeps its bits, ignores them.
 [[nodiscard]] constexpr Complex operator+(Complex a, Complex b) {
   return {a.re + b.re, a.im + b.im};
 }

@@ -1,5 +1,5 @@
 /// @file
-/// The checksum of what is sent or kept: CRC-32 as in Ethernet, zip and PNG.
+/// Checksum of messages and saved states: CRC-32 as in Ethernet, zip and PNG.
 #pragma once
 
 #include <cstdint>

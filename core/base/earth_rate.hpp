@@ -1,5 +1,5 @@
 /// @file
-/// The Earth's rotation, as a sensor at rest sees it.
+/// Earth's rotation in the rates of a sensor at rest.
 #pragma once
 
 #include <array>
@@ -21,16 +21,17 @@ struct UpAxis {
 /// Shares of the Earth's rotation in the rates of a level sensor; zero where the latitude is not
 /// known, and the rotation stays in the bias (docs/reference/earth-rate.md).
 struct EarthRate {
-  std::array<float, 3> vertical_rad_s{};  ///< the same whatever the heading: taken out of the rates
-  /// Variance of what a level axis sees at another heading than that of the stop.
+  std::array<float, 3> vertical_rad_s{};  ///< share of the vertical, taken out of the rates
+  /// Variance of what a level axis measures at another heading than that of the stop.
   std::array<float, 3> heading_variance_rad2_s2{};
 
   constexpr bool operator==(const EarthRate&) const = default;
 };
 
-/// Earth's rotation at a latitude. An axis that points up sees W sin(latitude), W = 7.292115e-5
-/// rad/s (WGS 84), northern latitudes positive; a level one W cos(latitude) cos(heading), whose
-/// difference between two unrelated headings has the variance (W cos(latitude))^2.
+/// Earth's rotation at a latitude. An axis that points up measures W sin(latitude), with
+/// W = 7.292115e-5 rad/s (WGS 84) and northern latitudes positive. A level axis measures
+/// W cos(latitude) cos(heading); between two unrelated headings the difference has the variance
+/// (W cos(latitude))^2.
 /// Relative error below 1e-5.
 /// @param latitude_deg from -90 to 90
 [[nodiscard]] constexpr EarthRate earth_rate(float latitude_deg, UpAxis up) {

@@ -1,6 +1,6 @@
 /// @file
-/// The few functions that the core needs and that must give the same bits on every processor.
-/// No C library is linked on the target, and two libraries never agree on expf.
+/// Mathematical functions of the core, with the same bits on every processor. No C library is
+/// linked on the target, and two libraries never agree on expf.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ namespace zerorate::core {
   const int excess_bits = 32 - std::countl_zero(magnitude);
   const auto shift = static_cast<std::uint32_t>(excess_bits > 0 ? excess_bits : 0);
   const auto top = static_cast<std::uint32_t>(magnitude >> shift);
-  // The digits that are cut off survive as one sticky bit below the rounding position.
+  // One sticky bit below the rounding position stands for the digits that are cut off.
   const std::uint32_t sticky = (std::uint64_t{top} << shift) != magnitude ? 1U : 0U;
   const auto power_of_two = std::bit_cast<float>((127U + shift) << 23U);
   const float rounded = static_cast<float>(top | sticky) * power_of_two;
@@ -110,8 +110,8 @@ namespace detail {
 }  // namespace detail
 #endif
 
-/// The correctly rounded square root; 0 for 0, and 0 for negative numbers or NaN, which a variance
-/// can only be after a fault that its owner reports.
+/// Correctly rounded square root; 0 for 0, for negative numbers and for NaN. A variance is one of
+/// the last two only after a fault, which its owner reports.
 [[nodiscard]] constexpr float square_root(float x) {
   if (!(x > 0.0F)) {
     return 0.0F;
@@ -149,13 +149,13 @@ template <class Scalar>
   return share;
 }
 
-/// Factor of a variance that was estimated with so many degrees of freedom, by which a difference
-/// exceeds sqrt(z2) of its standard deviations as rarely as if the variance were known: the square
-/// of Student's t, f (exp(z2 / f) - 1) (Wallace 1959), over that of the normal number. exp(x) is
+/// Factor on a variance that was estimated with f degrees of freedom. With it a limit of sqrt(z2)
+/// standard deviations is exceeded as rarely as with a known variance: the square of Student's t,
+/// f (exp(z2 / f) - 1) (Wallace 1959), over that of the normal number. exp(x) is computed as
 /// (1 + x / 256)^256: 0.05 % low at x = 0.5, 7 % at x = 6.
 [[nodiscard]] constexpr float student_factor(float z2, float degrees_of_freedom) {
   const float exponent = z2 / degrees_of_freedom;
-  float growth = (1.0F / 256.0F) * exponent;  // of the power beyond 1, without cancellation
+  float growth = (1.0F / 256.0F) * exponent;  // power minus 1, without cancellation
   for (int doubling = 0; doubling < 8; ++doubling) growth *= 2.0F + growth;
   return growth / exponent;
 }
@@ -184,11 +184,11 @@ template <class Scalar>
   return truncated > shifted ? truncated - 1.0F : truncated;
 }
 
-/// Largest magnitude of any number that a node remembers (SI units). Products of two of them and
-/// the square of a time in ticks stay within single precision.
+/// Largest magnitude of a number in a saved state (SI units). Products of two of them and the
+/// square of a time in ticks stay within single precision.
 inline constexpr float kLargestRemembered = 1e12F;
 
-/// False for NaN, infinity and what is larger than a node ever remembers.
+/// False for NaN, infinity and magnitudes beyond kLargestRemembered.
 [[nodiscard]] constexpr bool is_plausible(float x) {
   return x >= -kLargestRemembered && x <= kLargestRemembered;
 }
@@ -218,7 +218,7 @@ template <std::size_t N>
 [[nodiscard]] inline bool is_bool(const bool& flag) {
   return reinterpret_cast<const unsigned char&>(flag) <= 1U;
 }
-/// Likewise for several.
+/// Whether that holds for every one of them.
 template <class... Flags>
 [[nodiscard]] bool are_bools(const Flags&... flags) {
   return (is_bool(flags) && ...);

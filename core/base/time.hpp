@@ -63,9 +63,9 @@ class Instant {
   std::int64_t ns_ = 0;
 };
 
-/// From 73 years before the clock's zero to 146 years after it: the difference of two such times,
-/// and that difference and any period of a sensor, fits into 64 bits of nanoseconds. What comes
-/// from outside is refused beyond it.
+/// True from 73 years before the clock's zero to 146 years after it. The difference of two such
+/// times, even with a sensor's period added, fits into 64 bits of nanoseconds. Times from outside
+/// this range are refused.
 inline constexpr Instant kEarliestTime = Instant::from_ns(-(std::int64_t{1} << 61));
 inline constexpr Instant kLatestTime = Instant::from_ns(std::int64_t{1} << 62);
 

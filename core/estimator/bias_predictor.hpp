@@ -1,5 +1,5 @@
 /// @file
-/// The one interface of all bias predictors, and the place of a predictor that a node does without.
+/// Interface of all bias predictors, and the empty predictor of a node without one.
 #pragma once
 
 #include <concepts>
@@ -13,7 +13,7 @@ namespace zerorate::core {
 /// A predictor lives at the tick of its newest measurement. It is fed with the means of ticks at
 /// standstill and asked for any later tick; between stops nothing is computed.
 ///
-/// - `Coefficients`: made from core::Modes; what the predictor is made from, shared by all axes.
+/// - `Coefficients`: made from core::Modes, shared by the predictors of all axes.
 /// - `begin_stop()`: a new standstill begins. Predictors without memory across stops start again.
 /// - `advance(span)`: time passes. Call it before each measurement with the span since the last.
 /// - `observe(rate, variance)`: the mean measured rate of this tick [rad/s] and its white variance.
@@ -37,7 +37,7 @@ concept BiasPredictor = requires(P predictor, const P& settled, const typename P
   { settled.state() } -> std::same_as<const typename P::State&>;
 };
 
-/// BiasPredictor that learns nothing and predicts nothing, at no cost.
+/// Empty BiasPredictor: every function is a no-op at no cost.
 template <ModelShape Shape>
 class NoPredictor {
  public:

@@ -1,5 +1,5 @@
 /// @file
-/// The mean of the newest standstill: what everybody does today (the paper's eq. 9, "CM").
+/// Mean of the newest standstill, the common method (the paper's eq. 9, "CM").
 #pragma once
 
 #include <cstddef>
@@ -33,12 +33,12 @@ class CalibrationMean {
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
-  /// @param modes the noise that the intervals are computed under; must outlive the predictor
+  /// @param modes noise model of the intervals; must outlive the predictor
   constexpr explicit CalibrationMean(const ModesOf<Shape>& modes) : modes_(&modes) {}
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return is_bool(state.restart) && is_plausible(state.sum_rad_s) &&
            is_plausible(state.lost_rad_s) && is_plausible_rate(state.reference_rad_s) &&

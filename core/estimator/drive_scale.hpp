@@ -1,5 +1,5 @@
 /// @file
-/// The distance that the bias covers between stops, over what is predicted.
+/// Scale of the bias's movement between stops over its prediction.
 #pragma once
 
 #include <algorithm>
@@ -13,16 +13,15 @@
 
 namespace zerorate::core {
 
-/// Factor, at least 1, of the variances that a learning bank predicts for a drive: by maximum
+/// Factor of at least 1 on the variances that a learning bank predicts for a drive, by maximum
 /// likelihood in fixed memory (docs/design/learning.md, section 5). The estimate itself may be
-/// below 1: were it not, its chance alone would widen the interval of a sensor that is as
-/// predicted.
+/// below 1. Otherwise chance alone would widen the interval of a sensor that fits its model.
 ///
-/// The innovations within a stop are many and tell of the white noise. Those between stops are few
-/// and tell what the interval of a drive is worth: a sensor outside the family shows in these
-/// alone. A stop that resolves the share f of the variance v moves the estimate of an axis by d,
-/// whose variance is s f v. The logarithm of s follows the score f (d^2 / (s f v) - 1) / 2 over the
-/// information gathered, f^2 / 2. A stop too short to tell anything has f near 0.
+/// The innovations within a stop are many and depend on the white noise. Those between stops are
+/// few and show whether the interval of a drive holds: a sensor outside the family shows in these
+/// alone. A stop resolves the share f of the variance v and moves the estimate of an axis by d,
+/// with the variance s f v. The logarithm of s follows the score f (d^2 / (s f v) - 1) / 2 over the
+/// information gathered, f^2 / 2. A stop too short for any information has f near 0.
 ///
 /// Cost of a stop: 20 times the mixture's, and some 40 floating-point operations and 6 divisions.
 template <class Bank>
@@ -34,7 +33,7 @@ class DriveScale {
   using Variances = std::array<float, kHypotheses>;
   using BankState = typename Bank::State;
 
-  /// Part that is worth keeping while the power is off.
+  /// Part of the state that is saved while the power is off.
   struct Memory {
     float scale = 1.0F;                     ///< estimate
     float information = kPriorInformation;  ///< about the logarithm of the scale
@@ -44,8 +43,8 @@ class DriveScale {
   struct State {
     Memory memory;
     Biases before{};               ///< predicted when the stop began
-    Variances variances_before{};  ///< by each hypothesis, of scale 1
-    std::uint8_t ticks_left = 0;   ///< of the stop, until it is judged; 0: no stop
+    Variances variances_before{};  ///< variance by each hypothesis, at scale 1
+    std::uint8_t ticks_left = 0;   ///< ticks until the stop is judged; 0: no stop
 
     constexpr bool operator==(const State&) const = default;
   };
@@ -56,7 +55,7 @@ class DriveScale {
   constexpr void restore(const Memory& memory) { state_ = {.memory = memory}; }
   [[nodiscard]] constexpr float scale() const { return std::max(state_.memory.scale, 1.0F); }
 
-  /// Whether memory from outside may be such a memory, or such a state.
+  /// True if a restored memory or state is valid.
   [[nodiscard]] static constexpr bool is_possible(const Memory& memory) {
     return memory.scale >= kLeast && is_plausible(memory.scale) &&
            memory.information >= kPriorInformation && memory.information <= kMostInformation;
@@ -71,13 +70,13 @@ class DriveScale {
     return are_possible;
   }
 
-  /// Whether the bias moves by so much more than is predicted that no chance explains it.
+  /// Whether the bias moves more than predicted, beyond chance.
   [[nodiscard]] constexpr bool is_exceeded() const {
     const float excess = scale() / kWorrying - 1.0F;
     return excess > 0.0F && excess * excess * state_.memory.information > kDeviations * kDeviations;
   }
 
-  /// A stop begins, for which these biases are predicted.
+  /// Begins a stop with these predicted biases.
   constexpr void begin_stop(const BankState& bank) {
     state_.before = bank.newest();
     for (std::size_t m = 0; m < kHypotheses; ++m) {
@@ -85,7 +84,8 @@ class DriveScale {
     }
     state_.ticks_left = kTicks;
   }
-  /// A tick of the stop was learnt from. The drift of a long stop says nothing of the drive.
+  /// Counts a tick of the stop that was learnt from. The drift of a long stop is no measure of the
+  /// drive.
   constexpr void on_tick(const BankState& bank) {
     if (state_.ticks_left == 1) {
       end_stop(bank);
@@ -93,7 +93,7 @@ class DriveScale {
       --state_.ticks_left;
     }
   }
-  /// The stop is over: learns from it, if on_tick() has not.
+  /// Ends the stop and learns from it, if on_tick() has not.
   constexpr void end_stop(const BankState& bank) {
     if (state_.ticks_left == 0) return;
     state_.ticks_left = 0;
@@ -104,7 +104,7 @@ class DriveScale {
       const float moved = after[i].bias_rad_s - state_.before[i].bias_rad_s;
       const float share = share_resolved(bank, i);
       const float resolved = share * state_.before[i].variance_rad2_s2;
-      // An axis without any noise is not there.
+      // An axis without noise does not exist in the sensor.
       if (!is_finite_positive(resolved) || moved == 0.0F) continue;
       const float surprise = std::min(moved * moved / (state_.memory.scale * resolved), kLargest);
       score += 0.5F * share * (surprise - 1.0F);
@@ -117,8 +117,8 @@ class DriveScale {
   }
 
  private:
-  /// Share of the variance that the stop has resolved, by hypotheses and scales as they are now: a
-  /// scale that was learnt in between is no knowledge of the bias.
+  /// Share of the variance that the stop has resolved, under the present hypotheses and scales: a
+  /// scale that was learnt in between is no information on the bias.
   [[nodiscard]] constexpr float share_resolved(const BankState& bank, std::size_t axis) const {
     float before = 0.0F;
     float after = 0.0F;
@@ -130,7 +130,7 @@ class DriveScale {
     }
     return 1.0F - after / before;
   }
-  /// Estimate from which that of a sensor that grows noisier is soon above 1.
+  /// Least estimate: from here it soon exceeds 1 if the sensor grows noisier.
   static constexpr float kLeast = 0.1F;
   static constexpr float kPriorInformation = 6.0F;  ///< a factor of 1.5 either way
   static constexpr float kMostInformation = 30.0F;  ///< memory of some twenty stops
@@ -138,7 +138,7 @@ class DriveScale {
   static constexpr float kLargest = 16.0F;  ///< one stop that went wrong is not the noise
   static constexpr float kLargestRise = 3.0F;
   static constexpr float kLargestFall = -0.5F;
-  /// Factor of the variance from which the sensor is none that the node knows.
+  /// Factor of the variance above which the sensor does not fit the model at all.
   static constexpr float kWorrying = 2.0F;
   static constexpr float kDeviations = 3.0F;
 

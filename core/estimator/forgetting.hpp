@@ -65,7 +65,7 @@ class Forgetting {
     im -= forgotten.im;
   }
 
-  /// The corner of the covariance that no decaying mode has a part in: columns, then rows.
+  /// Part of the covariance without decaying modes: columns, then rows.
   constexpr void apply_to_others(Covariance& w) const {
     std::array<std::array<float, kOthers>, kOthers> full{};
     for (std::size_t i = 0; i < kOthers; ++i) {

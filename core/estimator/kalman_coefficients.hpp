@@ -44,9 +44,9 @@ struct KalmanCoefficients {
 
   /// Variances and covariances that noise adds over a span of ticks.
   struct Noise {
-    float bias = 0.0F;  ///< to the variance of the bias [rad2/s2]
-    Drifts cross{};     ///< to its covariances with the drifts
-    Drifts drift{};     ///< to the variances of the drifts
+    float bias = 0.0F;  ///< added to the variance of the bias [rad2/s2]
+    Drifts cross{};     ///< added to its covariances with the drifts
+    Drifts drift{};     ///< added to the variances of the drifts
   };
 
   float tick_s;
@@ -60,7 +60,7 @@ struct KalmanCoefficients {
   std::array<Noise, Shape.hypotheses> tick_noise;
   Forgetting<Shape> tick_forgetting;
 
-  /// @param guesses at the slow noise: must outlive the coefficients
+  /// @param guesses hypotheses of the slow noise; must outlive the coefficients
   constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
                                         const Gate& innovation_gate = {},
                                         const TemperatureBlock<kWeights>& temperature = {},
@@ -176,7 +176,7 @@ struct KalmanCoefficients {
     if constexpr (kWeights > 0) set_temperature(weight, span.temperature.change);
     return weight;
   }
-  /// How far the sum of the bias over the ticks of a span moves: sum_lag / alpha.
+  /// Movement of the sum of the bias over the ticks of a span: sum_lag / alpha.
   [[nodiscard]] constexpr Drifts movement_of_sum(const Transition& span) const {
     Drifts weight{};
     for (std::size_t i = 0; i < kDecaying; ++i) {
@@ -192,7 +192,7 @@ struct KalmanCoefficients {
   }
 
  private:
-  /// A filter of several hypotheses may be told that there is one.
+  /// A filter with room for several hypotheses may use one.
   struct StrengthOf {
     const KalmanCoefficients& coefficients;
     std::size_t hypothesis;

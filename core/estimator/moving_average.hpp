@@ -1,6 +1,6 @@
 /// @file
-/// The paper's cheap second: for j ticks ahead, the mean of the last j ticks (eq. 8), and the mean
-/// of the whole stop from there on (eq. 9).
+/// The paper's cheap predictor: for j ticks ahead the mean of the last j ticks (eq. 8); beyond the
+/// length of the stop, the mean of the whole stop (eq. 9).
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace zerorate::core {
 /// Fixed memory for any length of stop; SuffixSums states how near it comes to the exact mean.
 /// Cost: observe 2 additions on average, bias one addition per block, at most 328; an interval
 /// about 2 log2(count) compositions, a heading interval one composition per block.
-/// @tparam Levels of SuffixSums: fewer save memory and shorten the stop of which all is remembered
+/// @tparam Levels of SuffixSums: fewer save memory, and a shorter stop is remembered in full
 template <ModelShape Shape, std::size_t Levels = 22>
 class MovingAverage {
  public:
@@ -38,12 +38,12 @@ class MovingAverage {
   static_assert(std::is_trivially_copyable_v<State>);
   static_assert(sizeof(State) <= 1536);
 
-  /// @param modes the noise that the intervals are computed under; must outlive the predictor
+  /// @param modes noise model of the intervals; must outlive the predictor
   constexpr explicit MovingAverage(const ModesOf<Shape>& modes) : modes_(&modes) {}
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return is_bool(state.restart) && state.sums.is_possible() &&
            is_plausible_rate(state.reference_rad_s) &&
@@ -121,8 +121,8 @@ class MovingAverage {
   }
 
  private:
-  /// How much the sum of all predictions over a drive depends on the measurement that is i ticks
-  /// older than the newest: every prediction whose window reaches it takes a share.
+  /// Weight of a measurement in the sum of all predictions over a drive, i ticks before the newest
+  /// one. Every prediction whose window reaches the measurement contributes.
   class DriveWeights {
    public:
     constexpr DriveWeights(const SuffixSums<Levels>& sums, std::uint32_t lead, std::uint32_t drive)

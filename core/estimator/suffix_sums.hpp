@@ -19,9 +19,8 @@ namespace zerorate::core {
 /// kPerLevel - 1 blocks of every shorter length are newer, so the suffix mean is wrong by at most
 /// 1 / (4 (kPerLevel - 1)) of the difference between the means of the two parts of that one block;
 /// suffixes that end between blocks are exact, as are all of the newest kExact - 1.
-/// @tparam Levels how many rings. They hold 12 2^(Levels + 1) measurements (22: 1e8, 16: 1.6e6);
-/// what
-///         is older stays in the last block. Each costs 50 bytes.
+/// @tparam Levels number of rings, 50 bytes each. They hold 12 2^(Levels + 1) measurements
+///         (22: 1e8, 16: 1.6e6); older ones stay in the last block.
 template <std::size_t Levels = 22>
 class SuffixSums {
  public:
@@ -97,8 +96,8 @@ class SuffixSums {
     }
   }
 
-  /// Whether memory from outside may be such sums: its places are there, its blocks make up the
-  /// count, and its numbers are plausible.
+  /// True if restored sums are valid: places in range, blocks that add up to the count, plausible
+  /// numbers.
   [[nodiscard]] constexpr bool is_possible() const {
     if (oldest_exact_ >= kExact || exact_used_ > kExact) return false;
     for (std::size_t level = 0; level < Levels; ++level) {
@@ -141,7 +140,7 @@ class SuffixSums {
   constexpr float& block(std::size_t level, std::size_t i) {
     return blocks_[level][(oldest_[level] + i) % kPerLevel];
   }
-  /// 2^(level + 1), but the oldest of the last level has swallowed all that came before.
+  /// Size of a block: 2^(level + 1); the oldest of the last level holds all older measurements.
   [[nodiscard]] constexpr std::uint32_t size_of_block(std::size_t level, std::size_t i) const {
     const std::uint32_t size = 2U << level;
     return level == Levels - 1 && i == 0 ? size + swallowed_ : size;

@@ -58,7 +58,7 @@ class WeightedWindow {
   /// @param age ticks from the start of the sensor's noise (Modes::initial_variance) to the window
   constexpr WeightedWindow(const ModesOf<Shape>& modes, std::uint32_t age) {
     for (std::size_t i = 0; i < Shape.decaying; ++i) {
-      // A mean does not know what is expected of a transient: that is error too.
+      // A mean ignores the expected transient, which therefore counts as error.
       const float mean = modes.decaying[i].initial_mean;
       decaying_[i].variance = modes.decaying[i].initial_variance + mean * mean;
     }

@@ -1,5 +1,5 @@
 /// @file
-/// Hypotheses of the slow noise of a sensor whose model is a data sheet's.
+/// Hypotheses of a sensor's slow noise, around the model of its data sheet.
 #pragma once
 
 #include <algorithm>
@@ -12,38 +12,36 @@
 
 namespace zerorate::core {
 
-/// A flicker noise that the sensor may have, in the modes of the model that it is tried beside
-/// (docs/design/learning.md, section 1). All figures hold for a white noise as the model says; a
-/// filter learns the factor of both.
+/// Flicker noise that the sensor may have, in the modes of the model (docs/design/learning.md,
+/// section 1). All figures hold for the model's white noise; a filter learns the factor of both.
 /// @tparam Decaying number of decaying modes
 template <std::size_t Decaying>
-struct Hypothesis {
+struct NoiseHypothesis {
   std::array<float, Decaying> strength{};  ///< variance of each mode over the model's
   float log_prior = 0.0F;               ///< logarithm of the prior probability, less any constant
-  float level = 1.0F;                   ///< of the slow noise over half a minute, over the model's
+  float level = 1.0F;                   ///< slow noise over half a minute, over the model's
   float order = 0.0F;                   ///< d
   float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
 
-  /// Evidence before the first measurement: a sensor of which nothing is known is first taken for a
-  /// noisy one, because few measurements may by chance speak for too weak a noise. It is forgotten
-  /// like all evidence.
+  /// Evidence before the first measurement. It favours strong noise, because few measurements may
+  /// favour too weak a noise by chance. It is forgotten like all evidence.
   [[nodiscard]] constexpr float first_log_evidence() const {
     constexpr float kCaution = 1.0F / 3.0F;
     return kCaution * natural_log(std::max(level, 1e-37F));
   }
 };
 
-/// Hypotheses of a filter of this shape, and how it weighs them.
+/// Hypotheses of a filter of this shape, with the memory of their evidence.
 template <ModelShape Shape>
 struct Hypotheses {
-  std::size_t count = 0;  ///< of those below; 0: the model is known, and nothing is learnt
+  std::size_t count = 0;  ///< hypotheses in use; 0: the model is known, and nothing is learnt
   /// Share of the evidence that a measurement leaves; 1: all of it.
   float kept = 1.0F;
-  std::array<Hypothesis<Shape.decaying>, Shape.hypotheses> all{};
+  std::array<NoiseHypothesis<Shape.decaying>, Shape.hypotheses> all{};
 };
 
-/// Place of the hypotheses in a filter of one: the model itself.
+/// No hypotheses: the filter uses the model itself.
 struct KnownModel {
   static constexpr std::size_t count = 0;
 };

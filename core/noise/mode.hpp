@@ -1,5 +1,5 @@
 /// @file
-/// A mode: the smallest piece of slow noise, and what becomes of it over a span of ticks.
+/// A mode, the smallest piece of slow noise, and its transition over a span of ticks.
 ///
 /// Every noise block of the project is a sum of modes. With F the mode's one-tick factor,
 ///
@@ -15,15 +15,15 @@
 
 namespace zerorate::core {
 
-/// 1 - F of a mode that is to move steadily instead of to decay (RateRamp).
+/// 1 - F of a mode that moves steadily and does not decay (RateRamp).
 inline constexpr float kNearlyConstant = 0x1p-40F;
 
 /// One mode at the filter's tick.
 /// @tparam Scalar float for a decaying mode, Complex for a rotating one
 template <class Scalar>
 struct Mode {
-  /// alpha = 1 - F, kept instead of F because F of a slow mode rounds to 1. Never 0, which would be
-  /// a walk of the level. Written phi where letters are not to be had.
+  /// alpha = 1 - F, stored because F of a slow mode rounds to 1. Never 0: that would be a walk of
+  /// the level.
   Scalar one_minus_phi{1.0F};
   /// Variance of Re w per tick [rad2/s2].
   float noise_variance = 0.0F;

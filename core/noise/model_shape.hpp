@@ -1,5 +1,5 @@
 /// @file
-/// How many states of each kind a filter has.
+/// Number of states of each kind in a filter.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct ModelShape {
   std::size_t decaying = 0;             ///< first-order Gauss-Markov modes
   std::size_t rotating = 0;             ///< damped oscillations, two states each
   std::size_t temperature_weights = 0;  ///< TemperatureDrift::kWeights; 0: no temperature
-  std::size_t hypotheses = 1;           ///< of the strength of the slow noise; 1: it is known
+  std::size_t hypotheses = 1;           ///< strengths of the slow noise; 1: it is known
 
   constexpr bool operator==(const ModelShape&) const = default;
 };

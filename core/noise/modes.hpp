@@ -73,12 +73,12 @@ template <std::size_t R, std::size_t C>
   return both;
 }
 
-/// How a filter starts: with the noise at zero ("type II", as the paper simulates it), or with the
-/// noise at the variance that it has in a sensor that has been on for long.
+/// Start of a filter: with the noise at zero ("type II", the paper's simulation), or with the
+/// variance of a sensor that has been on for long.
 enum class Start : std::uint8_t { zero, stationary };
 
-/// The noise of a sensor at a filter tick; made by compose(). The coefficients that predictors
-/// share; they never change while a filter runs.
+/// Noise of a sensor at a filter tick, made by compose(). All predictors share these coefficients;
+/// they never change while a filter runs.
 template <std::size_t R, std::size_t C>
 struct Modes {
   static constexpr std::size_t kStates = R + 2 * C;
@@ -139,7 +139,7 @@ class ModeWriter {
         .initial_variance = modes_.start == Start::stationary ? stationary_variance : 0.0F};
     place(mode);
   }
-  /// A decaying mode that starts apart from its stationary state, however the filter starts.
+  /// A decaying mode with a start of its own, whatever the start of the filter.
   constexpr void add_transient(float forgetting, float noise_variance, float mean, float variance) {
     if (mean != 0.0F || variance > 0.0F) modes_.is_stationary = false;
     place(DecayingMode{.one_minus_phi = forgetting,

@@ -12,7 +12,8 @@
 namespace zerorate::core {
 
 /// slope e + curvature e^2 with e = temperature - reference. Both coefficients are constants of the
-/// sensor that a filter knows roughly and learns; e and e^2 are the weights that it sees them with.
+/// sensor with a roughly known value that a filter learns; e and e^2 are the weights of both in a
+/// measurement.
 struct TemperatureDrift {
   static constexpr std::size_t kWeights = 2;
 
@@ -29,23 +30,23 @@ struct TemperatureDrift {
   }
 };
 
-/// Place of the block in a filter without it (K = 0).
+/// Empty block of a filter without temperature (K = 0).
 struct NoTemperatureDrift {};
 
 /// @tparam K 0 or TemperatureDrift::kWeights
 template <std::size_t K>
 using TemperatureBlock = std::conditional_t<(K > 0), TemperatureDrift, NoTemperatureDrift>;
 
-/// Change of the temperature over a span of ticks, as far as the bias is concerned.
+/// Effect of the temperature on the bias over a span of ticks.
 template <std::size_t K>
 struct TemperatureTransition {
   static_assert(K == TemperatureDrift::kWeights);
   using Weights = std::array<float, K>;
 
   Weights change{};  ///< change of the weights from before the span to its end
-  Weights sum{};     ///< over the ticks of the span, of the change up to each
-  /// Standard deviation of the change that is not known, because the temperature is not. Both
-  /// weights then change together, and the mean of that is zero.
+  Weights sum{};     ///< sum over the ticks of the span of the change up to each
+  /// Standard deviation of the change while the temperature is not known. Both weights then change
+  /// together, with mean zero.
   Weights unknown{};
 
   constexpr bool operator==(const TemperatureTransition&) const = default;
@@ -53,7 +54,7 @@ struct TemperatureTransition {
   [[nodiscard]] constexpr bool is_known() const { return unknown[0] == 0.0F; }
 };
 
-/// Transition with what the temperature does over it.
+/// Transition of the modes together with the effect of the temperature.
 template <ModelShape Shape>
 struct TransitionWithTemperature : TransitionOf<Shape> {
   TemperatureTransition<Shape.temperature_weights> temperature{};
@@ -61,7 +62,7 @@ struct TransitionWithTemperature : TransitionOf<Shape> {
   constexpr bool operator==(const TransitionWithTemperature&) const = default;
 };
 
-/// Transition that a filter is given: without the block, that of its modes.
+/// Transition type of a filter; without temperature it is that of its modes.
 template <ModelShape Shape>
 using FilterTransition = std::conditional_t<(Shape.temperature_weights > 0),
                                             TransitionWithTemperature<Shape>, TransitionOf<Shape>>;

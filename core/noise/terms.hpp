@@ -109,9 +109,8 @@ struct WarmUp {
   constexpr void contribute(Duration tick, ModeWriter<R, C>& writer) const {
     const float elapsed = tick.in_seconds() / time_constant_s;
     const float variance = sigma_rad_s * sigma_rad_s;
-    // A number that decays without end leaves the range of normal numbers, where processors are
-    // slow. So the variance is kept from falling below this share of the first, far from all that
-    // is measured.
+    // A number that decays without end becomes subnormal, and processors are slow with those. So
+    // the variance never falls below this share of the first one, far below any measurement.
     constexpr float kFloor = 1e-12F;
     writer.add_transient(one_minus_exp_neg(elapsed),
                          kFloor * variance * one_minus_exp_neg(2.0F * elapsed), amplitude_rad_s,
@@ -119,10 +118,10 @@ struct WarmUp {
   }
 };
 
-/// Bias that moves steadily: slope t, t since the filter's start; the slope differs from start to
-/// start, and begins anew where the one before has got to. It is the beginning of a decay with a
-/// time constant of 2^40 ticks (350 years at 100 Hz), which a predictor that holds drifts keeps as
-/// the slope itself: nothing large enters its arithmetic.
+/// Bias that moves steadily: slope t, t since the filter's start. The slope differs from start to
+/// start; a new one continues from the last bias. It is the beginning of a decay with a time
+/// constant of 2^40 ticks (350 years at 100 Hz). A predictor that holds drifts stores the slope
+/// itself, so that nothing large enters its arithmetic.
 struct RateRamp {
   static constexpr std::size_t kDecaying = 1;
   static constexpr std::size_t kRotating = 0;

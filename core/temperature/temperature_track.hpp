@@ -11,8 +11,8 @@
 
 namespace zerorate::core {
 
-/// Fills in what the temperature does over the spans of a filter that measures at some ticks and
-/// predicts at others.
+/// Adds the temperature to the spans of a filter that measures at some ticks and predicts at
+/// others.
 template <std::size_t K>
 class TemperatureTrack {
  public:
@@ -40,7 +40,7 @@ class TemperatureTrack {
     summed_ticks_ = state.summed_ticks;
   }
 
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return Thermometer<K>::is_possible(state.thermometer) && Tick::is_possible(state.tick) &&
            Tick::is_possible(state.measured) && are_plausible(state.sum);
@@ -64,7 +64,7 @@ class TemperatureTrack {
     summed_ticks_ = 0;
   }
 
-  /// Goes on with what another run measured last, by a clock of which nothing is known.
+  /// Continues from the last temperature of another run, whose clock is unrelated.
   constexpr void resume(const Tick& measured) {
     measured_ = measured;
     measured_.at = {};
@@ -93,8 +93,8 @@ class TemperatureTrack {
     }
   }
 
-  /// Fills in a drive whose first `past` ticks lie in the lead and had its average; the rest will
-  /// have what is now.
+  /// Adds the temperature to a drive. Its first `past` ticks lie in the lead and have the average
+  /// there; the rest have the present temperature.
   static constexpr void over_drive(const auto& lead, std::uint32_t past, auto& drive) {
     const auto in_lead = static_cast<float>(std::max(lead.ticks, std::uint32_t{1}));
     const auto coming = static_cast<float>(drive.ticks - past);
@@ -114,7 +114,7 @@ class TemperatureTrack {
   std::uint32_t summed_ticks_ = 0;
 };
 
-/// In a filter without the block: nothing, at no cost.
+/// No-op in a filter without temperature, at no cost.
 template <>
 class TemperatureTrack<0> {
  public:

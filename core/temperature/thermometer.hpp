@@ -23,13 +23,13 @@ struct TickTemperature {
   Instant unknown_since;  ///< the last reading, or the start; only where it is not known
 
   constexpr bool operator==(const TickTemperature&) const = default;
-  /// Makes it of a temperature above the reference [K]; of what is no number, an unknown one.
+  /// Sets the temperature above the reference [K]; not a number: unknown.
   [[nodiscard]] static constexpr TickTemperature of(float above_reference_k) {
     if (!is_finite(above_reference_k)) return {};
     return {.weights = {above_reference_k, above_reference_k * above_reference_k},
             .is_known = true};
   }
-  /// Whether memory from outside may be such a temperature.
+  /// True if a restored temperature is valid.
   [[nodiscard]] static bool is_possible(const TickTemperature& tick) {
     return is_bool(tick.is_known) && is_in_range(tick.at) && is_in_range(tick.unknown_since) &&
            are_plausible(tick.weights);
@@ -41,13 +41,13 @@ struct TickTemperature<0> {
   [[nodiscard]] static constexpr bool is_possible(const TickTemperature& /*tick*/) { return true; }
 };
 
-/// Makes weights of temperature readings. Those of a tick are known when it begins, so that they
-/// are the same when it is predicted and when it is learnt from: the mean of the readings of the
-/// tick before, followed by the lag of the sensing element.
+/// Makes weights of temperature readings: the mean of the readings of the tick before, followed by
+/// the lag of the sensing element. So the weights of a tick are known when it begins, and are the
+/// same for its prediction and its measurement.
 ///
-/// A reading counts until the next one, but no longer than kHold; from then on the temperature is
-/// unknown, and taken to wander by kWander_k2_per_s. What is not finite, or no temperature of
-/// working silicon, is no reading.
+/// A reading counts until the next one, but no longer than kHold. From then on the temperature is
+/// unknown, and wanders by kWander_k2_per_s. A reading that is not finite, or that no working
+/// silicon has, is ignored.
 template <std::size_t K>
 class Thermometer {
  public:
@@ -72,14 +72,14 @@ class Thermometer {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
+  /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return are_bools(state.has_started, state.has_reading) && is_in_range(state.newest) &&
            is_in_range(state.tick) && is_plausible_rate(state.reading_k) &&
            is_plausible_rate(state.element_k) && is_plausible(state.sum_k);
   }
 
-  /// The time of every sample, with what the thermometer says then: any number.
+  /// The time of every sample, and the temperature measured then: any number.
   constexpr void take(Instant at, bool begins_tick, float degc) {
     if (!state_.has_started) state_ = {.has_started = true, .newest = at, .tick = at};
     if (begins_tick) begin_tick(at);
@@ -93,7 +93,7 @@ class Thermometer {
         .weights = {e, e * e}, .at = at, .is_known = is_known(at), .unknown_since = state_.newest};
   }
 
-  /// Whether the model needs a temperature that is not there.
+  /// Whether the model needs a temperature and none is known.
   [[nodiscard]] constexpr bool is_missed(Instant now) const {
     return drift_.is_on() && !is_known(now);
   }
@@ -106,8 +106,8 @@ class Thermometer {
       for (std::size_t i = 0; i < K; ++i) span.change[i] = to.weights[i] - from.weights[i];
     }
     if (!from.is_known || !to.is_known) {
-      // Since an unknown beginning nobody knows by how much the bias has moved; the
-      // measurement there knew the bias itself.
+      // The change since an unknown beginning is unknown; the measurement there had the bias
+      // itself.
       const Duration unknown = to.at - (from.is_known ? to.unknown_since : from.at);
       const float sigma_k = square_root(kWander_k2_per_s * unknown.in_seconds());
       span.unknown = {sigma_k, 2.0F * to.weights[0] * sigma_k};

@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the ADXRS453's frames, as pure functions. Source: Analog Devices, ADXRS453 rev. B;
-/// README.md says of each fact how it was come by.
+/// README.md gives the source of each fact.
 #pragma once
 
 #include <bit>
@@ -14,12 +14,12 @@ namespace zerorate::drivers::adxrs453 {
 
 /// 80 LSB are one degree a second.
 inline constexpr core::AngularRate kLsb = core::deg_per_s(1.0F / 80.0F);
-/// 300 deg/s, up to where the datasheet promises accuracy; the chip counts on to 400.
+/// 300 deg/s, the range of the specified accuracy; the chip counts on to 400.
 inline constexpr std::int16_t kFullScaleRaw = 300 * 80;
 
 /// ST1 and ST0 of a reply.
 enum class Status : std::uint8_t {
-  invalid = 0,    ///< the chip does not trust its own data
+  invalid = 0,    ///< the chip marks its own data as invalid
   valid = 1,      ///< sensor data
   self_test = 2,  ///< data while the self-test is asserted
   register_access = 3,
@@ -52,7 +52,7 @@ static_assert(kCheckCommand == 0x2000'0003);
   return std::popcount(reply >> 16U) % 2 == 1 && std::popcount(reply) % 2 == 1;
 }
 
-/// True of what a line gives to which nobody talks.
+/// True for the output of a line without a chip.
 [[nodiscard]] constexpr bool is_stuck(std::uint32_t reply) {
   return reply == 0 || reply == 0xFFFF'FFFF;
 }

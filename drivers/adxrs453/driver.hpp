@@ -27,12 +27,12 @@ struct Settings {
 
 }  // namespace adxrs453
 
-/// A GyroSource with one axis, which it gives on all three. Bus is SpiFrames<...>, SPI mode 0, up
-/// to 8.08 MHz.
+/// A GyroSource with one axis; its rate is given on all three. Bus is SpiFrames<...>, SPI mode 0,
+/// up to 8.08 MHz.
 ///
-/// The chip measures all the time and tells of no new sample: the driver takes one a sample period.
-/// Every reply is checked for both parities, for the kind of its frame and for the chip's own
-/// faults.
+/// The chip measures all the time and does not signal new samples: the driver takes one a sample
+/// period. Every reply is checked for both parities, for the kind of its frame and for the chip's
+/// own faults.
 ///
 /// Not thread-safe, not for interrupts. No stack to speak of.
 template <FrameBus Bus>
@@ -43,10 +43,10 @@ class Adxrs453 {
   constexpr explicit Adxrs453(Bus bus, adxrs453::Settings settings = {})
       : bus_(bus), settings_(settings) {}
 
-  /// not_ready for 250 ms from the first call: 100 ms after power-on (of which the first call is
-  /// thought to be the moment), and 50 ms after each step of the chip's start-up check, in which it
-  /// has to assert all its faults and to take them back. Then identity, serial number and fault
-  /// register. sensor_fault if the check does not succeed. After any error a call begins anew.
+  /// not_ready for 250 ms from the first call: 100 ms after power-on (assumed to be the first
+  /// call), and 50 ms after each step of the chip's start-up check, which asserts all faults and
+  /// takes them back. Then identity, serial number and fault register. sensor_fault if the check
+  /// does not succeed. After any error a call begins anew.
   core::Result<void, DriverError> start(core::Instant now) {
     if (stage_ == Stage::off || stage_ == Stage::running) return wait(Stage::powering, now);
     const core::Duration needed =
@@ -83,7 +83,7 @@ class Adxrs453 {
   }
 
   /// Two transactions. Looks at the part's identity, its serial number and its fault register in
-  /// turn: configuration_lost says that another chip answers, sensor_fault that the chip failed.
+  /// turn: configuration_lost: another chip answers; sensor_fault: the chip failed.
   core::Result<void, DriverError> verify_next() {
     if (stage_ != Stage::running) {
       return refused(DriverErrorCode::not_ready, adxrs453::kPid1);

@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the bits of the BMI088's gyro, as pure functions. Source: Bosch BST-BMI088-DS001;
-/// README.md says of each fact how it was come by.
+/// README.md gives the source of each fact.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
 
 /// FIFO_STATUS.
 struct FifoStatus {
-  std::uint8_t frames;  ///< that wait, at most 100
+  std::uint8_t frames;  ///< frames that wait, at most 100
   bool is_overrun;      ///< frames were lost since the FIFO was cleared
   bool is_plausible;    ///< the FIFO can hold so much
 };
@@ -53,7 +53,7 @@ struct FifoStatus {
   return {frames, (status & bits::kFifoStatusOverrun) != 0, frames <= kFifoFrames};
 }
 
-/// Nominal; the chip does not tell its trim.
+/// Nominal; the chip has no trim register.
 [[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
   switch (rate) {
     case OutputDataRate::hz_2000_bandwidth_532:
@@ -73,10 +73,10 @@ struct FifoStatus {
   return core::Duration::milliseconds(10);
 }
 
-/// No access for so long after a software reset.
+/// Time without access after a software reset.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(30);
 
-/// How long after configuration the output may not be used: the start-up time of 30 ms, and ten
+/// Time after configuration until the output may be used: the start-up time of 30 ms, and ten
 /// samples, which in every setting are longer than one period of the filter's corner frequency.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(30) + period * 10;

@@ -83,7 +83,7 @@ class Bmi088 {
     if (!is_batched()) sample_clock_.lose_count();  // each sample has an edge: nothing to count on
     sample_clock_.begin_batch(now, *frames);
     const auto count = unless_stuck(drain(*frames, out));
-    // Where the FIFO stands after a burst that broke off is not known: begin at a frame's start.
+    // The place in the FIFO is unknown after a burst that broke off: begin at a frame's start.
     if (!count) static_cast<void>(clear_fifo());
     return count;
   }
@@ -96,7 +96,7 @@ class Bmi088 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return bmi088::sample_period(settings_.rate);
   }
@@ -112,7 +112,7 @@ class Bmi088 {
     namespace b = bmi088::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
     return ConfigurationTable<kEntries>{{{
-        // The ones and zeros of the first two tell a line that is stuck either way.
+        // The ones and zeros of the first two show a line that is stuck either way.
         configure(kFifoWmEnable, b::kFifoWmEnableBoth, is_fifo ? b::kFifoWmOn : b::kFifoWmOff),
         configure(kGyroLpm1, b::kGyroLpm1Suspend, 0),
         configure(kGyroRange, b::kGyroRangeRange, static_cast<std::uint8_t>(settings.full_scale)),
@@ -165,8 +165,8 @@ class Bmi088 {
       return refused(DriverErrorCode::corrupt_data, bmi088::kFifoStatus.address);
     }
     if (status.is_overrun) {
-      // The flag falls only when the FIFO is cleared; and since it stopped, nobody knows when, the
-      // time of what it holds is not known either.
+      // The flag falls only when the FIFO is cleared. The time at which the FIFO stopped is
+      // unknown, and so are the times of its samples.
       if (const auto done = clear_fifo(); !done) return core::Unexpected{done.error()};
       return refused(DriverErrorCode::fifo_overrun, bmi088::kFifoStatus.address);
     }
@@ -187,7 +187,7 @@ class Bmi088 {
     return drain_fifo<kFrameBytes>(bus_, bmi088::kFifoData, frames, out, decode);
   }
 
-  /// Frames carry no mark. What a line gives that got stuck behind the level is no sample.
+  /// Frames carry no mark. The output of a line that got stuck after the level is no sample.
   core::Result<std::size_t, DriverError> unless_stuck(
       core::Result<std::size_t, DriverError> count) {
     if (!count) return count;

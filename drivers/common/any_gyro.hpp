@@ -1,5 +1,5 @@
 /// @file
-/// A gyro whose chip and bus are chosen at run time, and a driver with its wiring as one.
+/// Gyro with chip and bus chosen at run time, and a driver together with its wiring.
 #pragma once
 
 #include <concepts>

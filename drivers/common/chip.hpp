@@ -1,5 +1,5 @@
 /// @file
-/// A chip as programs know it that choose a gyro by its name, or use every gyro that there is.
+/// Description of a chip, for programs that choose a gyro by its name or use every known gyro.
 #pragma once
 
 #include <concepts>
@@ -18,7 +18,7 @@ struct Choice {
   Code code;
 };
 
-/// Code of what a chip does not let choose.
+/// Code of a setting that the chip does not have.
 struct Fixed {};
 
 /// A line of the table of chips (drivers/chips/chips.hpp):
@@ -29,7 +29,7 @@ struct Fixed {};
 /// - `kFullScales`     Choices of the range [deg/s]
 /// - `settings(rate, full_scale, is_fifo)`  Settings, from two codes
 /// - `kCounts`         counts at full scale; one is the LSB
-/// - `kHasDataReady`   whether an edge tells of each sample
+/// - `kHasDataReady`   whether the chip signals each sample with an edge
 /// - `kHasFifo`        whether is_fifo may be true
 /// - `kHasThermometer` whether samples can carry a temperature
 /// - `kAxes`           of the gyro: 3 or 1
@@ -50,7 +50,7 @@ concept ChipEntry = requires {
 };
 
 /// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
-/// says by its reset value which chip it is. Where the driver takes relatives too, which give other
+/// identifies the chip by its reset value. Where the driver takes relatives too, which give other
 /// values, `is_identity(value)`.
 template <class Chip>
 concept RegisterChipEntry = ChipEntry<Chip> && requires {
@@ -58,7 +58,7 @@ concept RegisterChipEntry = ChipEntry<Chip> && requires {
   Chip::kIdentity.reset;
 };
 
-/// True if the driver of the chip takes one that answers so.
+/// True if the driver accepts a chip with this answer.
 template <RegisterChipEntry Chip>
 [[nodiscard]] constexpr bool takes_identity(std::uint8_t value) {
   if constexpr (requires { Chip::is_identity(value); }) {

@@ -1,5 +1,5 @@
 /// @file
-/// Why a driver could not do what it was asked.
+/// Reasons why a driver failed.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 namespace zerorate::drivers {
 
 enum class DriverErrorCode : std::uint8_t {
-  bus_failed,          ///< the transaction failed; DriverError::bus says how
+  bus_failed,          ///< the transaction failed; see DriverError::bus
   wrong_identity,      ///< another chip, none, or a stuck data line
   not_ready,           ///< the chip needs time: call again later; or it was not started
   configuration_lost,  ///< a register does not hold what was written to it
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
-  sensor_fault,  ///< the chip's own supervision says that its data are not to be used
-  frozen,        ///< the same counts again and again, for longer than noise makes them alike
+  sensor_fault,  ///< the chip's own supervision found its data invalid
+  frozen,        ///< equal counts for longer than noise repeats a value
 };
 
 /// For logs and tables.
@@ -48,7 +48,7 @@ enum class DriverErrorCode : std::uint8_t {
 struct DriverError {
   DriverErrorCode code = DriverErrorCode::bus_failed;
   hal::BusError bus = {};  ///< only meaningful if code is bus_failed
-  std::uint8_t reg = 0;    ///< the register that the failing step was about
+  std::uint8_t reg = 0;    ///< register of the step that failed
 
   constexpr bool operator==(const DriverError&) const = default;
 };

@@ -21,9 +21,8 @@ enum class Frame : std::uint8_t { sample, no_sample, corrupt };
 /// Reads frames until out is full or so many were read; one transaction for every 16.
 /// @param data the register through which the FIFO is read; a burst stays on it
 /// @param waiting complete frames in the FIFO
-/// @param decode (span<const uint8_t, FrameBytes>, GyroSample&) -> Frame, called in the order of
-/// the
-///        FIFO; it is called for every frame that is read
+/// @param decode (span<const uint8_t, FrameBytes>, GyroSample&) -> Frame, called for every frame
+///        that is read, in the order of the FIFO
 /// @return samples in out; or the bus's error, or corrupt_data at the first corrupt frame
 template <std::size_t FrameBytes, RegisterBus Bus, class DataRegister, class Decode>
 core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, std::size_t waiting,
@@ -49,11 +48,11 @@ core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, s
 }
 
 /// Lets one overrun be reported once. The error is reported instead of samples, so the FIFO is as
-/// full as before when the next reading comes, and a chip that went on meanwhile says "overrun"
+/// full as before when the next reading comes, and a chip that went on meanwhile reports an overrun
 /// again: that is the same gap, and the reading has to drain the FIFO, or it would never end.
 class OverrunReport {
  public:
-  /// @param says_overrun what the chip says at this reading
+  /// @param says_overrun overrun flag of the chip at this reading
   /// @return true if the reading is to report it
   constexpr bool is_due(bool says_overrun) {
     is_reported_ = says_overrun && !is_reported_;

@@ -1,6 +1,6 @@
 /// @file
-/// Chips that speak in frames of 32 bits, each answered while the next one is sent, as automotive
-/// sensors do.
+/// Bus of chips with frames of 32 bits, common in automotive sensors. The answer to a frame comes
+/// while the next one is sent.
 #pragma once
 
 #include <array>

@@ -32,10 +32,9 @@ using core::GyroSample;
 ///   call.
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
-/// - `sample_period()`: the chip's own period, trimmed where the chip tells its trim.
-/// - `is_batched()`: true if samples wait in a FIFO; then the `now` of read() must be the time of
-/// the
-///   reading: the edge of a watermark is older than what came after it.
+/// - `sample_period()`: the chip's own period, trimmed where the chip has a trim register.
+/// - `is_batched()`: true if samples wait in a FIFO. The `now` of read() must then be the time of
+///   the reading: the edge of a watermark is older than the samples that came after it.
 template <class Source>
 concept GyroSource = requires(Source& source, const Source& same, core::Instant now,
                               std::span<GyroSample> out) {

@@ -76,7 +76,7 @@ class I2cRegisters {
   hal::I2cAddress device_;
 };
 
-/// Whether a bus is SPI: some chips want to be told that they are not on I2C.
+/// Whether a bus is SPI: some chips have to be set to it.
 template <RegisterBus Bus>
 inline constexpr bool kIsSpi = false;
 template <hal::SpiDevice Device>

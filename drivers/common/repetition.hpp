@@ -20,8 +20,8 @@ class Repetition {
   /// @param longest samples in a row that the noise may make alike; kEndless: any number
   constexpr explicit Repetition(std::uint32_t longest) : longest_(longest) {}
 
-  /// Each sample in turn. What is frozen stays so until another value comes, over restarts of the
-  /// chip too. Samples at full scale are alike without being frozen, and are passed over.
+  /// Takes each sample in turn. A frozen chip stays frozen until another value comes, over restarts
+  /// too. Samples at full scale are equal without being frozen, and are skipped.
   [[nodiscard]] constexpr bool is_frozen_with(const GyroSample& sample) {
     if (sample.saturated_axes != 0) return false;
     if (sample.rate != newest_) {

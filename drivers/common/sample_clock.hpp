@@ -1,5 +1,5 @@
 /// @file
-/// When a chip took the samples that are read from its FIFO later, in batches.
+/// Times at which a chip took the samples that are later read from its FIFO in batches.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +10,15 @@
 
 namespace zerorate::drivers {
 
-/// Counts the chip's samples and corrects the count by what the reader knows for certain.
+/// Counts the chip's samples, and corrects the stamps by the time of each reading.
 ///
 /// The chip samples evenly; the reader comes when it has time. Stamping the newest sample with the
 /// time of the reading would carry the reader's jitter into the data. Here the stamps go on one
 /// period apart from batch to batch, and move only when they would be impossible: the newest sample
 /// cannot be younger than the reading, nor more than one period older, or there would be a further
 /// one. So the stamps are even, never run backwards, and are less than one period off, however far
-/// the chip's oscillator is from what it says. The first batch begins at the latest possible time;
-/// readings that come close after a sample pull the stamps to where they belong.
+/// the chip's oscillator is from its nominal rate. The first batch begins at the latest possible
+/// time; readings that come close after a sample pull the stamps to where they belong.
 class SampleClock {
  public:
   /// Forgets what came before; no stamp will be earlier than `now`.
@@ -28,7 +28,7 @@ class SampleClock {
     is_locked_ = false;
   }
 
-  /// Samples were lost, and nobody knows how many: the next batch begins a new count.
+  /// Call after a loss of unknown length: the next batch begins a new count.
   constexpr void lose_count() { is_locked_ = false; }
 
   /// Fixes the stamps of the samples that wait in the FIFO.
@@ -43,8 +43,8 @@ class SampleClock {
     is_locked_ = true;
   }
 
-  /// The stamp of the oldest sample of the batch that was not asked for yet. What is not asked for
-  /// stays in the FIFO and waits for the next batch.
+  /// Stamp of the oldest sample of the batch that was not taken yet. Samples that are not taken
+  /// stay in the FIFO for the next batch.
   constexpr core::Instant next() {
     latest_ = newest_ - step_ * --waiting_;
     return latest_;
@@ -54,7 +54,7 @@ class SampleClock {
   core::Duration period_;
   core::Duration step_;
   core::Instant latest_;  ///< the last stamp given
-  core::Instant newest_;  ///< of the sample that came last into the FIFO
+  core::Instant newest_;  ///< time of the newest sample in the FIFO
   std::int64_t waiting_ = 0;
   bool is_locked_ = false;
 };

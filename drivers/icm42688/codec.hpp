@@ -1,6 +1,6 @@
 /// @file
-/// Meaning of the ICM-42688-P's bits, as pure functions. Source: TDK DS-000347; README.md says of
-/// each fact how it was come by.
+/// Meaning of the ICM-42688-P's bits, as pure functions. Source: TDK DS-000347; README.md gives
+/// the source of each fact.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,7 @@ inline constexpr std::int16_t kInvalidRaw = -32768;
 
 /// INT_STATUS, FIFO_COUNTH and FIFO_COUNTL.
 struct FifoStatus {
-  std::uint16_t packets;  ///< complete ones that wait
+  std::uint16_t packets;  ///< complete packets that wait
   bool is_full;           ///< it was full since INT_STATUS was last read: samples may be lost
   bool is_plausible;      ///< the bit that is always 0 is 0, and the FIFO can hold so much
 };
@@ -66,8 +66,8 @@ struct FifoStatus {
           (int_status & bits::kIntStatusAlwaysZero) == 0 && bytes <= kFifoBytes};
 }
 
-/// True if a FIFO packet's header says: a packet of gyro alone, 16 bits. The bits that it does not
-/// look at tell of time stamps and changes of rate.
+/// True for the header of a FIFO packet with gyro data alone, 16 bits. The bits that it does not
+/// look at mark time stamps and changes of rate.
 [[nodiscard]] constexpr bool is_gyro_header(std::uint8_t header) {
   constexpr std::uint8_t kMessageAccelGyro20Bit = 0xF0;
   constexpr std::uint8_t kGyroAlone = 0x20;
@@ -104,11 +104,11 @@ struct FifoStatus {
   return core::Duration::microseconds(500);
 }
 
-/// No access for so long after a software reset.
+/// Time without access after a software reset.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(1);
 
-/// How long after power-up the output may not be used: twice the typical start-up time of 30 ms,
-/// and three samples for the filter of half the output rate, and that samples are not aligned with
+/// Time after power-up until the output may be used: twice the typical start-up time of 30 ms, and
+/// three samples for the filter of half the output rate and for samples that are not aligned with
 /// our clock.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(60) + period * 3;

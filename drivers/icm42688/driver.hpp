@@ -88,7 +88,7 @@ class Icm42688 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return icm42688::sample_period(settings_.rate);
   }
@@ -110,13 +110,13 @@ class Icm42688 {
                 : std::uint8_t{0};
     return ConfigurationTable<kEntries>{{{
         configure(kRegBankSel, b::kRegBankSelBank, 0),
-        // Count in bytes, not held at the last value, big-endian: its ones and zeros tell a line
+        // Count in bytes, not held at the last value, big-endian: its ones and zeros show a line
         // that is stuck either way.
         configure(kIntfConfig0, b::kIntfConfig0Data,
                   b::kIntfConfig0FifoCountBigEndian | b::kIntfConfig0SensorDataBigEndian),
         configure(kIntConfig, b::kIntConfigInt1,
                   b::kIntConfigInt1PushPull | b::kIntConfigInt1ActiveHigh),
-        // "For proper INT1 and INT2 pin operation" says the register's description.
+        // The register's description: "For proper INT1 and INT2 pin operation".
         configure(kIntConfig1, b::kIntConfig1AsyncReset, 0),
         configure(kIntSource0, b::kIntSource0All,
                   is_fifo ? b::kIntSource0FifoThs : b::kIntSource0UiDrdy),
@@ -175,8 +175,8 @@ class Icm42688 {
     return std::size_t{make_sample(now, gyro_of(*outputs), temperature, out) ? 1U : 0U};
   }
 
-  /// Temperature, three axes of the accelerometer that are of no use, the gyro, the time of FSYNC,
-  /// and INT_STATUS.
+  /// Temperature, three unused axes of the accelerometer, the gyro, the time of FSYNC, and
+  /// INT_STATUS.
   using Outputs = std::array<std::uint8_t, 17>;
 
   static constexpr bool is_new(const Outputs& outputs) {
@@ -187,8 +187,8 @@ class Icm42688 {
   }
 
   /// Data-ready falls when it is read. So it is read behind the data, in one burst, where it also
-  /// tells that the line is not stuck; and since a conversion may fall into the burst, a sample
-  /// counts when a second burst repeats it. One that changed without data-ready is dropped.
+  /// shows that the line is not stuck. A conversion may fall into the burst: a sample counts when a
+  /// second burst repeats it, and is dropped when it changed without data-ready.
   /// @return outputs that are not new: there is no sample
   core::Result<Outputs, DriverError> read_settled_outputs() {
     constexpr int kMostBursts = 4;  // a slow bus may meet a conversion in each of them
@@ -255,7 +255,7 @@ class Icm42688 {
     return drain_fifo<kPacketBytes>(bus_, icm42688::kFifoData, packets, out, decode);
   }
 
-  /// False if the chip says that it has no sample.
+  /// False if the chip reports that it has no sample.
   bool make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
                    core::Temperature temperature, GyroSample& out) const {
     const std::array raw{decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),

@@ -30,7 +30,7 @@ inline constexpr Register<0x61, Access::read_write> kFifoConfig3;
 inline constexpr Register<0x64, Access::read_write, 0x10> kIntConfig1;
 inline constexpr Register<0x65, Access::read_write, 0x10> kIntSource0;
 inline constexpr Register<0x75, Access::read_only, 0x47> kWhoAmI;  // REG_BANK_SEL follows
-inline constexpr Register<0x76, Access::read_write> kRegBankSel;   // the same in every bank
+inline constexpr Register<0x76, Access::read_write> kRegBankSel;   // shared by all banks
 
 /// Bits and fields, named register_field.
 namespace bits {

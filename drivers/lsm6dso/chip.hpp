@@ -16,7 +16,7 @@
 namespace zerorate::drivers::lsm6dso {
 
 /// Rates of a chip by their names in its data sheet.
-template <Model kModel>
+template <Part kPart>
 inline constexpr auto kRates =
     std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
                                            {26.0, OutputDataRate::hz_26},
@@ -29,7 +29,7 @@ inline constexpr auto kRates =
                                            {3332.0, OutputDataRate::hz_3332},
                                            {6664.0, OutputDataRate::hz_6664}});
 template <>
-inline constexpr auto kRates<Model::lsm6dsv16x> =
+inline constexpr auto kRates<Part::lsm6dsv16x> =
     std::to_array<Choice<DsvRate>>({{7.5, DsvRate::hz_7_5},
                                     {15.0, DsvRate::hz_15},
                                     {30.0, DsvRate::hz_30},
@@ -43,15 +43,15 @@ inline constexpr auto kRates<Model::lsm6dsv16x> =
                                     {7680.0, DsvRate::hz_7680}});
 
 /// See drivers::ChipEntry. What all of them have in common.
-template <Model kModel>
+template <Part kPart>
 struct ChipOf {
   template <RegisterBus Bus>
   using Driver = Lsm6dso<Bus>;
-  using Settings = SettingsOf<kModel>;
+  using Settings = SettingsOf<kPart>;
   static constexpr std::size_t kAxes = 3;
-  static constexpr auto kRates = lsm6dso::kRates<kModel>;
+  static constexpr auto kRates = lsm6dso::kRates<kPart>;
   static constexpr auto kFullScales = [] {
-    constexpr std::size_t kCount = variant(kModel).has_4000_dps ? 6 : 5;
+    constexpr std::size_t kCount = variant(kPart).has_4000_dps ? 6 : 5;
     constexpr auto kAll = std::to_array<Choice<FullScale>>({{125.0, FullScale::dps_125},
                                                             {250.0, FullScale::dps_250},
                                                             {500.0, FullScale::dps_500},
@@ -67,27 +67,27 @@ struct ChipOf {
   static constexpr bool kHasFifo = true;
   static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressSa0Low, kAddressSa0High};
-  static constexpr Register<kWhoAmI.address, Access::read_only, variant(kModel).identity>
+  static constexpr Register<kWhoAmI.address, Access::read_only, variant(kPart).identity>
       kIdentity{};
   static constexpr std::uint8_t kSpiMode = 3;
   static constexpr std::uint32_t kHighestSpi_hz = 10'000'000;
 
-  static constexpr Settings settings(RateOf<kModel> rate, FullScale full_scale, bool is_fifo) {
+  static constexpr Settings settings(RateOf<kPart> rate, FullScale full_scale, bool is_fifo) {
     return {
         .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
   }
 };
 
-struct Chip : ChipOf<Model::lsm6dso> {
+struct Chip : ChipOf<Part::lsm6dso> {
   static constexpr std::string_view kName = "lsm6dso";
 };
-struct Ism330dhcx : ChipOf<Model::ism330dhcx> {
+struct Ism330dhcx : ChipOf<Part::ism330dhcx> {
   static constexpr std::string_view kName = "ism330dhcx";
 };
-struct Asm330lhh : ChipOf<Model::asm330lhh> {
+struct Asm330lhh : ChipOf<Part::asm330lhh> {
   static constexpr std::string_view kName = "asm330lhh";
 };
-struct Lsm6dsv16x : ChipOf<Model::lsm6dsv16x> {
+struct Lsm6dsv16x : ChipOf<Part::lsm6dsv16x> {
   static constexpr std::string_view kName = "lsm6dsv16x";
 };
 static_assert(RegisterChipEntry<Chip>);

@@ -14,25 +14,25 @@
 
 namespace zerorate::drivers::lsm6dso {
 
-/// Chip of the family.
-enum class Model : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
+/// Part of the family, by the name in its data sheet.
+enum class Part : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
 
 /// Figures in which the chips differ. Addresses and fields of outputs, status, identity and FIFO
 /// data are the same in all of them.
 struct Variant {
-  std::uint8_t identity;  ///< of WHO_AM_I; two of them answer alike
+  std::uint8_t identity;  ///< answer of WHO_AM_I; two chips share one
   bool has_4000_dps;
   bool has_new_layout;  ///< range in CTRL6, FIFO_STATUS1 at 1Bh, trim at 4Fh
   bool has_tag_parity;
   std::uint8_t status_always_zero;  ///< bits of STATUS_REG
-  std::uint8_t level_high_bits;     ///< of the FIFO's level in FIFO_STATUS2
+  std::uint8_t level_high_bits;     ///< level of the FIFO in FIFO_STATUS2
   std::uint8_t level_always_zero;   ///< bits of FIFO_STATUS2
-  std::uint8_t fastest_code;        ///< of the output data rate
+  std::uint8_t fastest_code;        ///< code of the fastest output data rate
   std::uint16_t fastest_hz;         ///< each code below it halves the rate
-  std::uint8_t trim_step;           ///< of the oscillator [0.01 %]
+  std::uint8_t trim_step;           ///< step of the oscillator [0.01 %]
 };
 
-/// By Model.
+/// Variants in the order of Part.
 inline constexpr Variant kLsm6dso{.identity = 0x6C,
                                   .has_4000_dps = false,
                                   .has_new_layout = false,
@@ -60,8 +60,8 @@ inline constexpr std::array kVariants{kLsm6dso, kIsm330dhcx, kIsm330dhcx,
                                               .fastest_code = 12,
                                               .fastest_hz = 7680,
                                               .trim_step = 13}};
-[[nodiscard]] constexpr const Variant& variant(Model model) {
-  return kVariants[static_cast<std::size_t>(model)];
+[[nodiscard]] constexpr const Variant& variant(Part part) {
+  return kVariants[static_cast<std::size_t>(part)];
 }
 
 /// Nominal full scale; the values are the bits FS_G, FS_125 and FS_4000 in place (CTRL2_G of all
@@ -105,7 +105,7 @@ enum class DsvRate : std::uint8_t {
 };
 
 /// In every range the nominal full scale is this many LSB: 125 / 0.004375 = 250 / 0.00875 = ...
-/// Beyond it the chip still counts, but the datasheet promises nothing.
+/// Beyond it the chip still counts, but no accuracy is specified.
 inline constexpr std::int16_t kFullScaleRaw = 28571;
 
 /// The rate of one LSB.
@@ -145,8 +145,8 @@ struct FifoStatus {
           (status2 & variant.level_always_zero) == 0};
 }
 
-/// True if a FIFO word's tag byte says gyro and its parity, even over all eight bits, is right
-/// where it has one.
+/// True if the tag byte of a FIFO word means gyro and its parity, even over all eight bits, is
+/// right where it has one.
 [[nodiscard]] constexpr bool is_gyro_tag(const Variant& variant, std::uint8_t tag) {
   return (tag >> 3U) == kTagGyro && (!variant.has_tag_parity || std::popcount(tag) % 2 == 0);
 }
@@ -187,10 +187,10 @@ struct FifoStatus {
   return core::Duration::nanoseconds(divider * 10'000'000'000'000 / tenth_mhz);
 }
 
-/// How long after power-up the output may not be used: 70 ms and a number of samples that depends
-/// on the rate, with LPF1 off and in high-performance mode (AN5040, tables 14 and 15), and one more
-/// sample, since the chip's samples are not aligned with our clock. Of the other chips it is
-/// assumed.
+/// Time after power-up until the output may be used: 70 ms and a number of samples that depends on
+/// the rate, with LPF1 off and in high-performance mode (AN5040, tables 14 and 15), and one more
+/// sample, since the chip's samples are not aligned with our clock. For the other chips the same
+/// is assumed.
 /// @param rate  code of the output data rate
 [[nodiscard]] constexpr core::Duration settling_time(const Variant& variant, unsigned rate,
                                                      core::Duration period) {

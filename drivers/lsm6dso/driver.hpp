@@ -30,15 +30,15 @@ enum class Mode : std::uint8_t {
 };
 
 /// Output data rates of a chip.
-template <Model kModel>
-using RateOf = std::conditional_t<variant(kModel).has_new_layout, DsvRate, OutputDataRate>;
+template <Part kPart>
+using RateOf = std::conditional_t<variant(kPart).has_new_layout, DsvRate, OutputDataRate>;
 
 /// Chosen once, for the life of the driver; a type for each chip, since two chips answer alike.
-template <Model kModel>
+template <Part kPart>
 struct SettingsOf {
   FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 8.75 mdps at 250 deg/s
-  RateOf<kModel> rate = [] {
-    if constexpr (variant(kModel).has_new_layout)
+  RateOf<kPart> rate = [] {
+    if constexpr (variant(kPart).has_new_layout)
       return DsvRate::hz_120;
     else
       return OutputDataRate::hz_104;
@@ -46,7 +46,7 @@ struct SettingsOf {
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
 };
-using Settings = SettingsOf<Model::lsm6dso>;
+using Settings = SettingsOf<Part::lsm6dso>;
 
 }  // namespace lsm6dso
 
@@ -63,8 +63,8 @@ class Lsm6dso {
       : Lsm6dso(bus, chosen(settings)) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
-  template <lsm6dso::Model kModel>
-  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kModel>& settings)
+  template <lsm6dso::Part kPart>
+  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kPart>& settings)
       : Lsm6dso(bus, chosen(settings)) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
@@ -110,9 +110,9 @@ class Lsm6dso {
     lsm6dso::Mode mode;
     std::uint8_t fifo_watermark;
   };
-  template <lsm6dso::Model kModel>
-  static constexpr Chosen chosen(const lsm6dso::SettingsOf<kModel>& settings) {
-    return {.variant = &lsm6dso::variant(kModel),
+  template <lsm6dso::Part kPart>
+  static constexpr Chosen chosen(const lsm6dso::SettingsOf<kPart>& settings) {
+    return {.variant = &lsm6dso::variant(kPart),
             .full_scale = settings.full_scale,
             .rate = static_cast<std::uint8_t>(settings.rate),
             .mode = settings.mode,
@@ -138,7 +138,7 @@ class Lsm6dso {
     constexpr std::uint8_t kFifoCtrl2Used = b::kFifoCtrl2StopOnWtm | b::kFifoCtrl2FifoComprRtEn |
                                             b::kFifoCtrl2OdrChgEn | b::kFifoCtrl2Wtm8;
     return ConfigurationTable<kEntries>{{{
-        // The whole register: its ones and zeros tell a line that is stuck either way.
+        // The whole register: its ones and zeros show a line that is stuck either way.
         configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
         is_new ? configure(kDsvCtrl6, b::kDsvCtrl6All, encode_ctrl6(settings.full_scale))
                : configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
@@ -206,8 +206,8 @@ class Lsm6dso {
     }
     if ((*status & lsm6dso::bits::kStatusGda) == 0) return std::size_t{0};
     // Only now: reading the outputs clears data-ready, and a sample that came after the status was
-    // read would be thrown away with it. The status comes once more in front of them: what a line
-    // gives that got stuck in between is no sample.
+    // read would be thrown away with it. The status comes once more in front of them: the output of
+    // a line that got stuck in between is no sample.
     std::array<std::uint8_t, 10> bytes{};
     if (const auto done = read_registers(bus_, lsm6dso::kStatusReg, bytes); !done) {
       return core::Unexpected{done.error()};

@@ -1,6 +1,6 @@
 /// @file
 /// Meaning of the bits of the MPU-6500 and its relatives, as pure functions. Sources: InvenSense
-/// PS-MPU-6500A-01 and PS-MPU-6000A-00; README.md says of each fact how it was come by.
+/// PS-MPU-6500A-01 and PS-MPU-6000A-00; README.md gives the source of each fact.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 
 namespace zerorate::drivers::mpu6500 {
 
-/// Chip of the family, told by its WHO_AM_I. What is the same in all of them is not here.
+/// Chip of the family, identified by its WHO_AM_I. Only the differences are here.
 struct Variant {
   std::uint8_t identity;
-  std::uint16_t fifo_bytes;   ///< at least so many
-  float counts_per_degree;    ///< of the thermometer; 0: not known
-  float degc_at_zero_counts;  ///< the same
+  std::uint16_t fifo_bytes;   ///< least size of the FIFO
+  float counts_per_degree;    ///< slope of the thermometer; 0: not known
+  float degc_at_zero_counts;  ///< its temperature at 0 counts
 };
 
-/// Chips that are accepted; README.md says why these.
+/// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
     Variant{0x68, 1024, 340.0F, 36.53F},  // MPU-6050, MPU-6000, MPU-9150
     Variant{0x70, 512, 333.87F, 21.0F},   // MPU-6500, also where MPU-6050 is written on it
@@ -69,7 +69,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
   return core::deg_per_s(static_cast<float>(250U << code) / 32768.0F);
 }
 
-/// Temperature where `variant` says how; has to know it.
+/// Temperature by the figures of `variant`, which must have them.
 [[nodiscard]] constexpr core::Temperature decode_temperature(const Variant& variant,
                                                              std::int16_t raw) {
   return core::Temperature::from_degc(variant.degc_at_zero_counts +
@@ -106,7 +106,7 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
 
 /// Level of the FIFO.
 struct FifoLevel {
-  std::uint16_t samples;  ///< complete ones that wait
+  std::uint16_t samples;  ///< complete samples that wait
   bool is_whole;          ///< there are no bytes beside them
   bool is_overrun;        ///< samples were lost, or are about to be
   bool is_plausible;      ///< the FIFO can hold so much
@@ -125,8 +125,8 @@ struct FifoLevel {
 /// Time until the chip may be used after a reset of the whole, and of its signal paths, each.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(100);
 
-/// How long after configuration the output may not be used: twice the start-up time of 35 ms, and
-/// three samples for the filter, and that samples are not aligned with our clock.
+/// Time after configuration until the output may be used: twice the start-up time of 35 ms, and
+/// three samples for the filter and for samples that are not aligned with our clock.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(70) + period * 3;
 }

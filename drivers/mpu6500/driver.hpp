@@ -88,7 +88,7 @@ class Mpu6500 {
     return configuration_.verify_next(bus_);
   }
 
-  /// Nominal: the chip does not tell its trim.
+  /// Nominal: the chip has no trim register.
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return mpu6500::sample_period(settings_.rate);
   }
@@ -100,8 +100,8 @@ class Mpu6500 {
   static constexpr std::size_t kEntries = 9;
   static constexpr std::size_t kSampleBytes = mpu6500::kFifoSampleBytes;
 
-  /// Bit of USER_CTRL. What looks like I2C on the wires of SPI would be heard without it; over I2C
-  /// it would make the chip deaf until its power is cut.
+  /// Bit of USER_CTRL. Without it the chip would react to I2C patterns on the wires of SPI; over
+  /// I2C it would switch the chip's bus off until its power is cut.
   static constexpr std::uint8_t kInterface =
       kIsSpi<Bus> ? mpu6500::bits::kUserCtrlI2cIfDis : std::uint8_t{0};
 
@@ -111,7 +111,7 @@ class Mpu6500 {
     const bool is_fifo = settings.mode == Mode::fifo;
     const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
     return ConfigurationTable<kEntries>{{{
-        // Awake: asleep, it may not take the others. The ones and zeros of these two tell a line
+        // Awake: asleep, it may not take the others. The ones and zeros of these two show a line
         // that is stuck either way.
         configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll),
         configure(kPwrMgmt2, b::kPwrMgmt2Standby, b::kPwrMgmt2AccelOff),
@@ -125,7 +125,7 @@ class Mpu6500 {
     }}};
   }
 
-  /// @param is_same whether it must be what it was the last time
+  /// @param is_same whether it must equal that of the last time
   core::Result<void, DriverError> check_identity(bool is_same) {
     const auto identity = read_register(bus_, mpu6500::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
@@ -165,11 +165,11 @@ class Mpu6500 {
     return {};
   }
 
-  /// INT_STATUS, three axes of the accelerometer that are of no use, temperature, and the gyro.
+  /// INT_STATUS, three unused axes of the accelerometer, temperature, and the gyro.
   using Outputs = std::array<std::uint8_t, 15>;
 
-  /// One burst, of one instant (README): reading the status clears it, and what is measured after
-  /// that shows in the next one.
+  /// One burst, of one instant (README): reading the status clears it, and later samples show in
+  /// the next burst.
   core::Result<void, DriverError> read_outputs(std::span<std::uint8_t> bytes) {
     if (const auto done = read_registers(bus_, mpu6500::kIntStatus, bytes); !done) return done;
     constexpr unsigned kNever = mpu6500::bits::kIntStatusNeverAtOnce;
@@ -203,7 +203,7 @@ class Mpu6500 {
     if (count) {
       if (const auto alive = check_line(); !alive) count = core::Unexpected{alive.error()};
     }
-    // Where the FIFO stands after a burst that broke off is not known.
+    // The place in the FIFO is unknown after a burst that broke off.
     if (!count) is_shifted_ = true;
     return count;
   }
@@ -226,7 +226,7 @@ class Mpu6500 {
     return std::size_t{level.samples};
   }
 
-  /// Nobody knows where in the FIFO a sample begins: it is emptied, and the gap is told.
+  /// The start of a sample in the FIFO is unknown: the FIFO is emptied, and the gap is reported.
   core::Result<std::size_t, DriverError> report_overrun() {
     is_shifted_ = true;
     if (const auto done = clear_fifo(); !done) return core::Unexpected{done.error()};
@@ -256,8 +256,8 @@ class Mpu6500 {
     return drain_fifo<kSampleBytes>(bus_, mpu6500::kFifoRW, samples, out, decode);
   }
 
-  /// Samples carry no mark. What a line gives that got stuck in the middle of them is no sample:
-  /// the identity behind them tells.
+  /// Samples carry no mark. The output of a line that got stuck in the middle of them is no sample:
+  /// the identity behind them shows it.
   core::Result<void, DriverError> check_line() {
     const auto identity = read_register(bus_, mpu6500::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
@@ -294,7 +294,7 @@ class Mpu6500 {
   SampleClock sample_clock_;
   core::Instant reset_at_;
   core::Instant settled_at_;
-  bool is_shifted_ = false;  ///< where a sample begins in the FIFO is not known
+  bool is_shifted_ = false;  ///< the start of a sample in the FIFO is unknown
   Stage stage_ = Stage::off;
 };
 

@@ -11,7 +11,7 @@
 namespace zerorate::model {
 
 struct CatalogueEntry {
-  std::string_view name;  ///< as on the command line, e.g. "adis16405"
+  std::string_view name;  ///< name on the command line, e.g. "adis16405"
   std::string_view toml;  ///< the file catalogue/NAME.toml, linked into the program
 };
 

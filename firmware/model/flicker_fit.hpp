@@ -27,7 +27,7 @@ struct FlickerFit {
 ///
 /// The ripple is 0.94 to 1.06 for d = 1/2 as long as the quickest lag is about one tick or shorter.
 /// With a much longer one the band between its corner and f = 1/2 has to be covered by that lag's
-/// flank and white noise, and the ratios say how badly.
+/// flank and white noise; the ratios are the errors.
 ///
 /// Throws std::invalid_argument unless tick_s is positive and shorter than the slowest lag, and
 /// `flicker` is valid (see validate()).

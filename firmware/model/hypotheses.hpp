@@ -1,5 +1,5 @@
 /// @file
-/// Flicker noises that a sensor may have whose model is a data sheet's.
+/// Flicker noises that a sensor may have, around the model of its data sheet.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace zerorate::model {
 
-/// Hypotheses that a node weighs at most.
+/// Largest number of hypotheses in a node.
 inline constexpr int kMostHypotheses = 12;
 
 /// A flicker noise with its prior probability.

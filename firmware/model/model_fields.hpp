@@ -1,6 +1,6 @@
 /// @file
-/// The one list of what a model file may hold. Reading, writing and validation are visitors of it,
-/// so that a key cannot be known to one of them and unknown to another.
+/// List of all fields of a model file. Reading, writing and validation visit it, so that each of
+/// them has every key.
 #pragma once
 
 #include <cmath>

@@ -189,7 +189,7 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
     // White noise at the tick, flicker or not, is the unit of a hypothesis.
     const double white = arw * arw / tick_s + fits[m].white_variance_rad2_s2;
     const double unit = own_white > 0.0 && white > 0.0 ? own_white / white : 1.0;
-    core::Hypothesis<kLargestShape.decaying>& one = weighed.all[m];
+    core::NoiseHypothesis<kLargestShape.decaying>& one = weighed.all[m];
     one.strength.fill(1.0F);
     for (std::size_t i = 0; i < own.variances_rad2_s2.size(); ++i) {
       const double of_own = own.variances_rad2_s2[i];

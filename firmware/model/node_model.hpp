@@ -25,19 +25,19 @@ inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
     .temperature_weights = core::TemperatureDrift::kWeights};
-/// That shape with every hypothesis.
+/// Shape of the full model with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
 template <core::ModelShape Shape>
 using NodeModel = core::NodeModel<Shape>;
 
-/// Whether the model consists of at most six decades, a random walk, and what is no state: then it
-/// runs in a node of six decaying modes.
+/// Whether the model consists of at most six decades, a random walk, and terms without a state.
+/// Then it runs in a node of six decaying modes.
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
-/// Calls `run` with the shape of the filter that a model takes, as a template argument: six decades
-/// where these are enough, as for most models, otherwise `Largest`.
+/// Calls `run` with the shape of the filter for a model as a template argument: six decades where
+/// they are enough, otherwise `Largest`.
 template <core::ModelShape Largest, class Run>
 auto with_shape_of(const SensorModel& model, Run run) {
   if (fits_six_decades(model)) {
@@ -52,8 +52,8 @@ template <class Mode>
 [[nodiscard]] constexpr bool is_active(const Mode& mode) {
   return mode.noise_variance > 0.0F || mode.initial_variance > 0.0F || mode.initial_mean != 0.0F;
 }
-/// Modes of one kind that do something, moved to the front; how many there are.
-/// @param moved told where each of them comes from and goes to
+/// Moves the modes of one kind with an effect to the front, and returns their number.
+/// @param moved called with the old and the new place of each
 template <class Mode, std::size_t N, class Moved>
 [[nodiscard]] constexpr std::size_t move_active_to_front(std::array<Mode, N>& modes, Moved moved) {
   std::size_t active = 0;
@@ -67,7 +67,7 @@ template <class Mode, std::size_t N, class Moved>
 }
 }  // namespace detail
 
-/// Modes of a model that do something, which stand first.
+/// Modes of a model with an effect; they stand first.
 struct ActiveModes {
   std::size_t decaying = 0;
   std::size_t rotating = 0;
@@ -75,8 +75,8 @@ struct ActiveModes {
 
 /// The model at its full size, unused modes being zero.
 ///
-/// The steps of a quantizer are noise of step^2 / 12, of which that share is averaged away that the
-/// white noise of a sample moves from step to step (Widrow and Kollar 2008).
+/// The steps of a quantizer are noise of step^2 / 12. Averaging removes the share that the white
+/// noise of a sample moves from step to step (Widrow and Kollar 2008).
 /// White noise of a sample is N^2 / sample_period and the share of the flicker fit that is white at
 /// the tick, so that the mean over a tick has N^2 / filter_tick and that share.
 /// Throws std::invalid_argument for an impossible model (see validate()), unless

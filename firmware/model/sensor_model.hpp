@@ -118,7 +118,7 @@ struct Quantization {
 
 /// Single wild samples: noise of their own on top, one sample at a time.
 struct Outliers {
-  double probability = 0.0;  ///< of a sample
+  double probability = 0.0;  ///< probability that a sample is one
   double sigma_rad_s = 0.0;
   std::string source{};
 
@@ -144,7 +144,7 @@ struct VariableNoise {
   bool operator==(const VariableNoise&) const = default;
 };
 
-/// The ends of the measuring range: a rate beyond is told as the end.
+/// Ends of the measuring range: a rate beyond reads as the end.
 struct Saturation {
   double lower_rad_s = 0.0;
   double upper_rad_s = 0.0;
@@ -156,7 +156,7 @@ struct Saturation {
 /// Rule for a measurement that is too far from its prediction.
 struct Gate {
   double threshold_sigma = 0.0;  ///< larger: fewer rejections, more harm by what passes
-  /// Disagreement that lasts longer is a change of the bias, not a knock, and is believed.
+  /// Disagreement that lasts longer is a change of the bias, not a knock, and is learnt.
   double longest_knock_s = 5.0;
   std::string source{};
 
@@ -182,13 +182,13 @@ struct ZeroRate {
 /// How a node learns the slow noise of its sensor, from the figures of the model.
 struct Learning {
   int hypotheses = 12;         ///< 12, 4 (of one order) or 1: the model is taken at its word
-  double half_life_s = 150.0;  ///< of the evidence, in time at standstill
+  double half_life_s = 150.0;  ///< half-life of the evidence, in time at standstill
 
   bool operator==(const Learning&) const = default;
 };
 
 /// Knowledge of a sensor like this one beside its data sheet: how far from the model's its
-/// flicker may be. A population of sensors tells.
+/// flicker may be, from a population of sensors.
 struct Prior {
   double order = 0.62;  ///< d: mean over sensors
   double order_sigma = 0.12;

@@ -133,7 +133,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
   if (node.samples.is_on()) {
     throw std::invalid_argument(
         "the model \"" + model.name +
-        "\" tells of single samples (outliers, motion_contamination, variable_noise or "
+        "\" describes single samples (outliers, motion_contamination, variable_noise or "
         "saturation); the C interface takes none of these tables");
   }
   const std::string constant{name};

@@ -11,7 +11,7 @@
 
 namespace zerorate::toml_file {
 
-/// what() is `file:line:column: what is wrong`.
+/// `what()` is `file:line:column: reason`.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -66,7 +66,7 @@ class StrictTable {
                                                     Presence presence);
   [[nodiscard]] std::optional<std::string> text(std::string_view key, Presence presence);
   [[nodiscard]] std::optional<bool> boolean(std::string_view key, Presence presence);
-  /// Which of the names stands at the key.
+  /// Index of the name that stands at the key.
   [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
                                                   std::span<const std::string_view> names,
                                                   Presence presence);

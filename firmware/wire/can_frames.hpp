@@ -93,8 +93,7 @@ namespace detail {
   return frames;
 }
 
-/// Temperature, odometer and calm, for which the frames of a sample have no room. To be sent with
-/// every kCanInputsEvery-th message.
+/// Frame of temperature, odometer and calm. Send it with every kCanInputsEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
 [[nodiscard]] constexpr CanFrame encode_can_inputs(const app::RateMessage& message,
                                                    std::uint16_t id) {

@@ -27,7 +27,7 @@ namespace zerorate::wire {
 [[nodiscard]] constexpr std::size_t encode_cobs(std::span<const std::uint8_t> frame,
                                                 std::span<std::uint8_t> target) {
   ZERORATE_ASSERT(target.size() >= cobs_bytes(frame.size()));
-  std::size_t code_at = 0;  // where the length of the block goes that is being filled
+  std::size_t code_at = 0;  // place of the length of the block being filled
   std::size_t used = 1;
   std::uint8_t length = 1;
   for (const std::uint8_t byte : frame) {

@@ -29,14 +29,14 @@ struct LearntModel {
   constexpr bool operator==(const LearntModel&) const = default;
   /// Effective stops that the figures rest on: one number, because the axes stop together.
   [[nodiscard]] constexpr float stops() const { return axes[0].stops; }
-  /// Whether the figures are more than what was assumed before the first stop.
+  /// Whether at least one stop is behind the figures.
   [[nodiscard]] constexpr bool is_learnt() const { return stops() > 0.0F; }
 };
 
 /// Figure of a learnt model under the name that JSON and metrics use, with the unit of that name.
 struct LearntQuantity {
   std::string_view name;
-  std::string_view sigma_name;  ///< of its standard deviation
+  std::string_view sigma_name;  ///< name of its standard deviation
   app::LearntFigure app::LearntNoise::*figure;
   float si_per_unit;
 };

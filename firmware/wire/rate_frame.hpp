@@ -20,7 +20,7 @@ inline constexpr std::size_t kRateFrameBytes = 80;
 inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
 using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
 
-/// Why bytes are not a rate frame.
+/// Reasons why bytes are not a rate frame.
 enum class FrameError : std::uint8_t {
   wrong_size,
   not_a_frame,       ///< it does not begin with "ZR"
@@ -39,7 +39,7 @@ struct NumberedMessage {
 
 namespace detail {
 inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
-inline constexpr std::uint8_t kVersion = 1;      // of the other frames
+inline constexpr std::uint8_t kVersion = 1;      // version of the other frames
 inline constexpr std::uint8_t kRateVersion = 2;
 inline constexpr std::size_t kChecksumBytes = 4;
 /// Bits of byte 3: which of the last two values the message has.

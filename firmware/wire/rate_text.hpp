@@ -34,7 +34,7 @@ class TextWriter {
   }
   /// Right-aligned, with at least one digit.
   constexpr void put(std::uint64_t number, std::size_t width, char fill) {
-    std::array<char, 20> digits{};  // of 2^64 - 1
+    std::array<char, 20> digits{};  // room for 2^64 - 1
     std::size_t count = 0;
     do {
       digits[count++] = static_cast<char>('0' + number % 10);

@@ -20,7 +20,7 @@ using StatusFrame = std::array<std::uint8_t, kStatusFrameBytes>;
 
 struct Status {
   app::LoopCounters counters;
-  std::uint32_t frames_dropped = 0;  ///< for which the line had no room
+  std::uint32_t frames_dropped = 0;  ///< frames without room on the line
 
   constexpr bool operator==(const Status&) const = default;
 };

@@ -1,5 +1,5 @@
 /// @file
-/// Why a bus transaction failed. A closed list: a driver may switch over it and be complete.
+/// Reasons why a bus transaction failed. The list is closed: a driver may switch over it.
 #pragma once
 
 #include <cstdint>

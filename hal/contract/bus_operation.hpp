@@ -40,7 +40,7 @@ class Operation {
   [[nodiscard]] constexpr std::span<const std::uint8_t> bytes() const {
     return {bytes_, is_read() ? 0 : size_};
   }
-  /// Where to put what is received; empty for a write.
+  /// Buffer for the received bytes; empty for a write.
   [[nodiscard]] constexpr std::span<std::uint8_t> buffer() const {
     return {buffer_, direction_ == Direction::write ? 0 : size_};
   }

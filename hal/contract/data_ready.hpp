@@ -1,5 +1,5 @@
 /// @file
-/// A pin by which a sensor says that a sample, or a batch of them, waits.
+/// A pin by which a sensor signals that a sample, or a batch of them, waits.
 #pragma once
 
 #include <concepts>

@@ -28,9 +28,8 @@ enum class I2cAddress : std::uint8_t {};
 /// - There is no exchange on I2C: asking for one is a programmer error.
 ///
 /// For authors of back ends:
-/// - Clock, pull-ups, clock stretching and the sharing of the bus belong to you. Block until done
-/// or
-///   until a time limit of your own, then report BusError::timeout.
+/// - Clock, pull-ups, clock stretching and the sharing of the bus belong to you. Block until the
+///   transaction is done, or until a time limit of your own: then report BusError::timeout.
 /// - An address or data byte without acknowledge is BusError::nack, a lost arbitration
 ///   BusError::arbitration_lost; if the STOP fails too, report the first error.
 /// - Must be callable from one thread at a time; not from an interrupt.

@@ -25,13 +25,12 @@ struct PulseBatch {
 /// - A full buffer (count == stamps.size()) means that there may be more: call again.
 /// - Lost pulses were real pulses: the vehicle moved. They lie between the stamps of this batch and
 ///   the call before it.
-/// - An error says that pulses may have been missed without being counted.
+/// - An error means that pulses may have been missed without being counted.
 ///
 /// For authors of back ends:
-/// - Stamps come from the application's MonotonicClock, taken at the edge (interrupt, capture unit
-/// or
-///   kernel event), never at the call, and never decrease.
-/// - Count what does not fit into your queue; never drop in silence. Never block.
+/// - Stamps come from the application's MonotonicClock and never decrease. Take them at the edge
+///   (interrupt, capture unit or kernel event), never at the call.
+/// - Count the pulses that your queue has no room for; never drop in silence. Never block.
 template <class Input>
 concept PulseInput = requires(Input& input, std::span<core::Instant> stamps) {
   { input.read_pulses(stamps) } -> std::same_as<core::Result<PulseBatch, BusError>>;

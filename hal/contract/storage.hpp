@@ -12,7 +12,7 @@
 
 namespace zerorate::hal {
 
-/// Why a record could not be kept or given back.
+/// Reasons why a record could not be kept or given back.
 enum class StorageError : std::uint8_t {
   empty,      ///< nothing was ever saved
   corrupt,    ///< something was saved, and none of it is intact

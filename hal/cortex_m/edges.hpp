@@ -72,7 +72,7 @@ class EdgeQueue {
     lost_reported_ = lost;
     std::uint32_t taken = taken_.load(std::memory_order_relaxed);
     const std::uint32_t written = written_.load(std::memory_order_acquire);
-    // Half of a stamp is kept; the time since tells the other half.
+    // Half of a stamp is kept; the other half follows from the time since.
     const std::uint64_t now = Counter::microseconds();
     for (; taken != written && batch.count < stamps.size(); ++taken) {
       const auto age = static_cast<std::uint32_t>(now) - microseconds_[taken % Capacity];

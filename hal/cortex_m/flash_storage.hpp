@@ -162,7 +162,7 @@ class FlashStorage {
     std::optional<std::size_t> newest;
     for (std::size_t i = 0; i < kPlaces; ++i) {
       if (!is_intact(i)) continue;
-      // Sequence numbers wrap: the difference tells.
+      // Sequence numbers wrap: compare by the difference.
       const bool is_newer =
           !newest || static_cast<std::int32_t>(header(i).sequence - header(*newest).sequence) > 0;
       if (is_newer) newest = i;

@@ -9,7 +9,7 @@
 
 namespace zerorate::hal::linux_os {
 
-/// Whose error number it is: the kernel's subsystems do not mean the same by all of them.
+/// Subsystem of the kernel: an error number has another meaning in each of them.
 enum class Subsystem : std::uint8_t { spi, i2c, gpio };
 
 /// Sources: Documentation/i2c/fault-codes.rst, drivers/spi/spidev.c, drivers/gpio/gpiolib-cdev.c.

@@ -63,7 +63,7 @@ CallResult FileCalls::rename(const char* from, const char* to) {
   return checked(std::rename(from, to));
 }
 void FileCalls::close(int descriptor) {
-  (void)::close(descriptor);  // what matters was synchronised before
+  (void)::close(descriptor);  // an error here loses nothing: the data are synchronised
 }
 
 FileStorage::FileStorage(const std::string& path, FileCalls& calls)

@@ -31,7 +31,7 @@ struct LineSettings {
 /// Built against libgpiod 2 or 1.6, whichever CMake found; this header knows neither. With 2, edges
 /// that the kernel dropped show as a gap in the line's sequence numbers and are counted. The
 /// interface that 1.6 uses has no such numbers: there a kernel queue (16 edges) found full counts
-/// as one lost edge, because nobody can tell.
+/// as one lost edge: their number is unknown.
 ///
 /// The line is requested at the first use, and again at the first use after the chip was gone.
 /// No heap once the line is requested.
@@ -49,7 +49,7 @@ class GpioLine {
   [[nodiscard]] int descriptor() const;
 
  private:
-  struct Request;  // what libgpiod gave us
+  struct Request;  // line of libgpiod
   LineSettings settings_;
   std::unique_ptr<Request> request_;
 };

@@ -32,7 +32,7 @@ namespace zerorate::hal::linux_os {
 }
 
 /// Reading gives EAGAIN then, where there is nothing to read.
-/// @return whether it could be set; errno says why not
+/// @return whether it could be set; errno has the reason
 [[nodiscard]] inline bool set_non_blocking(int descriptor) {
   const int flags = fcntl(descriptor, F_GETFL);
   return flags >= 0 && fcntl(descriptor, F_SETFL, flags | O_NONBLOCK) >= 0;

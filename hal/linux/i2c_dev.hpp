@@ -48,8 +48,8 @@ class I2cDevBus {
                                 .nmsgs = static_cast<std::uint32_t>(operations.size())};
     const auto done = file_.ioctl(I2C_RDWR, &request);
     if (!done) return core::Unexpected{done.error()};
-    // The answer is the number of messages that went through. Some adapters (i2c-virtio) say that
-    // an address was not acknowledged by stopping short of it, without an error.
+    // The answer is the number of messages that went through. Some adapters (i2c-virtio) report
+    // that an address was not acknowledged by stopping short of it, without an error.
     if (static_cast<std::size_t>(*done) != operations.size())
       return core::Unexpected{BusError::nack};
     return {};

@@ -122,7 +122,7 @@ IioIdentity find_iio_gyro(const IioPlaces& places, std::string_view wanted) {
   const std::string quoted = "\"" + std::string{wanted} + "\"";
   if (!found.empty()) {
     throw KernelFileError(places.sysfs, "several gyros are called " + quoted,
-                          "tell its number or label: " + listed(found));
+                          "give its number or label: " + listed(found));
   }
   throw KernelFileError(places.sysfs, "no gyro is called " + quoted,
                         all.empty() ? "there is none; is the driver's module loaded and bound?"
@@ -181,7 +181,7 @@ void IioDevice::find_channels() {
 
 void IioDevice::set_scale(double full_scale_rad_s) {
   constexpr double kCounts = 32768.0;
-  constexpr double kRounding = 0.99;  // of a scale that is told with two digits (bmg160)
+  constexpr double kRounding = 0.99;  // a scale may be given with two digits (bmg160)
   const auto attribute = folder_.first_of({"in_anglvel_scale", axes_[0] + "_scale"});
   if (!attribute) throw KernelFileError(folder_.path_of("in_anglvel_scale"), ENOENT);
   const auto choices = folder_.first_of(

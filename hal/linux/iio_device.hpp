@@ -33,8 +33,8 @@ struct IioElement {
   bool is_big_endian = false;
   bool is_signed = false;
   unsigned bits = 0;
-  unsigned bytes = 0;  ///< of storage: 1, 2, 4 or 8
-  unsigned shift = 0;  ///< to the right, before the bits are taken
+  unsigned bytes = 0;  ///< size in the buffer: 1, 2, 4 or 8
+  unsigned shift = 0;  ///< shift to the right before the bits are taken
   std::size_t offset = 0;
 
   [[nodiscard]] std::int64_t decode(std::span<const std::uint8_t> scan) const;
@@ -82,7 +82,8 @@ class IioDevice {
   [[nodiscard]] const IioIdentity& identity() const { return identity_; }
   [[nodiscard]] double rad_s_per_count() const { return scale_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
-  /// Rows of the matrix from the chip's axes to the vehicle's; the identity where none is told.
+  /// Rows of the matrix from the chip's axes to the vehicle's; the identity where the driver gives
+  /// none.
   [[nodiscard]] const std::array<std::array<double, 3>, 3>& mounting() const { return mounting_; }
   /// Axes that the chip has. A chip with one gives it in all three places of a scan.
   [[nodiscard]] std::size_t axes() const { return axes_.size(); }
@@ -137,12 +138,12 @@ class IioDevice {
   std::size_t verified_ = 0;
 
   Descriptor node_;
-  std::vector<IioElement> elements_;  ///< of axes_
+  std::vector<IioElement> elements_;  ///< elements of axes_
   std::optional<IioElement> temperature_element_;
   IioElement stamp_;
   std::size_t scan_bytes_ = 0;
   std::vector<std::uint8_t> bytes_;
-  std::size_t begin_ = 0;  ///< of what is not yet decoded
+  std::size_t begin_ = 0;  ///< first byte that is not yet decoded
   std::size_t end_ = 0;
 };
 

@@ -74,7 +74,7 @@ class EdgePin {
  public:
   static void start(Pull pull) {
     connect<Pin>(io_bank0::sio, pull);
-    io_bank0::kInterruptRaw<Pin>.write(io_bank0::kEdgeHigh<Pin>);  // what is old
+    io_bank0::kInterruptRaw<Pin>.write(io_bank0::kEdgeHigh<Pin>);  // clears older edges
     io_bank0::kInterruptEnable<Pin>.set(io_bank0::kEdgeHigh<Pin>);
   }
   /// Whether this pin interrupted; forgets it. For the handler.

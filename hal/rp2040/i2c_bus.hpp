@@ -71,7 +71,7 @@ class I2c0Bus {
     i2c0::kClearStop.touch();
   }
 
-  /// Which START and STOP belong to the bytes of one operation.
+  /// START and STOP conditions around the bytes of one operation.
   struct Framing {
     bool begins_again = false;  ///< a repeated START before the first byte
     bool ends = false;          ///< a STOP after the last one

@@ -46,7 +46,7 @@ inline constexpr std::uint32_t kTimer = bit(21);
 inline constexpr std::uint32_t kUart0 = bit(22);
 }  // namespace resets
 
-/// 2.15.7: clock generators. SELECTED is one-hot: bit i says that source i runs the clock.
+/// 2.15.7: clock generators. SELECTED is one-hot: bit i is set while source i runs the clock.
 namespace clocks {
 inline constexpr Register<0x4000'8030> kRefCtrl;
 inline constexpr ReadOnly<0x4000'8038> kRefSelected;
@@ -202,7 +202,7 @@ inline constexpr Register<0x1800'0010> kSelect;
 inline constexpr ReadOnly<0x1800'0028> kStatus;
 inline constexpr Register<0x1800'0060> kData;
 inline constexpr std::uint32_t kFrames8Bits = 7U << 16U;         // sent and received at once
-inline constexpr std::uint32_t kMapped = (31U << 16U) | 0x300U;  // as boot2.S leaves it
+inline constexpr std::uint32_t kMapped = (31U << 16U) | 0x300U;  // mode that boot2.S leaves
 inline constexpr std::uint32_t kBusy = bit(0);
 inline constexpr std::uint32_t kReceiveNotEmpty = bit(3);
 }  // namespace ssi

@@ -21,7 +21,7 @@ namespace zerorate::hal::sim {
 /// Not modelled: the continuous self-test, quadrature, filters, the registers LOCST and HICST (they
 /// read as 0), writes (there is nothing to write; they are refused).
 ///
-/// measure() sets what the chip sees; it converts whenever it is asked. Its axis is z.
+/// measure() sets the chip's inputs; it converts whenever it is asked. Its axis is z.
 class SimulatedAdxrs453 {
  public:
   static constexpr std::string_view kName = "adxrs453";

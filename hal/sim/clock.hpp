@@ -1,5 +1,5 @@
 /// @file
-/// Time that passes only when it is told to.
+/// Clock for tests: time passes only by advance().
 #pragma once
 
 #include "core/base/time.hpp"

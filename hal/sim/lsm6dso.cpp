@@ -36,7 +36,7 @@ enum Address : std::uint8_t {
 
 constexpr core::Duration kResetTime = core::Duration::microseconds(50);
 constexpr core::Duration kBootTime = core::Duration::milliseconds(10);
-constexpr std::uint8_t kBoot = 0x80;  // of CTRL3_C
+constexpr std::uint8_t kBoot = 0x80;  // bit of CTRL3_C
 
 // The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
 bool is_writable(std::uint8_t address) {

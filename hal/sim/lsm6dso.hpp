@@ -27,7 +27,7 @@ class SimulatedStModule : public SimulatedRegisters<128> {
   /// Figures in which the modules' data paths differ.
   struct DataPath {
     std::size_t fifo_words;
-    std::uint8_t watermark_high_bit;  ///< of FIFO_CTRL2; 0: the watermark has eight bits
+    std::uint8_t watermark_high_bit;  ///< bit of FIFO_CTRL2; 0: the watermark has eight bits
     core::Duration turn_on_time;
   };
 
@@ -56,7 +56,7 @@ class SimulatedStModule : public SimulatedRegisters<128> {
 
   /// Byte of an output or of the FIFO; nullopt for any other register.
   std::optional<std::uint8_t> read_data(std::uint8_t address);
-  /// Empties the FIFO if the register was FIFO_CTRL4 and it says bypass; drives INT1.
+  /// Empties the FIFO if the register was FIFO_CTRL4 and selects bypass; drives INT1.
   void end_write(std::uint8_t address);
   void drive_int1();
 

@@ -36,7 +36,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
 
   /// @param clock the simulation's time; must outlive the chip
   /// @param identity of WHO_AM_I. That of the MPU-6050 brings its FIFO, thermometer and reset
-  /// values; with any other the chip is an MPU-6500 that says so.
+  /// values; with any other the chip is an MPU-6500 that identifies as one.
   explicit SimulatedMpu6500(const SimulatedClock& clock, std::uint8_t identity = kIdentityMpu6500)
       : SimulatedRegisters(clock), identity_(identity) {
     reset_registers();
@@ -75,7 +75,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
 
   std::uint8_t identity_;
   std::deque<std::uint8_t> fifo_;
-  std::uint8_t last_fifo_byte_ = 0;   ///< what an empty FIFO gives
+  std::uint8_t last_fifo_byte_ = 0;   ///< answer of an empty FIFO
   std::uint8_t latched_count_l_ = 0;  ///< FIFO_COUNTL as of the newest reading of FIFO_COUNTH
   core::Instant powered_at_;
 };

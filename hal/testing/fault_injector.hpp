@@ -23,7 +23,7 @@ struct Fault {
     after_effect,  ///< the device does all of it, and then the error is reported
     flipped_bit,   ///< success is reported, with one bit of what was read inverted
     stuck_high,    ///< success is reported, every byte read is 0xFF, nothing reaches the device
-    stuck_low,     ///< the same with 0x00
+    stuck_low,     ///< like stuck_high, with 0x00
   };
   static constexpr std::size_t kForEver = std::numeric_limits<std::size_t>::max();
 

@@ -234,7 +234,7 @@ TYPED_TEST(GyroSamples, AStuckLineIsCorruptDataOrNoDataButNeverASample) {
   }
 }
 
-TYPED_TEST(GyroSamples, ALineThatGetsStuckInTheMiddleOfAReadGivesNoSampleThatWasNotMeasured) {
+TYPED_TEST(GyroSamples, LineStuckInAReadGivesNoInventedSample) {
   for (const auto& settings : TestFixture::kModes) {
     for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
       for (std::size_t call = 0; call < 4; ++call) {

@@ -120,7 +120,7 @@ TYPED_TEST(GyroStart, ReportsTheBusErrorOfEveryCallAndThenRecovers) {
   }
 }
 
-TYPED_TEST(GyroStart, NeverSucceedsWithAWrongConfigurationWhateverBitFlips) {
+TYPED_TEST(GyroStart, NeverSucceedsWithAFlippedConfigurationBit) {
   typename TestFixture::Rig counter;
   ASSERT_TRUE(counter.start());
   const std::size_t calls = counter.faults.calls();
@@ -186,7 +186,7 @@ TYPED_TEST(GyroStart, IsFollowedByAWatchOverEveryBitThatWasConfigured) {
   }
 }
 
-TYPED_TEST(GyroStart, IsNeededAgainAfterAnInterruptedSupplyWhichIsNoticed) {
+TYPED_TEST(GyroStart, IsNeededAgainAfterAnInterruptedSupply) {
   typename TestFixture::Rig rig;
   ASSERT_TRUE(rig.start());
   for (std::size_t call = 0; call < 3 * TestFixture::kCalls; ++call) {

@@ -64,7 +64,7 @@ TYPED_TEST(StorageContract, SaysThatABufferIsTooSmall) {
   EXPECT_TRUE(this->load(100));
 }
 
-TYPED_TEST(StorageContract, RefusesARecordThatDoesNotFitAndKeepsTheOneBefore) {
+TYPED_TEST(StorageContract, RefusesATooLongRecordAndKeepsTheOneBefore) {
   ASSERT_TRUE(this->save(5, 3));
   EXPECT_EQ(this->save((std::size_t{1} << 20U) + 1, 4).error(), StorageError::too_large);
   EXPECT_EQ(*this->load(100), 5U);
@@ -91,7 +91,7 @@ int loaded() {
   return buffer[0];
 }
 
-TEST(FlashStorageWhosePowerIsCut, LosesAtMostTheNewestSaveAtEveryStep) {
+TEST(FlashStorageWhosePowerIsCut, LosesAtMostTheNewestSave) {
   for (int saves_before = 1; saves_before <= 17; ++saves_before) {
     CutFlash::reset();
     for (int number = 0; number < saves_before; ++number) {
@@ -121,7 +121,7 @@ TEST(FlashStorageWhosePowerIsCut, LosesAtMostTheNewestSaveAtEveryStep) {
   }
 }
 
-TEST(FlashStorageWhosePowerIsCutAgainAndAgain, NeverLosesTheNewestRecordThatWasSaved) {
+TEST(FlashStorageWhosePowerIsCutAgainAndAgain, KeepsTheNewestOne) {
   CutFlash::reset();
   ASSERT_TRUE(FlashStorage{}.save(record_of(1)));
   int newest = 1;

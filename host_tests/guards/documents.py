@@ -3,12 +3,12 @@
 
 usage: documents.py [ROOT]
 
-A finding is: a relative link whose file or heading does not exist; a path in backticks that does not
-exist; a cited work without an entry in the bibliography, and an entry that nobody cites; a number
-without its leading zero; a comment that opens with a word which sends the reader back; a hole of
-firmware/boards/template that nothing explains, or more lines to fill in than are promised; a source
-file of more lines than one reads at a time. Prints `file:line: complaint` for each and exits with 1
-where there is one.
+A finding is: a relative link whose file or heading does not exist; a path or a header's name in
+backticks that does not exist; a cited work without an entry in the bibliography, and an entry that
+nobody cites; a number without its leading zero; a comment that opens with a word which sends the
+reader back; a hole of firmware/boards/template that nothing explains, or more lines to fill in than
+are promised; columns of a table that can run together; a source file, a line of prose or the name of
+a test that is too long. Prints `file:line: complaint` for each and exits with 1 where there is one.
 """
 
 import bisect
@@ -23,6 +23,8 @@ BIBLIOGRAPHY = "docs/reference/bibliography.md"
 BOARD, PORT = "firmware/boards/template/board.hpp", "docs/how-to/port-to-a-board.md"
 BOARD_LINES = 80  # to fill in for a board of one's own
 FILE_LINES = 400  # of a source file
+LINE_CHARACTERS = 130  # of a line of prose; rows of tables are free
+NAME_CHARACTERS = 60  # of a test, Suite.Name
 CODE = {".c", ".cpp", ".h", ".hpp"}
 SCRIPTS = {".js", ".mjs", ".py", ".sh"}
 EXEMPT = ("host_tests/guards/",)  # holds the planted offenders
@@ -31,6 +33,7 @@ ROOMS = ("core", "docs", "drivers", "firmware", "hal", "host_tests", "host_tools
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 INLINE_CODE = re.compile(r"`([^`\n]+)`")
 PATH = re.compile(rf"(?:{'|'.join(ROOMS)})(?:/[\w.*+-]+)+/?")
+SOURCE = re.compile(r"[\w*+-]+\.(?:c|cmake|cpp|h|hpp|js|mjs)")
 SURNAME = r"[A-Z][\w'-]*[a-z]"
 CITATION = re.compile(
     rf"\b((?:{SURNAME}, )*{SURNAME}(?:,? and {SURNAME}| et al\.)?) \(?((?:18|19|20)\d\d)\b(?!-\d)")
@@ -38,9 +41,11 @@ ENTRY = re.compile(r"^- \*\*(.+? \d{4})\*\*", re.MULTILINE)
 NO_AUTHOR = re.compile(
     r"(?:January|February|March|April|May|June|July|August|September|October|November|December|Std|In)$")
 NO_LEADING_ZERO = re.compile(r"(?<![\w.)\]/'\"+-])[+-]?\.\d+(?![\w.]*/)")
-OPENING = re.compile(r"(Of|What|The same|As|So)\b")
+OPENING = re.compile(r"(of|that|by|as|what|over|to|who|whose|which|so|the same)\b", re.IGNORECASE)
 COMMENT = re.compile(r"^\s*(///?)<?(?:\s(.*))?$")
 TRAILING_COMMENT = re.compile(r"\s//[/<]*\s(.*)$")
+JOINED_COLUMNS = re.compile(r'"[^"]*(\{:[<>]\d[^{}]*\}\{|\}\{:[<>]\d)')
+TEST_NAME = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 
 
 def anchor_of(heading):
@@ -60,15 +65,19 @@ def prose_of(text):
 
 
 def comments_of(text):
-    """Each line of comment with its number, its words and whether it opens a comment."""
-    inside = False
+    """Each line of comment with its number, its words and whether it opens a comment.
+
+    A whole line of comment continues the line above if both begin in the same column.
+    """
+    column_above = None
     for number, line in enumerate(text.splitlines(), start=1):
         whole = COMMENT.match(line)
         part = whole or TRAILING_COMMENT.search(line)
         words = (part.groups()[-1] or "") if part else ""
+        column = line.index("//", part.start()) if part else None
         if part:
-            yield number, words, not (whole and inside)
-        inside = bool(whole) and words != "@file"
+            yield number, words, not (whole and column == column_above)
+        column_above = None if words == "@file" else column
 
 
 class Tree:
@@ -118,16 +127,18 @@ def broken_links(tree):
 
 
 def dead_paths(tree):
-    """Paths in backticks that lead nowhere; `*` and capitals such as NAME stand for anything."""
+    """Paths in backticks that lead nowhere, and bare names of sources that no folder holds; `*` and capitals such as NAME
+    stand for anything."""
     for name in tree.pages():
         if name == "CHANGELOG.md":  # tells of files as they were
             continue
         for number, line in prose_of(tree.text(name)):
             for code in INLINE_CODE.findall(line):
                 path = code.rstrip("/")
-                if not PATH.fullmatch(code) or path in tree.places:
+                if not (PATH.fullmatch(code) or SOURCE.fullmatch(code)) or path in tree.places:
                     continue
-                pattern = re.sub(r"\\\*|[A-Z]{3,}", "[^/]*", re.escape(path)) + r"(\.\w+)?"
+                folders = "(.*/)?" if SOURCE.fullmatch(code) else ""
+                pattern = folders + re.sub(r"\\\*|[A-Z]{3,}", "[^/]*", re.escape(path)) + r"(\.\w+)?"
                 if not any(re.fullmatch(pattern, place) for place in tree.places):
                     yield f"{name}:{number}: no such file: {code}"
 
@@ -206,7 +217,34 @@ def long_files(tree):
             yield f"{name}:{FILE_LINES + 1}: {lines} lines; a source file has at most {FILE_LINES}"
 
 
-CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings, board_holes, long_files)
+def joined_columns(tree):
+    """Padded fields of a table's row without a blank between them: a long value would run into the next."""
+    for name in tree.sources():
+        for number, line in enumerate(tree.text(name).splitlines(), start=1):
+            if JOINED_COLUMNS.search(line):
+                yield f"{name}:{number}: no blank between two columns: {line.strip()}"
+
+
+def long_lines(tree):
+    """Lines of prose that a diff cannot show; a row of a table cannot be broken."""
+    for name in tree.pages():
+        for number, line in prose_of(tree.text(name)):
+            if len(line) > LINE_CHARACTERS and not line.lstrip().startswith("|"):
+                yield f"{name}:{number}: {len(line)} characters; a line of prose has at most {LINE_CHARACTERS}"
+
+
+def long_test_names(tree):
+    for name in tree.sources():
+        text = tree.text(name)
+        for found in TEST_NAME.finditer(text):
+            full = ".".join(found.groups())
+            if len(full) > NAME_CHARACTERS:
+                number = text.count("\n", 0, found.start()) + 1
+                yield f"{name}:{number}: {len(full)} characters; a test's name has at most {NAME_CHARACTERS}: {full}"
+
+
+CHECKS = (broken_links, dead_paths, loose_citations, missing_zeros, poor_openings, board_holes, joined_columns,
+          long_files, long_lines, long_test_names)
 
 
 def findings(tree):

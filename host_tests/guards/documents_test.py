@@ -48,6 +48,11 @@ class DeadPath(unittest.TestCase):
         self.assertEqual(findings_in({"a.md": "`core/gone.hpp`\n"}, documents.dead_paths),
                          ["a.md:1: no such file: core/gone.hpp"])
 
+    def test_is_also_the_bare_name_of_a_source_that_no_folder_holds(self):
+        files = {"a.md": "`units.hpp` `gone.hpp` `NAME_test.cpp` `gone.toml`\n", "core/base/units.hpp": "",
+                 "host_tests/a_test.cpp": ""}
+        self.assertEqual(findings_in(files, documents.dead_paths), ["a.md:1: no such file: gone.hpp"])
+
     def test_is_not_one_with_a_stand_in_that_fits(self):
         files = {"a.md": "`core/*.hpp` `core/NAME` `core/noise/`\n", "core/noise/white.hpp": "", "core/units.hpp": ""}
         self.assertEqual(findings_in(files, documents.dead_paths), [])
@@ -89,7 +94,8 @@ class LongFile(unittest.TestCase):
 
 class PoorOpening(unittest.TestCase):
     def test_of_a_comment_is_found(self):
-        for words in ("Of the two", "What is left", "The same for b", "As above", "So it is"):
+        for words in ("Of the two", "What is left", "the same for b", "As above", "so it is", "That is", "by axis",
+                      "over the base", "to nobody", "whose bias", "Which of them", "who knows"):
             found = findings_in({"core/a.hpp": f"/// {words}\n"}, documents.poor_openings)
             self.assertEqual(found, [f"core/a.hpp:1: a comment starts with a noun or a verb: {words}"])
 
@@ -98,8 +104,44 @@ class PoorOpening(unittest.TestCase):
                          ["core/a.hpp:2: a comment starts with a noun or a verb: What a file holds."])
 
     def test_inside_a_comment_is_left_alone(self):
-        files = {"core/a.hpp": "/// Rate of the axis.\n/// So far in SI units.\nint of;  // Offset\n"}
+        files = {"core/a.hpp": "/// Rate of the axis.\n/// So far in SI units.\nint of;  // Offset\n"
+                               "int a;  ///< mean of the two,\n        ///< over the base\n"}
         self.assertEqual(findings_in(files, documents.poor_openings), [])
+
+    def test_behind_a_member_is_found_also_below_another_comment(self):
+        files = {"core/a.hpp": "int a;  ///< rate\nint b;  ///< of a sample\n/// As above.\nint c;\n"}
+        self.assertEqual(findings_in(files, documents.poor_openings),
+                         [f"core/a.hpp:{line}: a comment starts with a noun or a verb: {words}"
+                          for line, words in ((2, "of a sample"), (3, "As above."))])
+
+
+class JoinedColumns(unittest.TestCase):
+    def test_are_found_whichever_of_two_fields_is_padded(self):
+        for fields in ("{:<8}{}", "{}{:>8.2f}", "{:>8}{:>8}"):
+            found = findings_in({"host_tools/a.cpp": f'print("{fields}");\n'}, documents.joined_columns)
+            self.assertEqual(found, [f'host_tools/a.cpp:1: no blank between two columns: print("{fields}");'])
+
+    def test_are_not_two_with_a_blank_or_two_without_padding(self):
+        files = {"host_tools/a.cpp": 'print("{:<7} {:>7} {}{:016x}");\n'}
+        self.assertEqual(findings_in(files, documents.joined_columns), [])
+
+
+class LongLine(unittest.TestCase):
+    def test_of_prose_is_found(self):
+        self.assertEqual(findings_in({"a.md": "word " * 25 + "\n" + "word " * 26 + "words\n"}, documents.long_lines),
+                         ["a.md:2: 135 characters; a line of prose has at most 130"])
+
+    def test_is_no_row_of_a_table_and_no_code(self):
+        row, code = "| " + "a " * 70 + "|\n", "    " + "b " * 70 + "\n"
+        self.assertEqual(findings_in({"a.md": row + code + "```\n" + code.strip() + "\n```\n"}, documents.long_lines), [])
+
+
+class LongTestName(unittest.TestCase):
+    def test_is_found_with_its_suite(self):
+        suite, name = "S" * 20, "N" * 40
+        files = {"host_tests/a.cpp": f"\nTEST({suite}, {name}) {{}}\nTEST_F({suite}, {name[1:]}) {{}}\n"}
+        self.assertEqual(findings_in(files, documents.long_test_names),
+                         [f"host_tests/a.cpp:2: 61 characters; a test's name has at most 60: {suite}.{name}"])
 
 
 class HoleOfTheBoard(unittest.TestCase):

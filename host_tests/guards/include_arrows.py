@@ -4,7 +4,7 @@
 usage: include_arrows.py [ROOT]
 
 Prints `file:line: what is wrong` for each forbidden include, then what is wrong with the table itself
-(a cycle, an arrow that nothing uses, a folder without a line), and exits with 1 where there is anything.
+(a cycle, an arrow into the laboratory, one that nothing uses, a folder without a line), and exits with 1 where there is anything.
 """
 
 import graphlib
@@ -30,6 +30,7 @@ class House:
 
     def __init__(self, table):
         self.arrows = table["rooms"]
+        self.laboratory = table["laboratory"]["rooms"]
         self._flashed = table["flashed"]["rooms"]
         self._system_headers = set(table["flashed"]["system_headers"])
 
@@ -86,6 +87,14 @@ def patterns(house):
             for allowed in (room, *line) if "*" in allowed and room != TESTS]
 
 
+def into_laboratory(house):
+    """Permitted arrows from a room of the product to one of the laboratory."""
+    def is_laboratory(room):
+        return any(matches(room, pattern) for pattern in house.laboratory)
+    return [f"{room} -> {allowed} makes the product need the laboratory" for room, line in house.arrows.items()
+            for allowed in line if is_laboratory(allowed) and not is_laboratory(room) and room != TESTS]
+
+
 def cycle(house):
     """The rooms of a cycle of permitted arrows, in words; none where there is none."""
     try:
@@ -113,7 +122,8 @@ def unlisted(root, house):
 
 def complaints_of(root, house):
     """Everything that is wrong with the tree or with the table."""
-    return findings(root, house) + patterns(house) + cycle(house) + unused(root, house) + unlisted(root, house)
+    return (findings(root, house) + patterns(house) + into_laboratory(house) + cycle(house) + unused(root, house)
+            + unlisted(root, house))
 
 
 def read_house(table=pathlib.Path(__file__).with_name("arrows.toml")):

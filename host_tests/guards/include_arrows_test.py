@@ -26,7 +26,7 @@ def findings_in(files):
 
 
 def house_of(rooms):
-    return include_arrows.House({"rooms": rooms, "flashed": {"rooms": [], "system_headers": []}})
+    return include_arrows.House({"rooms": rooms, "laboratory": {"rooms": ["host_tools/lab/*"]}, "flashed": {"rooms": [], "system_headers": []}})
 
 
 class OurTree(unittest.TestCase):
@@ -38,6 +38,9 @@ class OurTree(unittest.TestCase):
 
     def test_has_a_table_that_names_every_room_by_itself(self):
         self.assertEqual(include_arrows.patterns(self.house), [])
+
+    def test_has_a_table_whose_product_needs_no_laboratory(self):
+        self.assertEqual(include_arrows.into_laboratory(self.house), [])
 
     def test_has_a_table_without_a_cycle(self):
         self.assertEqual(include_arrows.cycle(self.house), [])
@@ -54,6 +57,12 @@ class PlantedTable(unittest.TestCase):
         house = house_of({"core/*": [], "host_tools/lib/a": ["core/*"], "host_tests": ["core/*"]})
         self.assertEqual(include_arrows.patterns(house), ["core/* -> core/* names more than one room",
                                                           "host_tools/lib/a -> core/* names more than one room"])
+
+    def test_with_an_arrow_from_the_product_to_the_laboratory_is_found(self):
+        house = house_of({"host_tools/lib/fleet": ["host_tools/lab/campaign"], "host_tools/lab/campaign": [],
+                          "host_tools/lab/cli": ["host_tools/lab/campaign"], "host_tests": ["host_tools/lab/*"]})
+        self.assertEqual(include_arrows.into_laboratory(house), [
+            "host_tools/lib/fleet -> host_tools/lab/campaign makes the product need the laboratory"])
 
     def test_with_a_cycle_is_found(self):
         house = house_of({"core/a": ["core/b"], "core/b": ["core/c"], "core/c": ["core/a"]})
@@ -108,6 +117,10 @@ class PlantedArrow(unittest.TestCase):
 
     def test_from_a_tool_to_a_test_is_found(self):
         self.assert_refused("host_tools/cli/a.cpp", '"host_tests/support/a.hpp"', "may not include host_tests")
+
+    def test_from_the_product_to_the_laboratory_is_found(self):
+        self.assert_refused("host_tools/lib/fleet/a.cpp", '"host_tools/lab/campaign/a.hpp"',
+                            "may not include host_tools/lab/campaign")
 
     def test_relative_to_the_file_is_found(self):
         self.assert_refused("core/base/a.hpp", '"b.hpp"', "includes start at the root")

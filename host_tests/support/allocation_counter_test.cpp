@@ -62,7 +62,7 @@ TEST(AllocationCounterOverFormsOfNew, SeesAllOfThem) {
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(wide.get()) % alignof(Wide), 0U);
 }
 
-TEST(AllocationCounterOverTheCLibrary, SeesMallocOfOurOwnAndOfEigen) {
+TEST(AllocationCounterOverTheCLibrary, CountsOurOwnAndEigens) {
   const AllocationCounter allocations;
   void* const block = std::malloc(8);
   use(block);

@@ -61,7 +61,7 @@ inline std::filesystem::path write_rows(const std::filesystem::path& path,
 
 inline constexpr recording::Columns kRates{3, recording::RateUnit::rad_per_s, false, false, false};
 
-/// A replay and all that it told on the way.
+/// A replay and everything that it reported on the way.
 struct Replayed {
   ReplayResult result;
   std::vector<app::RateMessage> messages;

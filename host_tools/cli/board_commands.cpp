@@ -10,7 +10,7 @@
 namespace zerorate::cli {
 namespace {
 
-/// A command that wants the libraries of a desktop: it says where it is to be had.
+/// Command that needs the libraries of a desktop: prints where it is available.
 Command add_absent(CLI::App& app, const std::string& name) {
   auto* command = app.add_subcommand(name, "In the desktop build of zerorate only");
   command->set_help_flag();

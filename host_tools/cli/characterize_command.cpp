@@ -114,7 +114,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
 }
 
 void print_line(std::string_view what, const std::string& figure, std::string_view remark) {
-  fmt::print("  {:<24}{:<29}{}\n", what, figure, remark);
+  fmt::print("  {:<23} {:<28} {}\n", what, figure, remark);
 }
 
 void print_flicker(const identify::InnovationsFit& fit) {
@@ -148,11 +148,11 @@ void print_axis(const identify::AxisCharacterization& axis, bool is_verbose) {
 /// The table that papers and other tools have: white noise, 1/f noise and a random walk.
 void print_coefficients(const identify::Characterization& result) {
   fmt::print("\nN, B and K of IEEE Std 952 (white noise, 1/f noise and random walk together)\n");
-  fmt::print("  {:<6}{:<28}{:<28}{}\n", "axis", "N [deg/sqrt(h)]", "B [deg/h]",
+  fmt::print("  {:<5} {:<27} {:<27} {}\n", "axis", "N [deg/sqrt(h)]", "B [deg/h]",
              "K [deg/h/sqrt(h)]");
   for (const auto& axis : result.axes) {
     const identify::NoiseCoefficients& one = axis.coefficients;
-    fmt::print("  {:<6}{:<28}{:<28}{}\n", axis.axis,
+    fmt::print("  {:<5} {:<27} {:<27} {}\n", axis.axis,
                identify::text(one.angle_random_walk_rad_per_sqrt_s, units::kDegRtHPerRadRtS),
                identify::text(one.bias_instability_rad_s, kDphPerRadS),
                identify::text(one.rate_random_walk_rad_s_per_sqrt_s, units::kDphRtHPerRadSRtS));
@@ -244,7 +244,7 @@ Command add_characterize(CLI::App& app) {
                    "enough, else 1/2) or a number from 0.05 to 0.95")
       ->capture_default_str();
   command->add_option("--with", options->others,
-                      "further recordings of the same sensor: tells whether one parameter set "
+                      "further recordings of the same sensor: tests whether one parameter set "
                       "serves all (a test that errs for 1 % of unchanged sensors); if so "
                       "--model-out is fitted to all");
   add_output_options(*command, options->outputs);

@@ -87,7 +87,7 @@ class ChipSource final : public live::Source {
     service_->publish_waiting();
     for (const wire::NumberedMessage& message : kept_) tally.take(message);
     kept_.clear();
-    // A node says something four times a second even where its gyro is silent.
+    // A node sends a message four times a second even where its gyro is silent.
     const auto now = std::chrono::steady_clock::now();
     if (now - ticked_at_ >= std::chrono::seconds(1)) {
       ticked_at_ = now;

@@ -16,7 +16,7 @@ class App;
 
 namespace zerorate::cli {
 
-/// Exit codes, which tell a shell how a command ended.
+/// Exit codes of all commands.
 enum ExitCode : int { success = 0, finding = 1, usage = 2, bad_data = 3, too_short = 4 };
 
 /// A sub-command and what runs it once the command line is parsed.

@@ -30,7 +30,7 @@ struct DemoOptions {
   ReplayFlags flags;
   std::string directory = "zerorate-demo";
   double hours = 2.0;
-  std::uint64_t seed = 3;  ///< of seven the one with the median ratio to the calibration mean
+  std::uint64_t seed = 3;  ///< seed of seven with the median ratio to the calibration mean
 };
 
 /// A replay that leaves its results in the demo's directory.
@@ -39,16 +39,19 @@ void replay_and_report(const DemoOptions& options, const recording::Input& recor
                        const evaluate::RestRecord& rest, const evaluate::ReplayReportText& text) {
   const std::filesystem::path directory = options.directory;
   recording::Reader reader{recording};
-  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
-  evaluate::ReplayTrace trace{axes.back()};
+  const std::size_t axis_count = reader.columns().axis_count;
+  const auto axes = shown_axes(options.flags, axis_count, {});
+  evaluate::ReplayTrace trace{axes.front()};
   const evaluate::ReplayResult result =
       replay_watched(reader, replay_options, {.trace = &trace}, std::move(true_rate));
-  write_text(directory / "replay.json", evaluate::to_json(result, axes));
+  write_text(directory / "replay.json",
+             evaluate::to_json(result, scored_axes(options.flags, axis_count)));
   const auto report = directory / "report.html";
   evaluate::make_report(result, axes, trace, rest, replay_options.model, text).write(report);
+  print_what_is_not_shown(options.flags, result, axes);
   print_result(result, axes);
   fmt::print("\n{}\n\nThe report with charts: {}\nThe figures as JSON:   {}\n",
-             evaluate::summary(result, axes.back()), std::filesystem::absolute(report).string(),
+             evaluate::summary(result, axes.front()), std::filesystem::absolute(report).string(),
              std::filesystem::absolute(directory / "replay.json").string());
 }
 
@@ -72,9 +75,9 @@ struct DemoDrive {
   }
 };
 
-/// A gyro that is as its model says.
+/// A gyro that behaves like its model.
 void show_plain_drive(const DemoOptions& options, const evaluate::ReplayOptions& replay_options) {
-  fmt::print("1. A drive of {:g} h. The gyro is as its model says ({}).\n", options.hours,
+  fmt::print("1. A drive of {:g} h. The gyro behaves like its model ({}).\n", options.hours,
              replay_options.model.name);
   const DemoDrive demo{options, replay_options.model, "drive.csv.gz", options.seed, {}};
   fmt::print("   {} goes through the simulated chip, its driver and the node.\n\n",
@@ -153,7 +156,8 @@ void show_hidden_effect(const DemoOptions& options, const evaluate::ReplayOption
 }
 
 ExitCode run_simulated(const DemoOptions& options) {
-  const evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
+  replay_options.is_model_chosen = true;  // the simulated gyro is as this model
   show_plain_drive(options, replay_options);
   show_hidden_effect(options, replay_options);
   return success;
@@ -165,8 +169,10 @@ ExitCode run_recorded(const DemoOptions& options) {
   const std::string& recording = options.input.recording;
   const bool at_rest = replay_options.schedule.has_value();
   evaluate::RestRecording rest;
-  if (at_rest)
-    rest = evaluate::read_at_rest(input, identify::axes_called(options.flags.axis, 3).back());
+  if (at_rest) {
+    const std::size_t axis_count = recording::Reader{input}.columns().axis_count;
+    rest = evaluate::read_at_rest(input, shown_axes(options.flags, axis_count, {}).front());
+  }
   replay_and_report(
       options, input, replay_options, {},
       {.rate_rad_s = rest.rate_rad_s,
@@ -196,6 +202,8 @@ Command add_demo(CLI::App& app) {
       ->required(false)
       ->description("a recording as of replay; none: a simulated drive");
   add_replay_flags(*command, options->flags);
+  command->get_option("--model")->default_str("lsm6dso (with RECORDING adis16405)");
+  command->get_option("--through")->default_str("chip (with RECORDING source)");
   command->add_option("--directory", options->directory, "where report and data go")
       ->capture_default_str();
   command->add_option("--hours", options->hours, "length of the simulated drive [h]")

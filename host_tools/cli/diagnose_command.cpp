@@ -33,7 +33,7 @@ using units::in_figures;
 
 struct DiagnoseOptions {
   InputFlags input_flags;
-  recording::Input recording;  ///< by input_flags
+  recording::Input recording;  ///< filled by input_flags
   std::string axis = "all";
   std::string still_from = "odometer";
   std::string model;
@@ -43,7 +43,7 @@ struct DiagnoseOptions {
   OutputOptions outputs;
 };
 
-/// The last part of its path: what a report and a model say of where they come from.
+/// Last part of its path, the source that reports and models name.
 std::string file_name(const recording::Input& recording) {
   return recording.path.filename().string();
 }
@@ -80,7 +80,7 @@ std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRe
   };
   return {
       {.name = "motion_in_stops",
-       .sentence = fmt::format("In {:.1f} % of the time in which the odometer says that it "
+       .sentence = fmt::format("In {:.1f} % of the time in which the odometer reports that it "
                                "stands, the gyro shows motion.",
                                100.0 * motion.share()),
        .figures = {{"share", single(motion.share())},
@@ -88,13 +88,13 @@ std::vector<odometry::OdometerFinding> motion_by_gyro(const identify::MotionAtRe
                    {"turning_95_percent_dps", turning(0.95)}}},
       {.name = "odometer_dead_band",
        .sentence = fmt::format("In {} of {} stops it is silent while the vehicle moves; its "
-                               "speed takes a ref_speed_mps column to tell.",
+                               "speed needs a ref_speed_mps column.",
                                motion.stops_with_motion, motion.stops),
        .figures = {{"stops_with_motion", single(static_cast<double>(motion.stops_with_motion))}}}};
 }
 
 /// Leaves out the motion in the stops of an odometer that is known or seen to be silent too early,
-/// and adds what the gyro says where no reference speed does.
+/// and adds the evidence of the gyro where there is no reference speed.
 void keep_calm(identify::RestSamples& samples, std::optional<OdometerDiagnosis>& odometer) {
   const identify::MotionAtRest motion = identify::find_motion(samples);
   const bool is_told = odometer && odometer->find("motion_in_stops") != nullptr;
@@ -141,13 +141,13 @@ std::optional<odometry::HeadingGain> measure_gain(const DiagnoseOptions& options
 
 void print_odometer(const OdometerDiagnosis& odometer) {
   if (odometer.findings.empty()) {
-    fmt::print("odometer: healthy, as far as the reference's speed tells\n\n");
+    fmt::print("odometer: healthy by the reference's speed\n\n");
     return;
   }
   for (const odometry::OdometerFinding& finding : odometer.findings) {
     fmt::print("odometer: {}\n\n{}\n", finding.name, finding.sentence);
     for (const auto& [name, figure] : finding.figures) {
-      fmt::print("    {:<38}{:>12.4g}", name, figure.value);
+      fmt::print("    {:<37} {:>12.4g}", name, figure.value);
       if (std::isfinite(figure.lo)) fmt::print(" [{:.4g}, {:.4g}]", figure.lo, figure.hi);
       fmt::print("\n");
     }
@@ -208,25 +208,25 @@ void print_cause(const diagnose::Cause& cause, bool is_verbose) {
              100.0 * cause.probability, cause.in_model ? ", in the model" : ", not in the model",
              cause.axes > 1 ? ", of all axes together" : "", rivals_in_words(cause));
   for (const diagnose::Parameter& parameter : cause.parameters) {
-    fmt::print("    {:<38}{:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
+    fmt::print("    {:<37} {:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
                in_figures(parameter.lo, 4), in_figures(parameter.hi, 4));
   }
   if (!is_verbose) return;
-  fmt::print("    {:<38}{:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
+  fmt::print("    {:<37} {:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
              diagnose::p_value_in_words(cause.p_value));
   if (const auto& drift = cause.heading_drift_ratio) {
-    fmt::print("    {:<38}{:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
+    fmt::print("    {:<37} {:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
                drift->value, drift->lo, drift->hi);
   }
 }
 
 void print_misfit(const Diagnosis& diagnosis) {
   if (std::ranges::none_of(diagnosis.misfit, &diagnose::Misfit::is_outside)) return;
-  fmt::print("\n  {:<28}{:<24}{:>12}  {}\n", "statistic", "where", "recording",
+  fmt::print("\n  {:<27} {:<23} {:>12}  {}\n", "statistic", "where", "recording",
              diagnosis.is_base_given ? "given model, simulated" : "white + 1/f, simulated");
   for (const diagnose::Misfit& row : diagnosis.misfit) {
     if (!row.is_outside()) continue;
-    fmt::print("  {:<28}{:<24}{:>12}  {} to {}\n", row.statistic, row.where,
+    fmt::print("  {:<27} {:<23} {:>12}  {} to {}\n", row.statistic, row.where,
                in_figures(row.measured, 4), in_figures(row.simulated_lo, 4),
                in_figures(row.simulated_hi, 4));
   }
@@ -234,7 +234,7 @@ void print_misfit(const Diagnosis& diagnosis) {
 
 void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate) {
   if (!std::isfinite(estimate.value)) return;
-  fmt::print("  {:<38}{:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
+  fmt::print("  {:<37} {:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
              estimate.hi);
 }
 

@@ -13,8 +13,8 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
-#include "host_tools/lib/experiments/drives/learning.hpp"
-#include "host_tools/lib/experiments/drives/presentation.hpp"
+#include "host_tools/lib/contest/learning.hpp"
+#include "host_tools/lib/contest/presentation.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -27,7 +27,7 @@ struct EvaluateOptions {
   std::string learn;
   std::vector<double> white_factors{1.0};
   std::vector<double> flicker_factors{1.0};
-  experiments::DriveContestOptions contest;
+  contest::DriveContestOptions contest;
   OutputOptions outputs;
 };
 
@@ -43,7 +43,7 @@ evaluate::ScheduleParams schedule_of(const std::string& text) {
 }
 
 /// Data sheets that are wrong by the factors, one a pair; a single factor goes with all others.
-std::vector<experiments::DataSheetError> data_sheet_errors(const EvaluateOptions& options) {
+std::vector<contest::DataSheetError> data_sheet_errors(const EvaluateOptions& options) {
   const auto& white = options.white_factors;
   const auto& flicker = options.flicker_factors;
   const std::size_t cases = std::max(white.size(), flicker.size());
@@ -52,7 +52,7 @@ std::vector<experiments::DataSheetError> data_sheet_errors(const EvaluateOptions
         "--white-factor names {} factors and --flicker-factor {}: name as many, or one of them",
         white.size(), flicker.size()));
   }
-  std::vector<experiments::DataSheetError> errors;
+  std::vector<contest::DataSheetError> errors;
   for (std::size_t i = 0; i < cases; ++i) {
     errors.push_back({.white = white[white.size() == 1 ? 0 : i],
                       .flicker = flicker[flicker.size() == 1 ? 0 : i]});
@@ -75,18 +75,17 @@ ExitCode run_evaluate(EvaluateOptions options) {
     options.contest.schedules.push_back(schedule_of(text));
   }
   options.contest.fit_on =
-      options.fit_on == "other" ? experiments::FitOn::other : experiments::FitOn::itself;
-  options.contest.fit_by = options.fit_by == "diagnosis" ? experiments::FitBy::diagnosis
-                                                         : experiments::FitBy::characterization;
+      options.fit_on == "other" ? contest::FitOn::other : contest::FitOn::itself;
+  options.contest.fit_by =
+      options.fit_by == "diagnosis" ? contest::FitBy::diagnosis : contest::FitBy::characterization;
   const auto presentation =
       options.learn.empty()
-          ? experiments::present(
-                run_watched(experiments::run_drive_contest, options, options.contest))
-          : experiments::present(
-                run_watched(experiments::run_learning_contest, options,
-                            experiments::LearningOptions{.model = model::load_model(options.learn),
-                                                         .cases = data_sheet_errors(options),
-                                                         .drives = options.contest}));
+          ? contest::present(run_watched(contest::run_drive_contest, options, options.contest))
+          : contest::present(
+                run_watched(contest::run_learning_contest, options,
+                            contest::LearningOptions{.model = model::load_model(options.learn),
+                                                     .cases = data_sheet_errors(options),
+                                                     .drives = options.contest}));
   present(presentation, "zerorate " ZERORATE_VERSION ", zerorate evaluate drives", options.outputs);
   return success;
 }
@@ -121,7 +120,7 @@ Command add_evaluate(CLI::App& app) {
   auto* fit_by =
       drives
           ->add_option("--fit-by", options->fit_by,
-                       "what makes the models: characterization (order fitted against d = 1/2) or "
+                       "source of the models: characterization (order fitted against d = 1/2) or "
                        "diagnosis (what `zerorate diagnose` finds against its base)")
           ->check(CLI::IsMember({"characterization", "diagnosis"}))
           ->capture_default_str();

@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -18,15 +15,12 @@
 namespace zerorate::cli {
 namespace {
 
-/// An LSM6DSO at nominally 104 Hz.
-constexpr double kUsualSampleRate_hz = 6667.0 / 64.0;
-
 struct ExportFlags {
   std::string model;
   bool cpp = false;
   bool c = false;
   std::string name = "sensor_model";
-  std::optional<double> sample_rate_hz;
+  double sample_rate_hz = 0.0;
   double filter_rate_hz = 2.0;
   std::optional<int> hypotheses;
   std::string output = "-";
@@ -47,17 +41,10 @@ ExitCode run_export(const ExportFlags& flags) {
     if (!model.learning) model.learning.emplace();
     model.learning->hypotheses = *flags.hypotheses;
   }
-  const core::Duration sample =
-      period_of(flags.sample_rate_hz.value_or(kUsualSampleRate_hz), "--sample-rate");
+  const core::Duration sample = period_of(flags.sample_rate_hz, "--sample-rate");
   const core::Duration tick = period_of(flags.filter_rate_hz, "--filter-rate");
   write_text(flags.output, flags.c ? model::format_c_header(model, sample, tick, flags.name)
                                    : model::format_cpp_header(model, sample, tick));
-  if (!flags.sample_rate_hz) {
-    fmt::print(stderr,
-               "zerorate: no --sample-rate: the header is for {:.3f} Hz, an LSM6DSO at 104 Hz; at "
-               "another rate its white noise is wrong\n",
-               kUsualSampleRate_hz);
-  }
   return success;
 }
 
@@ -68,15 +55,15 @@ Command add_export(CLI::App& app) {
   auto* command = app.add_subcommand("export", "Write a sensor model as source for firmware");
   command->add_option("MODEL", flags->model, "a TOML file or a name from 'zerorate model list'")
       ->required();
-  auto* cpp =
-      command->add_flag("--cpp", flags->cpp, "as a C++ header of constants, for our own images");
-  command->add_flag("--c", flags->c, "as a C header, for firmware that calls zerorate.h")
-      ->excludes(cpp);
-  command->add_option("--name", flags->name, "of the constant, with --c")->capture_default_str();
+  auto* cpp = command->add_flag("--cpp", flags->cpp, "C++ header of constants, for our own images");
+  command->add_flag("--c", flags->c, "C header, for firmware that calls zerorate.h")->excludes(cpp);
+  command->add_option("--name", flags->name, "name of the constant, with --c")
+      ->capture_default_str();
   command
       ->add_option("--sample-rate", flags->sample_rate_hz,
-                   "samples of the sensor per second [Hz]; default that of an LSM6DSO at 104 Hz")
-      ->default_str(fmt::format("{:.3f}", kUsualSampleRate_hz));
+                   "samples of the sensor per second [Hz], on which the white noise of a sample "
+                   "depends")
+      ->required();
   command
       ->add_option("--filter-rate", flags->filter_rate_hz,
                    "ticks of the predictors per second [Hz]")
@@ -90,7 +77,7 @@ Command add_export(CLI::App& app) {
       ->capture_default_str();
   command->footer(
       "Examples:\n"
-      "  zerorate export mine.toml --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp\n"
+      "  zerorate export mine.toml --cpp --hypotheses 1 --sample-rate 104.171875 -o model.hpp\n"
       "  zerorate export mine.toml --c --name front_gyro --sample-rate 100 -o front_gyro.h");
   return {command, [flags] { return run_export(*flags); }};
 }

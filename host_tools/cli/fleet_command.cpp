@@ -155,7 +155,7 @@ ExitCode run_accept(const AcceptOptions& options) {
   }
   if (options.json != "-") {
     fmt::print("{}: {}\n", options.recording,
-               acceptance.judgement == fleet::Judgement::too_short ? "too short to tell"
+               acceptance.judgement == fleet::Judgement::too_short ? "too short to decide"
                                                                    : name(acceptance.judgement));
     for (const std::string& reason : acceptance.reasons) fmt::print("  {}\n", reason);
   }
@@ -228,7 +228,7 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
                       "write the limits for 'zerorate accept'; - is standard output");
   command
       ->add_option("--test-s", options.test_s,
-                   "with --limits-out: length of the test [s]; figures that it cannot tell have "
+                   "with --limits-out: length of the test [s]; figures that it cannot decide have "
                    "no limits")
       ->check(CLI::NonNegativeNumber);
   command
@@ -302,9 +302,9 @@ Command add_accept(CLI::App& app) {
   command->add_option("--json", options->json, "write the result as JSON; - is standard output");
   command->footer(
       "A figure passes where its 95 % interval lies inside the limits, fails where it lies\n"
-      "outside, and is too short to tell where a limit lies in between.\n"
+      "outside, and is too short to decide where a limit lies in between.\n"
       "Exit codes: 0 pass, 1 fail, 2 wrong usage, 3 data or limits that cannot be used, 4 too\n"
-      "short to tell.\n"
+      "short to decide.\n"
       "Examples:\n"
       "  zerorate accept S0001.csv.gz --limits limits.toml\n"
       "  zerorate accept S0001.csv.gz --limits limits.toml --json -\n"

@@ -36,14 +36,14 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, "
       "pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
-      "units that names do not tell: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
+      "units that names do not give: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
       "counts), temp=c|k|f, speed=mps|kmh|mph, angle=deg|rad");
   add("--delimiter", flags.delimiter,
       ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
   command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")
       ->group("Files of other formats");
   add("--speed-column", flags.speed_column,
-      "speed of the vehicle, which tells rest; in the odometer's file if there is one");
+      "speed of the vehicle, which decides what is rest; in the odometer's file if there is one");
   add("--still-below", flags.still_below_mps, "a greater speed is motion [m/s]; default 0")
       ->check(CLI::Range(0.0, 10.0));
   add("--speed-delay", flags.speed_delay_s,
@@ -58,7 +58,8 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
   add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
   add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
   add("--odometry-topic", flags.odometry_topic,
-      "topic of nav_msgs/Odometry in a bag, whose speed tells rest; default: the only one, if any");
+      "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
+      "one, if any");
   return recording;
 }
 
@@ -71,7 +72,8 @@ void add_axis_option(CLI::App& command, std::string& axis) {
 void add_rest_options(CLI::App& command, std::string& still_from) {
   command
       .add_option("--still-from", still_from,
-                  "what tells rest: odometer (pulses, still or speed; without them all is rest) or "
+                  "source of rest: odometer (pulses, still or speed; without them all "
+                  "is rest) or "
                   "gyro (its own calm)")
       ->check(CLI::IsMember({"odometer", "gyro"}))
       ->capture_default_str();

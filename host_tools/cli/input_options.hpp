@@ -1,5 +1,5 @@
 /// @file
-/// The recording of a command, and what its files do not say themselves.
+/// The recording of a command, and the facts that its files lack.
 #pragma once
 
 #include <optional>

@@ -40,7 +40,8 @@ Command add_model(CLI::App& app) {
   command->add_subcommand("list", "The models that come with zerorate");
   auto* show_command = command->add_subcommand("show", "Print a model as TOML, with its sources");
   show_command->add_option("NAME", *argument)->required();
-  auto* check_command = command->add_subcommand("check", "Read a model file and say what is wrong");
+  auto* check_command =
+      command->add_subcommand("check", "Check a model file and report what is wrong");
   check_command->add_option("FILE", *argument)->required();
   command->footer(
       "Examples:\n"

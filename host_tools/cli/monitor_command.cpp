@@ -119,7 +119,7 @@ void write_model(const live::Tally& tally, const std::string& file) {
   if (!tally.learnt || !tally.learnt->is_learnt()) {
     throw std::runtime_error(
         file +
-        ": not written: the node has said nothing of a learnt model. It does so once a "
+        ": not written: the node has sent no learnt model. It does so once a "
         "second, from its first stop on, over UDP, Unix sockets and JSON lines");
   }
   const std::size_t axis = middle_axis(*tally.learnt);

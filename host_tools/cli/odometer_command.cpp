@@ -18,7 +18,7 @@ struct OdometerOptions {
 };
 
 void print_figure(std::string_view what, const std::string& figure, std::string_view remark = "") {
-  fmt::print("  {:<28}{:<28}{}\n", what, figure, remark);
+  fmt::print("  {:<27} {:<27} {}\n", what, figure, remark);
 }
 
 std::string text(const odometry::BootstrapFigure& figure, double unit = 1.0) {
@@ -83,7 +83,7 @@ void print_figures(const odometry::SpeedRecord& record, const odometry::Odometer
   fmt::print("Figures in brackets are 95 % intervals.\n");
   print_zero(record, figures);
   print_time(figures);
-  fmt::print("\nrolling at more than {} m/s while the odometer says 0\n", odometry::kStanding_m_s);
+  fmt::print("\nrolling at more than {} m/s while the odometer reads 0\n", odometry::kStanding_m_s);
   print_rolling("all", figures.rolling);
   constexpr std::array kWords{"last metres before a stop", "first metres after it",
                               "inching between", "passing without a stop"};

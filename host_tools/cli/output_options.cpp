@@ -13,13 +13,13 @@ void add_output_options(CLI::App& command, OutputOptions& outputs) {
   command.add_option("--report", outputs.report, "write a report with charts as HTML");
 }
 
-void present(const experiments::Presentation& presentation, const std::string& provenance,
+void present(const report::Presentation& presentation, const std::string& provenance,
              const OutputOptions& outputs) {
   if (!outputs.report.empty()) {
-    experiments::to_report(presentation, provenance).write(outputs.report);
+    report::to_report(presentation, provenance).write(outputs.report);
   }
   if (!outputs.json.empty()) write_text(outputs.json, presentation.json);
-  if (outputs.prints_text()) fmt::print("{}", experiments::to_text(presentation));
+  if (outputs.prints_text()) fmt::print("{}", report::to_text(presentation));
 }
 
 }  // namespace zerorate::cli

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host_tools/lib/experiments/presentation.hpp"
+#include "host_tools/lib/report/presentation.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
 class App;
@@ -26,7 +26,7 @@ void add_output_options(CLI::App& command, OutputOptions& outputs);
 
 /// Gives an experiment's results to each output, and to the terminal.
 /// @param provenance  the report's last line
-void present(const experiments::Presentation& presentation, const std::string& provenance,
+void present(const report::Presentation& presentation, const std::string& provenance,
              const OutputOptions& outputs);
 
 }  // namespace zerorate::cli

@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <system_error>
 
+#include "firmware/toml/error.hpp"
 #include "hal/linux/standard_output.hpp"
 #include "host_tools/lib/output/output_file.hpp"
 
@@ -41,7 +47,33 @@ ExitCode after_output(const CLI::App& app, ExitCode code) {
   }
 }
 
+/// Answers `help [COMMAND]`, and a first word that is no command; nullopt where the words are to be
+/// parsed.
+std::optional<ExitCode> answer_without_parsing(CLI::App& app, std::span<char*> words) {
+  std::vector<std::string_view> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (names.empty() || words.empty() || words[0][0] == '-') return std::nullopt;
+  const bool asks_for_help = std::string_view{words[0]} == "help";
+  if (asks_for_help && words.size() == 1) {
+    fmt::print("{}", app.help());
+    return success;
+  }
+  const std::string_view name = words[asks_for_help ? 1 : 0];
+  if (std::ranges::find(names, name) == names.end()) {
+    return complain(app,
+                    fmt::format("no command is called \"{}\"{} ('{} --help' lists them)", name,
+                                toml_file::suggestion(name, names), app.get_name())
+                        .c_str(),
+                    usage);
+  }
+  if (!asks_for_help) return std::nullopt;
+  fmt::print("{}", app.get_subcommand(std::string{name})->help(app.get_name()));
+  return success;
+}
+
 ExitCode parse_and_run(CLI::App& app, const std::vector<Command>& commands, int argc, char** argv) {
+  const std::span<char*> words{argv + 1, static_cast<std::size_t>(std::max(argc, 1) - 1)};
+  if (const auto answered = answer_without_parsing(app, words)) return *answered;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

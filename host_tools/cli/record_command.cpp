@@ -213,7 +213,7 @@ ExitCode run_record(const RecordFlags& flags) {
 void add_chip_options(CLI::App& command, ChipOptions& chip) {
   auto* configuration = command.add_option(
       "--config", chip.configuration,
-      "read the chip itself, as this configuration of zerorated says; stop zerorated first");
+      "read the chip itself with this configuration of zerorated; stop zerorated first");
   auto* name = command
                    .add_option("--chip", chip.chip,
                                "read this chip itself, without an odometer; simulated: one that is "

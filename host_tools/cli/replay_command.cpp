@@ -15,7 +15,6 @@
 #include "host_tools/cli/watched_replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/replay_report.hpp"
-#include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -32,15 +31,16 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   replay_options.checks_rest = true;
   const recording::Input input = to_input(options.input);
-  // A schedule says that the sensor was at rest: then nothing else is the truth.
+  // A schedule means that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};
-  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
+  const std::size_t axis_count = reader.columns().axis_count;
+  const auto axes = shown_axes(options.flags, axis_count, truth);
 
   std::optional<evaluate::CorrectedWriter> corrected;
-  if (!options.out.empty()) corrected.emplace(options.out, reader.columns().axis_count);
-  evaluate::ReplayTrace trace{axes.back()};
+  if (!options.out.empty()) corrected.emplace(options.out, axis_count);
+  evaluate::ReplayTrace trace{axes.front()};
   const bool traced = !options.outputs.report.empty();
   const evaluate::ReplayResult result = replay_watched(
       reader, replay_options,
@@ -55,9 +55,14 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
          .provenance = "zerorate " ZERORATE_VERSION ", zerorate replay"})
         .write(options.outputs.report);
   }
-  if (!options.outputs.json.empty())
-    write_text(options.outputs.json, evaluate::to_json(result, axes));
-  if (options.outputs.prints_text()) print_result(result, axes);
+  if (!options.outputs.json.empty()) {
+    write_text(options.outputs.json,
+               evaluate::to_json(result, scored_axes(options.flags, axis_count)));
+  }
+  if (options.outputs.prints_text()) {
+    print_what_is_not_shown(options.flags, result, axes);
+    print_result(result, axes);
+  }
   return success;
 }
 

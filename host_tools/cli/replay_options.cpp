@@ -18,6 +18,7 @@
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
+#include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
@@ -85,7 +86,7 @@ void print_notes(const evaluate::ReplayResult& result) {
     fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
   }
   if (result.samples_doubted > 0) {
-    fmt::print("  note: {} samples came while the gate doubted a measurement\n",
+    fmt::print("  note: {} samples came while the gate held back a measurement\n",
                result.samples_doubted);
   }
   if (result.samples_without_temperature > 0) {
@@ -117,11 +118,11 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
     fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
                static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
   }
-  fmt::print("\n{:<18}{:>7}{:>15}{:>12}{:>11}{:>13}{:>13}\n", "predictor", "drives",
+  fmt::print("\n{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12}\n", "predictor", "drives",
              "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
   for (const app::Predictor predictor : evaluate::kAllPredictors) {
     const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<18}{:>7}{:>15.4f}{:>12.4f}{:>11.4f}{:>13.3f}{:>13.3f}\n",
+    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f}\n",
                evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
                score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
                score.coverage95_of_node);
@@ -131,30 +132,38 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
 void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
   if (!result.learnt) return;
   fmt::print(
-      "\nNoise model learnt from the stops, with 95 % intervals\n{:<5}{:>7}{:>26}{:>26}{:>32}\n",
-      "axis", "stops", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
+      "\nNoise model learnt from the stops, with 95 % intervals (evidence: as many stops of full "
+      "weight)\n{:<4} {:>9} {:>25} {:>25} {:>31}\n",
+      "axis", "evidence", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
   for (const std::size_t axis : axes) {
     const auto learnt = evaluate::learnt_model((*result.learnt)[axis]);
-    fmt::print("{:<5}{:>7.1f}{:>26}{:>26}{:>32}\n", evaluate::axis_name(result, axis), learnt.stops,
-               evaluate::in_words(learnt.order), evaluate::in_words(learnt.bias_instability_dph),
+    fmt::print("{:<4} {:>9.1f} {:>25} {:>25} {:>31}\n", evaluate::axis_name(result, axis),
+               learnt.stops, evaluate::in_words(learnt.order),
+               evaluate::in_words(learnt.bias_instability_dph),
                evaluate::in_words(learnt.angle_random_walk_dps_per_sqrt_hz));
   }
 }
 
+/// A number for a table; "-" where nothing was measured.
+std::string cell(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
 void print_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
-  fmt::print("\n{:<5}{:<18}{:>7}{:>16}{:>12}{:>13}{:>11}{:>12}{:>11}\n", "axis", "predictor",
-             "drives", "drift deg rms", "ratio to CM", "coverage 95", "sigma/rms", "RSSE deg/s",
-             "IE deg");
+  fmt::print("\n{:<4} {:<17} {:>7} {:>15} {:>22} {:>12} {:>10} {:>11} {:>10}\n", "axis",
+             "predictor", "drives", "drift deg rms", "ratio to CM [95 %]", "coverage 95",
+             "sigma/rms", "RSSE deg/s", "IE deg");
   for (const std::size_t axis : axes) {
     const auto& baseline = result.scores[axis].back();
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>16.4f}{:>12.3f}{:>13.3f}{:>11.2f}{:>12.3f}{:>11.4f}\n",
+      fmt::print("{:<4} {:<17} {:>7} {:>15} {:>22} {:>12} {:>10} {:>11} {:>10}\n",
                  evaluate::axis_name(result, axis), evaluate::name(predictor), scores.drives(),
-                 scores.heading_drift_rms_rad() * kDegPerRad,
-                 scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
-                 scores.coverage95(), scores.sigma_over_rms(),
-                 scores.mean_rsse_rad_s() * kDegPerRad, scores.mean_integrated_rad() * kDegPerRad);
+                 cell(scores.heading_drift_rms_rad() * kDegPerRad, 4),
+                 evaluate::in_words(evaluate::drift_ratio(scores, baseline)),
+                 cell(scores.coverage95(), 3), cell(scores.sigma_over_rms(), 2),
+                 cell(scores.mean_rsse_rad_s() * kDegPerRad, 3),
+                 cell(scores.mean_integrated_rad() * kDegPerRad, 4));
     }
   }
 }
@@ -163,13 +172,13 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
   if (result.stop_scores[axes.front()].front().stops() == 0) return;
   fmt::print(
       "\nBias predicted for each stop, less what the stop then measured (sigma: as predicted)\n"
-      "{:<5}{:<18}{:>7}{:>17}{:>14}{:>13}\n",
+      "{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
       "axis", "predictor", "stops", "error deg/h rms", "error sigmas", "coverage 95");
   for (const std::size_t axis : axes) {
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<5}{:<18}{:>7}{:>17.2f}{:>14.2f}{:>13.3f}\n", evaluate::axis_name(result, axis),
-                 evaluate::name(predictor), scores.stops(),
+      fmt::print("{:<4} {:<17} {:>7} {:>16.2f} {:>13.2f} {:>12.3f}\n",
+                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.stops(),
                  scores.error_rms_rad_s() * units::kDphPerRadS, scores.error_rms_sigmas(),
                  scores.coverage95());
     }
@@ -179,7 +188,11 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
 }  // namespace
 
 void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
-  add_axis_option(app, flags.axis);
+  app.add_option(
+         "--axis", flags.axis,
+         "x, y, z, or all, the vertical axis first (by the reference, else z); default: of a "
+         "drive the vertical axis alone, with --schedule all")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}));
   auto* model = app.add_option("--model", flags.model,
                                "sensor model: a TOML file or a name from 'zerorate model list'");
   model->capture_default_str();
@@ -201,7 +214,7 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_option("--chip", flags.chip, "the chip of --through chip; default lsm6dso")
       ->check(CLI::IsMember(chip_names()));
   app.add_option("--predictor", flags.predictor,
-                 "whose bias corrects the published rate: kalman, moving_average, calibration_mean")
+                 "predictor of the published rate: kalman, moving_average, calibration_mean")
       ->capture_default_str();
   app.add_option(
          "--sample-rate", flags.sample_rate_hz,
@@ -218,7 +231,8 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
                  "how long a sample waits for a late pulse before it counts [s]")
       ->capture_default_str();
   app.add_option("--still-from", flags.still_from,
-                 "what tells rest: odometer (and the calm in its stops), gyro (its calm alone, as "
+                 "source of rest: odometer (and the calm in its stops), gyro (its calm "
+                 "alone, as "
                  "without an odometer) or odometer-alone (whatever the gyro shows)")
       ->check(CLI::IsMember(std::vector<std::string>(kSources.begin(), kSources.end())))
       ->capture_default_str();
@@ -261,6 +275,29 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
         core::earth_rate(static_cast<float>(*flags.latitude_deg), up_axis_called(flags.up));
   }
   return options;
+}
+
+std::vector<std::size_t> shown_axes(const ReplayFlags& flags, std::size_t axis_count,
+                                    const std::optional<truth::Truth>& truth) {
+  std::vector<std::size_t> axes = scored_axes(flags, axis_count);
+  if (axes.size() == 1) return axes;
+  const std::size_t vertical = truth ? truth->vertical.axis : axis_count - 1;
+  const bool is_drive = flags.schedule.empty();
+  if (is_drive && flags.axis.empty()) return {vertical};
+  std::ranges::rotate(axes, axes.begin() + static_cast<std::ptrdiff_t>(vertical));
+  return axes;
+}
+
+std::vector<std::size_t> scored_axes(const ReplayFlags& flags, std::size_t axis_count) {
+  return identify::axes_called(flags.axis.empty() ? "all" : flags.axis, axis_count);
+}
+
+void print_what_is_not_shown(const ReplayFlags& flags, const evaluate::ReplayResult& result,
+                             const std::vector<std::size_t>& axes) {
+  if (!flags.axis.empty() || axes.size() == result.axis_count) return;
+  fmt::print("axis {} is the vertical one{}; --axis all shows the others too\n",
+             evaluate::axis_name(result, axes.front()),
+             result.true_drives ? ", by the reference" : " unless --axis names another");
 }
 
 void add_truth_flags(CLI::App& app, TruthFlags& flags) {
@@ -319,7 +356,7 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
     print_scores(result, axes);
   } else if (!result.true_drives) {
     fmt::print(
-        "  note: the true rate is not known, so headings are not scored; --schedule says that the "
+        "  note: the true rate is not known, so headings are not scored; --schedule means that the "
         "sensor was at rest\n");
   }
   print_stop_scores(result, axes);

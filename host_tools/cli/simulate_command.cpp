@@ -38,7 +38,7 @@ struct SimulateOptions {
 
 ExitCode list_scenarios() {
   for (const simulate::Scenario& scenario : simulate::scenarios()) {
-    fmt::print("{:<25}{}\n", scenario.name, scenario.summary);
+    fmt::print("{:<24} {}\n", scenario.name, scenario.summary);
   }
   return success;
 }
@@ -56,9 +56,8 @@ ExitCode run_simulate_fleet(const SimulateOptions& options) {
   const std::string folder = options.common.output.empty() ? "fleet" : options.common.output;
   ProgressBar progress{"simulating"};
   fleet::simulate_fleet(fleet, folder, [&](double share) { progress.update(share); });
-  fmt::print(
-      "{}: {} recordings of {} sensors; fleet.csv lists them, truth.csv tells what is in them\n",
-      folder, fleet.sensors * fleet.recordings, fleet.sensors);
+  fmt::print("{}: {} recordings of {} sensors; fleet.csv lists them, truth.csv what is in them\n",
+             folder, fleet.sensors * fleet.recordings, fleet.sensors);
   return success;
 }
 
@@ -91,7 +90,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
   recording::Reader reader{path};
-  const auto axes = identify::axes_called(options.flags.axis, reader.columns().axis_count);
+  const auto axes = shown_axes(options.flags, reader.columns().axis_count, {});
   print_result(replay_watched(reader, replay_options, {},
                               [&](std::uint64_t row) { return drive.rows[row].true_rate_rad_s; }),
                axes);
@@ -107,14 +106,15 @@ void add_fleet_options(CLI::App& command, SimulateOptions& options) {
   const auto add = [&](const char* name, auto& value, const char* text, const auto& check) {
     command.add_option(name, value, text)->needs(is_fleet)->check(check)->capture_default_str();
   };
-  add("--sensors", fleet.sensors, "of the fleet", CLI::PositiveNumber);
-  add("--recordings", fleet.recordings, "of each sensor", CLI::PositiveNumber);
-  add("--samples", fleet.samples, "of each recording", CLI::Range(1000, 10'000'000));
-  add("--lots", fleet.lots, "of the sensors, of which one is bad", CLI::PositiveNumber);
-  add("--bad-lot-factor", fleet.bad_lot_factor, "on N and B of its sensors", CLI::PositiveNumber);
-  add("--hidden-share", fleet.hidden_share, "of the sensors, with a hidden effect on one axis",
+  add("--sensors", fleet.sensors, "number of sensors", CLI::PositiveNumber);
+  add("--recordings", fleet.recordings, "recordings of each sensor", CLI::PositiveNumber);
+  add("--samples", fleet.samples, "samples of each recording", CLI::Range(1000, 10'000'000));
+  add("--lots", fleet.lots, "lots of the sensors, one of them bad", CLI::PositiveNumber);
+  add("--bad-lot-factor", fleet.bad_lot_factor, "factor on N and B of the bad lot's sensors",
+      CLI::PositiveNumber);
+  add("--hidden-share", fleet.hidden_share, "share of the sensors with a hidden effect on one axis",
       CLI::Range(0.0, 1.0));
-  add("--nats", fleet.nats, "of likelihood that the effect costs a model without it",
+  add("--nats", fleet.nats, "likelihood that the effect costs a model without it [nats]",
       CLI::PositiveNumber);
   add("--jobs", fleet.jobs, "threads; 0: as many as the machine has", CLI::Range(0, 256));
 }

@@ -116,7 +116,7 @@ class NodeOfShape : public AnyNode {
   evaluate::DirectFeed<typename evaluate::ReplayNode<Shape>::Node> feed_;
 };
 
-/// The node of Python. It begins with its first samples, which tell what columns there are.
+/// The node of Python. It begins with its first samples, which fix the columns.
 class Node {
  public:
   /// @param sample_period_s  nullopt: the mean interval of the first samples, as in a replay
@@ -154,7 +154,7 @@ class Node {
     const std::int64_t period_ns = reader.findings().mean_interval_ns();
     if (period_ns == 0) {
       throw std::invalid_argument(
-          "one sample does not tell the sample period: give Node(sample_period_s=...)");
+          "one sample does not determine the sample period: give Node(sample_period_s=...)");
     }
     return core::Duration::nanoseconds(period_ns);
   }

@@ -17,7 +17,7 @@ extern "C" {
 void odometer_interrupt(void);
 void gyro_interrupt(void);
 
-/* Runs as long as board_runs() says so. */
+/* Runs until board_runs() returns false. */
 zerorate_result super_loop(void);
 
 bool board_runs(void);

@@ -53,7 +53,7 @@ def draw(found):
                     (1.0, 1.1, 1.2, 1.3, 1.4), 1.0),
               Panel(LEFT + PANEL + 50, "coverage of the 95 % interval", "coverage95", 0.25, 1.0,
                     (0.25, 0.5, 0.75, 0.95), 0.95)]
-    described = "Whatever the data sheet says, the learning filter stays at the drift and the coverage of a fitted one."
+    described = "Whatever is in the data sheet, the learning filter stays at the drift and the coverage of a fitted one."
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" '
              f'font-family="sans-serif" font-size="13" fill="{INK}" role="img">',
              "<title>A node that learns, with data sheets that are wrong</title>", f"<desc>{described}</desc>",

@@ -94,7 +94,7 @@ def draw_zero(k19, t19):
 
 
 def draw_rolling(records):
-    drawing = Drawing("Rolling at more than 0.1 m/s while the odometer says zero",
+    drawing = Drawing("Rolling at more than 0.1 m/s while the odometer reads zero",
                       "Stacked bars: share of the time at zero by situation, for three recordings.", 0.0, 0.12)
     drawing.x_axis([0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12], "share of the time at zero")
     for row, (name, record) in enumerate(records.items()):
@@ -113,7 +113,7 @@ def draw_rolling(records):
 
 
 def draw_turning(record):
-    drawing = Drawing("Turning while the odometer says zero, K08",
+    drawing = Drawing("Turning while the odometer reads zero, K08",
                       "Distributions of the yaw rate's magnitude: at true rest and while rolling at zero.",
                       0.001, 2.0, logarithmic=True)
     drawing.y_axis("share of the rows")

@@ -2,8 +2,8 @@
 /// Sums and products in single precision as IEEE 754 has them, rounded to nearest, on bit patterns.
 ///
 /// Every case is covered: subnormal numbers, zeros of both signs, infinities, not-a-numbers (one
-/// pattern for all). The Cortex-M0+ comes here for what is rare (soft_float.S); what is common is
-/// the same algorithm in its instructions.
+/// pattern for all). The Cortex-M0+ uses this code for rare cases; soft_float.S has the same
+/// algorithm in instructions for the common ones.
 #pragma once
 
 #include <bit>
@@ -42,7 +42,7 @@ struct Number {
   if (places > 31) return 1;
   return (significand >> places) | ((significand << (32 - places)) != 0 ? 1U : 0U);
 }
-/// To 24 bits: to nearest, ties to even.
+/// Rounds to 24 bits, ties to even.
 [[nodiscard]] constexpr Bits rounded(Bits significand) {
   const Bits near = (significand >> 8U) + ((significand >> 7U) & 1U);
   return (significand & 0xFFU) == 0x80U ? near & ~Bits{1} : near;

@@ -1,5 +1,5 @@
 /// @file
-/// Keeps what the node has learnt while the power is off.
+/// Keeps the learnt state of the node while the power is off.
 #pragma once
 
 #include <array>
@@ -23,16 +23,17 @@ class StateKeeper {
   constexpr StateKeeper(const app::Snapshot<Node>& snapshot, Medium& medium)
       : snapshot_(snapshot), medium_(medium) {}
 
-  /// At the start: gives the node what was kept, if it fits, and makes room for the next save.
+  /// Call at the start: restores the saved state, if it fits, and makes room for the next save.
   [[gnu::noinline]] void restore(Node& node) {
-    // There is no clock on this board, and nobody to tell a refusal to: health says `calibrated`.
+    // There is no clock on this board, and no place for a reason of refusal: see health's
+    // `calibrated`.
     if (const auto record = medium_.newest()) {
       (void)snapshot_.restore_filters(node, *record, {});
     }
     (void)medium_.prepare();
   }
 
-  /// After every turn of the main loop.
+  /// Call after every turn of the main loop.
   /// @return whether the flash was away for longer than a sample takes
   bool poll(const Node& node, core::Instant now) {
     if (medium_.is_saving()) {
@@ -66,7 +67,7 @@ class StateKeeper {
   const app::Snapshot<Node>& snapshot_;
   Medium& medium_;
   core::Instant next_at_;
-  std::uint32_t saved_ticks_ = 0;  ///< of the newest save
+  std::uint32_t saved_ticks_ = 0;  ///< tick of the newest save
   bool was_still_ = false;
   bool is_prepared_ = true;  ///< restore() did
   /// Here and not on the stack, which is measured for its deepest moment.

@@ -185,7 +185,7 @@ void check_odometer(const StrictTable& root, const Configuration& configuration,
   const bool has_odometer = configuration.odometer || configuration.speed;
   if (!asks_gyro && !has_odometer && !configuration.gyro.is_simulated()) {
     root.fail_at("odometer",
-                 "missing: what tells that the vehicle stands? Without an odometer, "
+                 "missing: what decides that the vehicle stands? Without an odometer, "
                  "[standstill] source = \"gyro\" takes the calm of the gyro for rest");
   }
   if (asks_gyro && has_odometer) {
@@ -203,7 +203,7 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
   if (chip.empty() && !sensor && errors.is_empty()) {
     errors.attempt([&] {
       root.fail_at("model",
-                   "missing: the device's name tells no chip of the catalogue; \"name\" or "
+                   "missing: the device's name is no chip of the catalogue; \"name\" or "
                    "\"file\" of [model], or \"chip\" of [gyro]");
     });
   }

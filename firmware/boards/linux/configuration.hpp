@@ -32,12 +32,13 @@ struct StateSettings {
 };
 
 struct Configuration {
-  std::string name;  ///< of the node, in lines and metrics; empty: it is the only one
-  std::string user;  ///< to become after the start as root; empty: stay
+  std::string name;  ///< name of the node in lines and metrics; empty: it is the only one
+  std::string user;  ///< user of the process after a start as root; empty: unchanged
   GyroSettings gyro;
   std::optional<hal::linux_os::LineSettings> data_ready;
   std::optional<hal::linux_os::LineSettings> odometer;  ///< on a GPIO line
-  std::optional<SpeedSettings> speed;  ///< in its place; neither: the gyro alone tells rest
+  std::optional<SpeedSettings>
+      speed;  ///< in its place; neither: the gyro alone decides what is rest
   core::OdometerTraits odometer_traits;
   std::string model_name;  ///< or its file
   Node::Params node;
@@ -57,7 +58,7 @@ struct Configuration {
 
 /// Configurations of the nodes of one process. A node among several has a name: where its file
 /// gives none, that of the file without its folder and ending. Besides what read_configuration()
-/// throws, std::invalid_argument where two nodes have one name or two files tell of two users.
+/// throws, std::invalid_argument where two nodes have one name or two files name two users.
 [[nodiscard]] std::vector<Configuration> read_configurations(const std::vector<std::string>& files);
 
 }  // namespace zerorate::linux_node

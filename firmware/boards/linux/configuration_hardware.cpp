@@ -92,7 +92,7 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
 
 constexpr std::array<std::string_view, 3> kBuses{"spi", "i2c", "iio"};
 
-/// False where the table says none that there is.
+/// False where the table names none that exists.
 bool read_bus(StrictTable& table, GyroSettings& gyro, ErrorList& errors, Presence presence) {
   return errors.attempt(
       [&] { gyro.bus = static_cast<BusKind>(table.choice("bus", kBuses, presence).value_or(0)); });

@@ -209,10 +209,10 @@ void leave_out_what_has_gone(Configuration& configuration) {
   }
 }
 
-/// The next run: as the files say now, or as before where that cannot be.
+/// Run with the files as they are now, or as before where they are wrong.
 void reload(const std::vector<std::string>& files, const Descriptor& signals,
             std::vector<Configuration>& configurations, std::optional<Daemon>& daemon) {
-  daemon.reset();  // what it holds may be asked for again
+  daemon.reset();  // the next daemon may ask for what this one holds
   try {
     std::vector<Configuration> changed = read_configurations(files);
     daemon.emplace(changed, signals);

@@ -15,10 +15,10 @@
 
 namespace zerorate::linux_node {
 
-/// Reasons of the newest faults that the errors of the contract do not tell.
+/// Reasons of the newest faults, beyond the errors of the contract.
 struct HardwareReasons {
   GyroReason gyro;
-  int odometer_error_number = 0;  ///< as the kernel gave it; 0: none
+  int odometer_error_number = 0;  ///< errno of the kernel; 0: none
 };
 
 /// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to

@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   bool only_check = false;
   app.add_flag("--check-config", only_check,
-               "read the configuration, say what is wrong with it, and end");
+               "read the configuration, report what is wrong with it, and end");
   app.footer(
       "Examples:\n"
       "  zerorated --check-config\n"

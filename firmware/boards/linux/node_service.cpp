@@ -107,7 +107,7 @@ std::string_view cure_of_sink(int error_number) {
   }
 }
 
-/// A receiver that is only slow: counted, not told.
+/// A receiver that is only slow: counted, not reported.
 bool is_congestion(int error_number) {
   return error_number == EAGAIN || error_number == ENOBUFS;
 }

@@ -104,7 +104,7 @@ class NodeService {
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 
   std::vector<std::unique_ptr<Sink>> sinks_;
-  std::vector<int> sink_errors_;  ///< newest one of each sink that was told
+  std::vector<int> sink_errors_;  ///< newest reported error of each sink
   std::optional<wire::NumberedMessage> latest_;
   ServiceStatus last_status_;
   bool odometer_failed_ = false;  ///< between the last two ticks

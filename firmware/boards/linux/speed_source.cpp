@@ -88,7 +88,7 @@ std::optional<double> decode_text(std::string_view text) {
 
 core::Result<hal::PulseBatch, hal::BusError> SpeedSource::read_pulses(
     std::span<core::Instant> stamps) {
-  constexpr std::size_t kMostMessages = 64;  // of one call; the others wait for the next
+  constexpr std::size_t kMostMessages = 64;  // messages of one call; the others wait for the next
   const core::Instant now = hal::linux_os::KernelClock::now();
   if (descriptor() < 0 && !open(now)) return core::Unexpected{hal::BusError::not_present};
   hal::PulseBatch batch{};

@@ -23,7 +23,7 @@ namespace zerorate::linux_node {
 /// A signal of a CAN bus, in the figures of a DBC file.
 struct CanSignal {
   std::string interface;
-  std::uint32_t id = 0;  ///< of an extended frame with bit 31, as in a DBC file
+  std::uint32_t id = 0;  ///< identifier; bit 31 marks an extended frame, like in a DBC file
   unsigned start_bit = 0;
   unsigned length = 0;
   bool is_big_endian = false;  ///< `@0` of the DBC file; then start_bit is the highest bit

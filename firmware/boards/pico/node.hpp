@@ -11,7 +11,7 @@
 #ifdef ZERORATE_PICO_MODEL
 #include ZERORATE_PICO_MODEL
 #else
-#include "firmware/boards/pico/model.hpp"
+#include "firmware/boards/models/lsm6dso.hpp"
 #endif
 
 namespace zerorate::pico {

@@ -1,7 +1,6 @@
 /// @file
 /// Your board: seven holes to fill in, each between FILL IN and FILLED IN.
-/// docs/how-to/port-to-a-board.md explains them, firmware/boards/stm32f4 is this file with
-/// everything filled in, main.cpp needs no change.
+/// docs/how-to/port-to-a-board.md explains them; main.cpp needs no change.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +12,7 @@
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/boards/pico/model.hpp"
+#include "firmware/boards/models/lsm6dso.hpp"
 #include "hal/contract/spi_device.hpp"
 #include "hal/contract/storage.hpp"
 #include "hal/cortex_m/edges.hpp"
@@ -26,7 +25,7 @@ namespace zerorate::board {
 inline volatile std::uint32_t hardware;
 
 /// 1, the clock: microseconds since some moment. It never jumps, lasts as long as the product
-/// (widen a 32-bit counter, as hal/stm32f4/timer.hpp does), and may be read in interrupts.
+/// (widen a 32-bit counter in its interrupt), and may be read in interrupts.
 struct Counter {
   // FILL IN
   static std::uint64_t microseconds() { return hardware; }
@@ -34,7 +33,7 @@ struct Counter {
 };
 using Clock = hal::cortex_m::CounterClock<Counter>;
 
-/// 2, the bus: SPI or I2C (hal/contract says which bytes go where). All operations under one chip
+/// 2, the bus: SPI or I2C (bytes on the wire: hal/contract). All operations under one chip
 /// select; release it on every path; a time limit instead of waiting for ever. For I2C:
 /// `transaction(address, operations)`, hal::I2cBus, and drivers::I2cRegisters below.
 struct Bus {

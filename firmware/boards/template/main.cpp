@@ -22,7 +22,7 @@ class Keeper {
  public:
   void restore(Node& node) {
     if (const auto size = memory_.load(record_)) {
-      // A refusal is none of ours to tell: health says `calibrated`.
+      // There is no place for a reason of refusal: see health's `calibrated`.
       (void)kSnapshot.restore_filters(node, std::span{record_}.first(*size), {});
     }
   }

@@ -16,12 +16,9 @@ import math
 import pathlib
 import re
 import statistics
-import struct
 import subprocess
 import sys
 import tempfile
-import time
-import zlib
 
 FOLDER = "host_tests/emulated/mps2/images"
 GROWTH = 1.03
@@ -211,43 +208,6 @@ def check_board(images, examples):
         if complaints:
             sys.exit(f"{processor}: " + "\n".join(complaints[:20]))
         print(f"{processor}: {len(messages)} messages of the template say what its chip plays")
-    check_port(images, decode)
-
-
-# NVIC_ISPR1 and the bit of USART 2, interrupt 38; SENSOR_FAULT of a message's health; WHO_AM_I of the LSM6DSO.
-SET_PENDING, USART_2, SENSOR_FAULT, WRONG_IDENTITY, WHO_AM_I = 0xE000E204, 1 << 6, 0x040, 1, 0x0F
-LINE_BYTES = 3000
-
-
-def check_port(images, decode):
-    """The port to the STM32F405 on netduinoplus2, which has its processor, timer 2 without compare, EXTI without pins, an
-    SPI without a chip and USART 2 without the interrupt that asks for the next byte: the test raises that one."""
-    with tempfile.TemporaryDirectory() as folder:
-        line = pathlib.Path(folder) / "line"
-        command = ["qemu-system-arm", "-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-serial",
-                   f"file:{line}", "-qtest", "stdio", "-qtest-log", "none", "-kernel", image(images, "cortex-m4f", "netduino")]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
-            deadline = time.monotonic() + 60
-            while time.monotonic() < deadline and (not line.exists() or line.stat().st_size < LINE_BYTES):
-                machine.stdin.write(f"writel {SET_PENDING:#x} {USART_2:#x}\n")
-                machine.stdin.flush()
-                machine.stdout.readline()
-            machine.kill()
-        frames = [unstuff(piece) for piece in line.read_bytes().split(b"\0")[:-1]]
-    if any(len(frame) < 8 or struct.unpack_from("<I", frame, len(frame) - 4)[0] != zlib.crc32(frame[:-4]) for frame in frames):
-        sys.exit("netduino: damaged frames")
-    messages = [decode(frame) for frame in frames if frame.startswith(b"ZR")]
-    counters = [struct.unpack_from("<11I3B", frame, 4) for frame in frames if frame.startswith(b"ZS")]
-    if len(messages) < 5 or len(counters) < 5:
-        sys.exit(f"netduino: {len(messages)} messages, {len(counters)} of the counters")
-    for before, message in zip([{"time_ns": 0}, *messages], messages):
-        if message["health"] != SENSOR_FAULT or message["motion"] != "moving" or message["time_ns"] <= before["time_ns"]:
-            sys.exit(f"netduino: a chip that is missing gives {message}")
-    tries = [start_errors for _, _, _, _, _, start_errors, *_ in counters]
-    found = {(samples, starts, code, register) for samples, _, _, _, starts, *_, code, _, register in counters}
-    if found != {(0, 0, WRONG_IDENTITY, WHO_AM_I)} or tries != sorted(tries) or tries[0] == tries[-1]:
-        sys.exit(f"netduino: counters {counters}")
-    print(f"netduino: boots, and says in {len(messages)} messages that there is no chip")
 
 
 def board_complaints(messages):

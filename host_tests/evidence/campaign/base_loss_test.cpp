@@ -1,7 +1,7 @@
 /// @file
 /// The information that sizes hidden effects, against dense covariances and exact likelihoods.
 
-#include "host_tools/lib/campaign/base_loss.hpp"
+#include "host_tools/lib/simulate/sizing/base_loss.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/lib/campaign/sized_effect.hpp"
+#include "host_tools/lab/campaign/outside_catalogue.hpp"
+#include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 #include "host_tools/lib/spectrum/fractional_filter.hpp"
 
-namespace zerorate::campaign {
+namespace zerorate::sizing {
 namespace {
 
 using Eigen::MatrixXd;
@@ -186,7 +187,7 @@ TEST(BaseLoss, IsHalfTheSquaredNormOfAMeanInTheMetricOfTheNoise) {
   }
 }
 
-TEST(BaseLoss, IsLessThanHalfTheSquaredNormBecauseTheBaseTakesAMeanForNoise) {
+TEST(BaseLoss, IsBelowHalfTheSquaredNormOfAMeanTakenForNoise) {
   const BaseNoise noise(20'000, 1.0, 0.1);
   std::vector<double> ramp(20'000);
   for (std::size_t k = 0; k < ramp.size(); ++k) ramp[k] = 1e-4 * static_cast<double>(k);
@@ -229,7 +230,7 @@ double log_likelihood_of_two_levels(const std::vector<double>& y, double height,
   return sum;
 }
 
-TEST(LossToTelegraphNoise, IsALowerBoundOfWhatTheExactLikelihoodTells) {
+TEST(LossToTelegraphNoise, IsALowerBoundOfTheExactLoss) {
   constexpr std::size_t kLength = 4000;
   const random::RandomStream stream(7);
   RecordingSetting setting{.samples = kLength,
@@ -280,7 +281,7 @@ TEST(EveryEffect, IsSizedToTheNatsThatAreAskedFor) {
   const random::RandomStream stream(11);
   const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
   Draws draws{stream.substream("effects")};
-  for (const auto entries : {catalogue(), outside_catalogue()}) {
+  for (const auto entries : {catalogue(), campaign::outside_catalogue()}) {
     for (const EffectEntry& entry : entries) {
       const SizedEffect effect = entry.draw(setting, draws);
       const auto size = size_for(effect, 40.0);
@@ -322,7 +323,7 @@ TEST(EffectsOfAPair, CostTheNatsThatAreAskedForBesideEachOther) {
   EXPECT_GT(setting.noise.loss_to_mean(mean), kNats + 5.0) << "alone it would be plainer to see";
 }
 
-TEST(EffectsOfAPair, AreOfTheSizesThatTheyHaveAloneWhereNeitherHidesTheOther) {
+TEST(EffectsOfAPair, KeepTheirSizesWhereNeitherHidesTheOther) {
   const random::RandomStream stream(13);
   const RecordingSetting setting = draw_setting(20'000, 0.0, stream);
   const Draws draws{stream.substream("effects")};
@@ -340,4 +341,4 @@ TEST(EffectsOfAPair, AreOfTheSizesThatTheyHaveAloneWhereNeitherHidesTheOther) {
 }
 
 }  // namespace
-}  // namespace zerorate::campaign
+}  // namespace zerorate::sizing

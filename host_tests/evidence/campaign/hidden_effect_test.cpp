@@ -11,16 +11,22 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tests/support/folders.hpp"
-#include "host_tools/lib/campaign/answer.hpp"
-#include "host_tools/lib/campaign/scenario.hpp"
-#include "host_tools/lib/campaign/sized_effect.hpp"
-#include "host_tools/lib/campaign/tally.hpp"
+#include "host_tools/lab/campaign/answer.hpp"
+#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/tally.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/recording/writer.hpp"
+#include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
 namespace zerorate::campaign {
 namespace {
+
+using sizing::BaseNoise;
+using sizing::Draws;
+using sizing::EffectEntry;
+using sizing::Part;
+using sizing::RecordingSetting;
 
 TEST(RoundOfTheBlindCampaign, MissesNoBarByMoreThanChance) {
   const testing::ScratchFolder folder;

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "host_tests/support/folders.hpp"
+#include "host_tools/lib/contest/drives.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
-#include "host_tools/lib/experiments/drives/drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::diagnose {
@@ -75,13 +75,13 @@ std::set<std::string> mentioned(const Diagnosis& diagnosis) {
   return names;
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesTheTemperatureOfTheSweepOnYFirst) {
+TEST_F(DiagnosisOfRealRecording, NamesTheTemperatureFirstOnY) {
   const Diagnosis y = diagnosis_of("thermal_sweep/imu_thermal_2hz.csv.gz", 1);
   ASSERT_FALSE(y.causes.empty());
   EXPECT_EQ(y.causes.front().effect, "temperature_drift");
 }
 
-TEST_F(DiagnosisOfRealRecording, LeavesTheHysteresisOfTheSweepOnXUnexplainedByItsTemperature) {
+TEST_F(DiagnosisOfRealRecording, LeavesTheHysteresisOfTheSweepOnX) {
   const Diagnosis x = diagnosis_of("thermal_sweep/imu_thermal_2hz.csv.gz", 0);
   EXPECT_EQ(x.verdict, Verdict::unexplained);
   ASSERT_FALSE(x.causes.empty());
@@ -89,7 +89,7 @@ TEST_F(DiagnosisOfRealRecording, LeavesTheHysteresisOfTheSweepOnXUnexplainedByIt
   EXPECT_THAT(x.remarks, Contains(HasSubstr("The first sample")));
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050AndInventsNoShare) {
+TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050) {
   const Diagnosis z = diagnosis_of("mpu6050_static_temp/mpu6050_100hz.csv.gz", 2);
   const auto dropped = std::ranges::find(z.causes, "dropped_samples", &Cause::effect);
   ASSERT_NE(dropped, z.causes.end());
@@ -99,7 +99,7 @@ TEST_F(DiagnosisOfRealRecording, NamesTheGapsOfTheMpu6050AndInventsNoShare) {
   EXPECT_NEAR(dropped->parameters.front().value, 2860.0, 0.03 * 2860.0);
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
+TEST_F(DiagnosisOfRealRecording, NamesACommonOrderOfTheAdis16405) {
   for (const std::filesystem::path& run : means_of_the_adis16405()) {
     for (const Diagnosis& diagnosis : diagnosis_of_all(run)) {
       const auto order = std::ranges::find(diagnosis.causes, "fractional_order", &Cause::effect);
@@ -118,15 +118,15 @@ TEST_F(DiagnosisOfRealRecording, NamesAnOrderInCommonOfTheAxesOfTheAdis16405) {
   }
 }
 
-TEST_F(DiagnosisOfRealRecording, GivesModelsThatPredictTheDrivesOfOtherRunsBetterThanTheBase) {
-  const experiments::DriveContestOptions options{
+TEST_F(DiagnosisOfRealRecording, GivesBetterModelsForOtherRuns) {
+  const contest::DriveContestOptions options{
       .schedules = {{15.0, 60.0}, {30.0, 120.0}, {60.0, 300.0}, {20.0, 300.0}, {120.0, 600.0}},
-      .fit_by = experiments::FitBy::diagnosis};
-  const experiments::DriveContest contest =
-      experiments::run_drive_contest(means_of_the_adis16405(), options, {});
+      .fit_by = contest::FitBy::diagnosis};
+  const contest::DriveContest contest =
+      contest::run_drive_contest(means_of_the_adis16405(), options, {});
   EXPECT_LT(contest.extended_over_base.value, 0.98);
   const auto& extended =
-      contest.overall[static_cast<std::size_t>(experiments::Contestant::kalman_extended)];
+      contest.overall[static_cast<std::size_t>(contest::Contestant::kalman_extended)];
   EXPECT_GT(extended.coverage.value, 0.94);
   EXPECT_LT(extended.coverage.value, 0.96);
 }
@@ -148,7 +148,7 @@ std::optional<double> line_hz(const Diagnosis& diagnosis) {
   return std::ranges::find(line->parameters, "frequency_hz", &Parameter::name)->value;
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesTheLineOnXOfTheAdis16405ThatWanders) {
+TEST_F(DiagnosisOfRealRecording, NamesTheLineOnXOfTheAdis16405) {
   for (const char* file :
        {"adis16405_static/run1_10hz_mean.csv.gz", "adis16405_static/run2_10hz_mean.csv.gz",
         "adis16405_static/run3_10hz_mean.csv.gz"}) {
@@ -157,7 +157,7 @@ TEST_F(DiagnosisOfRealRecording, NamesTheLineOnXOfTheAdis16405ThatWanders) {
   }
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesTheHumpOnZOfTheRawAdis16405BesideItsSlowExcess) {
+TEST_F(DiagnosisOfRealRecording, NamesTheHumpOnZOfTheAdis16405) {
   const Diagnosis z = diagnosis_of("adis16405_static/run2_100hz_raw.csv.gz", 2);
   // data/README.md: at 15 to 22 Hz.
   EXPECT_THAT(line_hz(z), Optional(AllOf(Gt(15.0), Lt(22.0))));
@@ -176,7 +176,7 @@ std::set<std::string> slow_causes(const Diagnosis& diagnosis) {
   return names;
 }
 
-TEST_F(DiagnosisOfRealRecording, NamesTheSameSlowCausesHoweverTheAdis16405WasAveraged) {
+TEST_F(DiagnosisOfRealRecording, NamesSlowCausesForAnyAveraging) {
   const std::filesystem::path run = means_of_the_adis16405().front();
   const std::vector<Diagnosis> seconds = diagnosis_of_all(run);
   const std::vector<Diagnosis> tenths =

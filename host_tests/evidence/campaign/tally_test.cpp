@@ -1,10 +1,10 @@
-#include "host_tools/lib/campaign/tally.hpp"
+#include "host_tools/lab/campaign/tally.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host_tools/lib/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/scenario.hpp"
 
 namespace zerorate::campaign {
 namespace {
@@ -21,7 +21,7 @@ TEST(Score, CountsARightNameFirstAndAlone) {
   EXPECT_TRUE(beside.named && !beside.first && !beside.alone && beside.wrong);
 }
 
-TEST(Score, CallsAnExplanationByAnotherNameWrongEvenWithTheTruthAsItsRival) {
+TEST(Score, CallsAnotherNameWrongEvenBesideTheTruth) {
   const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
   const Score rival = score(ramp, {"explained", {"rate_random_walk"}, {"rate_ramp"}});
   EXPECT_TRUE(!rival.named && rival.alternative && rival.wrong);

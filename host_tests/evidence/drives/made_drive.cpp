@@ -17,7 +17,7 @@ namespace {
 constexpr double kPeriod_s = 0.1;
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kPulse_m = 0.05;
-constexpr double kScale = 1.003;  ///< of a good MEMS gyro that nobody has calibrated
+constexpr double kScale = 1.003;  ///< scale of a good MEMS gyro without calibration
 
 using Columns = std::map<std::string, std::vector<double>, std::less<>>;
 

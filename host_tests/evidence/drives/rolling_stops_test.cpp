@@ -1,6 +1,6 @@
-// Drives whose odometer says "still" while the vehicle rolls: is what is learnt the calm, whatever
-// model the node was given, and does the interval hold? Heading error of a drive from the middle of
-// a true stop to the middle of the next, with the bias as published at departure.
+// Drives whose odometer reports standstill while the vehicle rolls: is what is learnt the calm,
+// whatever model the node was given, and does the interval hold? Heading error of a drive from the
+// middle of a true stop to the middle of the next, with the bias as published at departure.
 
 #include <gtest/gtest.h>
 

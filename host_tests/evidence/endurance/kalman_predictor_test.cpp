@@ -122,11 +122,11 @@ double smallest_correlation_eigenvalue(const Eigen::Matrix<double, 7, 7>& p) {
 struct Lockstep {
   std::uint64_t checks = 0;
   std::uint64_t not_positive_definite = 0;
-  double least_eigenvalue = 1.0;         ///< of the correlation matrices of the filter under test
+  double least_eigenvalue = 1.0;         ///< least one of a correlation matrix
   double least_eigenvalue_double = 1.0;  ///< and of the oracle
   double worst_sigma = 0.0;              ///< largest |sigma / oracle's sigma - 1| at a check
   double worst_bias = 0.0;               ///< largest |bias - oracle's bias| in the oracle's sigmas
-  double rms_bias = 0.0;                 ///< the same, root mean square over all steps
+  double rms_bias = 0.0;                 ///< root mean square of that error over all steps
   double last_sigma_deviation = 0.0;     ///< at the end, signed
 };
 
@@ -197,11 +197,11 @@ void expect_sound_over(std::uint64_t steps) {
   }
 }
 
-TEST(KalmanPredictorOverAMillionSteps, StaysPositiveDefiniteAndKeepsItsInterval) {
+TEST(KalmanPredictorOverAMillionSteps, StaysDefiniteAndCalibrated) {
   expect_sound_over(1'000'000);
 }
 
-TEST(KalmanPredictorOverAHundredMillionSteps, StaysPositiveDefiniteAndKeepsItsInterval) {
+TEST(KalmanPredictorOverAHundredMillionSteps, StaysCalibrated) {
   expect_sound_over(100'000'000);
 }
 

@@ -117,6 +117,8 @@ Chart drift_chart() {
   for (int drive = 1; drive <= 90; ++drive) {
     for (Series* series : {&kalman, &mean, &limit}) series->x.push_back(drive);
     kalman.y.push_back(0.02 * normal(generator));
+    kalman.lo.push_back(-0.04);
+    kalman.hi.push_back(0.04);
     mean.y.push_back(0.031 * normal(generator));
     limit.y.push_back(0.02 + 0.004 * ((drive / 10) % 3));
   }
@@ -160,6 +162,19 @@ Table results_table() {
                    {"calibration_mean", 90, 0.0314, 1.0, -0.142, kGap}}};
 }
 
+/// Time stamps since 1970, over an hour.
+Chart stamped_chart() {
+  Series rate{.name = "rate"};
+  for (int minute = 0; minute <= 60; ++minute) {
+    rate.x.push_back(1'796'040'000.0 + 60.0 * minute);
+    rate.y.push_back(std::sin(0.1 * minute));
+  }
+  return {.title = "Stamped rate.",
+          .x = {.label = "Time", .unit = "s"},
+          .y = {.label = "Rate", .unit = "deg/s"},
+          .series = {std::move(rate)}};
+}
+
 /// Every kind of content once, for the eye and for the browser test.
 Report sample_report() {
   Report report("Heading drift of a simulated drive",
@@ -175,9 +190,10 @@ Report sample_report() {
       .chart(ratio_chart());
   report.section("Rate")
       .paragraph(
-          "The node saw 1 000 000 samples at 100 Hz; the grey trace is what the sensor "
-          "reported and the blue one what the node handed to the vehicle.")
-      .chart(rate_chart(recording));
+          "The node received 1 000 000 samples at 100 Hz. The grey trace is the output of the "
+          "sensor, the blue one the rate that the node handed to the vehicle.")
+      .chart(rate_chart(recording))
+      .chart(stamped_chart());
   report.section("Bias").chart(bias_chart(recording));
   report.section("Drives").chart(drift_chart());
   report.section("Noise").chart(allan_chart());

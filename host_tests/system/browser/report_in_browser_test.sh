@@ -43,6 +43,9 @@ echo "$charts charts, $painted painted, $canvases canvases, $bars bar charts"
 ((charts > 0 && painted == charts)) || fail "not every chart was painted"
 ((canvases == curves)) || fail "expected $curves canvases"
 ((bars == charts - curves)) || fail "expected $((charts - curves)) bar charts"
+if [[ $name == sample ]]; then
+  grep -q 'Time since 1[^0-9<]*796[^0-9<]*040[^0-9<]*000, s' "$folder/dom.html" || fail "stamps are not counted from their start"
+fi
 
 # How far the page reaches beyond a screen 390 pixels wide, said by the page itself.
 page=$report

@@ -103,7 +103,7 @@ class Learning(unittest.TestCase):
         run = self.zerorate(*command, self.model)
         self.assertEqual(run.returncode, 0, run.stderr)
         table = run.stdout[run.stdout.index("Noise model learnt from the stops"):].splitlines()
-        self.assertEqual([line.split()[0] for line in table[2:]], ["x", "y", "z"])
+        self.assertEqual([line.split()[0] for line in table[2:]], ["z", "x", "y"])
         still = self.zerorate("replay", self.recordings[0], "--still-from", "gyro", "--model", self.model)
         self.assertIn("Noise model learnt", still.stdout, "also where nothing is scored")
         alone = self.folder / "alone.toml"

@@ -84,11 +84,32 @@ class ManualPages(unittest.TestCase):
             self.assertEqual(run.stderr, "", file)
 
 
-class Tutorial(unittest.TestCase):
-    """Every command of the page in its order; the lines that it shows are among those that were printed."""
+class InstallPage(unittest.TestCase):
+    def test_configuration_is_one_that_zerorated_takes(self):
+        text = (REPOSITORY / "docs/how-to/install-zerorated.md").read_text(encoding="utf-8")
+        [block] = re.findall(r"^(    schema = .*?\n)(?=\S)", text, re.DOTALL | re.MULTILINE)
+        with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
+            file = pathlib.Path(folder) / "zerorated.toml"
+            file.write_text(re.sub(r"^    ", "", block, flags=re.MULTILINE), encoding="utf-8")
+            run = subprocess.run([ZERORATED, "--config", file, "--check-config"], capture_output=True, text=True, timeout=20,
+                                 check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
 
-    def test_commands_print_what_the_page_shows(self):
-        text = (REPOSITORY / "docs/tutorial/first-replay.md").read_text(encoding="utf-8")
+
+class Tutorial(unittest.TestCase):
+    """Every command of a page in its order; the lines that it shows are among those that were printed."""
+
+    def test_commands_of_the_first_replay_print_what_it_shows(self):
+        self.assertGreater(self.shown_lines_of("docs/tutorial/first-replay.md"), 15)
+
+    def test_commands_of_why_a_gyro_drifts_print_what_it_shows(self):
+        self.assertEqual(self.shown_lines_of("docs/design/why-a-gyro-drifts.md"), 4)
+
+    def test_commands_of_tuning_print_what_it_shows(self):
+        self.assertEqual(self.shown_lines_of("docs/how-to/tune-the-stops.md"), 8)
+
+    def shown_lines_of(self, page):
+        text = (REPOSITORY / page).read_text(encoding="utf-8")
         printed, shown = [], 0
         with tempfile.TemporaryDirectory(prefix="zerorate-") as folder:
             for block in re.findall(r"^```\n(.*?)^```$", text, re.DOTALL | re.MULTILINE):
@@ -99,7 +120,7 @@ class Tutorial(unittest.TestCase):
                 shown += len(lines)
                 for line in lines:
                     self.assertIn(line, printed)
-        self.assertGreater(shown, 15)
+        return shown
 
     def lines_of(self, command, folder):
         run = subprocess.run([ZERORATE, *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True,

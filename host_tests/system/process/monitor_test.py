@@ -161,7 +161,7 @@ class Monitor(unittest.TestCase):
         self.watch_learnt("--model-out", model, stops=0.0)
         errors = self.process.communicate(timeout=LIMIT_S)[1]
         self.assertEqual(self.process.returncode, 3)
-        self.assertIn(f"{model}: not written: the node has said nothing of a learnt model", errors)
+        self.assertIn(f"{model}: not written: the node has sent no learnt model", errors)
         self.assertEqual(model.read_text(), "precious")
 
     def refusal(self, *arguments):

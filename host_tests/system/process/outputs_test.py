@@ -131,12 +131,11 @@ class Outputs(unittest.TestCase):
             self.assertIn("\\x1B", run.stdout + run.stderr)
             self.assertNotRegex(run.stdout + run.stderr, "[\x00-\x08\x0b-\x1f\x7f\x80-\x9f]")
 
-    def test_an_exported_header_for_a_rate_that_nobody_named_is_told(self):
+    def test_an_exported_header_needs_the_rate_of_the_samples(self):
         for language in ("--c", "--cpp"):
             run = self.run_zerorate("export", "lsm6dso", language)
-            self.assertEqual(run.returncode, 0)
-            self.assertIn("no --sample-rate: the header is for 104.172 Hz", run.stderr)
-            self.assertIn("For 104.172 Hz samples", run.stdout)
+            self.assertEqual((run.returncode, run.stdout), (2, ""))
+            self.assertIn("--sample-rate is required", run.stderr)
             run = self.run_zerorate("export", "lsm6dso", language, "--sample-rate", "100")
             self.assertEqual((run.returncode, run.stderr), (0, ""))
             self.assertIn("For 100.000 Hz samples", run.stdout)
@@ -154,7 +153,8 @@ class Outputs(unittest.TestCase):
     def test_a_full_standard_output_is_told(self):
         full = self.node("full", FULL_DEVICE)
         for command in [["--help"], ["--version"], ["replay", "--help"], ["model", "list"], ["model", "show", "lsm6dso"],
-                        ["export", "lsm6dso", "--c"], ["export", "lsm6dso", "--cpp"], ["replay", self.recording, "--schedule", SCHEDULE],
+                        ["export", "lsm6dso", "--c", "--sample-rate", "100"],
+                        ["export", "lsm6dso", "--cpp", "--sample-rate", "100"], ["replay", self.recording, "--schedule", SCHEDULE],
                         ["replay", self.recording, "--schedule", SCHEDULE, "--json", "-"], ["simulate", "--scenario", "list"],
                         ["characterize", self.recording, "--json", "-"]]:
             with full.open("w") as out:

@@ -82,7 +82,7 @@ double drift(const Replayed& replayed, app::Predictor predictor) {
   return std::sqrt(squares);
 }
 
-TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByTheGateOrTheCalm) {
+TEST(ReplayWithKnocksInATenthOfTheStops, KeepsItsRatioByGateOrCalm) {
   const ScratchFolder folder;
   double checked = 0.0;
   double gated = 0.0;
@@ -148,7 +148,7 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   // The gate waits for 5 s, the hold-back and the tick take another second.
   EXPECT_LT(error(kJump + 45), -0.9 * kSize);
   EXPECT_TRUE(replayed.messages[kJump + 45].health.measurement_rejected);
-  EXPECT_GT(sigma(kJump + 55), 0.8 * kSize);  // by then it says that it may be wrong by as much
+  EXPECT_GT(sigma(kJump + 55), 0.8 * kSize);  // the interval admits it by then
   std::size_t reacquired = kJump;
   while (std::abs(error(reacquired)) > 0.1 * kSize) ++reacquired;
   RecordProperty("reacquired_after_ms", static_cast<int>(100 * (reacquired - kJump)));

@@ -28,7 +28,7 @@ constexpr recording::Columns kOneRate{1, recording::RateUnit::rad_per_s, false, 
 
 struct ChipUnderTest {
   const char* chip;
-  double lsb_dps;  ///< of the datasheet, at 250 deg/s, or of the only range
+  double lsb_dps;  ///< datasheet value at 250 deg/s, or at the only range
   recording::Columns columns;
 };
 constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
@@ -55,7 +55,7 @@ void expect_identical(const Replayed& a, const Replayed& b) {
 // mean with positive weights. The filter's weights may be negative, but little: twice the bound.
 void expect_same_but_for_rounding(const Replayed& chip, const Replayed& source, double lsb_dps,
                                   app::Predictor published) {
-  const double rounding = 1e-7;  // of single precision, at rates below 0.02 rad/s
+  const double rounding = 1e-7;  // rounding of single precision at rates below 0.02 rad/s
   const double lsb_rad_s = lsb_dps * testing::kRadPerDeg;
   const double bias_bound = published == app::Predictor::kalman ? lsb_rad_s : 0.5 * lsb_rad_s;
   ASSERT_EQ(chip.messages.size(), source.messages.size());
@@ -170,8 +170,8 @@ TEST(ReplayOfAGoodRecordingWithBadRows, RefusesThoseAndGoesOn) {
   EXPECT_TRUE(replayed.messages.back().health.calibrated);
 }
 
-// At 100 Hz the settle time drops what a gyro says while it powers up; at 1 Hz it is learnt from,
-// and the node says at once that this is not the sensor of the model.
+// At 100 Hz the settle time drops the output of a gyro while it powers up; at 1 Hz it is learnt
+// from, and the node reports at once that this is not the sensor of the model.
 TEST(ReplayOfTenWildFirstSamples, DropsThemOrReportsThem) {
   const ScratchFolder folder;
   for (const double period_s : {0.01, 1.0}) {
@@ -194,7 +194,7 @@ TEST(ReplayOfTenWildFirstSamples, DropsThemOrReportsThem) {
 }
 
 // A moving row whose time runs backwards must not hand the odometer pulses out of order.
-TEST(ReplayThroughTheChipOfTimeRunningBackwards, RefusesTheRowAndGoesOn) {
+TEST(ReplayThroughTheChipOfTimeRunningBackwards, RefusesTheRow) {
   const ScratchFolder folder;
   recording::Columns columns = kRates;
   columns.odometer = true;
@@ -281,7 +281,7 @@ double mean_ratio(const std::filesystem::path& folder, double still_s, double dr
 }
 
 // The catalogue's model is from the data sheet: nothing is fitted to these recordings.
-TEST(KalmanOnRealAdis16405, DriftsAtMostThreeQuartersOfTheCalibrationMean) {
+TEST(KalmanOnRealAdis16405, DriftsThreeQuartersOfTheMean) {
   const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
   if (!folder) {
     GTEST_SKIP() << "skipped: no recordings";

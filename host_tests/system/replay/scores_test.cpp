@@ -179,7 +179,7 @@ TEST(StopScoresOfTheCalibrationMean, EqualThoseByHand) {
 // half. The lags follow the 1/f spectrum within 0.94 to 1.06, sigma within 3 %, coverage within
 // 2 phi(1.96) 1.96 0.03 = 0.007.
 // The stops are measured by the same filter, so that the same tolerance holds for them.
-TEST(IntervalsUnderTheTrueModel, CoverNineteenOfTwentyDrivesAndStops) {
+TEST(IntervalsUnderTheTrueModel, CoverDrivesAndStopsAt95Percent) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(60'000, 1.0, 21));
   const Replayed replayed =

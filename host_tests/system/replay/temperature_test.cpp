@@ -93,7 +93,7 @@ Drives drives_between(const Replayed& replayed, double from_s, double to_s) {
   return drives;
 }
 
-TEST(ReplayThroughAChangingTemperature, DriftsLittleOnceTheTemperatureWasSeen) {
+TEST(ReplayThroughAChangingTemperature, DriftsLittleAfterLearning) {
   const ScratchFolder folder;
   Drives unseen;
   Drives seen;

@@ -80,8 +80,8 @@ TEST(IdleVibrationAt45Hz, CalibratesAtEveryStop) {
   expect_calibration_at_every_stop(play("idle-45hz"));
 }
 
-// Cars in traffic, whose odometer says zero while they still roll: figures of the node beside those
-// with an ideal odometer. Prints the table of docs/reference/scenarios.md.
+// Cars in traffic, whose odometer reads zero while they still roll: figures of the node beside
+// those with an ideal odometer. Prints the table of docs/reference/scenarios.md.
 
 constexpr std::uint64_t kSeeds = 5;
 constexpr double kStanding_m_s = 0.1;
@@ -135,7 +135,7 @@ double least_coverage(const Figures& figures) {
   return 0.95 - 5.0 * std::sqrt(0.95 * 0.05 / figures.drives);
 }
 
-// The calm inside the stops is learnt from, whatever the odometer says of them.
+// The calm inside the stops is learnt from, whatever the odometer reports.
 TEST_P(Traffic, IsNoTroubleWithTheOdometerOfACarNorWithAnIdealOne) {
   Figures car;
   Figures ideal;

@@ -1,6 +1,6 @@
 // Ten thousand short drives in which any call to the hardware may go wrong: bus, odometer,
 // data-ready, storage, power. Nothing crashes, nothing that is no number is published, and a node
-// that says that all is well knows its bias as well as it says.
+// with the status healthy has a bias error as small as its interval states.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ struct Outcome {
   std::uint64_t messages = 0;
   std::uint64_t healthy = 0;
   std::uint64_t no_numbers = 0;  ///< messages with a rate, and a figure in it that is none
-  double worst_sigmas = 0.0;     ///< of the error of a bias that was called healthy
+  double worst_sigmas = 0.0;     ///< largest error of a bias that was called healthy
   std::uint64_t restarts_with_memory = 0;
 };
 
@@ -229,10 +229,10 @@ void expect_honest_health(std::size_t drives) {
   EXPECT_LE(wrong, poisson_quantile(9.0 * 5.7e-7 * static_cast<double>(outcomes.size())));
 }
 
-TEST(NodeOverTwoThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+TEST(NodeOverTwoThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
   expect_honest_health(2'000);
 }
-TEST(NodeOverTenThousandFaultyDrives, NeverCallsHealthyWhatItDoesNotKnow) {
+TEST(NodeOverTenThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
   expect_honest_health(10'000);
 }
 

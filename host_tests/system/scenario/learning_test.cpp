@@ -1,4 +1,4 @@
-// A node that learns its noise model beside one that knows it, and beside sensors that no
+// A node that learns its noise model beside one that has the true one, and beside sensors that no
 // hypothesis describes. A minute of standstill and a minute of driving in turn, an hour, two
 // samples a second. All figures are printed.
 
@@ -24,7 +24,7 @@ constexpr std::size_t kCycles = 30;
 constexpr std::size_t kLearnt = 15;  ///< cycles of the first half hour
 constexpr double kWrong = 4.0;       ///< factor that a data sheet is off by
 
-/// Errors of an axis over a drive, and what the node says of them.
+/// Errors of an axis over a drive, and the node's variances of them.
 struct Drive {
   double bias_rad_s = 0.0;  ///< at the end
   double heading_rad = 0.0;
@@ -241,7 +241,7 @@ TEST(LearningOutsideTheFamily, IsHonestOfAGaussMarkovProcess) {
 }
 
 // The bias jumps there and back: nothing that a flicker does.
-TEST(LearningOutsideTheFamily, IsReportedWhereTheBiasJumpsInEachStop) {
+TEST(LearningOutsideTheFamily, IsReportedForABiasThatJumps) {
   std::vector<simulate::Effect> jumps;
   for (std::size_t cycle = 0; cycle < kCycles; ++cycle) {
     jumps.emplace_back(

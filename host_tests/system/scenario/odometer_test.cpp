@@ -1,4 +1,4 @@
-// Odometers that fail, and rotations of which an odometer knows nothing.
+// Odometers that fail, and rotations that an odometer cannot measure.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ double first_disagreement_s(const Played& played, double from_s) {
   return first_s;
 }
 
-TEST(SlowTurnWithADeadOdometer, IsReportedWithinTwoSecondsAndNotLearnt) {
+TEST(SlowTurnWithADeadOdometer, IsReportedIn2sAndNotLearnt) {
   const Played played = play("slow-turn-dead-odometer");
   const double reported_s = first_disagreement_s(played, 0.0);
   RecordProperty("reported_after_ms", static_cast<int>(1000.0 * (reported_s - 60.0)));

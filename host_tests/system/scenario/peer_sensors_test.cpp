@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMinute = 120;  ///< samples
 constexpr std::size_t kCycles = 20;
-constexpr std::uint64_t kRuns = 67;  ///< of three axes: 4020 drives
+constexpr std::uint64_t kRuns = 67;  ///< runs of three axes: 4020 drives
 
 constexpr PeerSensor kC{"C", 0.005, 3.0, 0.05, 0.081, 0.0};
 
@@ -70,7 +70,7 @@ struct Outcome {
   double squares_rad2 = 0.0;
   double covered = 0.0;
   double sigmas_rad = 0.0;
-  double bias_sigmas_dph = 0.0;  ///< of every sample on the move
+  double bias_sigmas_dph = 0.0;  ///< mean over all samples on the move
 
   [[nodiscard]] double drift_deg() const { return std::sqrt(squares_rad2 / drives) / kRadPerDeg; }
   [[nodiscard]] double coverage() const { return covered / drives; }
@@ -148,7 +148,7 @@ void expect_at_the_floor(const PeerSensor& sensor) {
               sensor.name, floor_deg, floor_of_node_deg, sensor.drift_bar_deg);
   EXPECT_NEAR(outcome.bias_sigma_dph() / sensor.bias_sigma_dph, 1.0, 0.01);
   EXPECT_NEAR(outcome.drift_deg() / floor_of_node_deg, 1.0, 3.0 / std::sqrt(2.0 * 4020.0));
-  EXPECT_LT(floor_of_node_deg / floor_deg, 1.01);  // what the settle time costs
+  EXPECT_LT(floor_of_node_deg / floor_deg, 1.01);  // cost of the settle time
   EXPECT_LE(outcome.drift_deg(), sensor.drift_bar_deg * (1.0 + 2.0 / std::sqrt(2.0 * 160.0)));
   expect_honest(outcome);
 }

@@ -87,7 +87,7 @@ struct Comparison {
     }
   }
   [[nodiscard]] double ratio() const { return std::sqrt(squares / of_nothing); }
-  /// By how many standard errors of the paired differences the snapshot is the worse choice.
+  /// Disadvantage of the snapshot in standard errors of the paired differences.
   [[nodiscard]] double worse_by_sigmas() const {
     return (squares - of_nothing) / std::sqrt(differences_squared);
   }
@@ -102,7 +102,7 @@ struct Row {
   Comparison without;
 };
 
-/// By length of the stop between switching on and driving off.
+/// Results for each length of the stop between switching on and driving off.
 std::array<Row, kStops_s.size()> compare_after(double off_s) {
   const model::SensorModel model = sensor();
   const Node::Params params = slow_params<kShape>(model);

@@ -141,11 +141,11 @@ std::vector<std::string> remarks_on(const Diagnosis& diagnosis, const Record& re
   return remarks;
 }
 
-/// An axis, what was selected for it, and what the others say.
+/// An axis, the selection for it, and the profile of the others.
 struct Axis {
   Record record;
-  Selection selection{};               ///< of the slow effects alone, where means show them
-  std::optional<OrderProfile> others;  ///< of the order, if it is in common
+  Selection selection{};               ///< slow effects alone, where means show them
+  std::optional<OrderProfile> others;  ///< order over the other axes
 };
 
 /// Extensions that pay, by the data held out. Nothing where the node cannot run the base.
@@ -179,7 +179,7 @@ void adopt(ExtensionChoice chosen, std::vector<Choice>& choices, Diagnosis& diag
 
 /// The effects of one pace, of values that are judged by means of so many.
 Scope scope_of(Pace pace, const EvenSeries& series, std::size_t values) {
-  constexpr double kMeans = 4.0;  // that a slow effect lasts for
+  constexpr double kMeans = 4.0;  // means that a slow effect lasts for
   return {.pace = pace, .slow_from_s = kMeans * static_cast<double>(values) * series.period_s};
 }
 
@@ -338,7 +338,7 @@ class DiagnosisRun {
 }  // namespace
 
 std::vector<Diagnosis> diagnose(std::vector<Record> axes, const DiagnoseOptions& options) {
-  std::map<std::string, std::string> remarks;  // by axis
+  std::map<std::string, std::string> remarks;  // key: axis
   for (Record& record : axes) {
     const std::size_t size = record.size();
     if (size <= options.most_samples) continue;

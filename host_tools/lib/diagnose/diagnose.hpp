@@ -1,5 +1,6 @@
 /// @file
-/// From a recording at rest to what the simulation gets wrong, why, and what the cure is worth.
+/// Diagnosis of a recording at rest: the errors of the simulation, their causes, and the gain of a
+/// better model.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +21,8 @@ struct DiagnoseOptions {
   /// The model to be tested, as it stands: envelopes, misfit, adequacy and gain are against it, and
   /// the verdict is on it. The best fit of white and 1/f noise where it is absent.
   std::optional<model::SensorModel> base_model;
-  double holdout = 0.3;    ///< share at the end that is not used for the fits the gain is told from
-  std::uint64_t seed = 1;  ///< of the simulations
+  double holdout = 0.3;    ///< share at the end that is held out from the fits behind the gain
+  std::uint64_t seed = 1;  ///< seed of the simulations
   /// Most samples that are diagnosed, from the beginning of a record. A remark says so: memory
   /// stays below about 1 GiB an axis, time below 3 minutes.
   std::size_t most_samples = 4'000'000;

@@ -29,8 +29,8 @@ std::optional<Part> part_of(const Choice& choice, const std::optional<OrderProfi
 /// Effects of the whole record in its first part.
 struct Refitted {
   Hypothesis full;
-  std::vector<Choice> choices;      ///< that were found again, one for each part
-  std::vector<std::size_t> places;  ///< of these among all
+  std::vector<Choice> choices;      ///< choices found again, one for each part
+  std::vector<std::size_t> places;  ///< places of these choices among all
 };
 
 /// Finds each choice where the whole record showed it: in the values, or in their means.

@@ -29,8 +29,8 @@ struct ExtensionChoice {
   std::vector<std::string> reasons;
   /// Heading drift of each choice that was tried, with its extension over without.
   std::vector<std::optional<BootstrapFigure>> drift_ratios;
-  Gain gain;                  ///< of the model that is chosen, over the base
-  Gain gain_over_data_sheet;  ///< of the same model, over white and 1/f noise
+  Gain gain;                  ///< gain of the chosen model over the base
+  Gain gain_over_data_sheet;  ///< gain of the chosen model over white and 1/f noise
 };
 
 /// Fits the effects that the whole record needed to its first part, adds one extension after the

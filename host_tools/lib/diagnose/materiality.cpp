@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::array kDrives_s = {10.0, 60.0, 300.0};
 constexpr std::size_t kFewestDrives = 8;
-constexpr std::uint32_t kFewestTicks = 4;  // of a drive
-constexpr double kLearning = 0.1;          // of the record, before the first drive
+constexpr std::uint32_t kFewestTicks = 4;  // ticks of a drive
+constexpr double kLearning = 0.1;          // share of the record before the first drive
 constexpr std::size_t kSimulations = 16;
 /// Two-sided 95 % for three lengths, of Student's distribution with 15 degrees of freedom.
 constexpr double kStudent = 2.69;
@@ -140,8 +140,8 @@ class Simulator {
 
  private:
   spectrum::CosineTransform transform_;
-  std::vector<identify::TickMean> means_;  ///< of the mean functions
-  std::vector<double> sigma_;              ///< of the coefficients of the tick means
+  std::vector<identify::TickMean> means_;  ///< tick means of the mean functions
+  std::vector<double> sigma_;              ///< sigma of the coefficients of the tick means
   random::RandomStream stream_;
 };
 

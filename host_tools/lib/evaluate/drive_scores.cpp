@@ -1,5 +1,6 @@
 #include "host_tools/lib/evaluate/drive_scores.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 
 namespace zerorate::evaluate {
@@ -15,8 +16,8 @@ DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicte
 }
 
 void DriveScores::add(const DriveOutcome& outcome) {
-  ++drives_;
-  if (std::abs(outcome.drift_rad) <= k95Percent * outcome.sigma_rad) ++covered_;
+  drifts_rad_.push_back(outcome.drift_rad);
+  if (std::abs(outcome.drift_rad) <= statistics::kHalfWidth95 * outcome.sigma_rad) ++covered_;
   squares_rad2_ += outcome.drift_rad * outcome.drift_rad;
   integrated_rad_ += outcome.drift_rad;
   rsse_rad_s_ += outcome.rsse_rad_s;
@@ -39,9 +40,30 @@ double DriveScores::sigma_over_rms() const {
   return mean(sigma_rad_) / heading_drift_rms_rad();
 }
 
+statistics::BootstrapFigure drift_ratio(const DriveScores& scores, const DriveScores& baseline) {
+  const std::vector<double>& own = scores.drifts_rad();
+  const std::vector<double>& other = baseline.drifts_rad();
+  if (own.size() < kFewestDrivesOfARatio) return {};
+  const auto ratio = [&](const std::vector<std::size_t>& drives) {
+    double squares = 0.0;
+    double baseline_squares = 0.0;
+    for (const std::size_t drive : drives) {
+      squares += own[drive] * own[drive];
+      baseline_squares += other[drive] * other[drive];
+    }
+    return std::sqrt(squares / baseline_squares);
+  };
+  return statistics::bootstrap(own.size(), ratio, random::RandomStream{1}.substream("drift ratio"));
+}
+
+std::string in_words(const statistics::BootstrapFigure& ratio) {
+  if (!std::isfinite(ratio.value)) return "-";
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}]", ratio.value, ratio.lo, ratio.hi);
+}
+
 void StopScores::add(double error_rad_s, double sigma_rad_s) {
   ++stops_;
-  if (std::abs(error_rad_s) <= k95Percent * sigma_rad_s) ++covered_;
+  if (std::abs(error_rad_s) <= statistics::kHalfWidth95 * sigma_rad_s) ++covered_;
   squares_rad2_s2_ += error_rad_s * error_rad_s;
   normalised_squares_ += error_rad_s * error_rad_s / (sigma_rad_s * sigma_rad_s);
 }

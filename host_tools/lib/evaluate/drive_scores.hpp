@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include "core/estimator/prediction.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::evaluate {
-
-/// Standard deviations of a normal distribution that hold 95 %, two-sided.
-inline constexpr double k95Percent = 1.959964;
 
 /// Sums over one drive of one axis and predictor.
 class Drive {
@@ -47,12 +47,13 @@ struct DriveOutcome {
 [[nodiscard]] DriveOutcome outcome(const Drive& drive, const core::HeadingPrediction& predicted,
                                    double white_variance_rad2_s2);
 
-/// Sums over the drives of one axis and predictor. Without drives every figure is NaN.
+/// Drives of one axis and predictor. Without drives every figure is NaN. Takes 8 bytes a drive.
 class DriveScores {
  public:
   void add(const DriveOutcome& outcome);
 
-  [[nodiscard]] std::size_t drives() const { return drives_; }
+  [[nodiscard]] std::size_t drives() const { return drifts_rad_.size(); }
+  [[nodiscard]] const std::vector<double>& drifts_rad() const { return drifts_rad_; }
   [[nodiscard]] double heading_drift_rms_rad() const;
   [[nodiscard]] double mean_integrated_rad() const;
   /// Mean over the drives of the paper's root sum of squared errors (RSSE) [rad/s].
@@ -64,15 +65,25 @@ class DriveScores {
   [[nodiscard]] double sigma_over_rms() const;
 
  private:
-  [[nodiscard]] double mean(double sum) const { return sum / static_cast<double>(drives_); }
+  [[nodiscard]] double mean(double sum) const { return sum / static_cast<double>(drives()); }
 
-  std::size_t drives_ = 0;
+  std::vector<double> drifts_rad_;
   std::size_t covered_ = 0;
   double squares_rad2_ = 0.0;
   double integrated_rad_ = 0.0;
   double rsse_rad_s_ = 0.0;
   double sigma_rad_ = 0.0;
 };
+
+/// Fewer drives give a ratio no interval, and therefore no ratio.
+inline constexpr std::size_t kFewestDrivesOfARatio = 5;
+
+/// Heading drift rms over that of a baseline on the same drives, with its 95 % interval by drawing
+/// drives with replacement: 2000 draws, always the same. NaN below kFewestDrivesOfARatio drives.
+[[nodiscard]] statistics::BootstrapFigure drift_ratio(const DriveScores& scores,
+                                                      const DriveScores& baseline);
+/// Ratio and interval with three decimals, as in 0.663 [0.551, 0.783]; "-" for NaN.
+[[nodiscard]] std::string in_words(const statistics::BootstrapFigure& ratio);
 
 /// Predicted biases against what the stops then measured: scores that need no truth. Without stops
 /// every figure is NaN.

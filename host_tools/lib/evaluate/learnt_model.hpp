@@ -26,7 +26,7 @@ struct LearntModel {
   LearntInterval order;                              ///< d
   LearntInterval bias_instability_dph;               ///< B
   LearntInterval angle_random_walk_dps_per_sqrt_hz;  ///< N [deg/s/sqrt(Hz)], two-sided
-  double stops = 0.0;  ///< that the figures rest on, older ones counted in part
+  double stops = 0.0;  ///< stops behind the figures, older ones counted in part
 };
 
 /// Converts what a node has learnt. The interval of the order is that of a normal distribution with

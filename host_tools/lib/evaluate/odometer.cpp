@@ -69,7 +69,7 @@ class StillColumn final : public Odometer {
   RegularPulses regular_;
 };
 
-/// Nothing tells when the vehicle moves.
+/// No column gives the motion of the vehicle.
 class NoOdometer final : public Odometer {
  public:
   bool pulses_until(core::Instant /*at*/, const recording::Row& /*row*/,
@@ -124,7 +124,7 @@ std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
   if (columns.still) return std::make_unique<StillColumn>(sample_period);
   if (!is_needed) return std::make_unique<NoOdometer>();
   throw std::invalid_argument(
-      "the recording has no odometer_pulses and no still column: nothing tells when the vehicle "
+      "the recording has no odometer_pulses and no still column: it does not show when the vehicle "
       "moves. If the sensor was at rest all the time, add --schedule still=60,drive=300,seed=1; if "
       "the vehicle has no odometer, add --still-from gyro");
 }

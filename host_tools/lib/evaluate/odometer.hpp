@@ -1,6 +1,6 @@
 /// @file
-/// Odometer pulses for a replay: of a made-up schedule, or from whatever the recording tells about
-/// motion.
+/// Odometer pulses for a replay: of a made-up schedule, or from whatever columns the recording has
+/// about motion.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ class Odometer {
  public:
   virtual ~Odometer() = default;
 
-  /// Appends the pulses of this row, in order, and says whether the vehicle moves at it.
+  /// Appends the pulses of this row, in order. Returns whether the vehicle moves at it.
   /// @param at never decreases from row to row
   virtual bool pulses_until(core::Instant at, const recording::Row& row,
                             std::vector<core::Instant>& pulses) = 0;
@@ -56,8 +56,9 @@ class Odometer {
 
 /// The pulses of a schedule if there is one, else of the recording's odometer or still column.
 /// @param sample_period the nominal one; scheduled and still-flag pulses come at least that often
-/// @param is_needed false: the gyro alone tells rest, pulses serve the scores and may be missing
-/// Throws std::invalid_argument if nothing tells when the vehicle moves, and it is needed.
+/// @param is_needed false: the gyro alone decides what is rest, pulses serve the scores and may be
+/// missing Throws std::invalid_argument if the motion of the vehicle is needed and no column gives
+/// it.
 [[nodiscard]] std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
                                                       const std::optional<ScheduleParams>& schedule,
                                                       core::Instant start,

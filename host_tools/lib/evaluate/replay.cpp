@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -67,7 +68,7 @@ core::Duration sample_period(const ReplayOptions& options, const BufferedRows& r
 template <class Node>
 class StopJudge {
  public:
-  /// Before the node sees a sample of the stop.
+  /// Called before the node's first sample of the stop.
   void begin_stop(const Node& node) {
     before_.emplace(node.params());
     before_->restore(node.state());
@@ -102,8 +103,8 @@ class StopJudge {
   }
 
  private:
-  std::optional<Node> before_;               ///< as it was before the stop
-  std::optional<std::uint32_t> first_tick_;  ///< of the stop that was learnt from
+  std::optional<Node> before_;               ///< node before the stop
+  std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
 };
 
 /// The replay of one recording through one node type.
@@ -193,12 +194,33 @@ class Run {
       }
     }
     if (observer_.on_sample) {
-      observer_.on_sample(
-          {result_.rows, row.time_ns, moving, message, truth, node_.measured_ticks()});
+      observer_.on_sample({result_.rows, row.time_ns, moving, message, known_rates(row, truth),
+                           last_stop_means(), node_.measured_ticks()});
     }
   }
 
-  /// Whether the node has learnt something that was not told yet.
+  /// True rates, not a number about an axis of which it is not known.
+  [[nodiscard]] std::array<float, kAxes> known_rates(
+      const recording::Row& row, const std::array<float, kAxes>& scheduled) const {
+    if (result_.truth_known) return scheduled;
+    std::array<float, kAxes> rates;
+    rates.fill(std::numeric_limits<float>::quiet_NaN());
+    if (observer_.truth) {
+      const truth::VerticalAxis& vertical = observer_.truth->vertical;
+      rates[vertical.axis] = static_cast<float>(vertical.sign) * row.ref_rate_rad_s;
+    }
+    return rates;
+  }
+
+  [[nodiscard]] std::array<float, kAxes> last_stop_means() const {
+    std::array<float, kAxes> means;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      means[i] = node_.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s);
+    }
+    return means;
+  }
+
+  /// Whether the node has learnt something that was not reported yet.
   [[nodiscard]] bool has_news() const {
     return replayed_.params().model.hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
   }
@@ -245,7 +267,7 @@ class Run {
     }
   }
 
-  /// Before the node sees the first sample of the stop: its newest measurement is still the one
+  /// Called before the node's first sample of the stop: its newest measurement is still the one
   /// before the drive.
   void close_drive(core::Instant end) {
     stops_.end_stop(node_, kStart, result_);
@@ -279,7 +301,7 @@ class Run {
   std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;
-  std::uint32_t told_ticks_ = 0;  ///< measured when it was last told what was learnt
+  std::uint32_t told_ticks_ = 0;  ///< measured ticks at the last report of what was learnt
   StopJudge<Node> stops_;
   std::optional<identify::RestCheck> rest_;
   std::optional<TrueDriveScorer> true_drives_;
@@ -325,7 +347,7 @@ std::string_view explain(app::ParamsError error) {
     case app::ParamsError::white_variance_not_positive:
       return "the model's white noise must be positive";
     case app::ParamsError::no_room_for_samples:
-      return "the model tells of single samples, and the node has no room for that";
+      return "the model describes single samples, and the node has no room for that";
     case app::ParamsError::predictor_not_run:
       return "the node does not run the predictor that it is to publish";
     case app::ParamsError::negative_time:

@@ -57,7 +57,7 @@ struct ReplayOptions {
   bool has_data_ready = true;  ///< if through chip; false: the wire of its pin is broken
   app::Predictor published = app::Predictor::kalman;
   core::Standstill::Params standstill;
-  /// With a schedule nobody doubts pulses without motion: the sensor was at rest.
+  /// With a schedule pulses without motion are not checked: the sensor was at rest.
   core::OdometerCheckParams odometer;
   core::EarthRate earth;     ///< zero: the latitude is not known
   bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
@@ -65,11 +65,13 @@ struct ReplayOptions {
 
 /// One row of the recording after the node.
 struct ReplayedSample {
-  std::uint64_t row;     ///< of the recording, from 0
-  std::int64_t time_ns;  ///< as the recording has it; the node's clock is shifted
-  bool moving;           ///< as the recording or the schedule has it
+  std::uint64_t row;     ///< row of the recording, from 0
+  std::int64_t time_ns;  ///< time in the recording; the node's clock is shifted
+  bool moving;           ///< state in the recording or the schedule
   const app::RateMessage& message;
+  /// Not a number where it is not known: without a true rate, a schedule or a reference's rate.
   std::array<float, 3> true_rate_rad_s;
+  std::array<float, 3> last_stop_mean_rad_s;  ///< bias of the calibration mean
   std::uint32_t learnt_ticks;  ///< filter ticks up to and with the newest one that was learnt
 };
 
@@ -77,7 +79,7 @@ struct ReplayedSample {
 struct ReplayedDrive {
   std::size_t axis;
   app::Predictor predictor;
-  std::int64_t start_ns;  ///< as the recording has it
+  std::int64_t start_ns;  ///< time in the recording
   DriveOutcome outcome;
 };
 
@@ -86,7 +88,7 @@ using LearntNoises = std::array<app::LearntNoise, 3>;
 
 /// Noise that a node had learnt when a stop was over.
 struct LearntStop {
-  std::int64_t time_ns;  ///< as the recording has it
+  std::int64_t time_ns;  ///< time in the recording
   const LearntNoises& axes;
 };
 
@@ -113,19 +115,21 @@ struct ReplayResult {
   core::Duration sample_period;  ///< mean interval of the first rows, holes left out
   core::Duration filter_tick;
   std::uint64_t rows = 0;
-  std::uint64_t samples_refused = 0;  ///< by the node: not finite, or out of time order
+  std::uint64_t samples_refused = 0;  ///< refused by the node: not finite, or out of time order
   std::uint64_t samples_saturated = 0;
-  /// While the node said that the sensor does not behave as its model (see InnovationMonitor).
+  /// Time in which the node reported that the sensor does not behave like its model (see
+  /// InnovationMonitor).
   std::uint64_t samples_inconsistent = 0;
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
-  std::uint64_t samples_doubted = 0;  ///< while the gate doubted the newest measurement of an axis
-  std::uint64_t samples_without_temperature = 0;  ///< that the model needs
+  std::uint64_t samples_doubted =
+      0;  ///< while the gate held back the newest measurement of an axis
+  std::uint64_t samples_without_temperature = 0;  ///< samples without one that the model needs
   std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other
   recording::Findings findings;
-  app::LoopCounters loop;  ///< of the chip's loop; zero if through source
+  app::LoopCounters loop;  ///< counters of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.
   bool truth_known = false;
-  std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< by axis and predictor
+  std::array<std::array<DriveScores, app::kPredictors>, 3> scores;  ///< axis, predictor
   /// Predictions against the next stop, by axis and predictor; they need no truth.
   std::array<std::array<StopScores, app::kPredictors>, 3> stop_scores;
   /// Doubts about rest that are not certain, if the options ask for them.
@@ -139,7 +143,7 @@ struct ReplayResult {
 /// Replays to the end of the recording in constant memory. Throws recording::Error,
 /// recording::DataError for rates that are certainly not of rest where the options ask for that,
 /// and std::invalid_argument. Truth is known if the observer gives it or the options have a
-/// schedule, which says that the sensor was at rest.
+/// schedule, which requires a sensor at rest.
 [[nodiscard]] ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
                                   const ReplayObserver& observer = {});
 

@@ -16,6 +16,7 @@ using recording::number;
 using units::kDegPerRad;
 
 Json scores_json(const DriveScores& scores, const DriveScores& baseline, const StopScores& stops) {
+  const statistics::BootstrapFigure ratio = drift_ratio(scores, baseline);
   return {{"stops", stops.stops()},
           {"stop_error_rms_dph", number(stops.error_rms_rad_s() * units::kDphPerRadS)},
           {"stop_error_rms_sigmas", number(stops.error_rms_sigmas())},
@@ -24,6 +25,7 @@ Json scores_json(const DriveScores& scores, const DriveScores& baseline, const S
           {"heading_drift_rms_deg", number(scores.heading_drift_rms_rad() * kDegPerRad)},
           {"ratio_to_calibration_mean",
            number(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
+          {"ratio_to_calibration_mean_ci95", {number(ratio.lo), number(ratio.hi)}},
           {"coverage95", number(scores.coverage95())},
           {"sigma_over_rms", number(scores.sigma_over_rms())},
           {"rsse_dps", number(scores.mean_rsse_rad_s() * kDegPerRad)},

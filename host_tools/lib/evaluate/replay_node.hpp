@@ -50,7 +50,7 @@ class ReplayNode {
   struct Arrival {
     core::GyroSample sample;
     std::span<const core::Instant> pulses;  ///< valid until the next row
-    bool moving;                            ///< as the recording or the schedule has it
+    bool moving;                            ///< state in the recording or the schedule
   };
 
   /// @param first_time_ns  of the recording: becomes kStart

@@ -57,7 +57,7 @@ void shade_stops(Chart& chart, const ReplayTrace& trace) {
 
 Chart rate_chart(const ReplayTrace& trace) {
   Chart chart{.title = "Measured and corrected rate",
-              .caption = "What the gyro says and what the node publishes. Drag to zoom.",
+              .caption = "Output of the gyro, and rate that the node publishes. Drag to zoom.",
               .x = {"Time", "s"},
               .y = {"Rate", "deg/s"}};
   report::Series measured{.name = "measured", .colour = Colour::grey};
@@ -73,17 +73,17 @@ Chart rate_chart(const ReplayTrace& trace) {
   return chart;
 }
 
-/// The measured rate without the true one, averaged over about a minute: what the bias really did,
-/// as nobody knows while driving.
+/// The measured rate less the true one, averaged over about a minute. Empty where the true rate is
+/// not known.
 report::Series true_bias(const ReplayTrace& trace) {
   constexpr double kAveraging = 60.0;
-  report::Series series{
-      .name = "measured bias (60 s means)", .colour = Colour::ink, .dashed = true};
+  report::Series series{.name = "true bias (60 s means)", .colour = Colour::ink, .dashed = true};
   double sum = 0.0;
   double start = kNan;
   double time_sum = 0.0;
   std::size_t count = 0;
   for (const TracePoint& point : trace.points()) {
+    if (!std::isfinite(point.error_dps)) continue;
     if (count > 0 && point.time_s - start >= kAveraging) {
       series.x.push_back(time_sum / static_cast<double>(count));
       series.y.push_back(sum / static_cast<double>(count) * kDphPerDps);
@@ -98,14 +98,19 @@ report::Series true_bias(const ReplayTrace& trace) {
   return series;
 }
 
-Chart bias_chart(const ReplayTrace& trace, bool truth_known) {
+Chart bias_chart(const ReplayTrace& trace) {
   Chart chart{.title = "Predicted bias with its 95 % interval",
               .caption =
                   "While the vehicle stands still the bias is measured; while it drives it is "
-                  "predicted, and the interval grows as the sensor's noise allows.",
+                  "predicted, and the interval grows as the sensor's noise allows. Without a "
+                  "prediction the mean of the last stop would stand for it. The true bias, where "
+                  "it is known, is the measured less the true rate.",
               .x = {"Time", "s"},
               .y = {"Bias", "deg/h"}};
   report::Series predicted{.name = "predicted bias", .colour = Colour::blue};
+  report::Series mean{.name = "mean of the last stop",
+                      .style = report::SeriesStyle::steps,
+                      .colour = colour(app::Predictor::calibration_mean)};
   for (const TracePoint& point : trace.points()) {
     const double bias = point.calibrated ? point.bias_dps * kDphPerDps : kNan;
     const double half_width = statistics::kHalfWidth95 * point.sigma_dps * kDphPerDps;
@@ -113,9 +118,13 @@ Chart bias_chart(const ReplayTrace& trace, bool truth_known) {
     predicted.y.push_back(bias);
     predicted.lo.push_back(bias - half_width);
     predicted.hi.push_back(bias + half_width);
+    mean.x.push_back(point.time_s);
+    mean.y.push_back(point.calibrated ? point.last_stop_mean_dps * kDphPerDps : kNan);
   }
-  chart.series.push_back(std::move(predicted));
-  if (truth_known) chart.series.push_back(true_bias(trace));
+  chart.series = {std::move(predicted), std::move(mean)};
+  if (report::Series truth = true_bias(trace); !truth.x.empty()) {
+    chart.series.push_back(std::move(truth));
+  }
   shade_stops(chart, trace);
   return chart;
 }
@@ -124,7 +133,7 @@ Chart drift_chart(const ReplayTrace& trace) {
   Chart chart{.title = "Heading drift of each drive",
               .caption =
                   "The integral of the corrected rate less the true turn, drive by drive. The "
-                  "band is the Kalman predictor's own 95 % interval.",
+                  "bar at each drive is the Kalman predictor's own 95 % interval.",
               .x = {"Start of the drive", "s"},
               .y = {"Heading drift", "deg"}};
   for (const app::Predictor predictor : kAllPredictors) {
@@ -165,16 +174,19 @@ report::BarChart drift_bars(const ReplayResult& result, const std::vector<std::s
 report::Table score_table(const ReplayResult& result, const std::vector<std::size_t>& axes) {
   report::Table table{
       .caption =
-          "Ratio: drift over that of the calibration mean. Coverage: share of the drives "
-          "whose drift lies in the predicted 95 % interval. Sigma / rms: mean predicted over "
-          "actual error; honest is 1 for drives of equal length and about .75 for random ones. "
-          "RSSE, IE: root sum of squared and integrated error, "
-          "means over the drives.",
+          "Ratio: drift over that of the calibration mean, with its 95 % interval by a bootstrap "
+          "over the drives; below 1 is better. Coverage: share of the drives whose drift lies in "
+          "the predicted 95 % interval; 0.95 is nominal. Sigma / "
+          "rms: mean of the predicted standard deviations over the rms drift; a right model has 1 "
+          "with drives of equal length and about 0.75 with drives of random length. RSSE (root "
+          "sum of squared errors): the root of the sum of the squared rate errors over the "
+          "samples of a drive. IE (integrated error): the drift with its sign, so that a "
+          "systematic one shows. Both are means over the drives.",
       .columns = {{"Axis"},
                   {"Predictor"},
                   {.heading = "Drives"},
                   {"Heading drift", "deg rms", 4},
-                  {.heading = "Ratio", .decimals = 3},
+                  {.heading = "Ratio [95 %]"},
                   {.heading = "Coverage", .decimals = 3},
                   {.heading = "Sigma / rms", .decimals = 2},
                   {"RSSE", "deg/s", 3},
@@ -185,9 +197,8 @@ report::Table score_table(const ReplayResult& result, const std::vector<std::siz
       const auto& scores = result.scores[axis][static_cast<std::size_t>(predictor)];
       table.rows.push_back({axis_name(result, axis), std::string(title(predictor)), scores.drives(),
                             scores.heading_drift_rms_rad() * kDegPerRad,
-                            scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad(),
-                            scores.coverage95(), scores.sigma_over_rms(),
-                            scores.mean_rsse_rad_s() * kDegPerRad,
+                            in_words(drift_ratio(scores, baseline)), scores.coverage95(),
+                            scores.sigma_over_rms(), scores.mean_rsse_rad_s() * kDegPerRad,
                             scores.mean_integrated_rad() * kDegPerRad});
     }
   }
@@ -229,9 +240,8 @@ std::vector<report::KeyFigure> key_figures(const ReplayResult& result, std::size
   return {{"Drives", std::to_string(kalman.drives()), "axis " + axis_name(result, axis)},
           {"Heading drift", fmt::format("{:.3f}°", kalman.heading_drift_rms_rad() * kDegPerRad),
            "Kalman, rms per drive"},
-          {"Against the mean of the stop",
-           fmt::format("{:.2f}", kalman.heading_drift_rms_rad() / mean.heading_drift_rms_rad()),
-           "ratio of drifts; below 1 is better"},
+          {"Against the mean of the stop", in_words(drift_ratio(kalman, mean)),
+           "ratio of drifts with its 95 % interval; below 1 is better"},
           {"Interval coverage", fmt::format("{:.0f} %", kalman.coverage95() * 100.0),
            "of drives inside the 95 % interval"}};
 }
@@ -255,11 +265,11 @@ std::string summary(const ReplayResult& result, std::size_t axis) {
   return fmt::format(
       "Over {} drives the heading of axis {} drifted by {:.3f} deg rms with the Kalman predictor "
       "and "
-      "by {:.3f} deg with the mean of the last stop (ratio {:.2f}); {:.0f} % of the drives lay "
+      "by {:.3f} deg with the mean of the last stop (ratio {}); {:.0f} % of the drives lay "
       "inside the predicted 95 % interval.",
       kalman.drives(), axis_name(result, axis), kalman.heading_drift_rms_rad() * kDegPerRad,
-      mean.heading_drift_rms_rad() * kDegPerRad,
-      kalman.heading_drift_rms_rad() / mean.heading_drift_rms_rad(), kalman.coverage95() * 100.0);
+      mean.heading_drift_rms_rad() * kDegPerRad, in_words(drift_ratio(kalman, mean)),
+      kalman.coverage95() * 100.0);
 }
 
 report::Report make_report(const ReplayResult& result, const std::vector<std::size_t>& axes,
@@ -269,7 +279,7 @@ report::Report make_report(const ReplayResult& result, const std::vector<std::si
   report::Report report{text.title, text.lead + " " + summary(result, trace.axis())};
   auto& bias = report.section("Bias of axis " + axis_name(result, trace.axis()));
   if (scored) bias.key_figures(key_figures(result, trace.axis()));
-  bias.chart(bias_chart(trace, result.truth_known)).chart(rate_chart(trace));
+  bias.chart(bias_chart(trace)).chart(rate_chart(trace));
   if (scored) {
     report.section("Heading drift")
         .chart(drift_chart(trace))
@@ -309,9 +319,11 @@ report::Chart learnt_chart(const ReplayTrace& trace, std::string title, report::
 report::Table learnt_table(const ReplayResult& result, const std::vector<std::size_t>& axes) {
   report::Table table{
       .caption =
-          "Noise model by the end, with 95 % intervals. Stops: how many the figures rest on, older "
-          "ones counted in part.",
-      .columns = {{"Axis"}, {"Stops", "", 1}, {"Order d"}, {"B, deg/h"}, {"N, deg/s/sqrt(Hz)"}}};
+          "Noise model by the end, with 95 % intervals. Evidence: the figures rest on as many "
+          "stops "
+          "of full weight; older stops count in part.",
+      .columns = {
+          {"Axis"}, {"Evidence", "stops", 1}, {"Order d"}, {"B, deg/h"}, {"N, deg/s/sqrt(Hz)"}}};
   for (const std::size_t axis : axes) {
     const LearntModel learnt = learnt_model((*result.learnt)[axis]);
     table.rows.push_back({axis_name(result, axis), learnt.stops, in_words(learnt.order),

@@ -9,6 +9,7 @@ void accumulate(TracePoint& sum, const TracePoint& point, double weight) {
   sum.corrected_dps += weight * point.corrected_dps;
   sum.error_dps += weight * point.error_dps;
   sum.bias_dps += weight * point.bias_dps;
+  sum.last_stop_mean_dps += weight * point.last_stop_mean_dps;
   sum.sigma_dps += weight * point.sigma_dps;
 }
 
@@ -29,14 +30,16 @@ void ReplayTrace::add(const ReplayedSample& sample) {
   }
   if (!sample.message.has_rate()) return;
   const app::AxisRate& rate = sample.message.axes[axis_];
-  const double true_dps =
-      double{core::rad_per_s(sample.true_rate_rad_s[axis_]).in(core::deg_per_s)};
+  const auto dps = [this](const std::array<float, 3>& rates_rad_s) {
+    return double{core::rad_per_s(rates_rad_s[axis_]).in(core::deg_per_s)};
+  };
   const double measured_dps = double{rate.measured.in(core::deg_per_s)};
   const TracePoint point{.time_s = time_s,
                          .measured_dps = measured_dps,
                          .corrected_dps = double{rate.corrected.in(core::deg_per_s)},
-                         .error_dps = measured_dps - true_dps,
+                         .error_dps = measured_dps - dps(sample.true_rate_rad_s),
                          .bias_dps = double{rate.bias.in(core::deg_per_s)},
+                         .last_stop_mean_dps = dps(sample.last_stop_mean_rad_s),
                          .sigma_dps = double{rate.sigma.in(core::deg_per_s)},
                          .calibrated = sample.message.health.calibrated};
   // A stretch never mixes what was corrected with what could not be.

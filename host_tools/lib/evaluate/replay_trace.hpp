@@ -16,9 +16,9 @@ struct TracePoint {
   double time_s = 0.0;  ///< middle of the stretch
   double measured_dps = 0.0;
   double corrected_dps = 0.0;
-  double error_dps =
-      0.0;                ///< measured minus true rate: the bias, with the white noise that is left
-  double bias_dps = 0.0;  ///< predicted
+  double error_dps = 0.0;  ///< measured minus true rate; not a number where that is not known
+  double bias_dps = 0.0;   ///< predicted
+  double last_stop_mean_dps = 0.0;
   double sigma_dps = 0.0;
   bool calibrated = false;
 };

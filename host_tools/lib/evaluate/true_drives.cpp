@@ -29,8 +29,8 @@ TrueScore TrueDrives::score(app::Predictor predictor) const {
     sizes.push_back(size);
     squares += size * size;
     sigmas += sigma;
-    covered += size <= k95Percent * sigma ? 1.0 : 0.0;
-    covered_by_node += size <= k95Percent * outcome.sigma_rad ? 1.0 : 0.0;
+    covered += size <= statistics::kHalfWidth95 * sigma ? 1.0 : 0.0;
+    covered_by_node += size <= statistics::kHalfWidth95 * outcome.sigma_rad ? 1.0 : 0.0;
   }
   if (sizes.empty()) {
     return {0, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};

@@ -19,14 +19,13 @@ namespace zerorate::evaluate {
 /// A true drive after the node.
 struct ScoredDrive {
   truth::Drive drive;
-  truth::Flaw flaw = truth::Flaw::none;  ///< of the reference, or of the replay; none: scored
-  /// By predictor. The drift counts as the heading does: positive where the node's heading is
-  /// ahead.
+  truth::Flaw flaw = truth::Flaw::none;  ///< flaw of the reference or of the replay; none: scored
+  /// Drift by predictor. It counts like the heading: positive where the node's heading is ahead.
   std::array<DriveOutcome, app::kPredictors> outcomes{};
 
   /// Heading error of the published bias along the drive, a point a second.
   struct Point {
-    double time_s = 0.0;  ///< of the recording
+    double time_s = 0.0;  ///< time in the recording
     double error_rad = 0.0;
   };
   std::vector<Point> along;
@@ -36,17 +35,17 @@ struct ScoredDrive {
 struct TrueScore {
   std::size_t drives = 0;
   double rms_rad = 0.0;
-  double median_rad = 0.0;          ///< of the error's size
+  double median_rad = 0.0;          ///< median of the error's size
   double worst_rad = 0.0;           ///< largest size
   double coverage95 = 0.0;          ///< share inside 1.96 sigma of node and reference together
-  double coverage95_of_node = 0.0;  ///< the same with a perfect reference
+  double coverage95_of_node = 0.0;  ///< coverage with a perfect reference
   double sigma_over_rms = 0.0;      ///< mean sigma of node and reference over rms_rad
 };
 
 /// The scored drives of a replay.
 struct TrueDrives {
   truth::Truth truth;
-  app::Predictor published = app::Predictor::kalman;  ///< whose bias ScoredDrive::along is of
+  app::Predictor published = app::Predictor::kalman;  ///< predictor of ScoredDrive::along
   std::vector<ScoredDrive> drives;
 
   [[nodiscard]] std::size_t scored() const;
@@ -116,7 +115,7 @@ class TrueDriveScorer {
   std::int64_t newest_ns_ = 0;
   double turned_rad_ = 0.0;
   double squared_intervals_s2_ = 0.0;
-  double white_variance_rad2_s2_ = 0.0;  ///< of a sample, as known at departure
+  double white_variance_rad2_s2_ = 0.0;  ///< variance of a sample, known at departure
   std::array<double, app::kPredictors> biases_{};
   std::array<double, app::kPredictors> variances_{};
 };

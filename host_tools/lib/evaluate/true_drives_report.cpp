@@ -70,8 +70,7 @@ Chart error_chart(const TrueDrives& drives) {
               .caption =
                   "From the middle of a true stop to the middle of the next: the integral "
                   "of the measured rate less the bias published at departure, minus the "
-                  "turn of the reference. A drive that bends upwards turned while the gyro "
-                  "was told otherwise.",
+                  "turn of the reference. The slope is the bias error.",
               .x = {"Time", "s"},
               .y = {"Heading error", "deg"}};
   report::Series series{.name = "heading error", .colour = Colour::blue};
@@ -96,8 +95,8 @@ Chart error_chart(const TrueDrives& drives) {
 Chart end_chart(const TrueDrives& drives) {
   Chart chart{.title = "Heading error at the end of each drive",
               .caption =
-                  "The band is the 95 % interval of the Kalman predictor and the reference "
-                  "together.",
+                  "The bar at each drive is the 95 % interval of the Kalman predictor and the "
+                  "reference together.",
               .x = {"Departure", "s"},
               .y = {"Heading error", "deg"}};
   constexpr std::array kColours{Colour::blue, Colour::green, Colour::vermilion};

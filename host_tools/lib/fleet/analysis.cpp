@@ -183,7 +183,7 @@ class TickMeans {
       const double log_rate = std::log(2.0 * std::sin(std::numbers::pi * frequency) / tick_s_);
       const Point slope{1.0 / all, 2.0 * sampled / all, -2.0 * sampled * log_rate / all};
       const double difference = (ratio * density_of_means(order, frequency) - sampled) / all;
-      normal += frequency * slope * slope.transpose();  // as many frequencies lie about each
+      normal += frequency * slope * slope.transpose();  // equally many frequencies lie about each
       right += frequency * difference * slope;
     }
     Point solution = normal.ldlt().solve(right);

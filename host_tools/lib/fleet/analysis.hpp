@@ -24,7 +24,7 @@ inline constexpr int kAnalysisVersion = 2;
 /// Grid of flicker noises over which each recording's likelihood is kept.
 ///
 /// The amplitude is the root of the flicker's density over the white density at the pivot of the
-/// learning node, 1/30 rad/s: there a record says most, whatever its order. Cell
+/// learning node, 1/30 rad/s: there a record has most information, whatever its order. Cell
 /// `order * kAmplitudes + amplitude`.
 struct Grid {
   static constexpr double kPivot_rad_s = 1.0 / 30.0;
@@ -65,12 +65,12 @@ struct AxisResult {
   double mean_rate_rad_s = 0.0;
   std::optional<double> temperature_slope_rad_s_per_k;  ///< where the diagnosis names a drift
   std::optional<double> temperature_slope_error;
-  std::string verdict;            ///< of the diagnosis; empty where the axis was left out
-  double adequacy_p_value = 1.0;  ///< of the extended model: small where something is unexplained
+  std::string verdict;            ///< verdict of the diagnosis; empty where the axis was left out
+  double adequacy_p_value = 1.0;  ///< small where the extended model leaves something
   std::string remark;             ///< why the axis was left out of the diagnosis
   std::vector<Cause> causes;
 
-  std::size_t innovations = 0;  ///< of the filter in each cell
+  std::size_t innovations = 0;  ///< innovations of the filter in each cell
   /// Logarithm of the likelihood of each cell less that of the likeliest, at the white noise that
   /// is likeliest in the cell.
   std::vector<float> log_likelihood;
@@ -126,7 +126,7 @@ struct GridPoint {
 /// it, because the grid fixes their ratio.
 struct AxisLikelihood {
   std::vector<GridPoint> points;    ///< not much less likely than the likeliest one
-  double log_white_variance = 0.0;  ///< of ln N at a point: 1 / (2 innovations)
+  double log_white_variance = 0.0;  ///< variance of ln N at a point: 1 / (2 innovations)
 };
 [[nodiscard]] AxisLikelihood likelihood_of(const AxisResult& axis);
 
@@ -137,16 +137,16 @@ struct AxisLikelihood {
                                 const std::vector<bool>& is_in, Normal first_guess);
 
 /// Evidence of one axis about its sensor and the population.
-struct Evidence {
+struct SensorEvidence {
   /// Likelihood as information: exp(b' z - z' A z / 2) up to a factor, z being the distance from
-  /// the mean of the population in units of four spreads. A direction that the record does not tell
-  /// has no information.
+  /// the mean of the population in units of four spreads. A direction that the record does not
+  /// determine has no information.
   Matrix information = Matrix::Zero();
   Point shift = Point::Zero();
-  Normal posterior;    ///< of the coordinates, with the population as prior
-  double log_p = 0.0;  ///< of a distance from the population so large, where the axis belongs to it
+  Normal posterior;    ///< posterior of the coordinates, with the population as prior
+  double log_p = 0.0;  ///< log p of so large a distance from the population
 };
-[[nodiscard]] Evidence evidence_of(const AxisLikelihood& axis, const Normal& population);
+[[nodiscard]] SensorEvidence evidence_of(const AxisLikelihood& axis, const Normal& population);
 
 /// b' A^+ b, and the rank of A.
 [[nodiscard]] std::pair<double, int> squared_norm(const Matrix& information, const Point& shift);

@@ -101,8 +101,8 @@ struct Shard {
 
 struct Progress {
   std::size_t found_done = 0;  ///< recordings, by earlier runs
-  std::size_t analysed = 0;    ///< by this run
-  std::size_t to_analyse = 0;  ///< by this run in all
+  std::size_t analysed = 0;    ///< recordings analysed by this run
+  std::size_t to_analyse = 0;  ///< recordings that this run has to analyse
   double per_second = 0.0;
 };
 
@@ -119,11 +119,11 @@ struct BadRecording {
 
 struct RunSummary {
   std::size_t total = 0;          ///< recordings of the shard
-  std::size_t analysed = 0;       ///< by this run
+  std::size_t analysed = 0;       ///< recordings analysed by this run
   std::size_t found_done = 0;     ///< stored by earlier runs
   std::size_t repeated = 0;       ///< same content as another one
   double seconds = 0.0;           ///< wall time
-  std::vector<BadRecording> bad;  ///< of this run and earlier ones, by name
+  std::vector<BadRecording> bad;  ///< bad recordings of this run and earlier ones, by name
 };
 
 /// Analyses the recordings that the database does not hold yet. A recording that cannot be used is

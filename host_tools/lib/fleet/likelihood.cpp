@@ -15,7 +15,7 @@ namespace {
 
 /// The widened population that brings every likelihood to moments has so many times its spread.
 constexpr double kWidening = 4.0;
-/// Information, in units of the widened population's, below which a direction is not told.
+/// Information, in units of the widened population's, below which a direction counts as unknown.
 constexpr double kLeastInformation = 0.05;
 /// Points less likely than the best one by more nats add nothing.
 constexpr float kLeastLikely = -14.0F;
@@ -117,7 +117,7 @@ Normal next(const std::vector<AxisLikelihood>& axes, const std::vector<bool>& is
 Normal fit_normal(const std::vector<AxisLikelihood>& axes, const std::vector<bool>& is_in,
                   Normal now) {
   constexpr int kMostSteps = 300;
-  constexpr double kSmall = 2e-4;  // of a spread
+  constexpr double kSmall = 2e-4;  // share of a spread
   for (int step = 0; step < kMostSteps; ++step) {
     const Normal then = next(axes, is_in, now);
     const Point spread = then.covariance.diagonal().cwiseSqrt();
@@ -130,8 +130,8 @@ Normal fit_normal(const std::vector<AxisLikelihood>& axes, const std::vector<boo
   return now;
 }
 
-Evidence evidence_of(const AxisLikelihood& axis, const Normal& population) {
-  Evidence evidence;
+SensorEvidence evidence_of(const AxisLikelihood& axis, const Normal& population) {
+  SensorEvidence evidence;
   std::vector<double> work;
   evidence.posterior = moments_under(axis, population, work);
   const Normal wide{.mean = population.mean,

@@ -50,7 +50,7 @@ Range exponential(const Range& range) {
 }
 
 /// Standard error that the axes have of a coordinate in the middle, at a length of the test, or
-/// nothing where most of them tell little of it.
+/// nothing where most of them have little information on it.
 std::optional<double> error_at(const Population& population, int coordinate, double test_s) {
   std::vector<double> errors;
   const double variance = population.distribution.covariance(coordinate, coordinate);
@@ -157,7 +157,7 @@ Limits limits_of(const Population& population, double test_s) {
       const auto error = error_at(population, coordinate, test_s);
       if (!error || statistics::kHalfWidth95 * *error > 0.5 * kSigmasOfLimits * spread) {
         limits.remarks.push_back(
-            fmt::format("{}: a test of {:g} s is too short to tell it", figure, test_s));
+            fmt::format("{}: a test of {:g} s is too short to decide it", figure, test_s));
         return;
       }
     }

@@ -67,7 +67,7 @@ class RankSums {
 
  private:
   static constexpr std::size_t kMostExact = 50;       ///< sensors of a lot
-  std::map<std::size_t, std::vector<double>> tails_;  ///< by the size of the lot
+  std::map<std::size_t, std::vector<double>> tails_;  ///< key: size of the lot
 };
 
 LotFigure compare_noise(const Population& population, std::size_t lot, int coordinate,
@@ -112,7 +112,7 @@ LotFigure compare_outliers(const Population& population, std::size_t lot) {
           .p_value = p_value};
 }
 
-/// Names the lots that differ, and the figures that tell so.
+/// Names the lots that differ, and the figures in which they do.
 void name_lots(Population& population, const std::vector<std::size_t>& compared) {
   constexpr double kFigures = kCoordinates + 1;
   const auto log_p_of = [](const LotFigure& figure) {

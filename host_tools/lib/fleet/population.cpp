@@ -213,7 +213,7 @@ class Fit {
     }
   }
 
-  /// Whether the recordings of one sensor can have one noise: chi squared of what they tell.
+  /// Whether the recordings of one sensor can have one noise: chi squared of their estimates.
   void find_changes() {
     struct Sums {
       Matrix information = Matrix::Zero();

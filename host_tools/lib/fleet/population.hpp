@@ -23,7 +23,7 @@ struct Member {
   std::size_t sensor = 0;     ///< index
   std::size_t lot = 0;        ///< index
   std::string axis;
-  Evidence evidence;
+  SensorEvidence evidence;
   bool is_in_core = false;  ///< the population is fitted to it
 };
 
@@ -40,10 +40,10 @@ struct Sensor {
   std::size_t lot = 0;
   std::size_t recordings = 0;
   std::vector<Reason> reasons;  ///< the most surprising first
-  double log_p = 0.0;           ///< of the most surprising one among so many
+  double log_p = 0.0;           ///< log p of the most surprising one among so many
   double q_value = 1.0;         ///< false discovery rate at which the sensor is named
   bool is_outlier = false;
-  std::optional<double> change_log_p;  ///< of changes between its recordings; two or more
+  std::optional<double> change_log_p;  ///< log p of changes between its recordings; two or more
   double change_q_value = 1.0;
   bool has_changed = false;
 };
@@ -53,9 +53,9 @@ struct LotFigure {
   std::size_t lot = 0;
   std::string what;          ///< a coordinate, or "outliers"
   double lot_value = 0.0;    ///< median of the lot's sensors, SI; share of the outliers
-  double other_value = 0.0;  ///< of the other sensors
+  double other_value = 0.0;  ///< value of the other sensors
   double p_value = 1.0;
-  bool differs = false;  ///< the lot differs, and this figure alone would tell so
+  bool differs = false;  ///< the lot differs, and this figure alone shows it
 };
 
 struct Lot {
@@ -87,7 +87,7 @@ struct Population {
   std::vector<LotFigure> lot_figures;  ///< the least p-value first
   std::vector<EffectCount> effects;    ///< the most frequent first
   std::vector<StoredRecording> bad;
-  Normal distribution;               ///< of the core
+  Normal distribution;               ///< distribution of the core
   Point mean_error = Point::Zero();  ///< standard errors of the mean, sensors being independent
   std::size_t core = 0;              ///< axes
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.
@@ -144,7 +144,8 @@ struct Limits {
 };
 
 /// Limits that all but one in a thousand axes of the population keep, normal tails assumed.
-/// @param test_s  length of the test: figures that a recording of this length cannot tell from its
+/// @param test_s  length of the test: figures that a recording of this length cannot separate from
+/// its
 ///   limits are left out, with a remark; 0: none is
 [[nodiscard]] Limits limits_of(const Population& population, double test_s);
 
@@ -177,9 +178,9 @@ struct Acceptance {
 };
 
 /// Judges a recording at rest. A figure fails where its 95 % interval lies outside of the limits,
-/// passes where it lies inside, and is too short to tell where a limit lies in between. One figure
-/// that fails fails the sensor. B and d are judged together, by the likelihood on the grid. Cost:
-/// below a second for three axes of 6,000 samples. Throws recording::DataError.
+/// passes where it lies inside, and is too short to decide where a limit lies in between. One
+/// figure that fails fails the sensor. B and d are judged together, by the likelihood on the grid.
+/// Cost: below a second for three axes of 6,000 samples. Throws recording::DataError.
 [[nodiscard]] Acceptance accept(const std::filesystem::path& recording, const Limits& limits);
 
 [[nodiscard]] std::string to_json(const Acceptance& acceptance, const std::string& recording);

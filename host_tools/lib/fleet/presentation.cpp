@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// How a coordinate is told.
+/// Presentation of a coordinate.
 struct Shown {
   const char* name;
   const char* key;
@@ -205,13 +205,13 @@ std::string to_text(const Population& population) {
   std::string text = lead_of(population) + "\n\n";
   for (int i = 0; i < kCoordinates; ++i) {
     const Shown& one = shown()[static_cast<std::size_t>(i)];
-    text += fmt::format("  {:<22}{:>10.4g}  [{:.4g}, {:.4g}] {}\n", one.name,
+    text += fmt::format("  {:<21} {:>10.4g}  [{:.4g}, {:.4g}] {}\n", one.name,
                         at(population, i, 0.0), at(population, i, -statistics::kHalfWidth95),
                         at(population, i, statistics::kHalfWidth95), one.unit);
   }
   text += "  Medians; 95 % of the axes lie in the brackets.\n";
   for (const EffectCount& effect : population.effects) {
-    text += fmt::format("  {:<24}{} axes of {} sensors{}\n", effect.effect, effect.axes,
+    text += fmt::format("  {:<23} {} axes of {} sensors{}\n", effect.effect, effect.axes,
                         effect.sensors, effect.is_common ? ", a property of the type" : "");
   }
   for (const Sensor* sensor : outliers(population)) {

@@ -12,20 +12,20 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/lib/campaign/sized_effect.hpp"
 #include "host_tools/lib/fleet/analysis.hpp"
 #include "host_tools/lib/fleet/database.hpp"
 #include "host_tools/lib/output/output_file.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/writer.hpp"
+#include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
 
 namespace zerorate::fleet {
 namespace {
 
-using campaign::Draws;
-using campaign::kDegPerRad;
-using campaign::RecordingSetting;
+using sizing::Draws;
+using sizing::kDegPerRad;
+using sizing::RecordingSetting;
 
 constexpr std::size_t kAxes = recording::kMaxAxes;
 
@@ -55,15 +55,15 @@ std::array<double, kAxes> draw(const Lognormal& quantity, double common_share, D
 }
 
 /// The effect in one recording, or nothing where no size gives the nats.
-std::optional<campaign::Part> draw_effect(const RecordingSetting& setting, double nats,
-                                          Draws& draws, std::string& name) {
-  const auto catalogue = campaign::catalogue();
+std::optional<sizing::Part> draw_effect(const RecordingSetting& setting, double nats, Draws& draws,
+                                        std::string& name) {
+  const auto catalogue = sizing::catalogue();
   constexpr int kMostTries = 20;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const campaign::EffectEntry& entry = catalogue[draws.below(catalogue.size())];
+    const sizing::EffectEntry& entry = catalogue[draws.below(catalogue.size())];
     if (entry.name == "fractional_order") continue;  // the order is the population's
-    const campaign::SizedEffect effect = entry.draw(setting, draws);
-    if (const auto size = campaign::size_for(effect, nats)) {
+    const sizing::SizedEffect effect = entry.draw(setting, draws);
+    if (const auto size = sizing::size_for(effect, nats)) {
       name = effect.name;
       return effect.at(*size);
     }
@@ -87,7 +87,7 @@ class Fleet {
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       // All axes feel one temperature.
       RecordingSetting setting =
-          campaign::draw_setting(options_.samples, options_.rate_hz, stream.substream("sensor"));
+          sizing::draw_setting(options_.samples, options_.rate_hz, stream.substream("sensor"));
       temperature_degc = setting.temperature_degc;
       signals.push_back(signal_of(truth, axis, stream.substream(axis), setting, effects[axis]));
     }
@@ -153,18 +153,18 @@ class Fleet {
     // The base that sizes effects has the order 1/2; it is as strong where the node compares.
     setting.flicker_sigma_rad_s = flicker_rad * std::pow(Grid::kPivot_rad_s, 0.5 - noise.order);
     setting.noise =
-        campaign::BaseNoise(spectrum::fast_length_below(options_.samples),
-                            white_rad * std::sqrt(options_.rate_hz), setting.flicker_sigma_rad_s);
-    const campaign::Part flicker = campaign::part_of(
+        sizing::BaseNoise(spectrum::fast_length_below(options_.samples),
+                          white_rad * std::sqrt(options_.rate_hz), setting.flicker_sigma_rad_s);
+    const sizing::Part flicker = sizing::part_of(
         setting,
         simulate::FlickerNoise{.bias_instability_rad_s = flicker_rad, .order = noise.order});
-    setting.slow_rad_s = campaign::alone(setting, flicker);
+    setting.slow_rad_s = sizing::alone(setting, flicker);
     for (double& rate : setting.slow_rad_s) rate += setting.bias_rad_s;
 
     simulate::Signal signal(options_.samples, setting.period_s);
     signal.temperature_degc = setting.temperature_degc;
     signal.rate_rad_s = setting.slow_rad_s;
-    campaign::part_of(setting, simulate::WhiteNoise{white_rad})(signal);
+    sizing::part_of(setting, simulate::WhiteNoise{white_rad})(signal);
     if (truth.hidden_axis == axis) {
       if (const auto part = draw_effect(setting, options_.nats, draws, effect)) (*part)(signal);
     }

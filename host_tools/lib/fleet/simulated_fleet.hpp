@@ -18,7 +18,7 @@ struct Lognormal {
 
 struct SimulatedFleetOptions {
   std::size_t sensors = 100;
-  std::size_t recordings = 1;  ///< of each sensor, at rest
+  std::size_t recordings = 1;  ///< recordings of each sensor, at rest
   std::size_t samples = 20'000;
   double rate_hz = 20.0;
   std::size_t lots = 20;
@@ -28,8 +28,8 @@ struct SimulatedFleetOptions {
   Lognormal order{0.55, 0.1};                    ///< d, less than 0.95
   /// Share of the variance of the logarithms that the axes of a sensor have in common.
   double common_share = 0.5;
-  double hidden_share = 0.03;   ///< of the sensors with an effect of the catalogue on one axis
-  double nats = 40.0;           ///< likelihood that the best base model loses to the effect
+  double hidden_share = 0.03;  ///< share of the sensors with an effect of the catalogue on one axis
+  double nats = 40.0;          ///< likelihood that the best base model loses to the effect
   double bad_lot_factor = 1.5;  ///< on N and B of the sensors of one lot; 1: none is bad
   unsigned jobs = 1;            ///< threads; 0: as many as the machine has
 };

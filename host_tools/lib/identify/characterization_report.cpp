@@ -26,7 +26,7 @@ using units::kDphRtHPerRadSRtS;
 struct Slope {
   std::string name;
   double at_1s;     ///< deviation at an averaging time of 1 s [rad/s]
-  double exponent;  ///< of the averaging time
+  double exponent;  ///< power of the averaging time
 
   [[nodiscard]] double at(double tau_s) const { return at_1s * std::pow(tau_s, exponent); }
 };

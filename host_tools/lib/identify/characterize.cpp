@@ -37,7 +37,7 @@ StartValues rough_start(std::span<const TickMean> ticks, std::size_t axis, doubl
   return {white, white * std::sqrt(middle_rad_per_s)};
 }
 
-/// The Whittle fit; where it sees no flicker noise, as strong a one as the rough start has.
+/// The Whittle fit; where it finds no flicker noise, flicker noise as strong as in the rough start.
 StartValues whittle_start(const EvenRecord& even, const StartValues& rough,
                           std::optional<double> order) {
   const WhiteFlickerFit fit = fit_white_flicker(even.rate_rad_s, {.order = order});
@@ -141,11 +141,11 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
         "The bias drifts at least like a random walk (order .95, the highest allowed): look for "
         "temperature, warm-up or motion before trusting this model.");
   } else if (fit.flicker->rejected_order) {
-    remarks.push_back(
-        fmt::format("The recording is too short to tell the order ({:.2f}, 95 % interval {:.2f} to "
-                    "{:.2f}); 1/2 is kept.",
-                    fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
-                    fit.flicker->rejected_order->hi));
+    remarks.push_back(fmt::format(
+        "The recording is too short to determine the order ({:.2f}, 95 % interval {:.2f} to "
+        "{:.2f}); 1/2 is kept.",
+        fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
+        fit.flicker->rejected_order->hi));
   }
   return remarks;
 }

@@ -22,17 +22,17 @@ namespace zerorate::identify {
 struct AxisCharacterization {
   std::string axis;  ///< "x", "y", "z"; "rate" in a recording of one axis
   InnovationsFit fit;
-  model::SensorModel model;  ///< of the fit, with its sources
+  model::SensorModel model;  ///< model of the fit, with its sources
   NoiseCoefficients coefficients;
   /// Exact local Whittle estimate of d from the frequencies below half the corner; nothing where
   /// there is no flicker noise or too little of the record is without holes.
   std::optional<Estimate> local_whittle_order;
   std::vector<AllanPoint> allan;     ///< rad/s; of the longest stretch without holes
   std::vector<DensityBin> density;   ///< one-sided, (rad/s)^2/Hz; of the same stretch
-  std::vector<std::string> remarks;  ///< what a user should know of these figures
+  std::vector<std::string> remarks;  ///< limits of these figures, for the user
 
-  /// The point of the Allan deviation whose upper limit is the lowest: the floor that is known, not
-  /// a dip of the long averaging times, which hardly anything is known of.
+  /// Point of the Allan deviation with the lowest upper limit. A dip at long averaging times, where
+  /// the deviation is uncertain, is not taken for the floor.
   [[nodiscard]] const AllanPoint& allan_floor() const;
 };
 
@@ -42,12 +42,12 @@ struct Sameness {
 
   std::string axis;
   InnovationsFit together;            ///< fitted to all recordings at once
-  std::vector<InnovationsFit> alone;  ///< of each recording, at the order of `together`
+  std::vector<InnovationsFit> alone;  ///< fit of each recording, at the order of `together`
   double likelihood_ratio = 0.0;
   std::size_t degrees_of_freedom = 0;
-  double p_value = 1.0;      ///< of a ratio this large where nothing has changed
+  double p_value = 1.0;      ///< probability of a ratio this large where nothing has changed
   double threshold = 1.0;    ///< for p: kSize over the number of axes
-  model::SensorModel model;  ///< of `together`
+  model::SensorModel model;  ///< model of `together`
 
   [[nodiscard]] bool holds() const { return p_value >= threshold; }
 };
@@ -58,14 +58,14 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   recording::Findings findings;
-  std::vector<std::string> doubts{};  ///< of require_rest(): the caller's
+  std::vector<std::string> doubts{};  ///< doubts of require_rest(), set by the caller
   core::Duration sample_period;       ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
-  double rest_s = 0.0;    ///< what the ticks sum up to
+  double rest_s = 0.0;    ///< length of all ticks together
   std::vector<AxisCharacterization> axes;
-  std::vector<std::string> further_recordings;  ///< that the axes were compared with
-  std::vector<Sameness> sameness;               ///< of each axis; none without further recordings
+  std::vector<std::string> further_recordings;  ///< recordings that the axes were compared with
+  std::vector<Sameness> sameness;  ///< sameness of each axis; none without further recordings
 };
 
 struct CharacterizeOptions {
@@ -76,12 +76,12 @@ struct CharacterizeOptions {
   std::function<void(double)> on_progress;
 };
 
-/// The filter tick at which a record is identified: half a second, the node's own, so that what is
-/// fitted is what will run. A shorter one for records of less than 1024 such ticks, down to the
-/// sample period; a longer one beyond 65,536 ticks (9 h), doubled until they are fewer: bounded
-/// cost, and a mean over seconds keeps all of the flicker noise that matters over hours.
+/// Filter tick at which a record is identified: half a second, like in the node, so that the fit is
+/// valid there. It is shorter for records of less than 1024 such ticks, down to the sample period,
+/// and doubled beyond 65,536 ticks (9 h) to bound the cost: a mean over seconds keeps all flicker
+/// noise that matters over hours.
 [[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
-/// That of samples, which may come in bursts: never shorter than their mean interval.
+/// Period of the samples, which may come in bursts: never shorter than their mean interval.
 [[nodiscard]] core::Duration identification_tick(const RestSamples& samples);
 
 /// Tick means of one axis of a recording.
@@ -125,8 +125,8 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
                                           const std::string& recording, const std::string& axis);
 
 /// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
-/// without holes. The strength of the white noise is that of tick means on purpose: at the raw rate
-/// the sensor's low-pass and quantization are in it, which a filter at the tick never sees.
+/// without holes. The white noise is that of tick means on purpose: at the raw rate it contains the
+/// sensor's low-pass and quantization, which are averaged out at the tick.
 /// Time about 1 s an axis for 10^6 samples. Throws recording::DataError for records that are too
 /// short or constant.
 [[nodiscard]] Characterization characterize(const RestSamples& samples,

@@ -45,7 +45,7 @@ struct Sampling {
 /// independent: columns of the inverse root, which is upper triangular, of the information that the
 /// Fourier frequencies of the record hold (Whittle 1953).
 /// @param slopes  of log S at an angular frequency [rad/s] by the parameters
-/// @param longest  steps, where the record tells nothing
+/// @param longest  steps, where the record has no information
 [[nodiscard]] Eigen::MatrixXd independent_steps(
     const std::function<Eigen::VectorXd(double angular_frequency)>& slopes,
     const Sampling& sampling, const Eigen::VectorXd& longest);

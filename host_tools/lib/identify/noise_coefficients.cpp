@@ -10,7 +10,7 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr double kSignificance = 0.01;  ///< of a slow noise beside the other
+constexpr double kSignificance = 0.01;  ///< significance of a slow noise beside the other
 constexpr double kOneOverF = 0.5;       ///< order of the noise that B is the strength of
 
 /// Slow noises that stand beside the white noise.
@@ -35,8 +35,8 @@ struct CoefficientMaximum {
   }
 };
 
-/// Logarithms of N, B and K that make noise as strong as a fit's where the recording tells it best:
-/// B at the corner of white and flicker noise, K a decade below it.
+/// Logarithms of N, B and K that make noise as strong as a fit's where the recording determines it
+/// best: B at the corner of white and flicker noise, K a decade below it.
 struct StartLogarithms {
   double white;
   double flicker;

@@ -24,7 +24,7 @@ using units::kRadPerDeg;
 /// Standard deviation of a sample's white noise by the median change between neighbours, which a
 /// minority of moving samples leaves as it is.
 double white_sigma(const RestSamples& samples, std::size_t axis) {
-  constexpr double kSigmaPerMedian = 1.0 / 0.6744897501960817;  // of a normal distribution
+  constexpr double kSigmaPerMedian = 1.0 / 0.6744897501960817;  // factor of a normal distribution
   std::vector<double> changes;
   changes.reserve(samples.time.size());
   for (std::size_t k = 1; k < samples.time.size(); ++k) {
@@ -35,7 +35,7 @@ double white_sigma(const RestSamples& samples, std::size_t axis) {
 }
 
 constexpr std::size_t kBlock = 60'000;      // samples
-constexpr std::size_t kMostBlocks = 1'000;  // whose white noise is remembered
+constexpr std::size_t kMostBlocks = 1'000;  // blocks whose white noise is remembered
 constexpr std::array kWholeUnits_rad_s{kRadPerDeg, 1.0};
 
 bool is_whole_number(double number) {

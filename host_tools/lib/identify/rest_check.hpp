@@ -34,7 +34,7 @@ class RestCheck {
             bool is_separated = false);
 
   void add(core::Instant at, const std::array<float, recording::kMaxAxes>& rate_rad_s);
-  /// Ends the check. Empty: nothing speaks against rest.
+  /// Ends the check. Empty: no sign of motion or of a wrong unit.
   [[nodiscard]] std::vector<RestDoubt> doubts();
 
  private:
@@ -42,8 +42,8 @@ class RestCheck {
   struct Axis {
     std::optional<double> reference_rad_s;  ///< median of the first block
     std::size_t moved = 0;                  ///< half-second means
-    double furthest_rad_s = 0.0;            ///< of the means that moved, from the reference
-    std::vector<double> white_sigmas;       ///< of the blocks, 1000 at most
+    double furthest_rad_s = 0.0;       ///< largest distance of a mean that moved from the reference
+    std::vector<double> white_sigmas;  ///< sigmas of the blocks, 1000 at most
     /// Whether all rates are whole numbers of deg/s and of rad/s, and their range.
     std::array<bool, 2> is_whole{true, true};
     double least = std::numeric_limits<double>::infinity();
@@ -64,7 +64,7 @@ class RestCheck {
   std::size_t ticks_ = 0;
 };
 
-/// Doubts about samples that are all there.
+/// Doubts about a complete set of samples.
 [[nodiscard]] std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples);
 
 /// Throws recording::DataError with the first certain doubt; returns the sentences of the others.
@@ -81,7 +81,7 @@ struct MotionAtRest {
   /// in increasing order.
   std::vector<double> turning_rad_s;
 
-  [[nodiscard]] double share() const;  ///< of the samples
+  [[nodiscard]] double share() const;  ///< share of the samples
   /// Motion in every second stop, of three at least, is no accident.
   [[nodiscard]] bool is_usual() const {
     return stops_with_motion >= 3 && 2 * stops_with_motion >= stops;

@@ -77,7 +77,7 @@ class RestFilter {
   recording::Columns columns_;
   core::Standstill standstill_;
   RestSamples& samples_;
-  std::int64_t pulses_ = 0;  ///< of the row before
+  std::int64_t pulses_ = 0;  ///< pulses of the row before
   bool driven_ = false;      ///< since the newest sample at rest
 };
 

@@ -20,7 +20,7 @@ namespace zerorate::identify {
 
 using TickMean = core::TickMean<recording::kMaxAxes>;
 
-/// Samples that a node in the place of the recorder would have been allowed to learn from.
+/// Samples that a node would learn from.
 struct RestSamples {
   std::size_t axis_count = recording::kMaxAxes;
   core::Duration sample_period;  ///< the median interval
@@ -34,7 +34,7 @@ struct RestSamples {
   /// The samples, by index, between which and the one before the vehicle moved; ascending.
   std::vector<std::size_t> after_drives;
 
-  std::uint64_t rows = 0;    ///< of the recording
+  std::uint64_t rows = 0;    ///< rows of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
   recording::Findings findings;
@@ -52,7 +52,7 @@ struct RestOptions {
   std::function<void(std::optional<double>)> on_progress;
 };
 
-/// Reads a recording to its end. Motion is what its odometer or still column tells, with the
+/// Reads a recording to its end. Motion comes from its odometer or still column, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
 /// time. Memory: 20 bytes a row at rest, 24 with a temperature.
 /// Throws recording::Error; recording::DataError with fewer than two samples at rest.

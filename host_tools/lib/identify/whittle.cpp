@@ -23,7 +23,7 @@ namespace zerorate::identify {
 namespace {
 
 constexpr double kBinGrowth = 1.03;
-constexpr int kBits = 18;  // of a minimum
+constexpr int kBits = 18;  // precision of a minimum
 
 /// Neighbouring coefficients of nearly the same density.
 struct Bin {
@@ -82,7 +82,7 @@ Profile profile(std::span<const Bin> bins, std::span<const double> shape, double
 }
 
 ScalarMinimum best_log_ratio(std::span<const Bin> bins, std::span<const double> shape) {
-  constexpr double kLowest = -20.0;  // of flicker to white variance: as good as none
+  constexpr double kLowest = -20.0;  // log of flicker over white variance that counts as zero
   constexpr double kHighest = 12.0;
   const auto objective = [&](double log_ratio) {
     return profile(bins, shape, std::exp(log_ratio)).minus_two_log_likelihood;
@@ -276,7 +276,7 @@ class LocalWhittle {
   }
 
   std::vector<double> centred_;
-  std::vector<double> log_gains_;  // of 1 - L at each frequency
+  std::vector<double> log_gains_;  // logarithm of 1 - L at each frequency
   spectrum::RealFft fft_;
 };
 

@@ -23,7 +23,7 @@ struct WhiteFlickerFit {
   /// variance is that of white noise alone then.
   std::optional<FlickerEstimate> flicker;
   double likelihood_ratio;  ///< 2 log of likelihood with over without flicker noise
-  double p_value;           ///< of a ratio this large under white noise alone
+  double p_value;           ///< probability of a ratio this large under white noise alone
 };
 
 struct WhiteFlickerOptions {
@@ -66,7 +66,7 @@ inline constexpr std::size_t kDctRatios = 32;
 /// (Shimotsu and Phillips 2005, eq. 3, with the gain of 1 - L in place of its limit lambda_j, which
 /// spares ARFIMA noise the bias of higher frequencies). With the sample mean for the unknown one
 /// the estimate is consistent below d = 1 and normal below 3/4 (Shimotsu 2010, section 3); a result
-/// at an end of the range says that d is beyond. The standard error is 1 / (2 sqrt(sum (log gain -
+/// at an end of the range means that d is beyond. The standard error is 1 / (2 sqrt(sum (log gain -
 /// mean)^2)), which tends to 1 / (2 sqrt(m)) but is closer to the truth at small m. Time about 15
 /// fractional differences; long records are better averaged in blocks first, which leaves the low
 /// frequencies as they are.

@@ -16,11 +16,11 @@ namespace zerorate::live {
 
 /// Events of a recording; whatever does not become a row is counted.
 struct RecorderCounts {
-  std::uint64_t rows = 0;          ///< of this session
+  std::uint64_t rows = 0;          ///< rows of this session
   std::uint64_t lost = 0;          ///< messages, by gaps in the numbers
   std::uint64_t without_rate = 0;  ///< messages of a gyro that gave no sample, or a refused one
   std::uint64_t out_of_order = 0;  ///< messages that came after later ones, or twice
-  std::uint64_t restarts = 0;      ///< of the node
+  std::uint64_t restarts = 0;      ///< restarts of the node
   std::uint64_t pauses = 0;        ///< intervals of more than a second between two rows
   std::uint64_t set_back = 0;      ///< times that the clock stood before the newest row
 };
@@ -37,12 +37,12 @@ struct RecorderSettings {
 /// far as the messages have them.
 ///
 /// The time of a row is that of the sample, moved to seconds since 1970 by one offset for as long
-/// as the node runs. After a restart of the node, and where a file is gone on with, the pulse count
-/// goes on too, with one pulse more, because nobody knows whether the vehicle stood meanwhile.
+/// as the node runs. After a restart of the node, and in a file that is continued, the pulse count
+/// continues with one more pulse, because the vehicle may have moved meanwhile.
 class Recorder {
  public:
   /// Throws recording::Error where a file that is to go on cannot. A new file is made when the
-  /// first two seconds of messages have told which columns it has.
+  /// first two seconds of messages have shown which columns it has.
   explicit Recorder(RecorderSettings settings);
 
   /// @param utc_ns  time by the wall clock at which the message came

@@ -18,9 +18,9 @@ struct Tally {
   std::optional<wire::Status> status;
   std::optional<wire::LearntModel> learnt;
   std::uint64_t messages = 0;
-  std::uint64_t lost = 0;      ///< by gaps in the numbers
+  std::uint64_t lost = 0;      ///< numbers missing in the sequence
   std::uint64_t stops = 0;     ///< times the vehicle came to stand
-  std::uint64_t restarts = 0;  ///< of the sender, whose numbers begin at 0 then
+  std::uint64_t restarts = 0;  ///< restarts of the sender, whose numbers begin at 0 then
   std::uint64_t damaged = 0;   ///< frames and lines that could not be read
   std::vector<wire::NumberedMessage>* every = nullptr;  ///< where each message is kept, if wanted
 

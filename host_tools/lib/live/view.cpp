@@ -14,7 +14,7 @@ std::string number(bool is_known, float value, int decimals) {
   return is_known && core::is_finite(value) ? fmt::format("{:+.{}f}", value, decimals) : "-";
 }
 
-/// The three figures of an axis; "-" for what the message does not say.
+/// The three figures of an axis; "-" for a figure that the message lacks.
 struct Figures {
   std::string rate_dps, bias_dps, interval_dph;
 };
@@ -85,11 +85,12 @@ std::string format_screen(const Tally& tally, std::string_view source,
                                 describe(tally.newest->message.health))) +
             "\n" + calm_line(tally.newest->message);
   }
-  text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
+  text +=
+      fmt::format("{:3} {:>14} {:>13} {:>17}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
   const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
     const Figures axis = figures_of(message, message.axes.at(i), is_heard);
-    text += fmt::format("{:4}{:>14}{:>14}{:>18}\n", "xyz"[i], axis.rate_dps, axis.bias_dps,
+    text += fmt::format("{:3} {:>14} {:>13} {:>17}\n", "xyz"[i], axis.rate_dps, axis.bias_dps,
                         axis.interval_dph);
   }
   text += format_learnt(tally);
@@ -101,11 +102,11 @@ std::string format_learnt(const Tally& tally) {
   if (!tally.learnt || !tally.learnt->is_learnt()) return {};
   std::string text = fmt::format(
       "learnt from {:.1f} stops (+- one standard deviation):\n"
-      "{:4}{:>15}{:>23}{:>27}\n",
+      "{:3} {:>15} {:>22} {:>26}\n",
       tally.learnt->stops(), "", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
   for (std::size_t i = 0; i < tally.learnt->axes.size(); ++i) {
     const app::LearntNoise& axis = tally.learnt->axes.at(i);
-    text += fmt::format("{:4}{:>15}{:>23}{:>27}\n", "xyz"[i],
+    text += fmt::format("{:3} {:>15} {:>22} {:>26}\n", "xyz"[i],
                         figure_text(axis, wire::kLearntQuantities[0]),
                         figure_text(axis, wire::kLearntQuantities[1]),
                         figure_text(axis, wire::kLearntQuantities[2]));

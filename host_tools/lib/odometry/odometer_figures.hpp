@@ -1,6 +1,6 @@
 /// @file
 /// Figures of a real odometer, measured against a reference's speed, and the stretches in which it
-/// says zero although the vehicle rolls.
+/// reads zero although the vehicle rolls.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Sample {
   BootstrapFigure median;
 };
 
-/// Situation of a vehicle that rolls while its odometer says zero.
+/// Situation of a vehicle that rolls while its odometer reads zero.
 enum class Situation {
   before_stop,  ///< last metres, the odometer is already silent
   after_stop,   ///< first metres, the odometer is still silent
@@ -37,7 +37,7 @@ inline constexpr std::array kSituations{Situation::before_stop, Situation::after
 /// Rolling at zero, all of it or in one situation.
 struct Rolling {
   std::size_t rows = 0;
-  BootstrapFigure share;              ///< of the rows at zero
+  BootstrapFigure share;              ///< share of the rows at zero
   std::vector<double> speeds_m_s;     ///< in increasing order
   std::vector<double> turning_rad_s;  ///< magnitudes, in increasing order; empty without yaw rates
 };
@@ -45,16 +45,16 @@ struct Rolling {
 struct OdometerFigures {
   double rows_s = 0.0;  ///< time between rows
   double duration_s = 0.0;
-  double silent_share = 0.0;  ///< of the rows: odometer at zero
+  double silent_share = 0.0;  ///< share of the rows with the odometer at zero
 
   /// Smallest speed but zero in two rows next to each other [m/s]; none of a pulse odometer.
   std::optional<double> smallest_m_s;
-  std::optional<double> step_m_s;  ///< of the speeds; none of a pulse odometer
+  std::optional<double> step_m_s;  ///< step of the speeds; none of a pulse odometer
   Sample renewal_s;  ///< between changes of the odometer's speed while the vehicle brakes hard
   BootstrapFigure latency_s;
   BootstrapFigure scale;    ///< odometer over reference; of pulses 1 by definition
   Sample leaves_zero_m_s;   ///< speed of the reference as the odometer leaves zero
-  Sample reaches_zero_m_s;  ///< as it reaches zero
+  Sample reaches_zero_m_s;  ///< speed where it reaches zero
   /// From the reference's last speed of at least `smallest_m_s` until the odometer is zero.
   Sample holds_s;
 
@@ -66,9 +66,9 @@ struct OdometerFigures {
   Sample odometer_stops_s;
   Sample true_drives_s;
   Sample odometer_drives_s;
-  std::vector<double> accelerations_m_s2;  ///< over a second, above 1 m/s; sorted
-  Sample braking_m_s2;                     ///< over the last two seconds before a true stop
-  Sample pulling_away_m_s2;                ///< over the first two seconds after it
+  std::vector<double> accelerations_m_s2;  ///< accelerations over a second, above 1 m/s; sorted
+  Sample braking_m_s2;       ///< deceleration over the last two seconds before a true stop
+  Sample pulling_away_m_s2;  ///< acceleration over the first two seconds after it
 };
 
 /// Intervals are at 95 %, by drawing stretches at zero (or minutes) again, with a fixed seed.
@@ -81,7 +81,7 @@ struct OdometerFigures {
 /// Ends with a line end.
 [[nodiscard]] std::string to_json(const SpeedRecord& record, const OdometerFigures& figures);
 
-/// Row in which the vehicle rolls although its odometer says zero.
+/// Row in which the vehicle rolls although its odometer reads zero.
 struct RollingRow {
   std::size_t row;
   Situation situation;

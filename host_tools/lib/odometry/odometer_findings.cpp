@@ -93,16 +93,15 @@ void find_motion(const SpeedRecord& record, std::vector<OdometerFinding>& findin
   const auto quantile = [](const std::vector<double>& sorted, double share, double unit) {
     return single(sorted.empty() ? kNan : unit * statistics::quantile_of_sorted(sorted, share));
   };
-  OdometerFinding motion{
-      .name = "motion_in_stops",
-      .sentence = fmt::format(
-          "In {:.1f} % of the time in which the odometer says that it stands, the vehicle rolls: "
-          "{:.2f} m a stop beyond what its pulses explain.",
-          100.0 * rolling.share.value, rolled_m.value),
-      .figures = {{"share", rolling.share},
-                  {"rolled_m_per_stop", rolled_m},
-                  {"speed_median_mps", quantile(rolling.speeds_m_s, 0.5, 1.0)},
-                  {"speed_most_mps", quantile(rolling.speeds_m_s, 1.0, 1.0)}}};
+  OdometerFinding motion{.name = "motion_in_stops",
+                         .sentence = fmt::format("In {:.1f} % of the time in which the odometer "
+                                                 "reports that it stands, the vehicle rolls: "
+                                                 "{:.2f} m a stop beyond what its pulses explain.",
+                                                 100.0 * rolling.share.value, rolled_m.value),
+                         .figures = {{"share", rolling.share},
+                                     {"rolled_m_per_stop", rolled_m},
+                                     {"speed_median_mps", quantile(rolling.speeds_m_s, 0.5, 1.0)},
+                                     {"speed_most_mps", quantile(rolling.speeds_m_s, 1.0, 1.0)}}};
   if (!rolling.turning_rad_s.empty()) {
     motion.figures.push_back(
         {"turning_median_dps", quantile(rolling.turning_rad_s, 0.5, units::kDegPerRad)});
@@ -136,7 +135,7 @@ void find_dead_band(const SpeedRecord& record, const OdometerFigures& figures,
   if (!(band.lo > healthy_m_s) && !is_rolled(before_m)) return;
   findings.push_back(
       {.name = "odometer_dead_band",
-       .sentence = fmt::format("Below about {:.2g} m/s the odometer says 0.", band.value),
+       .sentence = fmt::format("Below about {:.2g} m/s the odometer reads 0.", band.value),
        .figures = {{"dead_band_mps", band}}});
 }
 

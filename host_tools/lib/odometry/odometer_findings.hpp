@@ -37,7 +37,7 @@ struct HeadingGain {
   double calm_coverage95 = 0.0;
 };
 
-/// Everything that is said of an odometer.
+/// Result for an odometer.
 struct OdometerDiagnosis {
   std::vector<OdometerFinding> findings;  ///< empty for a healthy one
   std::string configuration;              ///< lines for zerorated's file; may be empty
@@ -46,12 +46,12 @@ struct OdometerDiagnosis {
   [[nodiscard]] const OdometerFinding* find(std::string_view name) const;
 };
 
-/// Lines of the table [odometer] that tell a node of the findings.
+/// Lines of the table [odometer] for a node with these findings.
 [[nodiscard]] std::string configuration_of(const SpeedRecord& record,
                                            const std::vector<OdometerFinding>& findings);
 
-/// Looks for five faults of an odometer; empty for a healthy one. A fault is told where the lower
-/// end of the 95 % interval of its figure lies beyond what a healthy odometer shows:
+/// Looks for five faults of an odometer; empty for a healthy one. A fault is reported where the
+/// lower end of the 95 % interval of its figure lies beyond what a healthy odometer shows:
 ///
 /// - motion_in_stops: metres rolled in a silence, beyond a pulse at each end, above 0.02 on
 ///   average;

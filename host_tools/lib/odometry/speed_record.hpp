@@ -19,13 +19,13 @@ inline constexpr double kSilent_s = 1.0;
 
 /// A drive with both speeds, row by row.
 struct SpeedRecord {
-  std::string name;  ///< of the file
+  std::string name;  ///< name of the file
   std::vector<double> time_s;
   std::vector<double> reference_m_s;  ///< magnitude
   std::vector<double> odometer_m_s;
-  std::vector<double> yaw_rad_s;  ///< without bias; empty where the recording tells of no turning
+  std::vector<double> yaw_rad_s;  ///< without bias; empty where the recording has no turning
   bool counts_pulses = false;     ///< the odometer gives pulses, not a speed
-  double metres_per_pulse = 0.0;  ///< by the distance of the reference; 0 without pulses
+  double metres_per_pulse = 0.0;  ///< distance of the reference over the pulses; 0 without pulses
   std::uint64_t rows_lost = 0;    ///< left out because a value is empty or nan
   std::vector<std::size_t> gap_before;  ///< rows that come later than ten periods after the last
 

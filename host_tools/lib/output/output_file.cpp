@@ -85,7 +85,7 @@ void OutputFile::write(std::string_view text) {
 }
 
 void OutputFile::finish() {
-  const int closed = ::close(descriptor_);  // some file systems tell of a full disk only here
+  const int closed = ::close(descriptor_);  // some file systems report a full disk only here
   descriptor_ = -1;
   if (closed != 0) fail();
   if (partial_.empty()) return;

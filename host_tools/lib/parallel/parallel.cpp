@@ -33,8 +33,7 @@ Vacancies& vacancies() {
   return all;
 }
 
-/// True on the threads of a call with a number of threads, for which its pieces have to do with one
-/// each.
+/// True inside a call with a limited number of threads: nested calls run on one thread.
 thread_local bool is_limited = false;
 
 /// The pieces of one call, and the threads that take them one after the other.
@@ -119,7 +118,7 @@ class Crew {
   std::mutex mutex_;  ///< guards what follows
   std::size_t next_ = 0;
   std::size_t done_ = 0;
-  unsigned hired_ = 0;    ///< that are at work; none ends while another may be hired
+  unsigned hired_ = 0;    ///< threads at work; none ends while another may be hired
   bool is_lent_ = false;  ///< the processor of the caller
   std::vector<std::jthread> others_;
   std::exception_ptr failure_;

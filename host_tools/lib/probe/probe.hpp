@@ -1,8 +1,8 @@
 /// @file
-/// Which gyro answers on a bus, and which one a driver of the kernel shows.
+/// Search for gyros on a bus, and behind the drivers of the kernel.
 ///
-/// Only identity registers are read, and nothing is written but the address of the register that is
-/// asked for: whatever else listens keeps its settings.
+/// Only identity registers are read, and only their addresses are written: other devices on the bus
+/// keep their settings.
 #pragma once
 
 #include <cstdint>
@@ -22,11 +22,11 @@ namespace zerorate::probe {
 
 /// One chip that was looked for in one place.
 struct Attempt {
-  std::string_view chip;                ///< as in zerorated.toml
+  std::string_view chip;                ///< name in zerorated.toml
   std::optional<std::uint8_t> address;  ///< on I2C
   bool is_found = false;
-  std::string answer;    ///< the identity that was read, or what the bus said
-  int error_number = 0;  ///< of a device that could not be used, as the kernel gave it
+  std::string answer;    ///< the identity that was read, or the error of the bus
+  int error_number = 0;  ///< errno of a device that could not be used
 };
 
 namespace detail {
@@ -133,7 +133,7 @@ struct Devices {
 struct KernelGyro {
   hal::linux_os::IioIdentity identity;
   std::string device;    ///< its name, or "iio:device1" where several have that name
-  double rate_hz = 0.0;  ///< that the driver samples at now; 0: it does not say
+  double rate_hz = 0.0;  ///< sampling rate of the driver now; 0: it gives none
 };
 
 /// Those of the kernel. Reads attributes and writes none.

@@ -45,7 +45,7 @@ double polynomial(const std::array<double, n>& coefficients, double x) {
   return sum;
 }
 
-// AS 241, PPND16: numerator and denominator for the centre, the shoulders and the far tails.
+// Coefficients of AS 241, PPND16: numerator and denominator for centre, shoulders and far tails.
 constexpr std::array kA{3.3871328727963666080,    1.3314166789178437745e+2,
                         1.9715909503065514427e+3, 1.3731693765509461125e+4,
                         4.5921953931549871457e+4, 6.7265770927008700853e+4,

@@ -23,7 +23,7 @@ namespace {
 constexpr std::string_view kRos1Magic = "#ROSBAG V";
 
 /// Fields of a message, one after the other. In CDR each is aligned to its size, counted from the
-/// end of the four bytes that tell the byte order.
+/// end of the four bytes that give the byte order.
 class FieldReader {
  public:
   struct Truncated {};

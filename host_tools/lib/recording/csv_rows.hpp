@@ -18,7 +18,7 @@
 namespace zerorate::recording {
 
 /// Reads a text file row by row in constant memory. docs/reference/recording-format.md describes
-/// the format; `layout` says where a file departs from it.
+/// the format; `layout` lists where a file departs from it.
 class CsvRows : public RowSource {
  public:
   /// Opens the file and reads its header. "-" is standard input. Throws Error.

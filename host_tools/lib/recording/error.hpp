@@ -17,7 +17,7 @@ struct Place {
 };
 
 /// Data that cannot be used, e.g. a record that is too short or constant. what() is one line for
-/// the user. Of wrong usage tells std::invalid_argument.
+/// the user. Wrong usage throws std::invalid_argument.
 class DataError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -34,7 +34,7 @@ class Error : public DataError {
   [[nodiscard]] const Place& place() const { return place_; }
   [[nodiscard]] const std::string& found() const { return found_; }
   [[nodiscard]] const std::string& expected() const { return expected_; }
-  /// A sentence that tells the user what to do.
+  /// Sentence with the cure for the user.
   [[nodiscard]] const std::string& mend() const { return mend_; }
 
  private:

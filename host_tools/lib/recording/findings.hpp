@@ -109,7 +109,7 @@ class Findings {
   std::array<std::uint64_t, kFindingCount> first_lines_{};
   IntervalMedian median_;
   std::uint64_t without_holes_ns_ = 0;  ///< sum of the intervals that are no holes
-  std::uint64_t intervals_ = 0;         ///< that make up this sum
+  std::uint64_t intervals_ = 0;         ///< intervals in this sum
   std::int64_t longest_interval_ns_ = 0;
   std::uint64_t longest_interval_line_ = 0;
   std::int64_t latest_time_ns_ = 0;

@@ -17,7 +17,7 @@ namespace {
 
 struct AcceptedName {
   std::string_view name;
-  std::string_view key;   ///< of the quantity
+  std::string_view key;   ///< key of the quantity
   std::string_view unit;  ///< empty: a count, or stated in brackets behind the name
 };
 
@@ -66,7 +66,7 @@ struct NamedColumn {
   std::string name;
   std::size_t position = 0;            ///< character in the line, from 1
   const Quantity* quantity = nullptr;  ///< nullptr: not needed
-  std::optional<Unit> unit = {};       ///< of a quantity with a dimension
+  std::optional<Unit> unit = {};       ///< unit of a quantity with a dimension
 };
 
 using NamedColumns = std::vector<NamedColumn>;
@@ -128,7 +128,7 @@ class ColumnNaming {
                 fmt::format("Say the unit: --units {}=...", recording::name(dimension))};
   }
 
-  /// Refuses what the user said and no column bears out.
+  /// Refuses options that match no column.
   void check(const NamedColumns& columns) const {
     for (const auto& [key, name] : layout_.columns) {
       const Quantity* const said = find_quantity(key);

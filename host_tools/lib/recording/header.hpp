@@ -18,7 +18,7 @@ namespace zerorate::recording {
 struct Column {
   std::string name;
   Meaning meaning = Meaning::ignored;
-  std::size_t axis = 0;  ///< of a rate: its index in Row::rate_rad_s
+  std::size_t axis = 0;  ///< index of a rate in Row::rate_rad_s
   Unit unit;
 };
 

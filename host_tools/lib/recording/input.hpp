@@ -1,5 +1,5 @@
 /// @file
-/// Where a recording comes from, and what its files do not say themselves.
+/// Source of a recording, and the facts that its files lack.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace zerorate::recording {
 
-/// How the speed of a vehicle tells that the vehicle stands.
+/// Rule by which the speed of a vehicle decides that it stands.
 struct SpeedRule {
   double dead_band_m_s = 0.0;              ///< a greater speed, forwards or backwards, is motion
   core::Duration delay;                    ///< from the motion to the stamp of its speed
@@ -27,8 +27,8 @@ struct Input {
   std::optional<SpeedRule> speed;       ///< nullopt: any speed but 0 is motion, without delay
   std::filesystem::path odometer_path;  ///< empty: the odometer is in `path`, if anywhere
   Layout odometer_layout;
-  std::string topic;           ///< of sensor_msgs/Imu in a bag; empty: the only one
-  std::string odometry_topic;  ///< of nav_msgs/Odometry in a bag; empty: the only one, if any
+  std::string topic;           ///< topic of sensor_msgs/Imu in a bag; empty: the only one
+  std::string odometry_topic;  ///< topic of nav_msgs/Odometry in a bag; empty: the only one, if any
 
   Input() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): a path is the usual case

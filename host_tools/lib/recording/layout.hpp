@@ -34,19 +34,19 @@ enum class Dimension : std::uint8_t { none, time, rate, temperature, speed, angl
 struct Unit {
   double si_per_unit = 1.0;
   double zero = 0.0;
-  int decimals = 9;          ///< of a time: its unit is 10^-9 s times 10^decimals
-  bool is_calendar = false;  ///< of a time: a date and time of day by ISO 8601
+  int decimals = 9;          ///< decimals of a time: its unit is 10^-9 s times 10^decimals
+  bool is_calendar = false;  ///< calendar time: date and time of day by ISO 8601
 
   bool operator==(const Unit&) const = default;
 };
 
 /// A quantity that a column can hold.
 struct Quantity {
-  std::string_view key;  ///< as in `--columns key=NAME`
+  std::string_view key;  ///< key in `--columns key=NAME`
   Meaning meaning = Meaning::ignored;
   Dimension dimension = Dimension::none;
-  std::size_t axis = 0;        ///< of a rate
-  std::size_t axis_count = 0;  ///< of a rate: how many columns make the set
+  std::size_t axis = 0;        ///< axis of a rate
+  std::size_t axis_count = 0;  ///< columns that make the set of rates
 };
 
 [[nodiscard]] std::span<const Quantity> quantities();
@@ -68,7 +68,7 @@ struct Layout {
   /// Names of columns in the file by key; "#3" is the third column, also of a file without a
   /// header.
   std::map<std::string_view, std::string> columns;
-  std::map<Dimension, Unit> units;  ///< of columns whose names do not tell
+  std::map<Dimension, Unit> units;  ///< units of columns whose names give none
 
   /// Takes "t=stamp,gx=wx" as typed. Throws std::invalid_argument.
   void set_columns(std::string_view text);

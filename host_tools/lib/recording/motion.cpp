@@ -78,7 +78,7 @@ std::optional<WithMotion::Word> WithMotion::hear_beside(std::int64_t latest_ns) 
   return word;
 }
 
-/// nullopt where the row says nothing new: no speed, or a stamp that is not later.
+/// nullopt where the row has nothing new: no speed, or a stamp that is not later.
 std::optional<WithMotion::Word> WithMotion::word_of(const Row& row) {
   const std::int64_t at_ns = row.time_ns - rule_.delay.ns();
   const bool is_silent =

@@ -1,5 +1,5 @@
 /// @file
-/// Rows of a gyro, told by the speed or the odometer of the vehicle whether it stands.
+/// Rows of a gyro, marked as still or moving by the speed or the odometer of the vehicle.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace zerorate::recording {
 
 /// Joins rates with the word of an odometer that has a rate, a delay and a file of its own.
 ///
-/// A row is still where the newest word before it and the next one after it both say so. Silence is
+/// A row is still if the newest speed before it and the next one after it are both zero. Silence is
 /// no standstill: without a word for a second and three of its median intervals the row is flagged
 /// `motion_unknown`, and the vehicle moves. Memory: the rows of one such silence.
 class WithMotion : public RowSource {

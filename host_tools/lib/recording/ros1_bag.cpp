@@ -89,11 +89,11 @@ class RecordCheck {
     Op op = Op::none;
     std::uint64_t data = 0;  ///< its place in the file
     std::uint64_t end = 0;
-    std::uint64_t index_place = 0;  ///< of the file header
-    std::uint64_t chunk_place = 0;  ///< of a chunk info
-    std::uint32_t count = 0;        ///< of an index or a chunk info
-    std::uint32_t size = 0;         ///< of a chunk when unpacked
-    std::string packing;            ///< of a chunk, e.g. "lz4"
+    std::uint64_t index_place = 0;  ///< place in the file header
+    std::uint64_t chunk_place = 0;  ///< place in a chunk info
+    std::uint32_t count = 0;        ///< count of an index or a chunk info
+    std::uint32_t size = 0;         ///< size of a chunk when unpacked
+    std::string packing;            ///< compression of a chunk, e.g. "lz4"
 
     [[nodiscard]] std::uint64_t data_size() const { return end - data; }
     [[nodiscard]] bool is_packed() const {
@@ -334,7 +334,7 @@ class Ros1Bag : public Bag {
   [[nodiscard]] const std::filesystem::path& file() const override { return path_; }
 
  private:
-  /// Calls the library, and tells what it throws as an Error.
+  /// Calls the library, and turns its exceptions into an Error.
   template <class Call>
   void guarded(Call call) const {
     try {

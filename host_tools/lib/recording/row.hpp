@@ -27,35 +27,35 @@ enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
   return static_cast<float>(number * si_per_unit);
 }
 
-/// Which columns a recording has, besides the time.
+/// Columns of a recording, besides the time.
 struct Columns {
   std::size_t axis_count = kMaxAxes;  ///< 3 (gx, gy, gz) or 1 (rate)
   RateUnit rate_unit = RateUnit::deg_per_s;
   bool temperature = false;
   bool odometer = false;
   bool still = false;
-  bool ref_heading = false;  ///< of a reference system, as ref_rate and ref_speed
+  bool ref_heading = false;  ///< column of a reference system, like ref_rate and ref_speed
   bool ref_rate = false;
   bool ref_speed = false;
-  bool speed = false;  ///< of the vehicle's own odometer; WithMotion makes the others of it
+  bool speed = false;  ///< speed of the vehicle's own odometer; WithMotion makes the others of it
 
   bool operator==(const Columns&) const = default;
 };
 
-/// One sample of a recording. What Columns says is absent keeps the value given here.
+/// One sample of a recording. Members without a column keep the value given here.
 struct Row {
   std::int64_t time_ns = 0;                     ///< the file's clock, exact
   std::array<float, kMaxAxes> rate_rad_s = {};  ///< the first Columns::axis_count are used
   float temperature_degc = std::numeric_limits<float>::quiet_NaN();
   std::int64_t odometer_pulses = 0;  ///< counted since some moment before the recording
   bool still = false;
-  float speed_m_s = std::numeric_limits<float>::quiet_NaN();  ///< by the vehicle's odometer
+  float speed_m_s = std::numeric_limits<float>::quiet_NaN();  ///< speed by the vehicle's odometer
   /// Heading by a reference system, of any origin and sign, wrapped or not. Single precision
   /// resolves 0.0000003 of its size: a wrapped heading to 0.00003 deg.
   float ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
   float ref_rate_rad_s = std::numeric_limits<float>::quiet_NaN();  ///< about the vertical
   float ref_speed_m_s = std::numeric_limits<float>::quiet_NaN();
-  FindingSet findings;  ///< what is odd about this row; set by the reader, ignored by the writer
+  FindingSet findings;  ///< oddities of this row; set by the reader, ignored by the writer
 };
 
 }  // namespace zerorate::recording

@@ -50,7 +50,7 @@ std::unique_ptr<RowSource> open_rows_of_bag(const Input& input) {
   if (!input.layout.columns.empty() || !input.layout.units.empty()) {
     throw Error{{input.path.string()},
                 std::string(bag->format().name),
-                "no columns and units: its messages tell them",
+                "no columns and units: its messages define them",
                 "Leave out --columns and --units; --topic names what is read."};
   }
   const bool has_odometry = !input.odometry_topic.empty() || !bag->topics(Needs::motion).empty();

@@ -1,9 +1,6 @@
 #include "host_tools/lib/recording/writer.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 #include <cerrno>
@@ -189,33 +186,23 @@ std::uint64_t whole_lines(int file, std::uint64_t size) {
 ContinuedWriter::ContinuedWriter(const std::filesystem::path& path, const Columns& columns,
                                  std::string_view comment)
     : path_(path), is_packed_(path.extension() == ".gz"), columns_(columns) {
-  open(O_CREAT | O_EXCL);
+  open(output::AppendedFile::Begin::anew);
   text_ = fmt::format("# {}\n{}\n", comment, header_line(columns_));
 }
 
 ContinuedWriter::ContinuedWriter(const std::filesystem::path& path)
     : path_(path), is_packed_(path.extension() == ".gz") {
-  open(0);
+  open(output::AppendedFile::Begin::at_the_end);
   cut_off_torn_part();
   read_held();
 }
 
-void ContinuedWriter::open(int flags) {
-  constexpr mode_t kLessUmask = 0666;
-  file_ = hal::linux_os::Descriptor{
-      ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK | flags, kLessUmask)};
-  struct stat status {};
-  if (!file_.is_open() || fstat(file_.get(), &status) != 0) throw cannot("open", errno);
-  if (!S_ISREG(status.st_mode)) {
-    throw Error{{path_.string()}, "no regular file", "a file to write", "Choose another name."};
+void ContinuedWriter::open(output::AppendedFile::Begin begin) {
+  try {
+    file_.emplace(path_, begin);
+  } catch (const std::system_error& fault) {
+    throw cannot("open", fault.code());
   }
-  if (flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
-    throw Error{{path_.string()},
-                "that another program records to it",
-                "a file of its own",
-                "End the other recording, or choose another name."};
-  }
-  size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
 void ContinuedWriter::append_to_text(const Row& row) {
@@ -223,19 +210,21 @@ void ContinuedWriter::append_to_text(const Row& row) {
 }
 
 void ContinuedWriter::cut_off_torn_part() {
-  const std::uint64_t whole =
-      is_packed_ ? whole_members(file_.get()) : whole_lines(file_.get(), size_);
+  const std::uint64_t whole = is_packed_ ? whole_members(file_->descriptor())
+                                         : whole_lines(file_->descriptor(), file_->size());
   if (whole == 0) {
     throw Error{{path_.string()},
                 "no whole part of a recording",
                 "a recording to go on with",
                 "Remove the file and begin anew."};
   }
-  held_.torn_bytes = size_ - whole;
-  if (held_.torn_bytes > 0 && ftruncate(file_.get(), static_cast<off_t>(whole)) != 0) {
-    throw cannot("shorten", errno);
+  held_.torn_bytes = file_->size() - whole;
+  if (held_.torn_bytes == 0) return;
+  try {
+    file_->cut_to(whole);
+  } catch (const std::system_error& fault) {
+    throw cannot("shorten", fault.code());
   }
-  size_ = whole;
 }
 
 void ContinuedWriter::read_held() {
@@ -266,7 +255,7 @@ std::string ContinuedWriter::packed() const {
     throw std::bad_alloc{};
   }
   std::string member(deflateBound(&stream.z, text_.size()), '\0');
-  // zlib does not write to its input; its type says otherwise for old C.
+  // zlib does not write to its input; the type lacks a const for old C.
   stream.z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text_.data()));  // NOLINT
   stream.z.avail_in = static_cast<uInt>(text_.size());
   stream.z.next_out = reinterpret_cast<Bytef*>(member.data());
@@ -278,33 +267,32 @@ std::string ContinuedWriter::packed() const {
 
 void ContinuedWriter::flush() {
   if (text_.empty()) return;
-  const std::string part = is_packed_ ? packed() : text_;
-  for (std::size_t written = 0; written < part.size();) {
-    const ssize_t count = pwrite(file_.get(), part.data() + written, part.size() - written,
-                                 static_cast<off_t>(size_ + written));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      const int reason = errno;
-      (void)!ftruncate(file_.get(), static_cast<off_t>(size_));
-      throw cannot("write", reason);
-    }
-    written += static_cast<std::size_t>(count);
+  try {
+    file_->append(is_packed_ ? packed() : text_);
+  } catch (const std::system_error& fault) {
+    throw cannot("write", fault.code());
   }
-  if (fdatasync(file_.get()) != 0 && errno != EINVAL) throw cannot("write", errno);
-  size_ += part.size();
   text_.clear();
 }
 
-Error ContinuedWriter::cannot(std::string_view action, int error_number) const {
-  if (error_number == EEXIST) {
+Error ContinuedWriter::cannot(std::string_view action, const std::error_code& fault) const {
+  if (fault == std::errc::file_exists) {
     return Error{{path_.string()},
                  "a file of this name",
                  "a new name",
                  "Choose another name, or go on with this file: --resume."};
   }
+  if (fault == std::errc::text_file_busy) {
+    return Error{{path_.string()},
+                 "that another program records to it",
+                 "a file of its own",
+                 "End the other recording, or choose another name."};
+  }
+  if (fault == std::errc::invalid_seek) {
+    return Error{{path_.string()}, "no regular file", "a file to write", "Choose another name."};
+  }
   return Error{{path_.string()},
-               fmt::format("that it cannot {} the file ({})", action,
-                           std::generic_category().message(error_number)),
+               fmt::format("that it cannot {} the file ({})", action, fault.message()),
                "a file name in a folder with space and permission to write",
                "Check the folder, the disk and the permissions."};
 }

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "hal/linux/descriptor.hpp"
+#include "host_tools/lib/output/appended_file.hpp"
 #include "host_tools/lib/output/output_file.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/row.hpp"
@@ -65,7 +65,7 @@ struct HeldRecording {
   std::int64_t last_time_ns = 0;
   std::int64_t last_odometer_pulses = 0;
   std::int64_t recorded_ns = 0;  ///< sum of the intervals that are no pauses
-  std::uint64_t torn_bytes = 0;  ///< of an unfinished part at the end, which were cut off
+  std::uint64_t torn_bytes = 0;  ///< bytes of an unfinished part at the end, which were cut off
 };
 
 /// An interval between two rows that is longer is a pause of the recording, not recorded time.
@@ -99,20 +99,18 @@ class ContinuedWriter {
 
  private:
   void append_to_text(const Row& row);
-  void open(int flags);
+  void open(output::AppendedFile::Begin begin);
   [[nodiscard]] std::string packed() const;
-  [[nodiscard]] std::uint64_t whole_bytes() const;
   void cut_off_torn_part();
   void read_held();
-  [[nodiscard]] Error cannot(std::string_view action, int error_number) const;
+  [[nodiscard]] Error cannot(std::string_view action, const std::error_code& fault) const;
 
   std::filesystem::path path_;
   bool is_packed_;
   Columns columns_;
   HeldRecording held_;
-  hal::linux_os::Descriptor file_;
-  std::uint64_t size_ = 0;  ///< of the whole parts
-  std::string text_;        ///< rows of the part that has not been flushed
+  std::optional<output::AppendedFile> file_;
+  std::string text_;  ///< rows of the part that has not been flushed
 };
 
 }  // namespace zerorate::recording

@@ -16,7 +16,7 @@ enum class Scale { linear, logarithmic };
 enum class Colour { by_position, blue, vermilion, green, purple, amber, grey, ink };
 
 struct Axis {
-  std::string label{};  ///< what it is: "Cluster time"
+  std::string label{};  ///< name of the quantity: "Cluster time"
   std::string unit{};   ///< "s", "deg/h"; empty for a ratio or a count
   Scale scale = Scale::linear;
 };
@@ -51,7 +51,7 @@ struct Interval {
 /// Curves over a common x axis, with zoom and a read-out under the pointer.
 struct Chart {
   std::string title{};
-  std::string caption{};  ///< what to see in it, and how it was made
+  std::string caption{};  ///< explanation, and how the figure was made
   Axis x{};
   Axis y{};
   std::vector<Series> series{};

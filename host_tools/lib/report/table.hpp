@@ -29,7 +29,7 @@ class Cell {
 struct Column {
   std::string heading{};
   std::string unit{};  ///< set below the heading; empty for text, ratios and counts
-  int decimals = 0;    ///< of the column's numbers, all alike so that they can be compared at sight
+  int decimals = 0;    ///< decimals of all numbers in the column
 };
 
 /// Every row has one cell a column. Numbers that are not finite are shown as a dash.

@@ -30,9 +30,8 @@ struct DisplayWindow {
 ///
 /// @param x         not decreasing, inside the window
 /// @param channels  values over x, each as long as x; y, or y and the edges of its band
-/// @return at most kDisplayColumns * (2 + 2 * channels) indices; all of them where there are no
-/// more
-///         than 4 a column.
+/// @return at most kDisplayColumns * (2 + 2 * channels) indices; all of them where there are at
+///         most 4 a column
 std::vector<std::size_t> thin_for_display(std::span<const double> x,
                                           std::span<const std::span<const double>> channels,
                                           const DisplayWindow& window);

@@ -18,8 +18,8 @@ namespace zerorate::simulate {
 /// A row of a recording, and what nobody but the simulator knows about it.
 struct ScenarioRow {
   recording::Row row;
-  std::array<float, 3> true_rate_rad_s{};  ///< of the vehicle
-  std::array<float, 3> bias_rad_s{};       ///< of the gyro: all that is slow and not motion
+  std::array<float, 3> true_rate_rad_s{};  ///< rate of the vehicle
+  std::array<float, 3> bias_rad_s{};       ///< bias of the gyro: all that is slow and not motion
 };
 
 struct ScenarioDrive {
@@ -64,8 +64,8 @@ struct ScenarioGyro {
   std::array<double, 3> bias_dps{0.3, -0.2, 0.1};
   double arw_dps_rt_s = kScenarioArwDpsRtS;
   double bias_instability_dph = kScenarioBiasInstabilityDph;
-  std::vector<Effect> drift{};                       ///< of the bias about z
-  std::vector<Effect> disturbance{};                 ///< of what is measured about every axis
+  std::vector<Effect> drift{};        ///< drift of the bias about z
+  std::vector<Effect> disturbance{};  ///< disturbance of the measurement about every axis
   std::function<double(double)> temperature_degc{};  ///< at a time in seconds; none: no thermometer
 };
 

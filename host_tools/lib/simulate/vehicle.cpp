@@ -305,7 +305,7 @@ std::vector<double> shown_speed(std::span<const double> speed_m_s, double sample
   const auto late = static_cast<std::size_t>(std::lround(params.latency_s / sample_period_s));
   std::vector<double> shown(speed_m_s.size(), 0.0);
   double message_m_s = 0.0;
-  double messages = 0.0;  // that were sent
+  double messages = 0.0;  // messages sent so far
   for (std::size_t k = 0; k + late < speed_m_s.size(); ++k) {
     const double sensed_m_s = wheel.sense(speed_m_s[k], sample_period_s);
     const double time_s = static_cast<double>(k) * sample_period_s;

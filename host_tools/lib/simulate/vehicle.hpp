@@ -21,7 +21,7 @@ struct VehicleParams {
   double mean_drive_s = 180.0;
   double cruise_speed_m_s = 14.0;  ///< each drive's own lies within 40 % of it
   double metres_per_pulse = 0.05;
-  double peak_turn_rad_s = 0.4;  ///< of the sharpest turns
+  double peak_turn_rad_s = 0.4;  ///< rate in the sharpest turns
 };
 
 /// Motion of the vehicle, sample by sample.
@@ -85,7 +85,7 @@ struct OdometerParams {
   double holds_s = 0.0;
   double latency_s = 0.0;        ///< from the wheel to the message or pulse
   double message_rate_hz = 0.0;  ///< 0: no messages, the wheel's own pulses
-  double step_m_s = 0.0;         ///< to which the speed is rounded; 0: not rounded
+  double step_m_s = 0.0;         ///< rounding step of the speed; 0: not rounded
 };
 
 /// Speed signal of a car: the figures of docs/reference/real-odometers.md.

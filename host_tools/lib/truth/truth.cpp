@@ -287,12 +287,12 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
   truth.reference_error_rad = options.reference_error_rad.value_or(
       std::isfinite(truth.error_at_stops_rad) ? truth.error_at_stops_rad : 0.0);
   if (track.speed_m_s.size() == 0) {
-    truth.obstacle = "without ref_speed_mps nothing tells the true stops";
+    truth.obstacle = "the true stops need the column ref_speed_mps";
   } else if (track.heading_rad.size() == 0) {
-    truth.obstacle = "without ref_heading_deg or ref_rate_dps nothing tells the true turns";
+    truth.obstacle = "the true turns need the column ref_heading_deg or ref_rate_dps";
   } else if (truth.stops.size() < 2) {
     truth.obstacle = fmt::format(
-        "the reference tells of {} stop{} below {:.2g} m/s for {:g} s, and a drive needs two",
+        "the reference has {} stop{} below {:.2g} m/s for {:g} s, and a drive needs two",
         truth.stops.size(), truth.stops.size() == 1 ? "" : "s", truth.speed_limit_m_s,
         kShortestStop_s);
   }
@@ -300,7 +300,8 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
   const auto vertical = options.vertical ? options.vertical : find_vertical_axis(track);
   if (!vertical) {
     truth.obstacle =
-        "the reference turns by less than 30 deg, which does not tell the vertical axis; name it "
+        "the reference turns by less than 30 deg, which does not determine the vertical axis; name "
+        "it "
         "with --vertical-axis";
     return truth;
   }

@@ -16,8 +16,8 @@ namespace zerorate::truth {
 /// The sensor's axis about which the vehicle's heading counts.
 struct VerticalAxis {
   std::size_t axis = 2;
-  double sign = 1.0;         ///< of the heading's count over the axis' rate
-  double correlation = 1.0;  ///< of turns of a second; 1 where the user named the axis
+  double sign = 1.0;         ///< sense of the heading over the axis' rate
+  double correlation = 1.0;  ///< turns over one second; 1 where the user named the axis
   double turns_ratio = 1.0;  ///< turns of the reference over those of the axis
 };
 
@@ -49,14 +49,14 @@ struct Drive {
   std::int64_t from_ns = 0;
   std::int64_t departure_ns = 0;
   std::int64_t to_ns = 0;
-  double turn_rad = 0.0;  ///< of the heading
+  double turn_rad = 0.0;  ///< turn of the heading
   Flaw flaw = Flaw::none;
 };
 
 struct TruthOptions {
   std::optional<VerticalAxis> vertical;       ///< nullopt: found
-  std::optional<double> reference_error_rad;  ///< nullopt: as the stops say
-  double usable_from_s = 0.0;  ///< of the recording: before, the reference was still aligning
+  std::optional<double> reference_error_rad;  ///< nullopt: estimated at the stops
+  double usable_from_s = 0.0;  ///< time in the recording; before, the reference was still aligning
 };
 
 struct Truth {

@@ -22,14 +22,14 @@ inline constexpr std::string_view kSimulatedChip = "simulated";
 /// How one gyro is wired and set.
 struct GyroSettings {
   std::string chip;  ///< a ChipDescription's name, or kSimulatedChip; on IIO also empty: unknown
-  BusKind bus = BusKind::spi;          ///< which must be among the chip's
+  BusKind bus = BusKind::spi;          ///< one of the chip's
   std::string device;                  ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_gyro
   std::uint8_t address = 0;            ///< on I2C
   std::uint32_t speed_hz = 1'000'000;  ///< on SPI
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
   bool fifo = false;                   ///< samples through the chip's FIFO
-  double time_factor = 1.0;            ///< of the simulated gyro: how much faster its time goes
+  double time_factor = 1.0;            ///< speed of the simulated gyro's clock over the true one
   bool drives = true;                  ///< whether the simulated vehicle ever leaves its place
 
   [[nodiscard]] bool is_simulated() const { return chip == kSimulatedChip; }
@@ -41,7 +41,7 @@ struct GyroSettings {
 
 /// Reasons behind a driver's error that the driver does not know.
 struct GyroReason {
-  int error_number = 0;                   ///< as the kernel gave it; 0: none
+  int error_number = 0;                   ///< errno of the kernel; 0: none
   std::optional<std::uint32_t> identity;  ///< answer of a chip that is not the expected one
   std::string told;                       ///< place, reason and cure in words; empty: not known
 };
@@ -51,15 +51,15 @@ class DeviceGyro : public drivers::AnyGyro {
  public:
   /// Reason of the newest error. Where that is a wrong identity, the chip is asked once more.
   [[nodiscard]] virtual GyroReason reason(drivers::DriverErrorCode code) = 0;
-  /// For poll(): readable when samples wait. -1: nothing tells.
+  /// For poll(): readable when samples wait. -1: there is no such descriptor.
   [[nodiscard]] virtual int descriptor() const { return -1; }
 };
 
 /// Values that a configuration may choose for a chip, and the function that makes the chip's gyro.
 struct ChipDescription {
   std::string_view name;
-  std::span<const double> rates_hz;         ///< as the data sheet names them
-  std::span<const double> full_scales_dps;  ///< the same
+  std::span<const double> rates_hz;         ///< values of the data sheet
+  std::span<const double> full_scales_dps;  ///< values of the data sheet
   std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;

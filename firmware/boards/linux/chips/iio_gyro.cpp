@@ -128,7 +128,7 @@ IioGyro::Count IioGyro::read_buffer(core::Instant now, std::span<drivers::GyroSa
     }
     if (!is_told && is_after_gap(scan->time)) {
       waiting_ = scan;
-      is_gap_told_ = count == 0;  // what came before the gap leaves first
+      is_gap_told_ = count == 0;  // samples from before the gap leave first
       if (count > 0) return count;
       return drivers::refused(DriverErrorCode::fifo_overrun, 0);
     }
@@ -140,7 +140,7 @@ IioGyro::Count IioGyro::read_buffer(core::Instant now, std::span<drivers::GyroSa
     return failed(hal::BusError::timeout,
                   node +
                       ": no sample for a second (is the chip's interrupt line wired as the device "
-                      "tree says?)");
+                      "tree gives?)");
   }
   return count;
 }

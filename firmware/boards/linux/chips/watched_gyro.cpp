@@ -9,7 +9,7 @@ namespace zerorate::linux_node {
 std::uint32_t longest_repetition(double sigma, double lsb, double rate_hz) {
   constexpr double kOnceIn = 1e12;
   const double spread = 0.5 * sigma / lsb;
-  const double left = std::erfc(0.5 / (std::numbers::sqrt2 * spread));  // to another count
+  const double left = std::erfc(0.5 / (std::numbers::sqrt2 * spread));  // P(the next count differs)
   const double most = std::log(kOnceIn) / -std::log1p(-left);
   if (!(most < drivers::Repetition::kEndless)) return drivers::Repetition::kEndless;
   return static_cast<std::uint32_t>(std::ceil(std::max(most, 0.5 * rate_hz)));

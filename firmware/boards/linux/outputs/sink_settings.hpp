@@ -24,7 +24,7 @@ struct UnixSettings {
 /// Frames on a CAN bus.
 struct CanSettings {
   std::string interface;
-  std::uint16_t id = 0;  ///< of the status frame
+  std::uint16_t id = 0;  ///< identifier of the status frame
 };
 using SinkSettings = std::variant<JsonSettings, UdpSettings, UnixSettings, CanSettings>;
 

@@ -91,7 +91,7 @@ class JsonSink final : public Sink {
   std::string node_;
   Descriptor output_;
   RetryCounter retry_;
-  std::optional<wire::LearntModel> learnt_;  ///< not yet said
+  std::optional<wire::LearntModel> learnt_;  ///< not yet sent
   JsonBuffer buffer_{};
 };
 

@@ -33,7 +33,7 @@ class Sink {
       ++dropped_;
     }
   }
-  /// Says what was learnt, where the sink has a place for it. Not counted: it is said again.
+  /// Sends what was learnt, where the sink has a place for it. Not counted: it is sent again.
   virtual void publish_learnt(const wire::LearntModel& /*learnt*/) {}
   /// For logs and metrics: "udp:127.0.0.1:4242".
   [[nodiscard]] const std::string& name() const { return name_; }

@@ -1,5 +1,5 @@
 /// @file
-/// Where the service says what changed.
+/// Log of the service: one line for each change.
 #pragma once
 
 #include <functional>

@@ -56,7 +56,7 @@ void send_to_service_manager(std::string_view message, int flags) {
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) return;
   std::ranges::copy(path, std::begin(address.sun_path));
-  if (path.front() == '@') address.sun_path[0] = '\0';  // of the abstract namespace
+  if (path.front() == '@') address.sun_path[0] = '\0';  // a name in the abstract namespace
   const hal::linux_os::Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
   (void)!sendto(socket.get(), message.data(), message.size(), MSG_NOSIGNAL | flags,

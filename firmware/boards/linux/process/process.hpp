@@ -17,7 +17,7 @@ namespace zerorate::linux_node {
 
 /// How urgent the measuring is.
 struct RealTimeSettings {
-  int priority = 0;  ///< of the measuring thread, SCHED_FIFO; 0: an ordinary thread
+  int priority = 0;  ///< SCHED_FIFO priority of the measuring thread; 0: an ordinary thread
   bool lock_memory = true;
 };
 
@@ -38,7 +38,7 @@ void lock_memory(const RealTimeSettings& real_time, const Log& log);
 [[nodiscard]] hal::linux_os::Descriptor lock_state(const std::string& file);
 
 /// Sends systemd one message, such as "READY=1", by its notification protocol (sd_notify(3)): a
-/// datagram to the socket that $NOTIFY_SOCKET names. Without the variable nothing is told.
+/// datagram to the socket that $NOTIFY_SOCKET names. Without the variable nothing is sent.
 void notify_service_manager(std::string_view message);
 
 /// Sends "WATCHDOG=1" where the watchdog ($WATCHDOG_USEC) is on: due at least once in half of that

@@ -56,7 +56,7 @@ class Bench {
       if (waited_ms > 10'000) give_up("zerorated does not ask for the gyro");
       sleep_until(started + waited_ms * 1'000'000);
     }
-    // Where nothing says when a sample is there, the gyro must not seem frozen until then.
+    // Where no line signals a new sample, the gyro must not seem frozen until then.
     schedule.emplace(world, *witness, gyro.axes, gyro.sample_ns,
                      gyro.has_data_ready ? kSecond_ns : 0, [this] { receivers.receive(); });
   }

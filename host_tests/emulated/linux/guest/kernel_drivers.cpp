@@ -26,7 +26,7 @@ struct Wiring {
   const char* name;
   Reading ours;
   Reading kernels;
-  double stamps_ms;             ///< by which the stamps of a sample may differ
+  double stamps_ms;             ///< largest difference of a sample's two stamps
   bool writes_blindly = false;  ///< the kernel's driver, to registers that the chip does not have
 };
 
@@ -125,7 +125,7 @@ Wiring wiring_of_adxrs450() {
   Wiring both = wiring("adxrs450, without a buffer", ours,
                        "device = \"adxrs450\"\n" + lines("adxrs453", 100, 300), "spi adxrs453");
   both.kernels.rate_hz = 100.0;
-  both.stamps_ms = 5.0;  // of 10 ms between two polls
+  both.stamps_ms = 5.0;  // half of the 10 ms between two polls
   both.writes_blindly = true;
   return both;
 }
@@ -179,7 +179,7 @@ bool is_same_sample(const app::RateMessage& a, const app::RateMessage& b, float 
 
 struct Comparison {
   long samples = 0;
-  long alone = 0;  ///< that only the kernel's driver had
+  long alone = 0;  ///< samples of the kernel's driver alone
   double largest_lsb = 0.0;
   double largest_ms = 0.0;
   double largest_degc = 0.0;  ///< where both tell a temperature

@@ -31,7 +31,7 @@ inline constexpr const char* kJsonFile = "/run/rate.jsonl";
 inline constexpr const char* kCanInterface = "vcan0";
 inline constexpr std::uint16_t kUdpPort = 24680;
 
-/// Rates by firmware/wire/zerorate.dbc, read by what the file says: in 1e-6 deg/s.
+/// Rates decoded with firmware/wire/zerorate.dbc, in 1e-6 deg/s.
 struct CanMessage {
   std::array<double, 3> rate_dps{};
   std::array<double, 3> bias_dps{};

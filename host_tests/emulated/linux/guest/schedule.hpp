@@ -41,7 +41,7 @@ class Noise {
 class Schedule {
  public:
   static constexpr std::int64_t kPulse_ns = 4'000'000;  // 250 Hz
-  static constexpr float kNoise_dps = 0.028F;  // of one sample, as zerorate's model of an LSM6DSO
+  static constexpr float kNoise_dps = 0.028F;           // one sample of an LSM6DSO
   static constexpr std::int64_t kStop_s = 25;
   static constexpr std::int64_t kDrive_s = 15;
 

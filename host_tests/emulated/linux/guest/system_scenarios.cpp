@@ -14,7 +14,7 @@ namespace zerorate::emulated {
 namespace {
 
 constexpr const char* kStateFolder = "/run/state";
-constexpr double kSaveInterval_s = 10.0;  // of /zerorated.toml
+constexpr double kSaveInterval_s = 10.0;  // value in /zerorated.toml
 
 /// Steps the time of day by hours, to and fro.
 void wall_clock_steps(DeviceWorld& world, Verdict& verdict) {

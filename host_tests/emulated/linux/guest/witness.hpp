@@ -30,7 +30,7 @@ struct Tally {
   long number_gaps = 0;   ///< messages lost on the way
   long out_of_order = 0;  ///< not the sample that was next
   long never_given = 0;   ///< a rate that the gyro has not measured lately
-  long faulty = 0;        ///< messages that say sensor_fault
+  long faulty = 0;        ///< messages with sensor_fault
   long odometer_faulty = 0;
   long inconsistent = 0;
   long still = 0;

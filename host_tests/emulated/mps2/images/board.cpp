@@ -45,7 +45,7 @@ constexpr std::uint32_t kDriveBegins = 3125;
 constexpr std::uint32_t kDriveEnds = 5208;
 constexpr std::uint32_t kEnd = 7292;
 constexpr std::uint32_t kSamplesOfPulse = 10;
-constexpr std::array<int, 3> kBias{100, -40, 20};  // of 8.75 mdps
+constexpr std::array<int, 3> kBias{100, -40, 20};  // counts of 8.75 mdps
 constexpr int kTurn = 1143;
 
 [[nodiscard]] constexpr bool drives(std::uint32_t sample) {

@@ -94,7 +94,7 @@ TEST(DriveScaleOfABiasThatMovesLessThanPredicted, StaysOne) {
 // deviation 0.13. What is above 1 of such an estimate is 0.4 times that on average, 0.052; were the
 // estimate never below 1, it would be 0.8 times. 2,000 stops are 100 independent estimates: four
 // standard errors.
-TEST(DriveScaleOfABiasThatMovesAsPredicted, IsAboveOneByItsOwnErrorAlone) {
+TEST(DriveScaleOfABiasThatMovesAsPredicted, IsOneWithinItsError) {
   constexpr int kStops = 2000;
   Scale scale;
   double above = 0.0;
@@ -106,7 +106,7 @@ TEST(DriveScaleOfABiasThatMovesAsPredicted, IsAboveOneByItsOwnErrorAlone) {
 }
 
 // The way up from the least estimate is ten stops long.
-TEST(DriveScaleOfABiasThatMovedLessAtFirst, IsAboveOneTenStopsAfterItMovesMore) {
+TEST(DriveScaleOfABiasThatMovedLessAtFirst, RisesInTenStops) {
   Scale scale;
   play(scale, 40, 0.1, 1.0);
   play(scale, 10, 10.0, 1.0, 40);
@@ -129,7 +129,7 @@ TEST(DriveScaleOfOneWildStop, RisesByABoundedFactor) {
   EXPECT_NEAR(double{scale.scale() / before}, 1.0 + 22.5 / 30.0, 0.02);
 }
 
-TEST(DriveScaleOfABiasThatJumps, IsExceededAfterSomeStopsAndNeverByChance) {
+TEST(DriveScaleOfABiasThatJumps, IsExceededButNeverByChance) {
   for (const double truth : {0.5, 1.0, 1.5}) {
     Scale scale;
     for (int stops = 0; stops < 20; ++stops) {

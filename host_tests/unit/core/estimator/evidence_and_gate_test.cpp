@@ -105,7 +105,7 @@ TEST(EvidenceOfManyMeasurements, IsThatOfTheConjugatePosterior) {
   }
 }
 
-TEST(EvidenceOfManyMeasurements, FindsTheHypothesisAndTheScaleOfEachAxis) {
+TEST(EvidenceOfManyMeasurements, FindsHypothesisAndScales) {
   const Three evidence = told(4000);
   EXPECT_GT(evidence.hypotheses[1][0].weight, 0.99F);
   EXPECT_GT(evidence.hypotheses[1][1].weight, 0.99F);
@@ -227,7 +227,7 @@ TEST_F(FreshFilter, IsConfirmedByASecondOfMeasurementsThatAgree) {
   EXPECT_TRUE(filter.state().is_confirmed());
 }
 
-TEST_F(FreshFilter, BeginsAnewFromAMeasurementThatContradictsTheFirst) {
+TEST_F(FreshFilter, BeginsAnewWhereTheSecondMeasurementDisagrees) {
   feed(normal(-700.0F));
   EXPECT_TRUE(feed(normal(100.0F)).first);
   EXPECT_FALSE(filter.state().is_confirmed());

@@ -154,7 +154,7 @@ TEST(KalmanBankOfThreeHypotheses, IsTheMixtureOfThreeBanks) {
   }
 }
 
-TEST(KalmanBankOfThreeHypotheses, ThatIsToldTheModelIsKnown_GivesTheBitsOfOne) {
+TEST(KalmanBankOfThreeHypotheses, WithAKnownModelGivesTheBitsOfOne) {
   const auto base = modes();
   const Hypotheses<kLearningShape> none;
   const KalmanCoefficients<kLearningShape> coefficients{base, kGate, {}, none};
@@ -172,7 +172,7 @@ TEST(KalmanBankOfThreeHypotheses, ThatIsToldTheModelIsKnown_GivesTheBitsOfOne) {
             one.predict(base.over(9))[2].variance_rad2_s2);
 }
 
-TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAllAndDoubtsEachByItsOwn) {
+TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAll) {
   const auto noise = modes();
   const KalmanCoefficients<kShape> coefficients{noise, kGate};
   const auto tick = noise.one_tick();
@@ -195,7 +195,7 @@ TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAllAndDoubtsEachByItsOwn)
   EXPECT_EQ(bank.state().axes[1].rejection_variance, 0.0F);
 }
 
-TEST(KalmanBankWhoseOneAxisJumps, LearnsAllAnewOnceTheJumpHasLasted) {
+TEST(KalmanBankWhoseOneAxisJumps, LearnsAnewAfterTheGatesTime) {
   const auto noise = modes();
   const KalmanCoefficients<kShape> coefficients{noise, kGate};
   const auto tick = noise.one_tick();
@@ -229,8 +229,7 @@ TEST(KalmanBankGivenOneBadRate, LearnsFromNone) {
   EXPECT_TRUE(bank.state() == before);
 }
 
-TEST(KalmanBankWhoseTemperatureIsUnknown,
-     TakesTheLargestSlopeForTheCovarianceAndEachItsOwnToPredict) {
+TEST(KalmanBankWhoseTemperatureIsUnknown, TakesTheLargestSlope) {
   constexpr ModelShape kWarm{.decaying = 5, .rotating = 1, .temperature_weights = 2};
   const auto noise = modes();
   const KalmanCoefficients<kWarm> coefficients{noise, {}, {.slope_rad_s_per_k = 1.0F}};

@@ -71,7 +71,7 @@ class DenseFilter {
   Eigen::VectorXd h_, x_;
 };
 
-/// Measurements of level + modes as the model says, in double.
+/// Measurements of level + modes drawn from the model, in double.
 template <std::size_t R, std::size_t C>
 class SimulatedSensor {
  public:
@@ -144,7 +144,7 @@ Disagreement compare(const ModesType& modes, double level, double r, int stop, i
   return worst;
 }
 
-TEST(KalmanPredictorOverStopsAndDrives, EqualsADenseDoubleFilterToOnePartInAHundredThousand) {
+TEST(KalmanPredictorOverStopsAndDrives, EqualsADenseFilterTo1e5) {
   const Duration tick = Duration::seconds(1);
   // A bias of 100 flicker units: 0.3 deg/s over 10 deg/h, an ordinary sensor.
   for (const double order : {0.5, 0.62, 0.8}) {
@@ -163,7 +163,7 @@ TEST(KalmanPredictorWithEveryKindOfMode, EqualsADenseDoubleFilter) {
   }
 }
 
-TEST(KalmanPredictorHeading, HasTheVarianceOfTheExplicitConditionalCovariance) {
+TEST(KalmanPredictorHeading, HasTheConditionalVariance) {
   const auto modes = mixed_modes(Start::stationary);
   constexpr int kStop = 30, kLead = 4, kDrive = 90, n = kStop + kLead + kDrive;
   constexpr double r = 2.0;
@@ -200,7 +200,7 @@ TEST(KalmanPredictorHeading, HasTheVarianceOfTheExplicitConditionalCovariance) {
   EXPECT_NEAR(double{heading.variance_rad2} / variance, 1.0, 1e-4);
 }
 
-TEST(KalmanPredictorBeforeTheFirstMeasurement, KnowsThatItKnowsNothing) {
+TEST(KalmanPredictorBeforeTheFirstMeasurement, HasInfiniteVariance) {
   const auto modes = mixed_modes(Start::stationary);
   const KalmanCoefficients coefficients{modes};
   const KalmanPredictor filter{coefficients};
@@ -268,7 +268,7 @@ TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
   EXPECT_EQ(std::memcmp(&uninterrupted.state(), &resumed.state(), sizeof resumed.state()), 0);
 }
 
-TEST(KalmanPredictorUnderItsOwnModel, HasNormalisedInnovationsOfUnitVariance) {
+TEST(KalmanPredictorUnderItsOwnModel, HasInnovationsOfVariance1) {
   const Duration tick = Duration::seconds(1);
   const auto modes = compose(tick, Start::stationary, flicker_like<5>(tick, 0.5));
   const KalmanCoefficients coefficients{modes};

@@ -107,7 +107,7 @@ Filter::Transition span_over(const Modes<kLags, 0>& modes, int from, int to) {
   return span;
 }
 
-TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTemperature) {
+TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstants) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
   const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
       modes, {}, kDrift};
@@ -148,7 +148,7 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstantsSeenThroughTheTempe
   }
 }
 
-TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasTheBitsOfOneWithoutTemperature) {
+TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasSameBits) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
   const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> with{
       modes, {}, kDrift};
@@ -168,7 +168,7 @@ TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasTheBitsOfOneWithoutTempera
   EXPECT_EQ(a.variance_rad2_s2, b.variance_rad2_s2);
 }
 
-TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsWhatTheSlopeMayHaveDone) {
+TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsItsVariance) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
   const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
       modes, {}, kDrift};

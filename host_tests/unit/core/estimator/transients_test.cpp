@@ -82,7 +82,7 @@ class TimeVaryingFilter {
   Matrix p_ = Matrix::Zero();
 };
 
-TEST(KalmanPredictorWithWarmUpAndRamp, EqualsAFilterOfConstantsSeenThroughChangingFactors) {
+TEST(KalmanPredictorWithWarmUpAndRamp, EqualsADenseFilter) {
   const auto modes = compose(kTick, Start::stationary, kFlicker, kWarmUp, kRamp);
   const KalmanCoefficients coefficients{modes};
   KalmanPredictor filter{coefficients};

@@ -37,13 +37,13 @@ TEST(InnovationMonitor, TrustsAModelThatIsRight) {
   EXPECT_TRUE(after(20'000, 1.0F).is_consistent());
 }
 
-TEST(InnovationMonitor, NoticesASensorThatIsLouderOrQuieterThanItsModel) {
+TEST(InnovationMonitor, NoticesALouderOrQuieterSensor) {
   EXPECT_FALSE(after(2'000, 1.4F).is_consistent());
   EXPECT_FALSE(after(2'000, 0.6F).is_consistent());
 }
 
 /// Boost's chi-squared quantile at five standard deviations of a normal, either side.
-TEST(InnovationMonitorOfFewInnovations, JudgesTheirMeanByChiSquared) {
+TEST(InnovationMonitorOfFewInnovations, JudgesByChiSquared) {
   const double tail = 2.866515719e-7;
   for (const int n : {1, 2, 4, 16, 64, 256}) {
     const boost::math::chi_squared chi_squared(n);
@@ -72,7 +72,7 @@ TEST(InnovationMonitorAfterAKnock, SpeaksAtOnceAndForgetsIt) {
 }
 
 // Learnt errors stay as long in seconds, however quickly the filter forgets its innovations.
-TEST(InnovationMonitorOfAFastFilter, DoubtsForTwoMinutesAsThatOfASlowOne) {
+TEST(InnovationMonitorOfAFastFilter, ReportsForTwoMinutes) {
   for (const int filter_hz : {2, 10, 50, 100}) {
     InnovationMonitor monitor{Duration::milliseconds(1000 / filter_hz)};
     const auto observe = [&](float normalised_squared) {
@@ -94,7 +94,7 @@ TEST(InnovationMonitorOfAFastFilter, DoubtsForTwoMinutesAsThatOfASlowOne) {
   }
 }
 
-TEST(InnovationMonitorGivenRefusedOrFirstMeasurements, CountsNothing) {
+TEST(InnovationMonitorGivenRefusedOrFirstMeasurements, CountsNone) {
   InnovationMonitor monitor;
   monitor.observe({.accepted = false, .residual_rad_s = 9.0F, .variance_rad2_s2 = 1.0F});
   monitor.observe(

@@ -14,8 +14,8 @@ using Rates = Check::Rates;
 
 constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
-constexpr std::uint32_t kSamples = 50;  ///< of a full tick
-constexpr float kSigmaRadS = 1e-3F;     ///< of a sample: of a tick 0.008 deg/s
+constexpr std::uint32_t kSamples = 50;  ///< samples of a full tick
+constexpr float kSigmaRadS = 1e-3F;     ///< noise of a sample: 0.008 deg/s for a tick
 constexpr Rates kBias{12.0F * kRadPerDeg, -0.3F * kRadPerDeg, 0.1F * kRadPerDeg};
 
 /// About z, on top of the bias.
@@ -46,7 +46,7 @@ TEST(OdometerCheckAtALargeBias, AcceptsItsLevel) {
   EXPECT_FALSE(check.disagrees());
 }
 
-TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATickOfItsFullRate) {
+TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATick) {
   Check check = make_check();
   stand(check, kBias, 120);
   EXPECT_EQ(ticks_until(check, turning(1.0F), true), 1);
@@ -63,7 +63,7 @@ TEST(OdometerCheckWithoutPulses, FollowsWhatChangesSlowly) {
   }
 }
 
-TEST(OdometerCheckWithoutPulses, BelievesAJumpWhenItHasStayedForTwoMinutes) {
+TEST(OdometerCheckWithoutPulses, AcceptsAJumpAfterTwoMinutes) {
   Check check = make_check();
   stand(check, kBias, 100);
   EXPECT_EQ(ticks_until(check, turning(0.5F), true), 1);
@@ -90,7 +90,7 @@ TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
   }
 }
 
-TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
+TEST(OdometerCheckAtTheStartOfAStop, WaitsAtAFarRate) {
   Check check = make_check();
   check.on_driving_tick(kBias);
   stand(check, turning(1.3F), 1, &kBias);
@@ -106,7 +106,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsWhereTheRateIsFarFromThePrediction) {
 }
 
 // The wire breaks in a bend before anything has been learnt.
-TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBeforeWhereNothingIsPredicted) {
+TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBefore) {
   Check check = make_check();
   stand(check, kBias, 4);
   check.pulse(Duration::seconds(1));
@@ -138,7 +138,7 @@ TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
   EXPECT_FALSE(check.disagrees());
 }
 
-TEST(OdometerCheckGivenPulsesAtRest, IsSilentWhereNobodyWantsToKnow) {
+TEST(OdometerCheckGivenPulsesAtRest, IsSilentIfSwitchedOff) {
   Check check = make_check({.longest_straight = {}});
   for (int tick = 0; tick < 70'000; ++tick) check.on_driving_tick(kBias);
   EXPECT_FALSE(check.disagrees());
@@ -160,7 +160,7 @@ TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
 }
 
 // 2 deg/s rms at an idling engine's 22.5 Hz: what is left of it in a window is a sixth of that.
-TEST(OdometerCheckInAShakingVehicle, JudgesWindowsInWhichTheEngineCancels) {
+TEST(OdometerCheckInAShakingVehicle, JudgesByQuietWindows) {
   for (const int tick_ms : {100, 500}) {
     Check check = make_check({}, Duration::milliseconds(tick_ms));
     const int samples = tick_ms / 10;
@@ -187,7 +187,7 @@ TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
   }
 }
 
-TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfOfAWindow) {
+TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfAWindow) {
   Check check = make_check();
   stand(check, kBias, 20);
   check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
@@ -224,7 +224,7 @@ TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
 }
 
 // 5 s are less than a tick of 10 s: one tick, not for ever.
-TEST(OdometerCheckWhoseTickIsLongerThanABend, BelievesTheRateOfTwoTicks) {
+TEST(OdometerCheckWhoseTickIsLongerThanABend, AcceptsTwoTicks) {
   constexpr Duration kLong = Duration::seconds(10);
   Check check{{}, kLong, kSamplePeriod, kSigmaRadS * kSigmaRadS};
   constexpr std::uint32_t kMany = 1000;

@@ -20,7 +20,7 @@ double normal_density(double x, double variance) {
   return std::exp(-0.5 * x * x / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
 }
 
-TEST(SampleScreenOfPlainNoise, ExpectsTheBiasOfTheTickAsAKalmanFilterDoes) {
+TEST(SampleScreenOfPlainNoise, HasTheBiasOfAKalmanFilter) {
   const SampleModel model;
   SampleScreen screen{model};
   screen.begin_tick(10.0F, 2.0F, kWhite);
@@ -38,7 +38,7 @@ TEST(SampleScreenOfPlainNoise, ExpectsTheBiasOfTheTickAsAKalmanFilterDoes) {
   }
 }
 
-TEST(SampleScreenOfPlainNoise, SumsSquaresThatEstimateTheWhiteVariance) {
+TEST(SampleScreenOfPlainNoise, EstimatesTheWhiteVariance) {
   constexpr int kTicks = 2000;
   constexpr int kSamples = 10;
   const SampleModel model;
@@ -47,7 +47,7 @@ TEST(SampleScreenOfPlainNoise, SumsSquaresThatEstimateTheWhiteVariance) {
   std::normal_distribution<float> normal;
   double sum = 0.0;
   for (int tick = 0; tick < kTicks; ++tick) {
-    const float bias = normal(random);  // of variance 1, as predicted
+    const float bias = normal(random);  // predicted variance: 1
     screen.begin_tick(0.0F, 1.0F, kWhite);
     for (int k = 0; k < kSamples; ++k) (void)screen.take(bias + 2.0F * normal(random));
     sum += double{screen.squares_rad2_s2()};
@@ -96,7 +96,7 @@ TEST(SampleScreenWithOutliers, KeepsNearlyAllOfPlainNoise) {
 constexpr SampleModel kMotion{
     .motion = {.begin_probability = 1e-3F, .end_probability = 0.05F, .variance_rad2_s2 = 100.0F}};
 
-TEST(SampleScreenDuringARotation, LearnsFromNoneOfItsSamplesAndFromThoseAfterIt) {
+TEST(SampleScreenDuringARotation, LearnsAfterItOnly) {
   SampleScreen screen{kMotion};
   std::mt19937 random{5};
   std::normal_distribution<float> normal;
@@ -112,7 +112,7 @@ TEST(SampleScreenDuringARotation, LearnsFromNoneOfItsSamplesAndFromThoseAfterIt)
   EXPECT_GE(learnt_outside, 275);  // until it is certain that it is over, a few are not
 }
 
-TEST(SampleScreenAfterAJumpOfTheBias, LearnsFromItOnceNoRotationLastsSoLong) {
+TEST(SampleScreenAfterAJumpOfTheBias, LearnsAfterTheRotationTime) {
   SampleScreen screen{kMotion};
   int refused = 0;
   for (int k = 0; k < 1000; ++k) {
@@ -132,7 +132,7 @@ TEST(SampleScreenAtTheEndOfAStop, ForgetsTheRotation) {
   EXPECT_LT(screen.forecast().moved, 0.01F);
 }
 
-TEST(NoiseLevelTrack, FollowsAStrengthThatHasDoubledAndForgetsItOverAGap) {
+TEST(NoiseLevelTrack, FollowsAStepAndForgetsItOverAGap) {
   const NoiseLevel model{.variance = 1.0F, .time_constants_per_tick = 1e-3F};
   NoiseLevelTrack track{model};
   for (int k = 0; k < 2000; ++k) {

@@ -91,7 +91,7 @@ TEST(CalmJudgeOfWhiteNoise, LearnsItsStrengthWhateverTheModelSays) {
 }
 
 // The oracle takes the sample variance of three means by its definition, in double precision.
-TEST(CalmJudgeWithThreeWindows, TakesTheirSampleVarianceForTheWhiteNoise) {
+TEST(CalmJudgeWithThreeWindows, EstimatesTheWhiteVariance) {
   Stop stop{5};
   stop.calm_of(3);
   double expected = 0.0;
@@ -104,7 +104,7 @@ TEST(CalmJudgeWithThreeWindows, TakesTheirSampleVarianceForTheWhiteNoise) {
   EXPECT_NEAR(double{stop.white.shown_rad2_s2()}, expected, 1e-5 * expected);
 }
 
-TEST(CalmJudgeOfARotation, SpoilsTheWindowsThatSeeItsBeginAndItsEnd) {
+TEST(CalmJudgeOfARotation, SpoilsTheWindowsAtItsBeginAndEnd) {
   Stop stop{5};
   stop.calm_of(40);
   const auto turn = [](double seconds) { return seconds >= 20.0 && seconds < 25.0 ? 1.0 : 0.0; };
@@ -150,7 +150,7 @@ TEST(CalmJudgeWhereHalfOfAStopIsMotion, LearnsFromTheOtherHalf) {
   EXPECT_LE(calm_in_motion, 10);
 }
 
-TEST(CalmJudgeOfAnEngineThatStarts, GoesOnLearningWhereSamplesComeFast) {
+TEST(CalmJudgeOfAnEngineThatStarts, LearnsOnFromFastSamples) {
   Stop stop{52};
   stop.sigma_dps = 0.02;
   stop.calm_of(60);
@@ -175,7 +175,7 @@ TEST(CalmJudgeOfANoiseThatRises, AcceptsItWithinBoundedTime) {
   EXPECT_GE(stop.calm_of(100), 97);
 }
 
-TEST(CalmJudgeOfASteadyRateFarFromThePrediction, BelievesItAfterTheLongestBend) {
+TEST(CalmJudgeOfASteadyRateFarFromThePrediction, AcceptsItInTime) {
   Stop stop{5};
   const Rates predicted{};
   std::vector<Calm> verdicts;
@@ -194,7 +194,7 @@ TEST(CalmJudgeOfAReadingThatNeverChanges, KeepsAPositiveVariance) {
   EXPECT_GT(stop.white_sigma_dps(), 0.005 * 0.1);
 }
 
-TEST(CalmJudgeOfTicksThatDoNotFollowEachOther, BeginsItsWindowsAnew) {
+TEST(CalmJudgeOfTicksThatDoNotFollowEachOther, RestartsWindows) {
   Stop stop{5};
   stop.calm_of(40);
   stop.next += 100;

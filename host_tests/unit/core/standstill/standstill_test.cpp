@@ -17,7 +17,7 @@ constexpr Instant at_ms(std::int64_t ms) {
 constexpr Standstill::Params kParams{.settle = Duration::milliseconds(1000),
                                      .hold_back = Duration::milliseconds(500)};
 
-TEST(StandstillAtPowerUp, WaitsForTheSettleTimeBeforeItBelievesInRest) {
+TEST(StandstillAtPowerUp, WaitsForTheSettleTime) {
   Standstill standstill{kParams};
   EXPECT_FALSE(standstill.is_settled(at_ms(0)));
   standstill.start(at_ms(0));
@@ -44,7 +44,7 @@ TEST(StandstillGivenALatePulse, KeepsTheNewest) {
 }
 
 // The silence between two pulses of a creeping vehicle is longer than the settle time.
-TEST(StandstillWhileCreeping, WaitsForTwiceTheSilenceBeforeTheNewestPulse) {
+TEST(StandstillWhileCreeping, WaitsForTwiceTheLastSilence) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
   for (int pulse = 1; pulse <= 10; ++pulse) {
@@ -57,7 +57,7 @@ TEST(StandstillWhileCreeping, WaitsForTwiceTheSilenceBeforeTheNewestPulse) {
   EXPECT_TRUE(standstill.is_settled(at_ms(30'000 + 6'000)));
 }
 
-TEST(StandstillAfterASinglePulseOfALongStop, WaitsForTheSlowestCreepingOnly) {
+TEST(StandstillAfterASinglePulseOfALongStop, WaitsForCreeping) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
   standstill.pulse(at_ms(3'600'000));
@@ -143,13 +143,13 @@ TEST(OdometerThatIsLate, HoldsBackLonger) {
   EXPECT_EQ(params.hold_back, kPlain.hold_back + Duration::milliseconds(100));
 }
 
-TEST(OdometerWithADeadBand, HoldsBackAsLongAsAGentleStartTakesToLeaveIt) {
+TEST(OdometerWithADeadBand, HoldsBackForAGentleStart) {
   const auto params = adapted_to({.dead_band_mps = 0.75F}, kPlain);
   EXPECT_EQ(params.hold_back, kPlain.hold_back + Duration::milliseconds(750));
   EXPECT_EQ(params.slowest, kPlain.slowest);
 }
 
-TEST(OdometerWithADeadBandAndAKnownPulse, NeedsNoLongerSilenceThanTwiceTheLongestInterval) {
+TEST(OdometerWithADeadBandAndAKnownPulse, NeedsTwiceTheInterval) {
   const auto params = adapted_to({.dead_band_mps = 0.5F, .metres_per_pulse = 0.25F}, kPlain);
   EXPECT_EQ(params.slowest, Duration::seconds(1));
   const auto coarse = adapted_to({.dead_band_mps = 0.5F, .metres_per_pulse = 100.0F}, kPlain);

@@ -59,7 +59,7 @@ struct Vehicle {
   }
 };
 
-TEST(StopLearningAtAStop, ReleasesEachTickOnceItIsHeldBackLongEnough) {
+TEST(StopLearningAtAStop, ReleasesEachTickAfterTheHoldBack) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
   // Settled from 1 s on; what ended a second before 2.99 s has been seen by three windows of half a
@@ -72,7 +72,7 @@ TEST(StopLearningAtAStop, ReleasesEachTickOnceItIsHeldBackLongEnough) {
   EXPECT_EQ(vehicle.learning.motion(), Motion::still);
 }
 
-TEST(StopLearningAtAPulse, ReleasesWhatIsCertainAndDropsTheHoldBack) {
+TEST(StopLearningAtAPulse, ReleasesCertainTicksDropsOthers) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
   const auto before = vehicle.learnt.size();
@@ -102,7 +102,7 @@ TEST(StopLearningWithoutTheOdometer, DropsAllThatIsHeld) {
   EXPECT_EQ(vehicle.learning.motion(), Motion::moving);
 }
 
-TEST(StopLearningOnATurnWithoutPulses, DropsAllThatIsHeldAndIsNeverStill) {
+TEST(StopLearningOnATurnWithoutPulses, DropsAllAndIsNeverStill) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
   const auto before = vehicle.learnt.size();
@@ -115,7 +115,7 @@ TEST(StopLearningOnATurnWithoutPulses, DropsAllThatIsHeldAndIsNeverStill) {
 }
 
 // From 4 s to 5 s the vehicle rolls and turns, slowly enough for the odometer check.
-TEST(StopLearningOnMotionInsideAStop, LearnsFromTheCalmBeforeAndAfterIt) {
+TEST(StopLearningOnMotionInsideAStop, LearnsBeforeAndAfterIt) {
   Vehicle vehicle;
   for (std::int64_t ms = 0; ms < 12'000; ms += 10) {
     const float noise = ms / 10 % 2 == 0 ? 1e-5F : -1e-5F;
@@ -171,9 +171,9 @@ TEST(StopLearningRestored, GoesOnAlike) {
   EXPECT_TRUE(second.learning.state() == whole.learning.state());
 }
 
-// A sensor three times as loud as its model promises, at 10 Hz: after a second its noise is known
+// A sensor three times as loud as its model, at 10 Hz: after a second its noise is known
 // from a dozen differences only, by chance as half of what it is.
-TEST(StopLearningOfASensorLouderThanItsModel, SeesNoTurnInItsFirstSeconds) {
+TEST(StopLearningOfASensorLouderThanItsModel, FindsNoTurnAtFirst) {
   constexpr float kLoud = 0.129F * kRadPerDeg;
   constexpr Duration kPeriod = Duration::milliseconds(100);
   std::mt19937_64 engine{7};

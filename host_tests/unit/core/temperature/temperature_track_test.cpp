@@ -52,7 +52,7 @@ TEST(TemperatureTrackOfALaggingElement, FollowsItsStepResponse) {
   EXPECT_NEAR(double{track.tick().weights[0]}, 10.0 * (1.0 - std::exp(-2.0)), 1e-4);
 }
 
-TEST(TemperatureTrackWithoutReadings, KeepsTheLastOneForFiveSecondsAndThenWanders) {
+TEST(TemperatureTrackWithoutReadings, KeepsTheLastFor5Seconds) {
   Track track{kDrift};
   const auto lost = [](std::int64_t ms) { return ms < 2'000 ? 30.0F : kNan; };
   run(track, 0, 2'100, lost);
@@ -77,7 +77,7 @@ TEST(TemperatureTrackWithoutReadings, KeepsTheLastOneForFiveSecondsAndThenWander
   EXPECT_NEAR(span.temperature.change[0], 3.0F, 1e-5F);
 }
 
-TEST(TemperatureTrackThatMeasuredWithoutReadings, ClaimsNoChangeFromThere) {
+TEST(TemperatureTrackThatMeasuredWithoutReadings, HasNoChange) {
   Track track{kDrift};
   run(track, 0, 10'100, [](std::int64_t ms) { return ms < 1'000 ? 30.0F : kNan; });
   TemperedTransition span{};

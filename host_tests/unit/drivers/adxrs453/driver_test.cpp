@@ -23,7 +23,7 @@ TEST(Adxrs453Commands, AreThoseOfTheDatasheet) {
   EXPECT_EQ(encode_read(0x02), 0x80040001U);
 }
 
-TEST(Adxrs453SensorDataCommand, CarriesTheSequenceInBits31And30And28) {
+TEST(Adxrs453SensorDataCommand, HasTheSequenceInBits31And30And28) {
   EXPECT_EQ(encode_sensor_data(1), 0x60000001U);
   EXPECT_EQ(encode_sensor_data(2), 0xA0000001U);
   EXPECT_EQ(encode_sensor_data(4), 0x30000001U);
@@ -192,7 +192,7 @@ TEST(Adxrs453Start, RefusesAChipThatCannotShowItsFaults) {
   EXPECT_TRUE(rig.start());
 }
 
-TEST(Adxrs453Start, RefusesAChipWithAFaultAndTakesItWhenTheFaultIsGone) {
+TEST(Adxrs453Start, RefusesAChipUntilItsFaultIsGone) {
   Rig rig;
   rig.chip.upset(0x0A, 0x02);  // OV
   const auto started = rig.start();

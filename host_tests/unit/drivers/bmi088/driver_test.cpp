@@ -87,7 +87,7 @@ TEST(Bmi088DataReady, GivesWhatALateLoopMissed) {
   EXPECT_EQ(out[1].time, *edge - rig.driver.sample_period());
 }
 
-TEST(Bmi088DataReady, StampsEachSampleWithItsEdgeHoweverFastTheChip) {
+TEST(Bmi088DataReady, StampsEachSampleWithItsEdge) {
   Rig rig;
   ASSERT_TRUE(rig.start_and_settle());
   std::array<GyroSample, 1> out{};

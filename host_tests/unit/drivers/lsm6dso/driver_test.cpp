@@ -58,7 +58,7 @@ TEST(Temperature, Is25DegreesAtZeroAnd256CountsADegree) {
   EXPECT_EQ(decode_temperature(kMax).degc(), 153.0F - 1.0F / 256.0F);
 }
 
-constexpr const Variant& kDsv = variant(Model::lsm6dsv16x);
+constexpr const Variant& kDsv = variant(Part::lsm6dsv16x);
 
 constexpr std::uint8_t code(auto rate) {
   return static_cast<std::uint8_t>(rate);
@@ -237,7 +237,7 @@ TEST(Lsm6dso, ReadsItsOwnPeriod) {
   EXPECT_NEAR(rig.driver.sample_period().in_seconds(), 64.0F / 6667.0F / 1.03F, 1e-8F);
 }
 
-TEST(Lsm6dso, GivesNoSampleFromALineThatGotStuckBetweenStatusAndData) {
+TEST(Lsm6dso, GivesNoSampleFromALineStuckAfterTheStatus) {
   for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
     Rig rig;
     ASSERT_TRUE(rig.start_and_settle());
@@ -298,7 +298,7 @@ TEST(Lsm6dsoOnScriptedSpi, AsksForTheIdentityAndResetsTheChip) {
   EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::not_ready);
 }
 
-TEST(Lsm6dsoOnScriptedI2c, ReportsAFailureInTheMiddleOfATransaction) {
+TEST(Lsm6dsoOnScriptedI2c, ReportsAFailureInATransaction) {
   using hal::testing::reads;
   using hal::testing::writes;
   hal::testing::ScriptedI2cBus i2c;

@@ -245,7 +245,7 @@ TEST(Mpu6500Fifo, SeesAnOverflowWhoseFlagGotLost) {
   EXPECT_EQ(rig.read(out).error().code, DriverErrorCode::fifo_overrun);
 }
 
-TEST(Mpu6500Fifo, OverflowsWhileItIsReadAreFoundBeforeTheNextSample) {
+TEST(Mpu6500Fifo, OverflowsInAReadAreFoundBeforeTheNextSample) {
   Rig rig{kFifo};
   ASSERT_TRUE(rig.start_and_settle());
   for (int i = 0; i < 82; ++i) rig.sample(kOneTwoThree);
@@ -258,7 +258,7 @@ TEST(Mpu6500Fifo, OverflowsWhileItIsReadAreFoundBeforeTheNextSample) {
   for (const GyroSample& sample : out) expect_one_two_three(sample);
 }
 
-TEST(Mpu6500Fifo, LooksAgainBeforeItTakesASampleThatIsBeingWrittenForAShift) {
+TEST(Mpu6500Fifo, LooksTwiceBeforeItReportsAShift) {
   Rig rig{kFifo};
   ASSERT_TRUE(rig.start_and_settle());
   rig.sample(kOneTwoThree);
@@ -268,7 +268,7 @@ TEST(Mpu6500Fifo, LooksAgainBeforeItTakesASampleThatIsBeingWrittenForAShift) {
   expect_one_two_three(out[0]);
 }
 
-TEST(Mpu6500Fifo, IsEmptiedAfterABurstThatBrokeOffEvenIfTheBusIsDeadForAWhile) {
+TEST(Mpu6500Fifo, IsEmptiedAfterABrokenBurst) {
   Rig rig{kFifo};
   ASSERT_TRUE(rig.start_and_settle());
   rig.sample(kOneTwoThree);

@@ -95,7 +95,7 @@ TEST(GyroNodeThatFollowsTheTemperature, RestoredGoesOnBitForBit) {
   }
 }
 
-TEST(GyroNodeWhoseThermometerFallsSilent, SaysSoAndWidensItsInterval) {
+TEST(GyroNodeWhoseThermometerFallsSilent, ReportsAndWidens) {
   const auto params = warm_params();
   WarmNode node{params};
   std::int64_t ms = 0;
@@ -133,7 +133,7 @@ core::GyroSample sometimes_wild_sample(std::int64_t ms) {
   return sample;
 }
 
-TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnesAndSaysSo) {
+TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnes) {
   const auto params = screening_params();
   ScreeningNode node{params};
   RateMessage message;
@@ -187,7 +187,7 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
   EXPECT_NEAR(ratio, 2.0F, 0.1F);
 }
 
-TEST(GyroNodeOfASensorWithOneAxis, FollowsTheStrengthOfTheNoiseByThatAxisAlone) {
+TEST(GyroNodeOfASensorWithOneAxis, FollowsTheNoiseOfThatAxis) {
   auto params = screening_params();
   params.model.samples = {};
   params.model.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-5F};

@@ -84,7 +84,7 @@ RateMessage at_step(Node& node, std::int64_t ms) {
   return node.step(noisy_sample(at_ms(ms), kBias + (moves ? 0.2F : 0.0F)));
 }
 
-TEST(GyroNodeRestoredFromItsState, EqualsTheUninterruptedRunBitForBit) {
+TEST(GyroNodeRestoredFromItsState, EqualsTheUninterruptedRun) {
   const auto params = node_params();
   // In the settle time, in a stop, in a hold-back, at a tick's edge, in a drive, in the next stop.
   for (const std::int64_t cut : {500, 10'040, 19'800, 19'990, 20'000, 30'000, 40'500, 60'100}) {
@@ -100,7 +100,7 @@ TEST(GyroNodeRestoredFromItsState, EqualsTheUninterruptedRunBitForBit) {
   }
 }
 
-TEST(GyroNodeRestoredBetweenPulseAndSample, EqualsTheUninterruptedRunBitForBit) {
+TEST(GyroNodeRestoredBetweenPulseAndSample, EqualsTheFullRun) {
   const auto params = node_params();
   Node whole{params};
   stand(whole, 0, 20'000);
@@ -178,7 +178,7 @@ TEST(GyroNodeWithTheLongestHoldBack, NeverOverfillsItsLine) {
 using LeanNode = GyroNode<kNodeShape, NodeCapacity{.runs_moving_average = false,
                                                    .runs_calibration_mean = false}>;
 
-TEST(GyroNodeOfTheKalmanPredictorAlone, PublishesTheSameAndIsSmaller) {
+TEST(GyroNodeOfTheKalmanPredictorAlone, PublishesTheSame) {
   const auto params = node_params();
   Node whole{params};
   LeanNode lean{params};
@@ -215,7 +215,7 @@ TEST(GyroNodeState, IsPossibleWhateverItsPaddingHolds) {
   EXPECT_FALSE(is_possible_state(node, state));
 }
 
-TEST(GyroNodeState, DiffersInWhatTheGateRejectedAndInWhatTheMonitorSays) {
+TEST(GyroNodeState, DiffersInGateAndMonitor) {
   const auto params = node_params();
   Node node{params};
   stand(node, 0, 10'000);

@@ -65,7 +65,7 @@ TEST(GyroNodeAfterAStop, HasTheSensorsBiasAndTakesItOffTheRate) {
   }
 }
 
-TEST(GyroNodeThatKnowsItsLatitude, LeavesTheEarthsRotationOutOfTheBias) {
+TEST(GyroNodeThatKnowsItsLatitude, RemovesTheEarthsRotation) {
   const auto params = node_params();
   auto params_at_60 = params;
   params_at_60.earth = core::earth_rate(60.0F, {});
@@ -130,7 +130,7 @@ TEST(GyroNodeInTheSettleTime, LearnsNothingOfTheRocking) {
   expect_same(rocking.state(), quiet.state());
 }
 
-TEST(GyroNodeBeforeTheFirstPulse, DiscardsTheTurnThatHadAlreadyBegun) {
+TEST(GyroNodeBeforeTheFirstPulse, DiscardsATurnInProgress) {
   const auto params = node_params();
   Node turning{params};
   Node straight{params};
@@ -145,7 +145,7 @@ TEST(GyroNodeBeforeTheFirstPulse, DiscardsTheTurnThatHadAlreadyBegun) {
   expect_same(turning.state(), straight.state());
 }
 
-TEST(GyroNodeBeforeTheFirstPulse, WouldHaveLearntTheTurnWithoutHoldBack) {
+TEST(GyroNodeBeforeTheFirstPulse, NeedsTheHoldBackForIt) {
   auto params = node_params();
   params.standstill.hold_back = Duration{};
   Node turning{params};
@@ -190,7 +190,7 @@ TEST(GyroNodeAtPowerUp, LearnsNothingOfTenWildSamples) {
   expect_same(wild.state(), tame.state());
 }
 
-TEST(GyroNodeAfterAGapOfAnHour, KeepsItsBiasWithAWiderIntervalAndLearnsOn) {
+TEST(GyroNodeAfterAGapOfAnHour, KeepsItsBiasLessCertainly) {
   const auto params = node_params();
   Node node{params};
   const RateMessage before = stand(node, 0, 60'000).back();
@@ -208,7 +208,7 @@ TEST(GyroNodeAfterAGapOfAnHour, KeepsItsBiasWithAWiderIntervalAndLearnsOn) {
   EXPECT_GT(node.measured_ticks(), learnt);
 }
 
-TEST(GyroNodeWithABiasOfTwelveDegreesPerSecond, IsAsExactAsWithASmallOne) {
+TEST(GyroNodeWithABiasOfTwelveDegreesPerSecond, IsExact) {
   const auto params = node_params();
   const float twelve = core::deg_per_s(12.0F).in(core::rad_per_s);
   Node large{params};
@@ -269,7 +269,7 @@ TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
   EXPECT_FALSE(stand(node, 11'200, 13'000).back().health.measurement_rejected);
 }
 
-TEST(GyroNodeWithASaturatedSample, PublishesItFlaggedAndDoesNotLearnFromIt) {
+TEST(GyroNodeWithASaturatedSample, PublishesItWithAFlag) {
   const auto params = node_params();
   Node node{params};
   stand(node, 0, 20'000);
@@ -306,7 +306,7 @@ TEST(GyroNodeBuiltToPublishAPredictor, CorrectsByThatOne) {
   }
 }
 
-TEST(GyroNodeWhoseSensorIsLouderThanItsModel, SaysThatTheModelIsInconsistent) {
+TEST(GyroNodeWhoseSensorIsLouderThanItsModel, FlagsTheModel) {
   auto params = node_params();
   Node honest{params};
   EXPECT_FALSE(stand(honest, 0, 60'000).back().health.model_inconsistent);

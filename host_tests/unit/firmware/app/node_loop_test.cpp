@@ -85,7 +85,7 @@ struct LoopRig {
   Loop loop{node, hardware.driver, odometer, hardware.chip.interrupt(), hardware.clock, published};
 };
 
-TEST(NodeLoopWithHealthyHardware, StartsOnceAndPublishesEverySample) {
+TEST(NodeLoopWithHealthyHardware, PublishesEverySample) {
   LoopRig rig;
   EXPECT_FALSE(rig.loop.is_running());
   rig.start();
@@ -120,7 +120,7 @@ TEST(NodeLoopPolledLate, StampsTheSampleWithItsDataReadyEdge) {
   EXPECT_EQ(rig.published.messages[0].time, edge);
 }
 
-TEST(NodeLoopWhoseChipDoesNotAnswer, TriesAgainAfterPausesThatDoubleUpToASecond) {
+TEST(NodeLoopWhoseChipDoesNotAnswer, DoublesItsPausesToASecond) {
   LoopRig rig;
   rig.break_bus(Fault::kForEver);
   std::vector<std::int64_t> attempts_ms;
@@ -141,7 +141,7 @@ TEST(NodeLoopWhoseChipDoesNotAnswer, TriesAgainAfterPausesThatDoubleUpToASecond)
   EXPECT_EQ(rig.counters().starts, 1U);
 }
 
-TEST(NodeLoopWithoutSamples, SaysSoFourTimesASecondUntilTheyComeAgain) {
+TEST(NodeLoopWithoutSamples, ReportsFourTimesASecond) {
   LoopRig rig;
   rig.start();
   rig.samples(500);
@@ -210,7 +210,7 @@ TEST(NodeLoopAfterASuccessfulRestart, BeginsItsPausesAnew) {
   EXPECT_EQ(rig.counters().starts, 9U);
 }
 
-TEST(NodeLoopWhoseChipWasUpset, FindsTheChangedRegisterAndRestoresIt) {
+TEST(NodeLoopWhoseChipWasUpset, RestoresTheChangedRegister) {
   LoopRig rig;
   rig.start();
   rig.hardware.chip.upset(drivers::lsm6dso::kCtrl2G.address, 0x04);  // 500 deg/s instead of 250
@@ -284,7 +284,7 @@ TEST(NodeLoopWithPulses, HandsThemAllToTheNodeAndCountsThem) {
   EXPECT_FALSE(rig.published.messages.back().health.odometer_fault);
 }
 
-TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulsesAndCountsAsMoving) {
+TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulses) {
   LoopRig rig;
   rig.start();
   rig.samples(500);

@@ -1,4 +1,4 @@
-// The node whose odometer fails: what it says, and that it learns nothing from it.
+// The node whose odometer fails: its messages, and that it learns nothing from it.
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ float error_dps(const Node& node) {
   return (node.bias(Predictor::kalman, 0).in(core::rad_per_s)-kBias) / kDps;
 }
 
-TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
+TEST(GyroNodeWhoseOdometerIsDead, ReportsATurnAndDoesNotLearnIt) {
   const auto params = node_params();
   Node node{params};
   Trip trip{node};
@@ -59,7 +59,7 @@ TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
   EXPECT_LE(trip.agreed_ms(), 61'000);
   EXPECT_TRUE(turning.health.odometer_disagreement);
   EXPECT_EQ(turning.motion, core::Motion::settling);
-  EXPECT_LE(node.measured_ticks(), learnt + 5);  // what was held back when it began
+  EXPECT_LE(node.measured_ticks(), learnt + 5);  // ticks that were held back when the turn began
   EXPECT_LT(std::abs(error_dps(node)), 0.005F);
   const RateMessage after = trip.stand(10'000);
   EXPECT_FALSE(after.health.odometer_disagreement);
@@ -68,7 +68,7 @@ TEST(GyroNodeWhoseOdometerIsDead, SaysSoInATurnAndLearnsNothingOfIt) {
 }
 
 // Nobody can tell a constant turn from a bias; but no bias of this chip is so large.
-TEST(GyroNodeSwitchedOnInATurnBeyondItsZeroRateLevel, IsNeverHealthy) {
+TEST(GyroNodeStartedInAFastTurn, IsNeverHealthy) {
   auto params = node_params();
   params.model.largest_bias_rad_s = 5.0F * kDps;
   for (const float turn_dps : {-8.0F, 5.5F, 20.0F}) {
@@ -96,7 +96,7 @@ TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
   EXPECT_LT(std::abs(error_dps(node)), 0.005F);
 }
 
-TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, BelievesItAfterFiveSeconds) {
+TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, AcceptsItIn5Seconds) {
   const auto params = node_params();
   Node node{params};
   Trip trip{node};
@@ -123,7 +123,7 @@ TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
 // Stamps that lie ahead are believed: what they cost is bounded by the stamp, and told.
 constexpr std::int64_t kAhead_ms = 600'000;
 
-TEST(GyroNodeWithAPulseStampedAhead, SaysSoAndLearnsAgainWhenItsTimeHasCome) {
+TEST(GyroNodeWithAPulseStampedAhead, ReportsItAndRecovers) {
   const auto params = node_params();
   Node node{params};
   Trip trip{node};
@@ -135,14 +135,14 @@ TEST(GyroNodeWithAPulseStampedAhead, SaysSoAndLearnsAgainWhenItsTimeHasCome) {
   EXPECT_TRUE(waiting.health.odometer_disagreement);
   EXPECT_EQ(waiting.motion, core::Motion::moving);
   trip.stand(kAhead_ms - 130'000);
-  EXPECT_LE(node.measured_ticks(), learnt + 20);  // what was held back when it came
+  EXPECT_LE(node.measured_ticks(), learnt + 20);  // ticks that were held back when it came
   const RateMessage after = trip.stand(30'000);
   EXPECT_FALSE(after.health.odometer_disagreement);
   EXPECT_EQ(after.motion, core::Motion::still);
   EXPECT_GE(node.measured_ticks(), (20'000 + kAhead_ms + 25'000) / 100);
 }
 
-TEST(GyroNodeWithASampleStampedAhead, RefusesTheOthersUntilItsTimeHasCome) {
+TEST(GyroNodeWithASampleStampedAhead, RefusesUntilItsTime) {
   const auto params = node_params();
   Node node{params};
   Trip trip{node};

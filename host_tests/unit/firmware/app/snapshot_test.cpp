@@ -79,7 +79,7 @@ TEST(SnapshotOfAState, ContinuesBitForBitInTheSameSession) {
   }
 }
 
-TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
+TEST(SnapshotAfterAPause, HasTheVarianceOfPauseAndTurnOn) {
   Learnt learnt;
   constexpr std::int64_t kPause_s = 600;
   for (const bool is_state : {false, true}) {
@@ -106,7 +106,7 @@ TEST(SnapshotAfterAPause, HasTheVarianceOfTheLongerLeadAndOfTheTurnOn) {
   }
 }
 
-TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStopAndCountsAsCalibratedBefore) {
+TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStop) {
   Learnt learnt;
   Node again{learnt.params};
   ASSERT_TRUE(
@@ -125,7 +125,7 @@ TEST(SnapshotAfterAPause, IsCorrectedByTheFirstStopAndCountsAsCalibratedBefore) 
 }
 
 // 2^32 ticks of 5 ms are 249 days; what is aged stops at 2^30, and never becomes young again.
-TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByAsManyAsAreCounted) {
+TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByThem) {
   Node::Params params = params_with_turn_on();
   params.model.modes =
       core::compose(core::Duration::milliseconds(5), core::Start::stationary,
@@ -241,7 +241,7 @@ bool publishes_numbers_if_taken_up(const Node::Params& params, const Record& rec
   return true;
 }
 
-TEST(SnapshotOfImpossibleContent, IsRefusedThoughItsChecksumIsRight) {
+TEST(SnapshotOfImpossibleContent, IsRefusedWithARightChecksum) {
   Learnt learnt;
   std::mt19937 random(5);
   const auto state = learnt.snapshot.of_state(learnt.node.state(), kSaved);
@@ -287,7 +287,7 @@ TEST(SnapshotThatDoesNotFit, IsRefusedWithTheReason) {
             SnapshotRefusal::nothing_learnt);
 }
 
-TEST(SnapshotOfAModelThatDoesNotTellTheTurnOn, IsRefusedInAnotherSessionOnly) {
+TEST(SnapshotOfAModelWithoutTurnOn, IsRefusedInAnotherSession) {
   const Node::Params params = testing::node_params();
   Learnt learnt{params};
   const auto record = learnt.snapshot.of_state(learnt.node.state(), kSaved);
@@ -362,7 +362,7 @@ TEST(SnapshotOfAnotherModel, IsRefusedWhereItsBiasesAreNoNumbers) {
   }
 }
 
-TEST(SnapshotOfAModelWithAnotherGate, IsTakenUpForItsNumbersMeanTheSame) {
+TEST(SnapshotOfAModelWithAnotherGate, IsTakenUp) {
   Learnt learnt;
   Node::Params stricter = params_with_turn_on();
   stricter.model.gate = {.threshold_sigma = 4.0F, .longest_knock_ticks = 3};
@@ -372,7 +372,7 @@ TEST(SnapshotOfAModelWithAnotherGate, IsTakenUpForItsNumbersMeanTheSame) {
             Resumption::aged);
 }
 
-TEST(SnapshotOfASingleMeasurement, IsRefusedSinceNothingHasBorneItOut) {
+TEST(SnapshotOfASingleMeasurement, IsRefusedAsUnconfirmed) {
   const Node::Params params = params_with_turn_on();
   Node node{params};
   for (std::int64_t ms = 0; ms < 2'300; ms += 10) {
@@ -383,7 +383,7 @@ TEST(SnapshotOfASingleMeasurement, IsRefusedSinceNothingHasBorneItOut) {
   EXPECT_EQ(refusal_of(record, after(10)), SnapshotRefusal::nothing_learnt);
 }
 
-TEST(SnapshotOfANodeThatWaitedLonger, IsTakenUpForItsNumbersMeanTheSame) {
+TEST(SnapshotOfANodeThatWaitedLonger, IsTakenUp) {
   Learnt learnt;
   Node::Params patient = params_with_turn_on();
   patient.standstill.settle = core::Duration::seconds(3);

@@ -26,7 +26,7 @@ struct Moment {
   bool stands;
 };
 
-/// White noise as strong as the model says, drawn anew for each sample and axis.
+/// White noise of the model's strength, drawn anew for each sample and axis.
 inline Moment moment(std::int64_t k, std::uint64_t seed = 1) {
   Moment now{.measured = {.time_ns = k * kPeriod_ns},
              .stands = k % (kStopSamples + kDriveSamples) < kStopSamples};

@@ -46,7 +46,7 @@ TEST(HeadingIntegrator, KeepsItsHeadingWithinItsSigma) {
   EXPECT_GT(std::abs(uncorrected_rad - kTrueHeading_rad), 1.0);
 }
 
-/// Sums: what the filter knew of its heading error, and what it was.
+/// Sums: the filter's variance of the heading error, and the error itself.
 TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   zerorate_node node;
   ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
@@ -67,7 +67,8 @@ TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   EXPECT_LT(sigma_rad, 0.02);
 }
 
-// By hand: both variances 1, the measurement's 1, so that half of the residual is taken.
+// Calculation by hand: both variances 1, the measurement's 1, so that half of the residual is
+// taken.
 TEST(ErrorStateFilterWithACompass, TakesItsShare) {
   examples::ErrorStateFilter filter{{}, 0.5F, 1.0F};
   filter.measure_heading(1.0F, 1.0F);

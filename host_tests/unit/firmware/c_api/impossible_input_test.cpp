@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-TEST(CInterfaceWithAModelThatCannotBe, RefusesItAndStaysUninitialised) {
+TEST(CInterfaceWithAModelThatCannotBe, StaysUninitialised) {
   const std::vector<std::pair<zerorate_result, std::function<void(zerorate_model&)>>> defects = {
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 0.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = kNan; }},

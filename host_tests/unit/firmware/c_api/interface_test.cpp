@@ -308,7 +308,7 @@ TEST(CInterfaceRestored, GoesOnWithTheBiasAndAWiderInterval) {
   EXPECT_GT(after.sigma_rad_s[0], before.sigma_rad_s[0]);
 }
 
-TEST(CInterfaceOfferedAWrongRecord, SaysWhatIsWrongAndStartsFromNothing) {
+TEST(CInterfaceOfferedAWrongRecord, ReportsItAndStartsAnew) {
   zerorate_node node;
   stand(node);
   const Record good = save(node);

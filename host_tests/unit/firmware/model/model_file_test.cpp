@@ -221,7 +221,7 @@ TEST(ModelOnDisk, ComesBackBitForBit) {
   EXPECT_THROW((void)read_model(file), std::system_error);
 }
 
-TEST(ModelFileWithAnUnknownName, SuggestsTheNearestAndTellsThePlace) {
+TEST(ModelFileWithAnUnknownName, SuggestsTheNearestWithPlace) {
   EXPECT_EQ(message_of(with("bias_instability_dph", "bias_instabilty_dph")),
             "m.toml:9:1: unknown key \"bias_instabilty_dph\" in [flicker]; did you mean "
             "\"bias_instability_dph\"?");
@@ -233,7 +233,7 @@ TEST(ModelFileWithAnUnknownName, SuggestsTheNearestAndTellsThePlace) {
             "m.toml:2:1: unknown key \"pressure\"");
 }
 
-TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
+TEST(ModelFileWithAMissingKey, NamesWhatIsMissingAndExpected) {
   EXPECT_EQ(message_of(with("sigma_dps = 0.01\n", "")),
             "m.toml:18:1: missing \"sigma_dps\" in [gauss_markov]; expected a positive number");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\n"),
@@ -241,7 +241,7 @@ TEST(ModelFileWithAMissingKey, TellsWhatIsMissingAndWhatWasExpected) {
   EXPECT_THAT(message_of(""), testing::HasSubstr("missing \"schema\""));
 }
 
-TEST(ModelFileWithASingleTableWhereSeveralMayBe, IsTheSameAsAnArrayOfOne) {
+TEST(ModelFileWithASingleTableWhereSeveralMayBe, EqualsAnArray) {
   EXPECT_EQ(parse_model(with("[[harmonic]]", "[harmonic]"), "m.toml"),
             parse_model(kFullFile, "m.toml"));
 }
@@ -275,7 +275,7 @@ TEST(ModelFileThatTheParserDidNotExpect, IsRefusedWithItsLine) {
               ::testing::StartsWith("m.toml:2:1: "));
 }
 
-TEST(ModelFileThatIsTooLong, IsRefusedBeforeItsNamesExhaustTheStack) {
+TEST(ModelFileThatIsTooLong, IsRefusedBeforeItIsParsed) {
   std::string deep = "[a";
   for (int i = 0; i < 200'000; ++i) deep += ".a";
   EXPECT_EQ(message_of(deep + "]"),

@@ -54,7 +54,7 @@ double physical_spectrum(const SensorModel& model, double nu_hz) {
   return s;
 }
 
-/// The spectrum of what the node's filter believes in, from its coefficients.
+/// Spectrum of the bias in the model of the node's filter, from its coefficients.
 template <core::ModelShape Shape>
 double believed_spectrum(const NodeModel<Shape>& node, double nu_hz) {
   using Complex = std::complex<double>;
@@ -112,7 +112,7 @@ TEST(NodeModelOfEachNoise, HasThePhysicalSpectrum) {
   expect_same_spectrum(line, 1e-3, 0.002);
 }
 
-TEST(NodeModelOfAQuantizer, AveragesWhatTheNoiseMovesFromStepToStep) {
+TEST(NodeModelOfAQuantizer, AveragesTheErrorOverTheSteps) {
   constexpr double kStep = 1e-2;
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> rate(0.0, 1.0);

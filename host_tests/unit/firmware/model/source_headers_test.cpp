@@ -85,21 +85,22 @@ SensorModel known_model(std::string_view name) {
 }
 
 TEST(HeaderOfThePico, IsWhatTheCatalogueExportsToday) {
-  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model.hpp");
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/lsm6dso.hpp");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(text, format_cpp_header(known_model("lsm6dso"), kLsm6dsoPeriod, kTick))
-      << "run: zerorate export lsm6dso --cpp --hypotheses 1 -o firmware/boards/pico/model.hpp";
+      << "run: zerorate export lsm6dso --cpp --hypotheses 1 --sample-rate 104.171875 -o "
+         "firmware/boards/models/lsm6dso.hpp";
 }
 
 TEST(HeaderOfThePicoThatLearns, IsWhatTheCatalogueExportsToday) {
-  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_learning.hpp");
+  std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/lsm6dso_learning.hpp");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_TRUE(text == format_cpp_header(find_model("lsm6dso"), kLsm6dsoPeriod, kTick))
-      << "run: zerorate export lsm6dso --cpp --hypotheses 12 -o "
-         "firmware/boards/pico/model_learning.hpp";
+      << "run: zerorate export lsm6dso --cpp --hypotheses 12 --sample-rate 104.171875 -o "
+         "firmware/boards/models/lsm6dso_learning.hpp";
 }
 
-TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
+TEST(HeadersOfTheOtherGyrosOfThePico, EqualTodaysExport) {
   struct Exported {
     std::string chip;
     core::Duration sample_period;
@@ -108,7 +109,7 @@ TEST(HeadersOfTheOtherGyrosOfThePico, AreWhatTheCatalogueExportsToday) {
        {Exported{"icm42688", core::Duration::milliseconds(10)},
         Exported{"bmi088", core::Duration::milliseconds(10)},
         Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
-    std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/pico/model_" + chip + ".hpp");
+    std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/" + chip + ".hpp");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     EXPECT_EQ(text, format_cpp_header(known_model(chip), sample_period, kTick)) << chip;
   }

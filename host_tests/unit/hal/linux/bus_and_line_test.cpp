@@ -57,7 +57,7 @@ TEST(SpidevDevice, SetsModeWidthAndSpeedWhenItOpensItsNode) {
   EXPECT_EQ(rig.kernel.opens, 1);
 }
 
-TEST(SpidevDevice, DoesATransactionInOneMessageWithChipSelectHeldBetweenItsParts) {
+TEST(SpidevDevice, HoldsChipSelectOverATransaction) {
   SpiRig rig;
   ASSERT_TRUE(rig.transact());
   EXPECT_EQ(rig.kernel.transfers, 1);
@@ -79,7 +79,7 @@ TEST(I2cDevBus, DoesATransactionInOneMessageList) {
   EXPECT_EQ(rig.kernel.last_i2c[1].len, 6);
 }
 
-TEST(I2cDevBusWhoseAdapterStopsShort, ReportsThatTheDeviceDidNotAcknowledge) {
+TEST(I2cDevBusWhoseAdapterStopsShort, ReportsANack) {
   for (const int messages : {0, 1}) {
     I2cRig rig;
     rig.kernel.next_answer = messages;
@@ -240,7 +240,7 @@ TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
   const std::string list =
       "iio:device0 \"lsm6dso_gyro\", iio:device12 \"lsm6dso_gyro\" labelled \"roof\")";
   EXPECT_EQ(kernel_error_of([&] { return node("lsm6dso_gyro"); }),
-            sys + ": several gyros are called \"lsm6dso_gyro\" (tell its number or label: " + list);
+            sys + ": several gyros are called \"lsm6dso_gyro\" (give its number or label: " + list);
   EXPECT_EQ(kernel_error_of([&] { return node("3"); }),
             sys + ": no gyro is called \"3\" (there are " + list);
   EXPECT_TRUE(contains(kernel_error_of([] {

@@ -30,9 +30,9 @@ struct KernelState {
   std::function<void(std::span<const Operation>)> spi_device;
   std::function<bool(I2cAddress, std::span<const Operation>)> i2c_device;  ///< false: NACK
 
-  std::optional<int> next_error;   ///< of the next ioctl that transfers
-  std::optional<int> next_answer;  ///< the same, as a success of this value
-  std::optional<int> open_error;   ///< of every open, while set
+  std::optional<int> next_error;   ///< error of the next ioctl that transfers
+  std::optional<int> next_answer;  ///< value that the next such ioctl returns as a success
+  std::optional<int> open_error;   ///< error of every open, while set
 
   std::string opened_path;
   int opens = 0;

@@ -49,7 +49,7 @@ TEST_F(SimulatedAdxrs453Test, EveryReplyHasBothParities) {
   }
 }
 
-TEST_F(SimulatedAdxrs453Test, HasNoValidDataInTheFirst100Milliseconds) {
+TEST_F(SimulatedAdxrs453Test, HasNoValidDataInTheFirst100ms) {
   wait_ms(99);
   EXPECT_EQ(status_of(ask(kSensorData)), 0U);
   EXPECT_EQ(ask(0x80180000) & 0xEFFF0000U, 0x0E010000U) << "data unavailable";
@@ -109,7 +109,7 @@ TEST_F(SimulatedAdxrs453Test, RefusesBadParityAndWrites) {
   EXPECT_EQ(chip_.reserved_writes(), 2U);
 }
 
-TEST_F(SimulatedAdxrs453Test, GivesTemperatureInFifthsOfADegreeAbout45) {
+TEST_F(SimulatedAdxrs453Test, GivesFifthsOfADegreeAbout45) {
   wait_ms(1000);
   chip_.measure({}, core::Temperature::from_degc(25.0F));
   EXPECT_EQ((ask(0x80040001) >> 5U) & 0xFFFFU, static_cast<std::uint16_t>(-100 * 64));

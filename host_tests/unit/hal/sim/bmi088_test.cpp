@@ -63,7 +63,7 @@ TEST_F(SimulatedBmi088Test, DataReadyFallsByItself) {
   EXPECT_EQ(chip_.read_register(0x0A), 0x00);
 }
 
-TEST_F(SimulatedBmi088Test, FifoStopsWhenFullAndSaysOverrunUntilItIsCleared) {
+TEST_F(SimulatedBmi088Test, FifoStopsWhenFullWithAnOverrun) {
   chip_.write_register(0x3E, 0x40);
   for (int i = 0; i < 100; ++i) measure_x(i == 0 ? 1000.0F : 0.0F);
   EXPECT_EQ(chip_.read_register(0x0E), 0x64);
@@ -84,7 +84,7 @@ TEST_F(SimulatedBmi088Test, StreamKeepsTheLatest) {
   EXPECT_EQ(chip_.read_register(0x3F), 0x40);
 }
 
-TEST_F(SimulatedBmi088Test, SoftwareResetNeedsItsCommandAndTakes30Milliseconds) {
+TEST_F(SimulatedBmi088Test, SoftwareResetTakes30ms) {
   chip_.write_register(0x0F, 0x03);
   chip_.write_register(0x14, 0x01);
   EXPECT_EQ(chip_.read_register(0x0F), 0x03);

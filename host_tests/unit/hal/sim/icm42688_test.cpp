@@ -80,7 +80,7 @@ TEST_F(SimulatedIcm42688Test, DataReadyFallsWhenTheStatusIsRead) {
   EXPECT_EQ(chip_.read_register(0x2D), 0x00);
 }
 
-TEST_F(SimulatedIcm42688Test, FifoPacketsCarryGyroAndACoarseTemperature) {
+TEST_F(SimulatedIcm42688Test, FifoPacketsHaveACoarseTemperature) {
   enable_fifo();
   power_up();
   chip_.measure({deg_per_s(10.0F), deg_per_s(-10.0F), {}}, core::Temperature::from_degc(35.0F));
@@ -115,7 +115,7 @@ TEST_F(SimulatedIcm42688Test, ALevelReadsAsZeroOnceAfterAFlush) {
   EXPECT_EQ(read_word(0x2E), 8);
 }
 
-TEST_F(SimulatedIcm42688Test, APacketReadInPartGoesOnOrComesAgainAsConfigured) {
+TEST_F(SimulatedIcm42688Test, PartOfAPacketGoesOnOrComesAgain) {
   for (const bool goes_on : {false, true}) {
     enable_fifo();
     power_up();
@@ -157,7 +157,7 @@ TEST_F(SimulatedIcm42688Test, SoftwareResetTakesAMillisecond) {
   EXPECT_EQ(chip_.read_register(0x4F), 0x68);
 }
 
-TEST_F(SimulatedIcm42688Test, CountsWritesToAddressesThatAreNotListed) {
+TEST_F(SimulatedIcm42688Test, CountsWritesToUnlistedAddresses) {
   chip_.write_register(0x75, 0x00);
   chip_.write_register(0x25, 0x00);
   EXPECT_EQ(chip_.reserved_writes(), 0U);

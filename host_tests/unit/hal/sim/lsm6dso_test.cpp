@@ -51,7 +51,7 @@ TEST_F(SimulatedLsm6dsoTest, HasTheResetValuesOfTheDatasheet) {
   }
 }
 
-TEST_F(SimulatedLsm6dsoTest, HasRelativesThatGoTo4000DegreesPerSecond) {
+TEST_F(SimulatedLsm6dsoTest, HasRelativesWith4000dps) {
   SimulatedIsm330dhcx industrial{clock_};
   SimulatedAsm330lhh automotive{clock_};
   EXPECT_EQ(industrial.read_register(0x0F), 0x6B);
@@ -67,7 +67,7 @@ TEST_F(SimulatedLsm6dsoTest, HasRelativesThatGoTo4000DegreesPerSecond) {
   }
 }
 
-TEST_F(SimulatedLsm6dsoTest, IgnoresWritesToReadOnlyRegistersAndCountsReservedOnes) {
+TEST_F(SimulatedLsm6dsoTest, IgnoresReadOnlyAndCountsReserved) {
   chip_.write_register(0x0F, 0x00);
   chip_.write_register(0x22, 0x55);
   EXPECT_EQ(chip_.read_register(0x0F), 0x6C);
@@ -77,7 +77,7 @@ TEST_F(SimulatedLsm6dsoTest, IgnoresWritesToReadOnlyRegistersAndCountsReservedOn
   EXPECT_EQ(chip_.reserved_writes(), 1U);
 }
 
-TEST_F(SimulatedLsm6dsoTest, SoftwareResetTakesTimeAndRestoresTheRegisters) {
+TEST_F(SimulatedLsm6dsoTest, SoftwareResetRestoresTheRegisters) {
   power_up();
   chip_.write_register(0x12, 0x05);
   EXPECT_EQ(chip_.read_register(0x12), 0x05);
@@ -130,7 +130,7 @@ TEST_F(SimulatedLsm6dsoTest, HasFiveRanges) {
   }
 }
 
-TEST_F(SimulatedLsm6dsoTest, GivesTemperatureIn256thsOfADegreeAbout25) {
+TEST_F(SimulatedLsm6dsoTest, Gives256thsOfADegreeAbout25) {
   power_up();
   chip_.measure({}, core::Temperature::from_degc(26.0F));
   EXPECT_EQ(read_word(0x20), 256);
@@ -150,7 +150,7 @@ TEST_F(SimulatedLsm6dsoTest, DataReadyFallsWhenAHighByteIsRead) {
   EXPECT_EQ(chip_.read_register(0x1E), 0x00);
 }
 
-TEST_F(SimulatedLsm6dsoTest, BlockDataUpdateHoldsAPairBetweenItsBytes) {
+TEST_F(SimulatedLsm6dsoTest, BlockDataUpdateHoldsAPairOfBytes) {
   power_up();
   constexpr float kLow = 8.75e-3F * 0x00FF;
   constexpr float kHigh = 8.75e-3F * 0x0100;
@@ -175,7 +175,7 @@ TEST_F(SimulatedLsm6dsoTest, TheFirst70MillisecondsAreOff) {
   EXPECT_EQ(read_word(0x22), 0);
 }
 
-TEST_F(SimulatedLsm6dsoTest, FifoWordsCarrySensorTimeSlotAndEvenParity) {
+TEST_F(SimulatedLsm6dsoTest, FifoWordsHaveSensorSlotAndParity) {
   chip_.write_register(0x09, 0x40);
   chip_.write_register(0x0A, 0x06);
   power_up();
@@ -191,7 +191,7 @@ TEST_F(SimulatedLsm6dsoTest, FifoWordsCarrySensorTimeSlotAndEvenParity) {
 }
 
 // The kernel's driver stamps its samples by these words, which come before those of their slot.
-TEST_F(SimulatedLsm6dsoTest, BatchesTimeStampsOf25MicrosecondsOfItsOwnClock) {
+TEST_F(SimulatedLsm6dsoTest, BatchesTimeStampsOf25us) {
   chip_.write_register(0x09, 0x40);
   chip_.write_register(0x0A, 0x46);  // DEC_TS_BATCH: each slot
   power_up();
@@ -214,7 +214,7 @@ TEST_F(SimulatedLsm6dsoTest, BatchesTimeStampsOf25MicrosecondsOfItsOwnClock) {
   EXPECT_EQ(pop_word()[0], 0b00001'01'0) << "the gyro's word of the same slot";
 }
 
-TEST_F(SimulatedLsm6dsoTest, MarksWhatItBatchesWhileItSettlesWhereThatIsAskedFor) {
+TEST_F(SimulatedLsm6dsoTest, MarksSettlingSamplesIfAsked) {
   for (const bool is_masked : {false, true}) {
     chip_.write_register(0x12, 0x05);
     clock_.advance(core::Duration::milliseconds(1));
@@ -249,7 +249,7 @@ TEST_F(SimulatedLsm6dsoTest, KeepsTheBanksOfHubAndFunctionsApart) {
   EXPECT_EQ(chip_.read_register(0x0F), 0x6C);
 }
 
-TEST_F(SimulatedLsm6dsoTest, ContinuousFifoDropsTheOldestAndLatchesTheOverrun) {
+TEST_F(SimulatedLsm6dsoTest, ContinuousFifoDropsTheOldest) {
   chip_.write_register(0x09, 0x40);
   chip_.write_register(0x0A, 0x06);
   power_up();
@@ -275,7 +275,7 @@ TEST_F(SimulatedLsm6dsoTest, FifoModeStopsWhenFull) {
   EXPECT_EQ(fifo_level(), 0U) << "bypass empties";
 }
 
-TEST_F(SimulatedLsm6dsoTest, BurstsRunThroughTheFifoWordAndStandStillWithoutIncrement) {
+TEST_F(SimulatedLsm6dsoTest, BurstsFollowTheIncrement) {
   EXPECT_EQ(chip_.next_address(0x22), 0x23);
   EXPECT_EQ(chip_.next_address(0x7E), 0x78);
   chip_.write_register(0x12, 0x00);

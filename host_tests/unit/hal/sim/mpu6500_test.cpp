@@ -44,7 +44,7 @@ TEST_F(SimulatedMpu6500Test, RunsFromPowerOnAndTheMpu6050Sleeps) {
   EXPECT_EQ(older.read_register(0x00) & 0x01, 0x01) << "OTP_BNK_VLD";
 }
 
-TEST_F(SimulatedMpu6500Test, MagnetometerOfTheMpu9250AnswersThroughTheFirstSlave) {
+TEST_F(SimulatedMpu6500Test, MagnetometerAnswersByTheSlave) {
   SimulatedMpu9250 chip(clock_);
   EXPECT_EQ(chip.read_register(0x75), 0x71);
   const auto ask = [&](std::uint8_t address, std::uint8_t from, std::uint8_t control) {
@@ -120,7 +120,7 @@ TEST_F(SimulatedMpu6500Test, DataReadyFallsWhenTheStatusIsRead) {
   EXPECT_EQ(chip_.read_register(0x3A), 0x00);
 }
 
-TEST_F(SimulatedMpu6500Test, PulsesItsPinOrHoldsItUntilTheStatusIsRead) {
+TEST_F(SimulatedMpu6500Test, PulsesItsPinOrHoldsItUntilRead) {
   measure_x(1.0F);
   EXPECT_FALSE(chip_.interrupt().take_edge()) << "not enabled";
   chip_.write_register(0x38, 0x01);
@@ -150,7 +150,7 @@ TEST_F(SimulatedMpu6500Test, FifoHoldsBytesInTheOrderOfTheRegisters) {
   EXPECT_EQ(chip_.read_register(0x74), 0x00) << "the last byte again";
 }
 
-TEST_F(SimulatedMpu6500Test, AFullFifoLosesItsOldestBytesAndIsShifted) {
+TEST_F(SimulatedMpu6500Test, FullFifoLosesBytesAndIsShifted) {
   enable_fifo();
   for (int i = 0; i < 85; ++i) measure_x(10.0F);
   EXPECT_EQ(read_word(0x72), 510);

@@ -104,7 +104,7 @@ class FaultInjectorTest : public ::testing::Test {
   std::array<std::uint8_t, 2> answer_{};
 };
 
-TEST_F(FaultInjectorTest, RefusesTheChosenCallsOnlyAndBeforeTheyTakeEffect) {
+TEST_F(FaultInjectorTest, RefusesChosenCallsBeforeTheirEffect) {
   injector_.inject({.first = 1, .calls = 2, .error = BusError::timeout});
   EXPECT_TRUE(read());
   EXPECT_EQ(read().error(), BusError::timeout);

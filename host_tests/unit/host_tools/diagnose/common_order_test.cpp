@@ -100,7 +100,7 @@ TEST(DiagnosisOfThreeAxes, LeavesAnEffectOfOneAxisToThatAxis) {
   EXPECT_THAT(diagnoses[2].causes, IsEmpty());
 }
 
-TEST(DiagnosisOfThreeAxes, IsThatOfEachByItselfWhereTheyHaveNothingInCommon) {
+TEST(DiagnosisOfThreeAxes, IsThatOfEachWithoutACommonCause) {
   std::vector<Record> axes{axis_of(of_order(0.5), 31), axis_of(of_order(0.9), 32),
                            axis_of(of_order(0.5), 33)};
   std::vector<Diagnosis> alone;

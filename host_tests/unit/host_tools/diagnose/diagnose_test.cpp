@@ -44,7 +44,7 @@ Record simulated(std::vector<simulate::Effect> more, std::uint64_t run) {
   return record_of(zerorate::testing::rest_samples_of(signal), 0);
 }
 
-TEST(DiagnosisOfWhiteAndFlickerNoise, IsConsistentAndFindsTheBaseModel) {
+TEST(DiagnosisOfWhiteAndFlickerNoise, IsConsistent) {
   const Diagnosis diagnosis = diagnose(simulated({}, 1));
 
   EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
@@ -80,7 +80,7 @@ TEST(DiagnosisOfAJump, NamesItWithHeightAndTimeInTheirIntervals) {
   EXPECT_GE(cause.parameters[1].hi, 700.0);
 }
 
-TEST(DiagnosisOfTheMeansOfARecord, NamesItsSlowCausesAndNotTheFastOne) {
+TEST(DiagnosisOfTheMeansOfARecord, NamesItsSlowCausesOnly) {
   constexpr std::size_t kManySamples = 100'000;
   constexpr std::size_t kSamplesAMean = 10;
   const std::vector<simulate::Effect> effects{
@@ -133,7 +133,7 @@ TEST(ModelOfADiagnosis, TakesAnExtensionThatPaysOnDataHeldOut) {
   EXPECT_LT(diagnosis.gain.heading_drift_ratio.value, 1.0);
 }
 
-TEST(ModelOfADiagnosis, LeavesOutAnExtensionThatDoesNotPayAndSaysWhy) {
+TEST(ModelOfADiagnosis, LeavesOutAnExtensionWithAReason) {
   // The jump lies in the part held out: a walk that stands for it helps no drive before it.
   const Record record = simulated({simulate::BiasJump{0.05 * kRadPerDeg, 1995.0},
                                    simulate::PeriodicDisturbance{0.01 * kRadPerDeg, 4.4}},
@@ -209,7 +209,7 @@ model::SensorModel true_model() {
           .flicker = model::Flicker{.bias_instability_rad_s = 25.0 / 3600.0 * kRadPerDeg}};
 }
 
-TEST(DiagnosisAgainstAGivenModel, IsConsistentWithTheModelThatMadeTheRecord) {
+TEST(DiagnosisAgainstAGivenModel, AcceptsTheTrueModel) {
   const Diagnosis diagnosis = diagnose(simulated({}, 1), {.base_model = true_model()});
 
   EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
@@ -217,7 +217,7 @@ TEST(DiagnosisAgainstAGivenModel, IsConsistentWithTheModelThatMadeTheRecord) {
   EXPECT_EQ(diagnosis.extended_model, true_model());
 }
 
-TEST(DiagnosisAgainstAGivenModel, FindsTheRecordOutsideWhatAModelOfOtherStrengthSimulates) {
+TEST(DiagnosisAgainstAGivenModel, RefusesAnotherStrength) {
   model::SensorModel other = true_model();
   other.white.angle_random_walk_rad_per_sqrt_s *= 1.2;
   const Diagnosis diagnosis = diagnose(simulated({}, 1), {.base_model = other});
@@ -247,7 +247,7 @@ TEST(DiagnosisAgainstAGivenModel, NamesOnlyWhatTheModelLacks) {
   EXPECT_TRUE(complete.causes.empty());
 }
 
-TEST(DiagnosisAgainstAGivenModel, FitsTheSizeOfWhatTheNodeLearnsAtEachStart) {
+TEST(DiagnosisAgainstAGivenModel, FitsTheTurnOn) {
   const Record record = simulated(
       {simulate::RateRamp{5e-5 * kRadPerDeg}, simulate::WarmUpTransient{0.1 * kRadPerDeg, 90.0}},
       7);
@@ -270,7 +270,8 @@ TEST(DiagnosisOfARecord, IsTheSameTwice) {
 
 TEST(DiagnosisWithoutATemperature, SaysThatItsDriftWasNotExamined) {
   const Diagnosis diagnosis = diagnose(simulated({}, 1), {.holdout = 0.0});
-  const auto drift = std::ranges::find(diagnosis.evidence, "temperature_drift", &Evidence::effect);
+  const auto drift =
+      std::ranges::find(diagnosis.evidence, "temperature_drift", &SelectionEvidence::effect);
   ASSERT_NE(drift, diagnosis.evidence.end());
   EXPECT_EQ(drift->not_examined, "no temperature");
   EXPECT_FALSE(drift->selected);
@@ -295,7 +296,7 @@ TEST(RemainderOfNothing, IsNotMaterial) {
 }
 
 TEST(RemainderThatSwingsFromStopToDrive, IsMaterial) {
-  // Over 60 s 3 deg, where the white noise sums up to 0.3 deg.
+  // The heading changes by 3 deg over 60 s, where the white noise sums up to 0.3 deg.
   Record record = simulated({}, 11);
   for (std::size_t k = 0; k < record.size(); ++k) {
     record.rate_rad_s[k] += k % 1300 < 650 ? 0.05 * kRadPerDeg : 0.0;
@@ -360,7 +361,7 @@ TEST(DiagnosisOfTooLittle, IsRefused) {
   EXPECT_THROW(static_cast<void>(diagnose(constant)), recording::DataError);
 }
 
-TEST(DiagnosisOfSeveralAxes, LeavesOutTheOneThatTellsNothingIfAsked) {
+TEST(DiagnosisOfSeveralAxes, LeavesOutAnEmptyOneIfAsked) {
   const Record record = simulated({}, 6);
   Record constant = record;
   constant.axis = "y";

@@ -99,6 +99,22 @@ TEST(DiagnosisInWords, GivesTheDensityItsUnit) {
                                              "deg/s/sqrt(Hz), 2.1 times the most"));
 }
 
+TEST(PlainParameter, HasItsUnitBehindAComma) {
+  EXPECT_EQ(plain_parameter("coefficient_dps_per_sqrt_s"), "coefficient, deg/s/sqrt(s)");
+  EXPECT_EQ(plain_parameter("quadratic_dps_per_k2"), "quadratic, deg/s/K^2");
+  EXPECT_EQ(plain_parameter("time_constant_s"), "time constant, s");
+  EXPECT_EQ(plain_parameter("cut_off_hz"), "cut off, Hz");
+  EXPECT_EQ(plain_parameter("order"), "order");
+  EXPECT_EQ(plain_parameter("jumps"), "jumps");
+}
+
+TEST(HeadingDriftInWords, NamesAnUnchangedFigureOnce) {
+  Diagnosis diagnosis = explained_by_a_walk();
+  EXPECT_EQ(drift_in_words(diagnosis), "6.9 to 5.2 deg in 300 s");
+  diagnosis.gain.heading_drift_base_deg.value = 5.2004;
+  EXPECT_EQ(drift_in_words(diagnosis), "5.2 deg in 300 s with both");
+}
+
 TEST(DiagnosisInWords, SaysThatNothingChanges) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.gain.heading_drift_ratio = {.value = 0.995, .lo = 0.97, .hi = 1.02};
@@ -149,7 +165,7 @@ TEST(DiagnosisInWords, SaysFirstWhetherTheRemainderMatters) {
   Diagnosis diagnosis = explained_by_a_walk();
   diagnosis.verdict = Verdict::unexplained;
   EXPECT_EQ(verdict_in_words(diagnosis),
-            "unexplained, and the recording does not tell whether it matters");
+            "unexplained, and the recording does not show whether it matters");
   EXPECT_FALSE(diagnosis.is_material().has_value());
   diagnosis.materiality = Materiality{
       .by_drive = {
@@ -199,7 +215,7 @@ TEST(DiagnosisReport, HoldsVerdictEvidenceGainAndModel) {
   const std::string html =
       make_report(axes, {.title = "t", .recording = "rest.csv", .provenance = "p"}).html();
   for (const char* expected :
-       {"Axis z: explained", "coefficient_dps_per_sqrt_s", "not examined: no temperature",
+       {"Axis z: explained", "coefficient, deg/s/sqrt(s)", "not examined: no temperature",
         "Axis z: what the extension buys", "zerorate replay rest.csv", "zerorate.model/2"}) {
     EXPECT_THAT(html, HasSubstr(expected));
   }

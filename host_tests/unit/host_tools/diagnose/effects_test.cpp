@@ -29,7 +29,7 @@ struct Case {
   simulate::Effect effect;
   std::string parameter;
   double value;
-  double relative_tolerance;  ///< as wide as the effect's own interval has to be at this length
+  double relative_tolerance;  ///< half width of the effect's own interval at this length
 };
 
 void PrintTo(const Case& example, std::ostream* out) {
@@ -124,7 +124,7 @@ TEST(LineWhosePhaseWanders, IsAPeriodicDisturbanceWithItsWidth) {
 
 // Blocks leave a thousand of these values over, whose variance is another by chance: that must not
 // count as a change of strength.
-TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
+TEST(VariableNoiseInPlainWhiteNoise, NeedsBlocksOverTheRecord) {
   constexpr std::size_t kLength = 66'000;
   for (const std::uint64_t run : {1U, 2U, 3U, 4U}) {
     EvenSeries series{.period_s = 0.1, .rate_rad_s = std::vector<double>(kLength)};
@@ -137,7 +137,7 @@ TEST(VariableNoiseInPlainWhiteNoise, IsNotFoundWhereBlocksDoNotCoverTheRecord) {
 }
 
 // Changes at any moment, stretches and swings of any length are looked at: all that is paid for.
-TEST(VariableNoiseInPlainWhiteNoise, IsAsSurprisingAsItSaysNoOftenerThanThat) {
+TEST(VariableNoiseInPlainWhiteNoise, HasAnHonestSurprisal) {
   constexpr std::size_t kLength = 4096;
   constexpr std::uint64_t kRuns = 300;
   constexpr double kNats = 3.0;

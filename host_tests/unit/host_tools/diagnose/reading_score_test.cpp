@@ -17,7 +17,7 @@ constexpr Forecast kMixture{.expected_rad_s = 0.3F,
                             .offset_rad_s = -2.0F,
                             .offset_variance = 4.0F};
 
-/// Over all readings, cells of this width.
+/// Probability of all readings, summed over cells of this width.
 double total(const Forecast& forecast, const Scale& scale, double width, double from, double to) {
   double sum = 0.0;
   for (double reading = from; reading <= to + 0.5 * width; reading += width) {
@@ -36,7 +36,7 @@ TEST(ReadingScore, OfRoundedReadingsSumsToOneOverTheirLevels) {
   }
 }
 
-TEST(ReadingScore, OfLevelsThatTheModelDoesNotKnowSumsToOneOverThem) {
+TEST(ReadingScore, OfUnknownLevelsSumsToOne) {
   for (const double step : {0.3, 1.5, 6.0, 30.0}) {
     const Scale scale{.unknown_step_rad_s = step};
     const double from = -std::ceil(90.0 / step) * step;

@@ -47,7 +47,7 @@ TEST(SamplesThatRepeatTheOneBefore, AreFoundAndCountAsLost) {
 }
 
 // Steps of 0.02 sigma: neighbours are equal by chance 0.02 / sqrt(4 pi) of the time, 28 of 5000.
-TEST(SamplesThatRepeatTheOneBefore, AreFoundAmongLevelsWhereChanceIsRarer) {
+TEST(SamplesThatRepeatTheOneBefore, AreFoundIfRareByChance) {
   Record record = noise_record(0.02);
   EXPECT_TRUE(find_repeated_samples(record).empty());
   for (std::size_t first = 10; first < kSize; first += 20) hold(record, first, 1);

@@ -68,7 +68,7 @@ std::vector<std::string_view> names_of(const Selection& selection) {
   return names;
 }
 
-TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBothWhereOneOrderComesFirst) {
+TEST(SelectionOfAGaussMarkovProcessWithTemperature, NamesBoth) {
   const EvenSeries series =
       simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0},
                  simulate::TemperatureDrift{.linear_rad_s_per_k = 0.016 * kRadPerDeg}},
@@ -99,7 +99,7 @@ double surprisal(const std::unique_ptr<Effect>& effect, const Hypothesis& withou
   return candidate ? candidate->surprisal_nats : 0.0;
 }
 
-TEST(SelectionOfAGaussMarkovProcessWithAJump, NamesBothWhereEachHidesTheOther) {
+TEST(SelectionOfAGaussMarkovProcessWithAJump, NamesBoth) {
   const EvenSeries series = simulated({simulate::CorrelatedNoise{0.015 * kRadPerDeg, 30.0},
                                        simulate::BiasJump{0.03 * kRadPerDeg, 9000.0}},
                                       0, 0.0015);
@@ -119,7 +119,7 @@ TEST(SelectionOfAGaussMarkovProcessWithAJump, NamesBothWhereEachHidesTheOther) {
   }
 }
 
-TEST(SelectionOfAGaussMarkovProcessWithARandomWalk, NamesBothWhereOneOrderComesFirst) {
+TEST(SelectionOfAGaussMarkovProcessWithARandomWalk, NamesBoth) {
   const EvenSeries series = simulated({simulate::CorrelatedNoise{0.04 * kRadPerDeg, 30.0},
                                        simulate::RateRandomWalk{0.0015 * kRadPerDeg}},
                                       9);
@@ -141,7 +141,7 @@ TEST(SelectionOfAGaussMarkovProcessWithARandomWalk, NamesBothWhereOneOrderComesF
   EXPECT_THAT(names_of(selection), UnorderedElementsAre("correlated_noise", "rate_random_walk"));
 }
 
-TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured) {
+TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperature) {
   const EvenSeries series = simulated({simulate::CorrelatedNoise{0.043 * kRadPerDeg, 125.0}}, 2);
   const FitData data(series, 1);
   const std::vector<std::unique_ptr<Effect>> effects = slow_effects();
@@ -152,7 +152,7 @@ TEST(SelectionOfAGaussMarkovProcessAlone, NamesNoTemperatureThoughThatIsMeasured
   EXPECT_THAT(names_of(selection), Not(Contains("temperature_drift")));
 }
 
-TEST(SelectionBesideThatOfMeans, HasOneEntryAnEffectOfTheScaleOnWhichItIsStronger) {
+TEST(SelectionBesideThatOfMeans, HasTheStrongerEntryOfAnEffect) {
   const EvenSeries series = simulated(
       {simulate::PeriodicDisturbance{.amplitude_rad_s = 0.02 * kRadPerDeg, .frequency_hz = 0.1}},
       3);
@@ -169,11 +169,12 @@ TEST(SelectionBesideThatOfMeans, HasOneEntryAnEffectOfTheScaleOnWhichItIsStronge
   const Selection weak = select_effects(means, effects, slow);
   const Selection both = select_beside(values, effects, fast, means, weak);
 
-  ASSERT_THAT(weak.evidence, Contains(Field(&Evidence::effect, "periodic_disturbance")));
+  ASSERT_THAT(weak.evidence, Contains(Field(&SelectionEvidence::effect, "periodic_disturbance")));
   for (const auto& effect : effects) {
-    EXPECT_LE(std::ranges::count(both.evidence, effect->name(), &Evidence::effect), 1);
+    EXPECT_LE(std::ranges::count(both.evidence, effect->name(), &SelectionEvidence::effect), 1);
   }
-  const auto line = std::ranges::find(both.evidence, "periodic_disturbance", &Evidence::effect);
+  const auto line =
+      std::ranges::find(both.evidence, "periodic_disturbance", &SelectionEvidence::effect);
   ASSERT_NE(line, both.evidence.end());
   EXPECT_GT(line->gain_nats, 100.0);
   EXPECT_TRUE(line->selected);

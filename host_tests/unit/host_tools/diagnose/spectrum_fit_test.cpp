@@ -85,7 +85,7 @@ double line_power(double variance, double angle, double samples, double w) {
   return variance * sum;
 }
 
-TEST(SpectrumWithALineOfFiniteWidth, IsFittedFromABroaderLineBesideIt) {
+TEST(SpectrumWithALineOfFiniteWidth, IsFittedFromABroaderOne) {
   constexpr double kAngle = 0.35;
   constexpr double kCoherence = 150.0;
   constexpr double kVariance = 0.02;
@@ -138,7 +138,7 @@ double butterworth_gain(double w, double cut_off, int order) {
   return kept / (kept + lost);
 }
 
-TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOffDownToWhatRoundingLeaves) {
+TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOff) {
   constexpr double kRounding = 1e-3;
   std::vector<double> coefficients(kSize);
   for (std::size_t k = 1; k < kSize; ++k) {
@@ -159,7 +159,7 @@ TEST(SpectrumBehindAButterworthFilter, IsFittedWithItsCutOffDownToWhatRoundingLe
   EXPECT_NEAR(result.spectrum.white_variance, 1.0, 0.002);
 }
 
-TEST(SpectrumOfSingleValues, HasTheDensityOfTheirMeansWhereBothHaveFrequencies) {
+TEST(SpectrumOfSingleValues, HasTheDensityOfTheirMeans) {
   constexpr std::size_t kMeans = 1'000'000;
   constexpr double kCount = 50.0;
   const NoiseSpectrum means{.white_variance = 0.3,

@@ -64,7 +64,7 @@ TEST(SwitchSearchInNoiseAlone, FindsNoPathWorthItsPrice) {
   EXPECT_LE(fitted, 3);
 }
 
-TEST(PriceOfSwitches, FallsWithWhatIsNotKnownOfTheirPlacesToAQuarterOfAStay) {
+TEST(PriceOfSwitches, FallsWithTheErrorOfTheirPlaces) {
   const double exact = price_of_switches(10, 1000, 0.0);
   EXPECT_NEAR(exact, 10.0 * (std::log(100.0) + 1.0), 1e-12);
   EXPECT_NEAR(exact - price_of_switches(10, 1000, 1.0), 10.0 * std::log(5.0), 1e-12);

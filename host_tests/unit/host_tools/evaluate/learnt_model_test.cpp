@@ -109,7 +109,7 @@ TEST_F(ReplayOfASensorAtRest, TellsAtTheEndOfEachStopWhatWasLearnt) {
   }
 }
 
-TEST_F(ReplayOfASensorAtRest, TellsNothingWhereTheModelIsTakenAtItsWord) {
+TEST_F(ReplayOfASensorAtRest, ReportsNothingWithoutLearning) {
   ReplayOptions trusting = options_;
   trusting.learns_noise = false;
   ReplayOptions of_one_hypothesis = options_;

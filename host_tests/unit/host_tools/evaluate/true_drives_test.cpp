@@ -11,6 +11,7 @@
 #include "host_tests/support/folders.hpp"
 #include "host_tests/support/made_recording.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
+#include "host_tools/lib/evaluate/replay_report.hpp"
 #include "host_tools/lib/evaluate/replay_trace.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 
@@ -23,6 +24,7 @@ using testing::sensor_model;
 constexpr recording::Columns kWithReference{.rate_unit = recording::RateUnit::rad_per_s,
                                             .odometer = true,
                                             .ref_heading = true,
+                                            .ref_rate = true,
                                             .ref_speed = true};
 
 /// Stops of 40 s, drives of 60 s that turn by 5 deg/s for 30 s; the heading counts against z.
@@ -41,6 +43,7 @@ std::vector<recording::Row> rows_of_a_drive(double length_s, std::uint64_t seed)
     rows[k].rate_rad_s[2] += static_cast<float>(rate_dps * kRadPerDeg);
     rows[k].odometer_pulses = static_cast<std::int64_t>(travelled_m * 20.0);
     rows[k].ref_heading_rad = static_cast<float>(std::remainder(heading_deg, 360.0) * kRadPerDeg);
+    rows[k].ref_rate_rad_s = static_cast<float>(-rate_dps * kRadPerDeg);
     rows[k].ref_speed_m_s = moves ? 10.0F : 0.0F;
   }
   return rows;
@@ -76,7 +79,7 @@ double error_by_hand(const std::vector<app::RateMessage>& messages, std::size_t 
   return turned_about_z_deg * kRadPerDeg - static_cast<double>(0.1L * sum);
 }
 
-TEST(DrivesAgainstAReference, AreTheIntegralOfTheRateLessThePublishedBias) {
+TEST(DrivesAgainstAReference, IntegrateTheCorrectedRate) {
   const zerorate::testing::ScratchFolder folder;
   const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
                                         rows_of_a_drive(1000.0, 5));
@@ -166,7 +169,8 @@ TEST(DrivesAgainstAReference, AreNotScoredWithoutABiasOrAcrossAGap) {
   const auto path = testing::write_rows(folder.path() / "drive.csv", kWithReference, rows);
   const TrueDrives drives = *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
   ASSERT_EQ(drives.drives.size(), 5U);
-  EXPECT_EQ(drives.drives[0].flaw, truth::Flaw::no_bias) << "the odometer never said still";
+  EXPECT_EQ(drives.drives[0].flaw, truth::Flaw::no_bias)
+      << "the odometer never reported standstill";
   EXPECT_EQ(drives.drives[1].flaw, truth::Flaw::none);
   EXPECT_TRUE(drives.drives[2].flaw == truth::Flaw::heading_missing ||
               drives.drives[2].flaw == truth::Flaw::rate_missing)
@@ -205,6 +209,27 @@ TEST(ReplayWithAReference, TellsItInJsonAndReport) {
   report::Report report{"Title", "Lead."};
   add_true_drives(report, *result.true_drives, trace, result);
   EXPECT_NE(report.html().find("Against the reference"), std::string::npos);
+}
+
+TEST(ReportWithAReferenceRate, DrawsTheTrueBiasAndTheLastStop) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path =
+      testing::write_rows(folder.path() / "drive.csv", kWithReference, rows_of_a_drive(500.0, 9));
+  recording::Reader reference{path};
+  ReplayTrace trace{2};
+  const ReplayObserver observer{
+      .truth = truth::find_truth(truth::read_track(reference), {}),
+      .on_sample = [&](const ReplayedSample& sample) { trace.add(sample); }};
+  recording::Reader reader{path};
+  const model::SensorModel model = sensor_model();
+  const ReplayResult result = replay(reader, {.model = model}, observer);
+  trace.finish();
+  // Without the turns of 5 deg/s, bias and noise are left.
+  ASSERT_FALSE(trace.points().empty());
+  for (const TracePoint& point : trace.points()) EXPECT_NEAR(point.error_dps, 0.0, 2.0);
+  const std::string html = make_report(result, {2}, trace, {}, model, {.title = "Title"}).html();
+  EXPECT_NE(html.find("true bias (60 s means)"), std::string::npos);
+  EXPECT_NE(html.find("mean of the last stop"), std::string::npos);
 }
 
 TEST(RingLaserGyroInACar, IsScoredAsByHand) {

@@ -79,7 +79,7 @@ struct MadeFleet {
   std::size_t sensors = 400;
   std::size_t recordings = 1;
   std::size_t lots = 10;
-  double bad_lot_shift = 0.0;  ///< of ln N in lot 4
+  double bad_lot_shift = 0.0;  ///< shift of ln N in lot 4
   bool one_changes = false;    ///< the second recording of sensor 7
   std::size_t innovations = 2000;
 };
@@ -154,7 +154,7 @@ TEST(QValues, AreThoseOfBenjaminiAndHochberg) {
   EXPECT_TRUE(q_values({}).empty());
 }
 
-TEST_F(FleetStatistics, IsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
+TEST_F(FleetStatistics, IsThatOfSensorsNotOfTheirErrors) {
   const Population& population = usual_population();
   const double pivot = std::log(Grid::kPivot_rad_s);
   const double log_flicker = kLogWhite + kLogAmplitude + kOrder * pivot;
@@ -172,7 +172,7 @@ TEST_F(FleetStatistics, IsThatOfTheSensorsNotOfTheErrorsOfTheirRecordings) {
   EXPECT_NEAR(population.spread(2), kOrderSpread, 0.2 * kOrderSpread);
 }
 
-TEST_F(FleetStatistics, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
+TEST_F(FleetStatistics, SpreadOfWhiteNoiseHoldsInShortRecords) {
   // 50 innovations tell ln N within 0.1: the estimates spread by hypot(0.15, 0.1) = 0.18.
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.innovations = 50}), {});
@@ -180,7 +180,7 @@ TEST_F(FleetStatistics, SpreadOfTheWhiteNoiseHoldsWhereRecordingsAreShort) {
   EXPECT_NEAR(population.spread(0), kLogWhiteSpread, 0.09 * kLogWhiteSpread);
 }
 
-TEST_F(FleetStatistics, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
+TEST_F(FleetStatistics, SensorWithARareEffectIsNamed) {
   const Population& population = usual_population();
   const auto found = std::ranges::find(population.sensors, "3", &Sensor::name);
   ASSERT_NE(found, population.sensors.end());
@@ -195,7 +195,7 @@ TEST_F(FleetStatistics, SensorWithARareEffectLeavesThePopulationAndIsNamed) {
   EXPECT_THAT(make_report(population, "test").html(), HasSubstr("bias_jump"));
 }
 
-TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamedAndLeavesThePopulationAsItWas) {
+TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamed) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"), {.lots = 100, .bad_lot_shift = 0.4}),
                      {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
@@ -206,7 +206,7 @@ TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamedAndLeavesThePopulationAsItWas
   EXPECT_NEAR(population.distribution.mean[0], kLogWhite, 3.0 * population.mean_error[0]);
 }
 
-TEST_F(FleetStatistics, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
+TEST_F(FleetStatistics, SensorThatChangesIsNamedAlone) {
   const Population population =
       fit_population(made_fleet(path("a.sqlite"),
                                 {.sensors = 60, .recordings = 2, .lots = 1, .one_changes = true}),
@@ -216,7 +216,7 @@ TEST_F(FleetStatistics, SensorThatChangesBetweenItsRecordingsIsNamedAlone) {
   }
 }
 
-TEST_F(FleetStatistics, PriorIsAsWideAsThePopulationAndTheNodeReadsIt) {
+TEST_F(FleetStatistics, PriorIsAsWideAsThePopulation) {
   const Population& population = usual_population();
   const model::SensorModel model = type_model(population, "type");
   EXPECT_NEAR(model.prior->order, kOrder, 0.02);
@@ -292,7 +292,7 @@ TEST_F(Fleet, MergedShardsHaveTheBytesOfOneProcessInAnyOrderAndTwice) {
     EXPECT_EQ(summary.bad.size(), 2U);
     const RunSummary again = run(all, one, {.jobs = 2});
     EXPECT_EQ(again.found_done, 4U);
-    EXPECT_EQ(again.analysed, 1U);  // what could not be read is tried again
+    EXPECT_EQ(again.analysed, 1U);  // unreadable recordings are tried again
   }
   for (std::size_t i = 0; i < 2; ++i) {
     Database shard{path("s" + std::to_string(i)), Database::Access::write};
@@ -327,7 +327,7 @@ TEST_F(Fleet, TableQuotesNamesWithCommas) {
               HasSubstr("\n\"a,b.csv\",\"said \"\"S\"\"\",L0,x,"));
 }
 
-TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamplesWhereFlickerNoiseIsStrong) {
+TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamples) {
   constexpr double kWhite_dps = 0.005;
   simulate_fleet({.sensors = 8,
                   .lots = 1,
@@ -375,7 +375,7 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
   EXPECT_EQ(judgement(3.0, 5.0), Judgement::fail);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.1}).judgement, Judgement::too_short);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.0}).judgement, Judgement::pass);  // 59.99 s apart
-  // A minute does not tell the order within a tenth.
+  // A minute does not determine the order within a tenth.
   EXPECT_EQ(accept(recording, {.order = Range{0.5, 0.6}}).judgement, Judgement::too_short);
 }
 

@@ -27,7 +27,7 @@ Characterization characterize_simulated(const zerorate::testing::RestNoise& nois
                       {.recording = "simulated.csv", .axes = {0}});
 }
 
-TEST(IdentificationTick, IsTheNodesUnlessTheRecordIsShortOrVeryLong) {
+TEST(IdentificationTick, IsTheNodesExceptAtExtremeLengths) {
   const Duration period = Duration::milliseconds(10);
   EXPECT_EQ(identification_tick(Duration::seconds(10'000), period), Duration::milliseconds(500));
   // 100 s: 200 ticks of 0.5 s, 800 of 0.125 s, 1600 of 0.0625 s.
@@ -74,7 +74,7 @@ TEST(Characterization, GivesAModelThatAFileHoldsAndTheNodeRuns) {
   EXPECT_EQ(model::parse_model(model::format_model(model), "test"), model);
 }
 
-TEST(Characterization, OfAxesWithTheSameNoiseDoesNotDependOnTheAxis) {
+TEST(Characterization, OfEqualNoiseDoesNotDependOnTheAxis) {
   RestSamples samples = rest_samples_of(simulate_rest({}, 20'000, 0.1, 2));
   samples.axis_count = 3;
   for (auto& rate : samples.rate_rad_s) rate = {rate[0], rate[0], 4.0F * rate[0]};
@@ -220,7 +220,7 @@ TEST(CharacterizationReport, ShowsEveryAxisAndItsModel) {
   EXPECT_NE(html.find("zerorate.model/2"), std::string::npos);
 }
 
-TEST(CharacterizationOfARealSensor, AgreesWithItsIndependentDescription) {
+TEST(CharacterizationOfARealSensor, AgreesWithItsDescription) {
   const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
   if (!folder) GTEST_SKIP() << "skipped: no recordings";
   recording::Reader reader{*folder / "adis16405_static/run2_10hz_mean.csv.gz"};

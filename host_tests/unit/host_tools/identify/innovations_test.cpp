@@ -98,7 +98,7 @@ TEST(InnovationsFitOfWhiteNoise, InventsNoFlicker) {
   EXPECT_FALSE(fit.model(0.5).flicker.has_value());
 }
 
-TEST(InnovationsFitOfAShortRecord, KeepsThePriorOrderAndTellsTheOther) {
+TEST(InnovationsFitOfAShortRecord, KeepsThePriorOrder) {
   const InnovationsFit fit = fit_of(simulate_rest({}, 15'000, kPeriod, 4), {.starts = {kStart}});
   ASSERT_TRUE(fit.flicker.has_value());
   EXPECT_EQ(fit.flicker->order_source, OrderSource::prior);
@@ -110,7 +110,7 @@ TEST(InnovationsFitOfAShortRecord, KeepsThePriorOrderAndTellsTheOther) {
 
 // The profile over d is the oracle: a standard error away on both sides -2 log L has risen by one.
 // Third powers cancel in the mean of the sides.
-TEST(InnovationsFitOfAnUncertainOrder, StatesTheErrorOverWhichTheLikelihoodFalls) {
+TEST(InnovationsFitOfAnUncertainOrder, StatesTheProfilesError) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     const simulate::Signal signal = simulate_rest({}, 40'000, kPeriod, seed);
     const InnovationsFit fit = fit_of(signal, {.starts = {kStart}});
@@ -206,7 +206,7 @@ double dense_minus_two_log(const std::vector<TickMean>& ticks, const model::Sens
   return factors.vectorD().array().log().sum() + differences.dot(factors.solve(differences));
 }
 
-TEST(InnovationsLikelihood, EqualsTheDenseGaussianDensityOfTheDifferences) {
+TEST(InnovationsLikelihood, EqualsTheDenseGaussianDensity) {
   const std::vector<TickMean> ticks = ticks_with_holes();
   const InnovationsLikelihood likelihood{ticks, 1, kSamplePeriod, kTick};
   for (const double order : {0.3, 0.5, 0.8}) {

@@ -48,7 +48,7 @@ TEST(RestSamples, LeaveOutLostRatesAndTimesThatDoNotAdvance) {
   EXPECT_EQ(samples.rows, 6U);
 }
 
-TEST(RestSamplesWithStillColumn, BeginASettleTimeAfterTheDriveAndEndAHoldBackBeforeIt) {
+TEST(RestSamplesWithStillColumn, LeaveOutSettleTimeAndHoldBack) {
   // Moving in rows 50 to 69, that is, from 5.0 to 6.9 s.
   const RestSamples samples = read(rows(
       "t_s,rate_dps,still", 100, [](int k) { return std::string(k >= 50 && k < 70 ? "0" : "1"); }));

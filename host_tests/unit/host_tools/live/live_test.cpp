@@ -23,7 +23,7 @@ using testing::calibrated_message;
 using testing::tally_of;
 using wire::NumberedMessage;
 
-TEST(JsonMessage, GivesBackWhatZerorateWroteButForTheRoundingOfDegrees) {
+TEST(JsonMessage, RoundTripsUpToTheRoundingOfDegrees) {
   std::mt19937_64 random{3};
   linux_node::JsonBuffer buffer{};
   for (int i = 0; i < 200; ++i) {
@@ -84,7 +84,7 @@ TEST(JsonMessageOfAnOlderNode, HasNeitherTemperatureNorPulses) {
   EXPECT_FALSE(parse_json_message(line)->message.message.temperature.has_value());
 }
 
-TEST(JsonMessageWithALearntModel, GivesItBackButForTheRoundingOfUnits) {
+TEST(JsonMessageWithALearntModel, RoundTripsUpToRounding) {
   const wire::LearntModel sent = wire::testing::some_learnt_model();
   linux_node::JsonBuffer buffer{};
   const auto line =
@@ -114,7 +114,7 @@ TEST(JsonMessageWithALearntModelThatIsImpossible, IsRefused) {
   }
 }
 
-TEST(TallyOfMessages, CountsGapsAsLossesAndAnEarlierNumberAsARestart) {
+TEST(TallyOfMessages, CountsGapsAndRestarts) {
   Tally tally;
   for (const std::uint32_t number : {7U, 8U, 11U, 0U, 1U}) {
     tally.take(calibrated_message(number));
@@ -140,7 +140,7 @@ TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
       << screen;
 }
 
-TEST(ScreenOfANode, ShowsNoRateThatIsOldOrThatTheMessageDoesNotHave) {
+TEST(ScreenOfANode, ShowsNoOldOrMissingRate) {
   NumberedMessage message = calibrated_message(7);
   const std::string old = format_screen(tally_of(message), "x", milliseconds{3000});
   EXPECT_NE(old.find("no message for 3 s\n"), std::string::npos);

@@ -167,7 +167,7 @@ TEST_P(RecordingOfMessages, GoesOnAfterAnInterruption) {
   EXPECT_EQ(recorder.recorded_ns(), (399 + 99) * kPeriod_ns);
 }
 
-TEST_P(RecordingOfMessages, LosesNothingThatWasFlushedWhereverItIsCutOff) {
+TEST_P(RecordingOfMessages, LosesNothingFlushed) {
   for (const std::uintmax_t cut : {1U, 5U, 100U}) {
     std::filesystem::remove(path());
     {

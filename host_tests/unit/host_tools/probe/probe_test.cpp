@@ -1,5 +1,5 @@
 /// @file
-/// Which chip answers: the simulated chips behind the kernel's double.
+/// The probe on the simulated chips behind the kernel's double.
 
 #include <gtest/gtest.h>
 
@@ -92,7 +92,7 @@ TEST(ProbeOfSpi, FindsNothingOnAStuckLine) {
   }
 }
 
-TEST(ProbeOfI2c, FindsTheChipAtItsAddressAndSaysWhoDidNotAcknowledge) {
+TEST(ProbeOfI2c, FindsTheChipAndListsSilentAddresses) {
   hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
   hal::sim::SimulatedIcm42688 chip{clock};
   hal::sim::SimulatedI2cBus<hal::sim::SimulatedIcm42688> bus{chip, hal::I2cAddress{0x69}};

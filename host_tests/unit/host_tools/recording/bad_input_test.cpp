@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"bytes", "t_s,rate_dps\n0,\x01\xFF\n", 2, 3, "\"\\x01\\xFF\"", "a number"}),
     [](const auto& tested) { return tested.param.name; });
 
-TEST(MessageForTextInANumber, NamesFileLineColumnFoundExpectedAndMend) {
+TEST(MessageForTextInANumber, NamesPlaceValueAndCure) {
   const Error error{{"run.csv", 17, 6}, "\"abc\" as gx_dps", "a number", "Write nan."};
   EXPECT_STREQ(error.what(),
                "run.csv:17:6: found \"abc\" as gx_dps; expected a number. Write nan.");

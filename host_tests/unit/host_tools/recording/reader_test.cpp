@@ -83,7 +83,7 @@ TEST_F(RecordingWithAllColumns, IsReadByNameInAnyOrder) {
 
 class RecordingWithReference : public Files {};
 
-TEST_F(RecordingWithReference, GivesHeadingAndRateInRadiansAndFlagsWhatIsMissing) {
+TEST_F(RecordingWithReference, GivesRadiansAndFlagsMissing) {
   Reader reader{folder_.write("run.csv",
                               "t_s,rate_dps,ref_heading_deg,ref_rate_dps,ref_speed_mps\n"
                               "0,1,360,-90,13.5\n1,1,,nan,inf\n2,1,1,1,1\n3,1,1,1,\n")};
@@ -121,7 +121,7 @@ TEST_F(RecordingWithReference, RefusesTextAndTwoOfAColumn) {
 
 class TextVariants : public Files {};
 
-TEST_F(TextVariants, OfLineEndsMarksCommentsQuotesAndBlanksAreAccepted) {
+TEST_F(TextVariants, OfLineEndsQuotesAndBlanksAreAccepted) {
   const auto rows = read(
       "\xEF\xBB\xBF# made by a logger\r\n#\r\n\r\n\"t_s\" , \"rate_dps\"\r\n 0 ,\t1 "
       "\r\n+1,+2\r\n\r\n\r\n");
@@ -148,7 +148,7 @@ TEST_F(GzipRecording, IsKnownByItsContentAndMayHaveSeveralMembers) {
   EXPECT_THAT(times, ElementsAre(0, 1, 2));
 }
 
-TEST_F(GzipRecording, LongerThanAllBuffersIsReadWholeWithGrowingProgress) {
+TEST_F(GzipRecording, LongerThanAllBuffersIsReadWhole) {
   std::string text = "t_s,rate_radps\n";
   constexpr std::int64_t kRows = 300'000;
   const auto rate = [](std::int64_t row) { return (row * 7'919) % 100'003; };

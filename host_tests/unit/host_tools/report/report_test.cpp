@@ -107,7 +107,7 @@ TEST(WritingAReport, LeavesTheWholeFileAndNothingElse) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST(WritingAReportIntoAFolderThatIsNotThere, NamesThePathAndTheReason) {
+TEST(WritingAReportIntoAFolderThatIsNotThere, NamesPathAndReason) {
   const testing::ScratchFolder folder;
   const auto path = folder.path() / "missing" / "report.html";
   try {

@@ -143,7 +143,7 @@ TEST(DeadBandScenario, RollsAtZeroAsRealCarsDo) {
   EXPECT_GT(figures.rolling.share.value, 0.021);
   EXPECT_LT(figures.rolling.share.value, 0.180);
   EXPECT_LT(figures.rolling.speeds_m_s.back(), kFastestRolling_m_s);
-  // By the gyro of the one real drive that has one: median 0.025, at most 1.42 deg/s.
+  // Recorded gyro of the only real drive that has one: median 0.025, at most 1.42 deg/s.
   EXPECT_GT(fastest_dps(figures.rolling), 0.2);
   EXPECT_LT(fastest_dps(figures.rolling), 4.0);
   EXPECT_GT(figures.leaves_zero_m_s.median.value, 0.75);

@@ -37,7 +37,7 @@ double convolved_at(double order, std::ptrdiff_t k, std::ptrdiff_t history) {
   return sum;
 }
 
-TEST(FractionalWeights, AreTheSumAtOrderOneAndTheBinomialsAtOrderHalf) {
+TEST(FractionalWeights, AreASumAtOrder1AndBinomialsAtHalf) {
   FractionalWeights sum(1.0);
   for (int j = 0; j < 10; ++j) EXPECT_EQ(sum.next(), 1.0);
   FractionalWeights half(0.5);

@@ -139,7 +139,7 @@ TEST(MeanBeforeRounding, IsTheMeanThatRoundingMakesTheOther) {
 
 // Values that hardly vary are rounded to steps: a mean between two of them comes from near the
 // edge.
-TEST(MeanBeforeRounding, OfValuesThatHardlyVaryIsNearTheEdgeOfTheStep) {
+TEST(MeanBeforeRounding, OfAlmostEqualValuesIsNearTheEdge) {
   for (const double sigma : {1e-6, 1e-3, 0.02, 0.05}) {
     const MeanBeforeRounding before(sigma);
     for (double mean = -0.9; mean < 1.0; mean += 0.1) {

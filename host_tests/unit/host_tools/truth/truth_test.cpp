@@ -81,7 +81,7 @@ class ReferenceOfADrive : public ::testing::Test {
   zerorate::testing::ScratchFolder folder_;
 };
 
-TEST_F(ReferenceOfADrive, TellsTheStopsTheirMiddlesAndTheTurnsBetween) {
+TEST_F(ReferenceOfADrive, GivesStopsMiddlesAndTurns) {
   const Truth found = truth({});
   EXPECT_EQ(found.obstacle, "");
   ASSERT_EQ(found.stops.size(), 5U) << "the sixth lasts a single sample";
@@ -173,7 +173,7 @@ TEST_F(ReferenceOfADrive, FlagsDrivesWithGapsAndJumps) {
   EXPECT_EQ(found.drives[3].flaw, Flaw::none);
 }
 
-TEST_F(ReferenceOfADrive, ThatEndsBeforeTheRecordingLeavesTheRestUnscored) {
+TEST_F(ReferenceOfADrive, ThatEndsEarlyLeavesTheRestUnscored) {
   const auto ends = [](double time_s, recording::Row& row) {
     if (time_s > 170.0) row.ref_heading_rad = std::nanf("");
   };

@@ -1,5 +1,5 @@
 /// @file
-/// Is a hypothesis enough? Tests of what it leaves, with the error of the whole family controlled
+/// Tests of the residual of a hypothesis, with the error of the whole family controlled
 /// (docs/design/diagnosis.md, section 6).
 #pragma once
 
@@ -14,10 +14,10 @@ namespace zerorate::diagnose {
 /// A sound record fails the family with this probability.
 inline constexpr double kFamilyError = 0.01;
 
-/// One look at what is left; the probability is that of anything as odd, the places looked at
+/// Result of one test: the probability of any result as extreme, all places that were looked at
 /// included.
 struct Test {
-  std::string words;  ///< what is odd if it fails, e.g. "the noise is skewed"
+  std::string words;  ///< fault that a failure shows, e.g. "the noise is skewed"
   double log_p = 0.0;
 };
 

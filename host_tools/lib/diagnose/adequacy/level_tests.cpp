@@ -107,7 +107,7 @@ class LevelShares {
 
   std::ptrdiff_t places_;
   std::ptrdiff_t reach_;
-  std::vector<double> shares_;  ///< of the levels from -reach to reach, place after place
+  std::vector<double> shares_;  ///< shares of the levels from -reach to reach, place after place
 };
 
 /// How many values the noise lets each level of a lattice expect: every value predicted from all
@@ -147,7 +147,7 @@ Tests test_lattice(const Hypothesis& hypothesis, const LevelLattice& lattice, bo
   const FitData& data = hypothesis.data();
   std::vector<double> counts;
   const std::vector<double> expected = expected_counts(hypothesis, lattice, counts);
-  // A pile at an end of the range is told by another effect.
+  // A pile at an end of the range belongs to another effect.
   const std::size_t margin = is_clipped ? 3 : 2;
   double farthest = 0.0;
   std::size_t at = 0;

@@ -51,7 +51,7 @@ Spectrogram spectrogram_of(const std::vector<double>& values, std::size_t stretc
 struct Patches {
   double log_p = 0.0;
   double log_p_of_one = 0.0;
-  double time_s = 0.0;  ///< of that one
+  double time_s = 0.0;  ///< time of the most unlikely patch
 };
 
 Patches patches_of(const StandardisedResidual& residual, std::size_t stretches, std::size_t bands) {
@@ -121,7 +121,7 @@ std::vector<std::complex<double>> block_sums(std::span<const double> values, std
 /// Sweeps to try, in both directions.
 struct Sweeps {
   double widest;         ///< cycles over the record
-  double step;           ///< the same
+  double step;           ///< cycles over the record
   double turned_at;      ///< place in its block where a sum is turned: it moves the bins a little
   std::size_t fft_size;  ///< beyond the blocks it places the frequency more finely
 };
@@ -294,12 +294,12 @@ class MovingTone {
   std::size_t length_;
   spectrum::ComplexFft fft_;
   std::vector<std::complex<double>> turned_;  ///< turn of each value at the sweep
-  std::vector<std::complex<double>> turn_;    ///< the same for one step of the sweep
+  std::vector<std::complex<double>> turn_;    ///< turn of each value for one step of the sweep
   std::vector<std::complex<double>> bins_;
   std::vector<float> rising_;    ///< power of each frequency in each stretch at a rate
-  std::vector<float> falling_;   ///< the same at the opposite rate
-  std::vector<float> sums_;      ///< of the lines of one sweep, by where they begin
-  std::vector<Line> strongest_;  ///< of each sweep
+  std::vector<float> falling_;   ///< power of each frequency in each stretch at the opposite rate
+  std::vector<float> sums_;      ///< sums along the lines of one sweep, by where they begin
+  std::vector<Line> strongest_;  ///< strongest line of each sweep
   double lines_ = 0.0;
 };
 

@@ -1,6 +1,6 @@
 /// @file
-/// Candidates and figures of effects: of those that change the spectrum, and of mean functions of
-/// time or temperature.
+/// Candidates and figures of effects, both changes of the spectrum and mean functions of time or
+/// temperature.
 #pragma once
 
 #include <optional>
@@ -17,16 +17,16 @@ namespace zerorate::diagnose {
 /// Candidate of a part that is added to a hypothesis: its gain, without the surprisal. One fit.
 [[nodiscard]] Candidate candidate_with(const Hypothesis& without, Part part);
 
-/// Candidate of a part that has to be placed: the noise that was found becomes its only start, so
-/// that later fits need not search again. One fit.
+/// Candidate of a part that has to be placed. The fitted noise becomes its only start, so that
+/// later fits need not search again. One fit.
 [[nodiscard]] Candidate placed_candidate(const Hypothesis& without, Part part);
 
-/// The offer of a fitted mean, without its surprise.
+/// Candidate for a fitted mean; the surprisal is not set.
 [[nodiscard]] std::optional<Candidate> mean_candidate(const Hypothesis& without,
                                                       const MeanSearch& search);
 
-/// The offer of a fitted mean with one amplitude and a time constant that was searched between two
-/// ends, with its surprise.
+/// Candidate for a fitted mean with one amplitude and a time constant that was searched between two
+/// ends; the surprisal is set.
 [[nodiscard]] std::optional<Candidate> timed_mean_candidate(const Hypothesis& without,
                                                             const MeanSearch& search,
                                                             double shortest, double longest);

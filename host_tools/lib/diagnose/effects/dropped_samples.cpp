@@ -27,7 +27,7 @@ class DroppedSamples final : public Effect {
                             : describe_losses(losses);
   }
 
-  /// Time stamps tell the filter; nothing is to be added.
+  /// The filter has the time stamps; nothing is to be added.
   void add_to_model(const FittedPart& /*fitted*/, model::SensorModel& /*model*/) const override {}
 
  private:

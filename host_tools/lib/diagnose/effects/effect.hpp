@@ -15,27 +15,27 @@
 
 namespace zerorate::diagnose {
 
-/// The best that an effect can do for a hypothesis that does without it.
+/// Best part that an effect can add to a hypothesis without it.
 struct Candidate {
   Part part;
   double gain_nats = 0.0;
   /// Surprisal of the gain: -log of the probability of so large a gain by chance, search included.
   double surprisal_nats = 0.0;
-  NoiseSpectrum noise{};  ///< as fitted with the part, where only terms of the noise were fitted
-  double time_scale_s = 0.0;  ///< over which the part changes, of an effect of either pace
+  NoiseSpectrum noise{};      ///< fitted with the part, where only terms of the noise were
+  double time_scale_s = 0.0;  ///< duration of the change, for an effect of either pace
 };
 
 /// Pace of an effect: the scale at which a record shows it.
 enum class Pace : std::uint8_t {
   fast,    ///< in single values, or in noise between neighbours
   slow,    ///< in means over many values as well as in the values
-  either,  ///< by the time scale of the candidate
+  either,  ///< time scale of the candidate decides
 };
 
 /// A fitted part together with the hypothesis that contains it.
 struct FittedPart {
   const Hypothesis& hypothesis;
-  std::size_t index = 0;  ///< of the part
+  std::size_t index = 0;  ///< place of the part
 
   [[nodiscard]] const Part& part() const { return hypothesis.parts()[index]; }
   /// Amplitude of column `i` of the part, and its standard error [rad/s per unit of the column].
@@ -72,9 +72,9 @@ class Effect {
     return {};
   }
   /// Searches for the effect; nothing where it is not found or where there is an obstacle.
-  /// @param without  hypothesis that does without the effect
+  /// @param without  hypothesis without the effect
   [[nodiscard]] std::optional<Candidate> examine(const Hypothesis& without) const;
-  /// True if the node needs no extension for it: white and flicker noise of tick means have it.
+  /// True if the node needs no extension for it: white and flicker noise of tick means contain it.
   [[nodiscard]] virtual bool is_in_base() const { return false; }
   [[nodiscard]] virtual Description describe(const FittedPart& fitted) const = 0;
   /// Adds the effect to the model that the node runs.

@@ -184,7 +184,7 @@ std::vector<Event> find_swings(const Hypothesis& hypothesis, double price) {
 std::vector<Event> find_pulses(const Hypothesis& hypothesis, double least_nats) {
   constexpr std::size_t kSideBySide = 4;
   constexpr double kShortest = 4.0;        // samples
-  constexpr double kLongest = 1.0 / 16.0;  // of the record
+  constexpr double kLongest = 1.0 / 16.0;  // share of the record
   const double longest = kLongest * static_cast<double>(hypothesis.data().size());
   std::vector<Event> peaks;
   double length = kShortest;

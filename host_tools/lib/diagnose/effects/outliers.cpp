@@ -15,7 +15,7 @@ namespace {
 
 using units::kDegPerRad;
 
-constexpr double kMostProbable = 0.03;    // what is more frequent is not an outlier
+constexpr double kMostProbable = 0.03;    // a more frequent value is not an outlier
 constexpr double kWorthAnInterval = 5.0;  // nats
 constexpr double kLeastSize = 2.0;        // in standard deviations of the rest
 constexpr double kBinsPerSigma = 20.0;
@@ -60,7 +60,7 @@ std::vector<double> deletion_residuals(const Hypothesis& hypothesis) {
 class Histogram {
  public:
   /// @param least_variance  of the noise
-  /// @param is_replaced  values that were not measured say nothing
+  /// @param is_replaced  values that were not measured, and do not count
   Histogram(const std::vector<double>& residuals, const std::vector<bool>& is_replaced,
             double least_variance)
       : least_variance_(least_variance), bins_(kBins) {
@@ -74,7 +74,7 @@ class Histogram {
     }
   }
 
-  /// Expectation maximisation; the bounds make it say nothing where there are no outliers.
+  /// Expectation maximisation; the bounds keep the gain at 0 where there are no outliers.
   /// @param held  is not fitted
   [[nodiscard]] Mixture fit(Mixture mixture, double Mixture::*held = nullptr) const {
     for (int i = 0; i < 60; ++i) {
@@ -131,7 +131,7 @@ class Histogram {
     return mixture;
   }
 
-  /// Over one normal distribution of the best variance.
+  /// Gain over one normal distribution of the best variance.
   [[nodiscard]] double gain(const Mixture& mixture) const {
     double squares = 0.0;
     double total = 0.0;

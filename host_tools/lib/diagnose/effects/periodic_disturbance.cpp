@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
@@ -16,6 +17,13 @@ namespace {
 using units::kDegPerRad;
 
 constexpr double kFewestCycles = 1.5;
+
+/// "37.67 Hz"; below 1 Hz with its period: "0.0187 Hz, a period of 53.5 s".
+std::string frequency_in_words(double frequency_hz, int digits) {
+  std::string words = units::in_figures(frequency_hz, digits) + " Hz";
+  if (frequency_hz < 1.0) words += ", a period of " + units::in_figures(1.0 / frequency_hz) + " s";
+  return words;
+}
 
 /// A line in the spectrum: either a sine of constant frequency, amplitude and phase, with columns
 /// cosine and sine and its frequency in Hz as the part's shape; or one whose phase wanders, a
@@ -81,7 +89,7 @@ class PeriodicDisturbance final : public Effect {
   /// Coefficients with more power than expected: by the likelihood of one factor for all of them.
   static std::optional<Run> strongest_window(const Hypothesis& without) {
     constexpr std::size_t kNarrowest = 8;
-    constexpr std::size_t kLowest = 128;  // so many half cycles, for 40 lost phases (fit_spectrum)
+    constexpr std::size_t kLowest = 128;  // half cycles, for 40 lost phases (fit_spectrum)
     const std::vector<double>& c = without.residual();
     const std::vector<double>& density = without.density();
     std::vector<double> sums(c.size() + 1);
@@ -146,14 +154,14 @@ class PeriodicDisturbance final : public Effect {
                            parameter("frequency_hz", frequency, frequency_hz(data, angle_error)),
                            positive_parameter("coherence_time_s", coherence,
                                               fit.error(NoiseParameterId::line_samples))},
-            .sentence = fmt::format("An oscillation of {:.2g} deg/s about {} Hz (or an alias of "
+            .sentence = fmt::format("An oscillation of {:.2g} deg/s about {} (or an alias of "
                                     "it), whose phase wanders within {} s, is in the rate: "
                                     "vibration, a resonance, a beat.",
-                                    amplitude, units::in_figures(frequency, 4),
+                                    amplitude, frequency_in_words(frequency, 4),
                                     units::in_figures(coherence, 2))};
   }
 
-  /// To a node whose ticks are longer than the coherence it is white noise.
+  /// White noise, to a node whose ticks are longer than the coherence.
   static void add_wandering(const FittedPart& fitted, model::SensorModel& model) {
     const FitData& data = fitted.hypothesis.data();
     const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
@@ -185,9 +193,9 @@ class PeriodicDisturbance final : public Effect {
     });
     return {.parameters = {parameter("amplitude_dps", amplitude, error * kDegPerRad),
                            parameter("frequency_hz", frequency, shape_error(fitted, derivative))},
-            .sentence = fmt::format("A sine of {:.2g} deg/s at {} Hz (or an alias of it) is in "
+            .sentence = fmt::format("A sine of {:.2g} deg/s at {} (or an alias of it) is in "
                                     "the rate: vibration, a supply, a beat.",
-                                    amplitude, units::in_figures(frequency, 5)),
+                                    amplitude, frequency_in_words(frequency, 5)),
             .drawing = drawing_of(fitted)};
   }
 

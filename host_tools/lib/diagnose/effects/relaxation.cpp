@@ -17,17 +17,18 @@ namespace {
 
 using units::kDegPerRad;
 
-constexpr double kShortestDecay = 0.012;  // of the record: a shorter one is motion
-constexpr double kFewestValues = 4.0;     // of a decay
-constexpr double kLongestDecay = 0.25;    // of the record: a longer one is a jump
+constexpr double kShortestDecay = 0.012;  // share of the record: a shorter one is motion
+constexpr double kFewestValues = 4.0;     // values within one decay
+constexpr double kLongestDecay = 0.25;    // share of the record: a longer one is a jump
 constexpr double kDecayGrid = 1.6;
 constexpr std::size_t kMostJumps = 8;
-constexpr std::size_t kMostPlaces = 24;  ///< that are tried together
+constexpr std::size_t kMostPlaces = 24;  ///< places tried together
 constexpr int kMostDecaySteps = 3;       ///< make a factor of two
 constexpr double kWorthAJump = 2.0;      ///< nats beyond the price of its place
 
 /// Gains of a decay that begins at each value, at the noise of a search. Of a decay that the end of
-/// the record cuts off the gain is too low: what is seen of the decay tells less than a whole one.
+/// the record cuts off the gain is too low: the visible part of the decay has less information than
+/// a whole one.
 class DecayGains {
  public:
   /// @param decay  time constant in values
@@ -37,7 +38,7 @@ class DecayGains {
     const std::size_t n = scan.data().size();
     const double kept = std::exp(-1.0 / decay);
     double information = 0.0;
-    double beside = 0.0;  // of two decays, the second a value later
+    double beside = 0.0;  // product of two decays, the second a value later
     for (std::size_t k = 1; k < n; ++k) {
       const double cosine = 1.0 - 0.5 * sines[k] * sines[k];
       const double power = precision[k] / (1.0 + kept * (kept - 2.0 * cosine));

@@ -52,7 +52,7 @@ class SensorBandwidth final : public Effect {
                                 units::in_figures(cut_off(0.0)), std::max(1, noise.filter_order))};
   }
 
-  /// The filter sees means over its ticks, whose white noise is that below half their rate, and
+  /// The filter receives means over its ticks, whose white noise is that below half their rate, and
   /// what rounding adds; where the model has steps the node adds that itself.
   void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
     const FitData& data = fitted.hypothesis.data();

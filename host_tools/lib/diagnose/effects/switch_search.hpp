@@ -10,14 +10,13 @@
 
 namespace zerorate::diagnose {
 
-/// Places before which the level changes, in rising order. Which level is the upper one they leave
-/// open.
+/// Places before which the level changes, in rising order. They do not say which level is the upper
+/// one.
 using Switches = std::vector<std::size_t>;
 
-/// log P of so many switches among `size` places under the best Markov chain, with the opposite
-/// sign, less what is not known of their places: a jump of height h in white noise r is known to
-/// about 4 r / h^2 values, and no worse than to a quarter of a stay if the stays are to be told
-/// apart.
+/// -log P of so many switches among `size` places under the best Markov chain, less the uncertainty
+/// of their places. The place of a jump of height h in white noise r is known to about 4 r / h^2
+/// values, but at least to a quarter of a stay: otherwise the stays could not be distinguished.
 [[nodiscard]] double price_of_switches(std::size_t count, std::size_t size,
                                        double white_over_square);
 
@@ -26,9 +25,9 @@ using Switches = std::vector<std::size_t>;
 /// their distance and of their sum (docs/design/diagnosis.md, section 3).
 class SwitchSearch {
  public:
-  /// @param coefficients  of the DCT of what is to be explained
-  /// @param density  of the noise at each coefficient; the first is not used
-  /// @param white_variance  of the noise
+  /// @param coefficients  DCT of the residual to be explained
+  /// @param density  density of the noise at each coefficient; the first is not used
+  /// @param white_variance  white variance of the noise
   SwitchSearch(const spectrum::CosineTransform& transform, std::span<const double> coefficients,
                std::span<const double> density, double white_variance);
 
@@ -62,7 +61,7 @@ class SwitchSearch {
   void settle(Switches& path) const;
 
   std::vector<double> record_;    ///< products of the record with a step before each value
-  std::vector<double> distance_;  ///< of two steps, by the sum and the difference of their places
+  std::vector<double> distance_;  ///< products of steps, by sum and difference of place
   double white_variance_ = 0.0;
 };
 

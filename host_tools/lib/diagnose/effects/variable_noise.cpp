@@ -18,8 +18,8 @@ namespace zerorate::diagnose {
 namespace {
 
 constexpr std::size_t kBlocks = 240;      // a change is searched for between blocks, then refined
-constexpr double kMostCycles = 40.0;      // of a periodic strength over the record
-constexpr std::size_t kFewestBlocks = 2;  // of a stretch
+constexpr double kMostCycles = 40.0;      // cycles of a periodic strength over the record
+constexpr std::size_t kFewestBlocks = 2;  // blocks of a stretch
 constexpr double kDeepest = 0.98;         // modulation
 constexpr double kWays = 3.0;             // one change, a stretch, a swing
 constexpr std::size_t kPeriodicBlocks = 5000;  // a hundred and more in a period
@@ -34,7 +34,7 @@ struct Profile {
   std::size_t end = 0;
   double ratio = 1.0;   ///< ... by this factor
   double cycles = 0.0;  ///< or the variance swings so often over the record,
-  double cosine = 0.0;  ///< as 1 + cosine cos + sine sin
+  double cosine = 0.0;  ///< variance is 1 + cosine cos + sine sin
   double sine = 0.0;
   double fewest_cycles = 0.0;  ///< the 95 % interval of what is swung
   double most_cycles = 0.0;

@@ -13,7 +13,7 @@ namespace {
 using units::kDegPerRad;
 
 constexpr double kShortest = 4.0;  // samples
-constexpr double kLongest = 0.7;   // of the record: a longer one is a ramp
+constexpr double kLongest = 0.7;   // share of the record: a longer one is a ramp
 constexpr double kFirstGrid = 1.5;
 
 /// The exponential that dies out after switch-on. The part's shape: its time constant in s.

@@ -27,7 +27,7 @@ class ColumnSearch {
   [[nodiscard]] const std::vector<double>& density() const { return hypothesis_->density(); }
   [[nodiscard]] const std::vector<double>& precision() const { return hypothesis_->precision(); }
   [[nodiscard]] const NoiseSpectrum& noise() const { return hypothesis_->noise().spectrum; }
-  /// DCT coefficients of what is to be explained.
+  /// DCT coefficients of the residual to be explained.
   [[nodiscard]] const std::vector<double>& residual() const {
     return is_changed_ ? residual_ : hypothesis_->residual();
   }
@@ -52,7 +52,7 @@ class ColumnSearch {
 
   const Hypothesis* hypothesis_;
   std::vector<const Column*> others_;
-  NormalEquations equations_;            ///< of the others
+  NormalEquations equations_;            ///< equations of the other columns
   std::vector<double> others_products_;  ///< with the residual
   bool is_changed_ = false;              ///< the residual is not that of the hypothesis
   std::vector<double> residual_;         ///< then
@@ -69,7 +69,7 @@ class ColumnPursuit {
 
   struct Best {
     std::size_t candidate = 0;  ///< its number
-    double gain = 0.0;          ///< of log likelihood, beside the columns that were chosen
+    double gain = 0.0;          ///< gain of log likelihood, beside the columns that were chosen
   };
   /// The candidate of the greatest gain; a gain of 0 if none is left.
   [[nodiscard]] Best best() const;

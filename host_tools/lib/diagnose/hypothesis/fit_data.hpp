@@ -1,5 +1,5 @@
 /// @file
-/// A record prepared for fits: what all hypotheses about it share.
+/// A record prepared for fits, shared by all hypotheses about it.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace zerorate::diagnose {
 /// Temperature behind a first-order lag, about the mean temperature.
 struct LaggedTemperature {
   double lag_s = 0.0;
-  std::vector<Column> columns;  ///< of the temperature [K] and of its square [K^2]
+  std::vector<Column> columns;  ///< temperature [K] and its square [K^2]
 };
 
 /// The values of a series about their median, with the transforms that the fits need.
@@ -77,8 +77,8 @@ class FitData {
   parallel::Lazy<std::vector<LaggedTemperature>> lagged_temperatures_;
 };
 
-/// Replaces marked values by what their neighbours let expect, with noise of the neighbours' size,
-/// so that the spectrum of the whole stays what it was. Linear in the number of values.
+/// Replaces marked values by the expectation from their neighbours, with noise of the neighbours'
+/// size, so that the spectrum of the record does not change. Linear in the number of values.
 /// @param values  one a sample [rad/s]
 /// @param is_replaced  marks the values to replace
 /// @param range  measuring range: a marked value at one of its ends is drawn from beyond that end

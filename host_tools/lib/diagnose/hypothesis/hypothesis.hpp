@@ -22,11 +22,11 @@ class Hypothesis {
   /// @param before hypothesis from whose noise the fit starts, if there is one
   Hypothesis(const FitData& data, std::vector<Part> parts, const Hypothesis* before = nullptr);
 
-  /// Takes noise of a given density, S_k by index, which is not fitted: noise() tells nothing then.
-  /// The amplitudes of the parts are fitted.
+  /// Takes noise of a given density, S_k by index, which is not fitted: noise() is meaningless
+  /// then. The amplitudes of the parts are fitted.
   Hypothesis(const FitData& data, std::vector<Part> parts, std::vector<double> density);
 
-  /// This hypothesis and a part more, fitted from the noise of this one.
+  /// This hypothesis with one more part, fitted from the noise of this one.
   [[nodiscard]] Hypothesis with(Part part) const;
 
   [[nodiscard]] const FitData& data() const { return *data_; }
@@ -61,7 +61,8 @@ class Hypothesis {
   /// Diagonal of Sigma^-1: a value predicted from all others has the variance 1 / mean_precision().
   [[nodiscard]] double mean_precision() const;
   /// True if the values lie on levels so coarse that rounding changes their distribution and its
-  /// spread by more than this record's chance: single values tell of the levels, not of the noise.
+  /// spread by more than this record's chance: single values depend on the levels, not on the
+  /// noise.
   [[nodiscard]] bool is_coarse() const;
   /// Largest change of a value by rounding: one step where the values are coarse, else 0.
   [[nodiscard]] double rounding_rad_s() const { return is_coarse() ? data_->lattice()->step : 0.0; }
@@ -98,7 +99,7 @@ class Hypothesis {
   std::vector<double> variances_;
   std::shared_ptr<const std::vector<bool>> is_replaced_;
   Values repaired_;
-  Values coefficients_;  ///< of the repaired values
+  Values coefficients_;  ///< coefficients of the repaired values
   Values residual_;
   Values given_density_;  ///< null where the noise is fitted
   parallel::Lazy<std::vector<double>> density_;

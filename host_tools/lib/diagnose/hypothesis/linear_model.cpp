@@ -155,7 +155,7 @@ std::pair<Column, Column> tone_columns(const FitData& data, double cycles) {
   // Geometric series of e^(i w t) cos(theta_k (t + 1/2)): with x = n w / 2 their sum is
   // e^(i w (n-1)/2) (sin x or i cos x) (1 / sin((w + theta) / 2) + 1 / sin((w - theta) / 2)) / 2.
   const auto n = static_cast<double>(data.size());
-  double place = 2.0 * n * cycles;  // of the tone among the coefficients
+  double place = 2.0 * n * cycles;  // place of the tone among the coefficients
   constexpr double kLeastDistance = 1e-4;
   if (std::abs(place - std::round(place)) < kLeastDistance) {
     place = std::round(place) + kLeastDistance;
@@ -195,7 +195,7 @@ Column decay_from(const FitData& data, double tau_s, std::size_t first, std::siz
   const double lost = -std::expm1(-1.0 / samples);
   const double end = std::exp(-static_cast<double>(data.size() - first) / samples);
   const auto sines = array(data.sines()).segment(1, static_cast<Eigen::Index>(count));
-  const Eigen::ArrayXd cosines = (1.0 - 0.25 * sines.square()).sqrt();  // of w / 2
+  const Eigen::ArrayXd cosines = (1.0 - 0.25 * sines.square()).sqrt();  // cosines of w / 2
   Column column{1, std::vector<double>(count)};
   Eigen::Map<Eigen::ArrayXd> sums(column.coefficients.data(), cosines.size());
   if (first == 0) {

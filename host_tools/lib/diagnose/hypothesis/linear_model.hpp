@@ -1,6 +1,6 @@
 /// @file
 /// Generalised least squares with columns in the DCT domain, where the noise is independent: one
-/// inner product and one policy for columns that say the same.
+/// inner product and one policy for columns that are linearly dependent.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ namespace zerorate::diagnose {
 [[nodiscard]] double inner(const Column& x, std::span<const double> coefficients,
                            std::span<const double> precision);
 
-/// Normal equations of columns, factorised column by column (Cholesky). A column of which less than
-/// kLeastShare is left beside the columns before it is collinear: it gets no amplitude and gains
-/// nothing. So the gain that a search foretells for a column is the gain of the fit with it.
+/// Normal equations of columns, factorised column by column (Cholesky). A column is collinear if
+/// less than kLeastShare of it is left beside the columns before it: it gets no amplitude and gains
+/// nothing. So the gain that a search computes for a column is the gain of the fit with it.
 class NormalEquations {
  public:
   static constexpr double kLeastShare = 1e-8;
@@ -41,7 +41,7 @@ class NormalEquations {
   /// Best amplitudes.
   /// @param products  inner products of the record with the columns
   [[nodiscard]] std::vector<double> amplitudes(std::span<const double> products) const;
-  /// Variances of the amplitudes; that of a collinear column is as large as can be told.
+  /// Variances of the amplitudes; that of a collinear column is as large as can be determined.
   [[nodiscard]] std::vector<double> variances() const;
 
  private:

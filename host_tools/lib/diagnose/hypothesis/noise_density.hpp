@@ -1,6 +1,6 @@
 /// @file
-/// The density of a noise spectrum at a bin, part by part, with its derivatives: what the fit of
-/// spectrum_fit.hpp climbs on.
+/// The density of a noise spectrum at a bin, part by part, with the derivatives for the fit of
+/// spectrum_fit.hpp.
 #pragma once
 
 #include <array>
@@ -94,8 +94,8 @@ class DensityFactors {
   double markov_phi_ = 0.0;
   double markov_lost_ = 0.0;  ///< 1 - phi
   double line_decay_ = 0.0;   ///< 1 / coherence time
-  double line_coth_ = 0.0;    ///< of half the decay
-  double line_sinh_ = 0.0;    ///< of the decay
+  double line_coth_ = 0.0;    ///< coth of half the decay
+  double line_sinh_ = 0.0;    ///< sinh of the decay
   double line_cosh_ = 0.0;
   std::complex<double> half_line_angle_ = 1.0;  ///< e^(i w0 / 2)
   double cut_off_ = 0.0;                        ///< tan(pi a / 2)

@@ -29,7 +29,7 @@ enum class NoiseParameterId : std::uint8_t {
 
 /// A parameter of a noise spectrum.
 struct NoiseParameter {
-  /// Quantity, which says the scale of the fit and what the limits are relative to.
+  /// Quantity: decides the scale of the fit and the reference of the limits.
   enum class Kind : std::uint8_t {
     strength,   ///< a variance: its logarithm is fitted, over that of the weakest noise that counts
     time,       ///< samples: its logarithm is fitted; `highest` is a share of the record
@@ -41,9 +41,9 @@ struct NoiseParameter {
 
   NoiseParameterId id;
   double NoiseSpectrum::*value;
-  bool NoiseTerms::*term = nullptr;  ///< that it belongs to; none: fitted always
+  bool NoiseTerms::*term = nullptr;  ///< term that has the parameter; none: fitted always
   Kind kind;
-  double unit = 1.0;           ///< of a share
+  double unit = 1.0;           ///< largest value of a share
   double lowest = -kInfinity;  ///< limits of the fit, on its scale for strengths and shares
   double highest = kInfinity;
   /// Limits of a start, by value (of a strength: over the weakest noise that counts). They lie
@@ -117,7 +117,7 @@ inline constexpr std::array<NoiseParameter, 10> kNoiseParameters{{
      .highest_start = 0.999},
 }};
 
-/// True if every parameter stands at the place that its id says.
+/// True if every parameter stands at the place of its id.
 consteval bool are_in_order(const std::array<NoiseParameter, 10>& parameters) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (static_cast<std::size_t>(parameters[i].id) != i) return false;

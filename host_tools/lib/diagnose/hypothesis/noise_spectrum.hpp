@@ -11,7 +11,7 @@ namespace zerorate::diagnose {
 /// Order of 1/f noise, which the base model has.
 inline constexpr double kOrderOfBase = 0.5;
 
-/// Which parts a spectrum has besides white and flicker noise.
+/// Parts of a spectrum besides white and flicker noise.
 struct NoiseTerms {
   bool free_order = false;  ///< d is fitted; else it is the one given, or 1/2
   bool random_walk = false;
@@ -26,7 +26,8 @@ struct NoiseTerms {
             low_pass || other.low_pass,         given_order ? given_order : other.given_order};
   }
   [[nodiscard]] bool has_order() const { return free_order || given_order; }
-  /// Has slow noise other than the base's, which takes in whatever a wrong function of time leaves.
+  /// Whether there is slow noise besides the base's. Such noise absorbs the residue of a wrong
+  /// function of time.
   [[nodiscard]] bool has_slow_noise() const { return has_order() || random_walk || gauss_markov; }
   bool operator==(const NoiseTerms&) const = default;
 };

@@ -1,5 +1,5 @@
 /// @file
-/// A part: what one effect contributes to a hypothesis.
+/// Part of a hypothesis that one effect contributes.
 #pragma once
 
 #include <cstddef>
@@ -37,13 +37,13 @@ struct Range {
 struct Part {
   std::string_view effect;
   NoiseTerms terms;
-  std::vector<NoiseSpectrum> starts;  ///< of the fit of the terms
+  std::vector<NoiseSpectrum> starts;  ///< starts for the fit of the terms
   std::vector<Column> columns;        ///< mean functions, whose amplitudes are fitted
   std::vector<double> shape;  ///< further figures of the effect; each effect documents its own
   double log_p_of_even_times = 0.0;  ///< log P that its events come as evenly by chance; 0: unknown
-  std::vector<Run> replaced;         ///< values that say nothing of the noise
+  std::vector<Run> replaced;         ///< values without information on the noise
   Range clipped;                     ///< replaced values at its ends are known to lie beyond them
-  std::vector<float> relative_sigma;  ///< of the white noise, one a value; empty: 1
+  std::vector<float> relative_sigma;  ///< sigma of the white noise, one a value; empty: 1
 };
 
 }  // namespace zerorate::diagnose

@@ -16,7 +16,7 @@ namespace {
 
 using Kind = NoiseParameter::Kind;
 
-constexpr double kWeakest = 1e-12;  // of the mean square: as good as nothing
+constexpr double kWeakest = 1e-12;  // share of the mean square that counts as zero
 constexpr int kMostIterations = 60;
 constexpr double kConverged = 1e-5;     // nats
 constexpr double kBroadestLine = 0.25;  // half its width at half its power, of its frequency
@@ -241,7 +241,7 @@ class Scoring {
 
   Bins half_counts_;
   Bins mean_squares_;
-  std::vector<SpectralPlace> places_;  ///< of the bins
+  std::vector<SpectralPlace> places_;  ///< places of the bins
   std::size_t size_;
   NoiseTerms terms_;
   std::vector<const NoiseParameter*> fitted_;
@@ -291,7 +291,7 @@ NoiseSpectrum rough_spectrum(std::span<const SpectralBin> bins) {
 namespace {
 
 constexpr double kBinGrowth = 1.03;
-constexpr double kShareOfEnd = 0.1;  // of the coefficients up to the last one, in a bin
+constexpr double kShareOfEnd = 0.1;  // bin width over the coefficients up to the last one in it
 constexpr std::size_t kFewestInEnd = 8;
 
 /// Width of a bin that begins at a coefficient, so that it does not blur a line.

@@ -20,7 +20,7 @@ struct SpectralBin {
   double sine;  ///< 2 sin(w/2) at the centre
   double mean_square;
   double count;
-  std::size_t index;  ///< of the coefficient where it stands alone, else 0
+  std::size_t index;  ///< index of the coefficient where it stands alone, else 0
 };
 
 /// One bin for each of the first coefficients, 3 % wide ones above; towards the last coefficient,
@@ -54,7 +54,7 @@ struct SpectrumFit {
                                        const NoiseTerms& terms,
                                        std::span<const NoiseSpectrum> starts);
 
-/// The likeliest of some spectra: as far as a look at each can tell which start leads up the hill.
+/// The most likely of some spectra, as the start of a fit. One evaluation each.
 /// @param spectra  one or more
 [[nodiscard]] NoiseSpectrum likeliest_of(std::span<const NoiseSpectrum> spectra,
                                          std::span<const SpectralBin> bins, std::size_t size);

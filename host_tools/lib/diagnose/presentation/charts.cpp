@@ -65,7 +65,7 @@ report::Series rate_series(std::string name, const std::vector<Point>& points, C
   return series;
 }
 
-/// Beyond this a bar says "without doubt" and would only flatten the others.
+/// Longest bar: a longer one would only flatten the others.
 constexpr double kTallestBarNats = 100.0;
 
 report::Reference even() {
@@ -124,7 +124,7 @@ report::BarChart evidence_chart(const Diagnosis& diagnosis) {
   report::BarGroup gain{.name = "gain", .colour = Colour::blue};
   report::BarGroup price{.name = "price", .colour = Colour::grey};
   bool cut = false;
-  for (const Evidence& evidence : diagnosis.evidence) {
+  for (const SelectionEvidence& evidence : diagnosis.evidence) {
     if (!evidence.not_examined.empty()) continue;
     cut |= evidence.gain_nats > kTallestBarNats;
     chart.categories.push_back(plain_name(evidence.effect));
@@ -172,7 +172,7 @@ report::BarChart coverage_chart(const Gain& gain) {
           .categories = {fmt::format("drives of {} s", units::in_figures(gain.drive_s))},
           .groups = {group("before", gain.coverage95_base, Colour::grey),
                      group("after", gain.coverage95_extended, Colour::blue)},
-          .reference = report::Reference{.name = "promised", .value = 95.0}};
+          .reference = report::Reference{.name = "nominal", .value = 95.0}};
 }
 
 }  // namespace zerorate::diagnose

@@ -19,15 +19,15 @@ namespace zerorate::diagnose {
 /// for the heading".
 [[nodiscard]] std::string verdict_in_words(const Diagnosis& diagnosis);
 
-/// One paragraph: what the simulation gets wrong, what explains it and what does not, what the
-/// extended model buys; or that nothing is wrong; or what is left and that no cause is proven.
+/// One paragraph with the error of the simulation, its causes, rejected causes and the gain of the
+/// extended model; or that nothing is wrong; or what is left, and that no cause is proven.
 [[nodiscard]] std::string in_words(const Diagnosis& diagnosis);
 
 /// Gain in heading of learning from the calm alone.
 [[nodiscard]] std::string in_words(const odometry::HeadingGain& gain);
 
-/// Causes in the order of what they cost the heading of a node that does not know them; those that
-/// the node cannot follow come last, the strongest first.
+/// Causes in the order of their cost in heading to a node without them. Causes that the node cannot
+/// follow come last, the strongest first.
 [[nodiscard]] std::vector<const Cause*> causes_by_cost(const Diagnosis& diagnosis);
 
 /// The causes on one line: "rate random walk (99 %), quantization (100 %)"; "none" without any.
@@ -39,14 +39,17 @@ namespace zerorate::diagnose {
 /// "0.0012", or "below 1e-6".
 [[nodiscard]] std::string p_value_in_words(double p);
 
-/// An effect as people read it: "rate random walk".
+/// Name of an effect for readers: "rate random walk".
 [[nodiscard]] std::string plain_name(std::string_view effect);
 
-/// A statistic as people read it: "Allan deviation".
+/// Name of a statistic for readers: "the Allan deviation".
 [[nodiscard]] std::string plain_statistic(std::string_view statistic);
 
-/// Unit at the end of a statistic's name: "deg/s"; empty where it has none.
-[[nodiscard]] std::string_view unit_of(std::string_view statistic);
+/// Unit at the end of a name in JSON: "deg/s"; empty where it has none.
+[[nodiscard]] std::string_view unit_of(std::string_view name);
+
+/// Name of a parameter for readers: "time constant, s" for "time_constant_s".
+[[nodiscard]] std::string plain_parameter(std::string_view name);
 
 /// Whether something matters for the heading: "it matters", "no matter", or "not decided".
 [[nodiscard]] std::string_view matter_in_words(std::optional<bool> is_material);
@@ -61,16 +64,16 @@ namespace zerorate::diagnose {
 [[nodiscard]] report::BarChart coverage_chart(const Gain& gain);
 
 /// One axis: the object itself; several: a list of such objects under "axes".
-/// @param doubts  what speaks against rest and is not certain, under "doubts"
-/// @param odometer  what is wrong with the odometer, under "odometer"; nullptr: not examined
+/// @param doubts  possible signs of motion, under "doubts"
+/// @param odometer  faults of the odometer, under "odometer"; nullptr: not examined
 [[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
                                   const std::vector<std::string>& doubts = {},
                                   const odometry::OdometerDiagnosis* odometer = nullptr);
 
 struct ReportText {
   std::string title;
-  std::string recording;   ///< as a user would name it in a command
-  std::string provenance;  ///< what makes the report once more
+  std::string recording;   ///< name of the recording in a command
+  std::string provenance;  ///< command that makes the report again
 };
 
 /// Report of each axis: the verdict in words, the causes and their parameters, Allan deviation and
@@ -78,7 +81,7 @@ struct ReportText {
 /// extension buys, and the extended model with the commands that run it.
 [[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
 
-/// Adds a section with what is wrong with the odometer.
+/// Adds a section with the faults of the odometer.
 void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer);
 
 }  // namespace zerorate::diagnose

@@ -30,20 +30,22 @@ std::vector<report::KeyFigure> key_figures(const Diagnosis& diagnosis) {
   }
   const Gain& gain = diagnosis.gain;
   if (gain.has_drives()) {
-    figures.push_back({"Heading drift",
-                       fmt::format("{:.3g}° → {:.3g}°", gain.heading_drift_base_deg.value,
-                                   gain.heading_drift_extended_deg.value),
-                       fmt::format("rms over {:.0f} s, held-out data", gain.drive_s)});
+    const std::string base = fmt::format("{:.3g}°", gain.heading_drift_base_deg.value);
+    const std::string extended = fmt::format("{:.3g}°", gain.heading_drift_extended_deg.value);
+    const bool is_same = base == extended;
+    figures.push_back({"Heading drift", is_same ? base : base + " → " + extended,
+                       fmt::format("rms over {:.0f} s, held-out data{}", gain.drive_s,
+                                   is_same ? "; the same with both models" : "")});
     figures.push_back(
         {"Interval coverage", fmt::format("{:.0f} %", 100.0 * gain.coverage95_extended.value),
-         fmt::format("promised 95 %; {:.0f} % before", 100.0 * gain.coverage95_base.value)});
+         fmt::format("nominal 95 %; {:.0f} % before", 100.0 * gain.coverage95_base.value)});
   }
   return figures;
 }
 
 report::Table parameter_table(const Diagnosis& diagnosis) {
   report::Table table{
-      .caption = "The causes and their parameters. The unit ends the parameter's name.",
+      .caption = "The causes and their parameters.",
       .columns = {
           {"Cause"}, {"Parameter"}, {"Value"}, {"95 % interval"}, {"Rivals within 3 nats"}}};
   for (const Cause& cause : diagnosis.causes) {
@@ -55,8 +57,8 @@ report::Table parameter_table(const Diagnosis& diagnosis) {
     if (rivals.empty()) rivals = "none";
     bool is_first = true;
     for (const Parameter& parameter : cause.parameters) {
-      table.rows.push_back({is_first ? plain_name(cause.effect) : "", parameter.name,
-                            figure(parameter.value),
+      table.rows.push_back({is_first ? plain_name(cause.effect) : "",
+                            plain_parameter(parameter.name), figure(parameter.value),
                             fmt::format("{} to {}", figure(parameter.lo), figure(parameter.hi)),
                             is_first ? rivals : ""});
       is_first = false;
@@ -117,7 +119,7 @@ report::Table evidence_table(const Diagnosis& diagnosis) {
                                   {.heading = "Gain", .unit = "nats", .decimals = 1},
                                   {.heading = "Price", .unit = "nats", .decimals = 1},
                                   {"In the model"}}};
-  for (const Evidence& evidence : diagnosis.evidence) {
+  for (const SelectionEvidence& evidence : diagnosis.evidence) {
     const bool examined = evidence.not_examined.empty();
     table.rows.push_back(
         {plain_name(evidence.effect),
@@ -243,7 +245,7 @@ report::Report make_report(std::span<const Diagnosis> axes, const ReportText& te
 void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer) {
   auto& section = report.section("Odometer");
   if (odometer.findings.empty()) {
-    section.paragraph("The odometer is healthy, as far as the reference's speed tells.");
+    section.paragraph("The odometer is healthy by the reference's speed.");
     return;
   }
   report::Table table{.caption = "Figures with their 95 % intervals",

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -64,14 +65,14 @@ const Misfit* worst_misfit(const Diagnosis& diagnosis) {
 
 /// The next best effect that does not do, each added alone.
 std::optional<std::string> rejected_rival(const Diagnosis& diagnosis) {
-  const auto chosen = std::ranges::find(diagnosis.evidence, true, &Evidence::selected);
+  const auto chosen = std::ranges::find(diagnosis.evidence, true, &SelectionEvidence::selected);
   if (chosen == diagnosis.evidence.end()) return std::nullopt;
   // Alternatives are compared this way: with the price of parameters and search taken off.
-  const auto worth = [](const Evidence& evidence) {
+  const auto worth = [](const SelectionEvidence& evidence) {
     return evidence.gain_nats - evidence.price_nats;
   };
   const auto& alternatives = diagnosis.causes.front().alternatives;
-  const auto is_rejected = [&](const Evidence& evidence) {
+  const auto is_rejected = [&](const SelectionEvidence& evidence) {
     return !evidence.selected && evidence.not_examined.empty() && worth(evidence) > 0.0 &&
            worth(*chosen) - worth(evidence) > kAlternativeNats &&
            std::ranges::find(alternatives, evidence.effect, &Alternative::effect) ==
@@ -129,7 +130,7 @@ std::string drive_sentences(const Gain& gain) {
       "[{}, {}], and the 95 % interval covers {:.0f} % {} {:.0f} %.",
       gain.drive_s, ratio < 1.0 ? "falls" : "rises", in_figures(gain.heading_drift_base_deg.value),
       in_figures(after.value), in_figures(after.lo), in_figures(after.hi), covered,
-      same_coverage ? "as before, promised are" : "instead of",
+      same_coverage ? "as before, nominal is" : "instead of",
       same_coverage ? 95.0 : covered_before);
 }
 
@@ -191,9 +192,11 @@ std::string causes_in_words(const Diagnosis& diagnosis) {
 std::string drift_in_words(const Diagnosis& diagnosis) {
   const Gain& gain = diagnosis.gain;
   if (!gain.has_drives()) return {};
-  return fmt::format("{} to {} deg in {} s", in_figures(gain.heading_drift_base_deg.value),
-                     in_figures(gain.heading_drift_extended_deg.value),
-                     in_figures(gain.drive_s, 2));
+  const std::string base = in_figures(gain.heading_drift_base_deg.value);
+  const std::string extended = in_figures(gain.heading_drift_extended_deg.value);
+  const std::string drive_s = in_figures(gain.drive_s, 2);
+  if (base == extended) return fmt::format("{} deg in {} s with both", base, drive_s);
+  return fmt::format("{} to {} deg in {} s", base, extended, drive_s);
 }
 
 std::string p_value_in_words(double p) {
@@ -214,9 +217,43 @@ std::string plain_statistic(std::string_view statistic) {
   return "the " + plain_name(statistic);
 }
 
-std::string_view unit_of(std::string_view statistic) {
-  if (statistic.ends_with("_dps_per_sqrt_hz")) return "deg/s/sqrt(Hz)";
-  return statistic.ends_with("_dps") ? "deg/s" : "";
+namespace {
+
+struct NameOfUnit {
+  std::string_view suffix;
+  std::string_view unit;
+};
+/// Suffixes of names in JSON. A suffix that ends another one comes after it.
+constexpr std::array kUnits{NameOfUnit{"_dps_per_sqrt_hz", "deg/s/sqrt(Hz)"},
+                            NameOfUnit{"_dps_per_sqrt_s", "deg/s/sqrt(s)"},
+                            NameOfUnit{"_dps_per_s", "deg/s^2"},
+                            NameOfUnit{"_dps_per_k", "deg/s/K"},
+                            NameOfUnit{"_dps_per_k2", "deg/s/K^2"},
+                            NameOfUnit{"_deg_per_k", "deg/K"},
+                            NameOfUnit{"_dps", "deg/s"},
+                            NameOfUnit{"_degc", "deg C"},
+                            NameOfUnit{"_hz", "Hz"},
+                            NameOfUnit{"_samples", "samples"},
+                            NameOfUnit{"_s", "s"}};
+
+const NameOfUnit* find_unit(std::string_view name) {
+  const auto at = std::ranges::find_if(
+      kUnits, [&](const NameOfUnit& one) { return name.ends_with(one.suffix); });
+  return at == kUnits.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+std::string_view unit_of(std::string_view name) {
+  const NameOfUnit* const found = find_unit(name);
+  return found == nullptr ? "" : found->unit;
+}
+
+std::string plain_parameter(std::string_view name) {
+  const NameOfUnit* const found = find_unit(name);
+  if (found == nullptr) return plain_name(name);
+  name.remove_suffix(found->suffix.size());
+  return fmt::format("{}, {}", plain_name(name), found->unit);
 }
 
 std::string_view matter_in_words(std::optional<bool> is_material) {
@@ -228,7 +265,7 @@ std::string verdict_in_words(const Diagnosis& diagnosis) {
   std::string text(name(diagnosis.verdict));
   if (diagnosis.verdict != Verdict::unexplained) return text;
   const std::optional<bool> is_material = diagnosis.is_material();
-  if (!is_material) return text + ", and the recording does not tell whether it matters";
+  if (!is_material) return text + ", and the recording does not show whether it matters";
   return text + (*is_material ? ", and it matters for the heading"
                               : ", but it does not matter for the heading");
 }

@@ -8,7 +8,7 @@ namespace zerorate::diagnose {
 namespace {
 
 constexpr double kFewestFilled = 0.7;
-constexpr double kMostJitter = 0.125;   // of a period, beyond which a late sample is no loss yet
+constexpr double kMostJitter = 0.125;   // share of a period; a later sample is a loss
 constexpr std::size_t kConfirming = 7;  // samples, the late one included
 constexpr double kNoGrid = 0.15;        // rms distance of stamps that lie on no grid; 0.29 at most
 
@@ -52,7 +52,7 @@ class GridPhase {
     // Two samples may share a place.
     const double steps = std::max(0.0, 1.0 + late);
     phase_s_ += steps * period_s_;
-    // Clocks drift, holes are long: the latest stamps tell the phase.
+    // Clocks drift, holes are long: the phase comes from the latest stamps.
     constexpr double kFollow = 0.1;
     const double off_s = record_.time_s[k] - phase_s_;
     phase_s_ +=
@@ -123,12 +123,12 @@ namespace {
 
 constexpr std::size_t kFewest = 5;
 constexpr double kOverChance = 4.0;
-constexpr double kMostOfOneValue = 0.2;  // of the repetitions
-constexpr double kNear = 0.05;           // of the differences are taken for those about zero
-constexpr double kCoarse = 0.25;         // of the middle difference: the most for a level
+constexpr double kMostOfOneValue = 0.2;  // share of the repetitions
+constexpr double kNear = 0.05;           // share of the differences that count as about zero
+constexpr double kCoarse = 0.25;         // largest step of a level over the middle difference
 
 /// How many neighbours would be equal by chance, by how close together the least differences lie.
-/// All of them where the levels are too coarse to tell.
+/// All of them where the levels are too coarse for an estimate.
 double equal_by_chance(const std::vector<double>& rates) {
   std::vector<double> differences;
   differences.reserve(rates.size());

@@ -1,5 +1,5 @@
 /// @file
-/// Which samples of a record never arrived, by its time stamps.
+/// Lost samples of a record, found by its time stamps.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ namespace zerorate::diagnose {
 struct Losses {
   std::size_t expected = 0;  ///< samples, had none been lost
   std::size_t lost = 0;
-  std::size_t repeated = 0;  ///< of the lost: in their place the sample before came again
-  std::size_t runs = 0;  ///< of lost samples; in bursts: gaps of more than kLongGap mean intervals
-  double jitter = 0.0;   ///< rms deviation of the stamps from even ones, in periods
+  std::size_t repeated = 0;  ///< lost samples in whose place the sample before came again
+  std::size_t runs = 0;    ///< runs of lost samples; in bursts: gaps above kLongGap mean intervals
+  double jitter = 0.0;     ///< rms deviation of the stamps from even ones, in periods
   bool is_uneven = false;  ///< less than 0.7 of the grid is filled
   /// Uneven, and the stamps lie on no grid: batches that were stamped when they were read. How many
   /// samples are missing is unknown, `expected` and `lost` are 0.

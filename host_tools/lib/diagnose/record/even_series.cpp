@@ -175,7 +175,7 @@ void leave_out_start(EvenSeries& series) {
   constexpr std::size_t kFollowing = 65;
   constexpr std::ptrdiff_t kNext = 9;
   constexpr double kWild = 20.0;                   // sigma
-  constexpr double kSigmaOfDifference = 1.048358;  // over the median of |difference|, normal noise
+  constexpr double kSigmaOfDifference = 1.048358;  // times the median difference
   if (series.size() <= kFollowing) return;
   std::vector<double> following(series.rate_rad_s.begin() + 1,
                                 series.rate_rad_s.begin() + 1 + kFollowing);

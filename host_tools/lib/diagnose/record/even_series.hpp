@@ -1,5 +1,5 @@
 /// @file
-/// A record on an even grid, with what is missing marked and filled in.
+/// A record on an even grid; lost values are marked and filled in.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@ namespace zerorate::diagnose {
 
 struct EvenSeries {
   double period_s = 0.0;
-  double start_s = 0.0;  ///< of the first sample, on the record's clock
+  double start_s = 0.0;  ///< time of the first sample, on the record's clock
   std::vector<double> rate_rad_s;
-  std::vector<double> temperature_degc;  ///< as many, or none
+  std::vector<double> temperature_degc;  ///< one for each value, or none
   std::vector<bool> lost;                ///< no sample there: the rate is a placeholder
-  Losses losses;                         ///< of the whole record
-  double span_s = 0.0;                   ///< of the whole record
-  /// How far the first value lay from those that follow, if so far that it was taken for one of the
-  /// switch-on and for lost; else 0.
+  Losses losses;                         ///< losses of the whole record
+  double span_s = 0.0;                   ///< length of the whole record
+  /// Distance of the first value from the following ones, if it counts as a switch-on transient and
+  /// as lost; else 0.
   double start_off_rad_s = 0.0;
   /// Means over ticks, because the samples come too unevenly; a value holds some of them.
   bool is_ticks = false;

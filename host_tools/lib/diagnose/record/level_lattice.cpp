@@ -7,8 +7,8 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr double kTolerance = 0.1;         // of a step
-constexpr double kSinglePrecision = 4e-7;  // of the value: a rate was a float
+constexpr double kTolerance = 0.1;         // share of a step
+constexpr double kSinglePrecision = 4e-7;  // rounding of a float, over the value
 
 /// How far apart two equal values of a range may be.
 double single_precision_of(double least, double most) {
@@ -44,7 +44,7 @@ std::optional<LevelLattice> find_lattice(std::span<const double> values) {
   std::vector<double> sorted = gaps;
   std::ranges::sort(sorted);
   const double smallest = sorted[sorted.size() / 20];
-  // Number the levels, then let the outermost ones say how far apart they are.
+  // Number the levels, then take the spacing from the outermost ones.
   std::vector<std::size_t> numbers{0};
   numbers.reserve(levels.size());
   for (const double gap : gaps) {

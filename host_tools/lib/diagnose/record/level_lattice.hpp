@@ -11,8 +11,8 @@ namespace zerorate::diagnose {
 
 struct LevelLattice {
   double step = 0.0;
-  double offset = 0.0;              ///< of level 0
-  std::vector<std::size_t> counts;  ///< of values on each level, 0 the lowest
+  double offset = 0.0;              ///< value of level 0
+  std::vector<std::size_t> counts;  ///< values on each level, 0 the lowest
 };
 
 /// Levels of equal distance that hold every value to a tenth of the distance; nothing where there

@@ -1,5 +1,5 @@
 /// @file
-/// The recording as a diagnosis takes it: one axis at rest.
+/// Input of a diagnosis: one axis at rest.
 #pragma once
 
 #include <cstddef>
@@ -10,25 +10,25 @@
 
 namespace zerorate::diagnose {
 
-/// One axis at rest. Time stamps say what is missing.
+/// One axis at rest. Time stamps show what is missing.
 struct Record {
   std::string axis;
   double sample_period_s = 0.0;  ///< median interval
   double mean_period_s = 0.0;    ///< mean interval, holes left out (see identify::RestSamples)
   std::vector<double> time_s;    ///< ascending
   std::vector<double> rate_rad_s;
-  std::vector<double> temperature_degc;  ///< as many, or none
-  std::size_t standstills = 1;           ///< of the recording; this is the longest of them
+  std::vector<double> temperature_degc;  ///< one for each value, or none
+  std::size_t standstills = 1;  ///< standstills of the recording; this is the longest of them
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
 
-/// One axis of the longest standstill of the samples; time begins at their first one. Between
-/// standstills nothing was lost, and nothing of the noise is known. A temperature that was lost is
-/// that of the sample before.
+/// One axis of the longest standstill of the samples; time begins at their first one. The time
+/// between standstills counts neither as lost nor as noise. A lost temperature is replaced by that
+/// of the sample before.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
-/// Samples of a record, as what averages and characterizes samples takes them.
+/// Samples of a record in the form for averaging and characterization.
 [[nodiscard]] identify::RestSamples samples_of(const Record& record);
 
 /// Fewest samples of a record that can be diagnosed.

@@ -10,7 +10,7 @@ namespace {
 
 /// Surprisal beyond the threshold, by which effects are chosen; what was not examined has the
 /// least.
-double strength(const Evidence& evidence) {
+double strength(const SelectionEvidence& evidence) {
   return evidence.not_examined.empty() ? evidence.gain_nats - evidence.price_nats
                                        : -std::numeric_limits<double>::infinity();
 }
@@ -45,16 +45,16 @@ std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
   return all;
 }
 
-void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all) {
-  for (Evidence& evidence : more) {
-    const auto known = std::ranges::find(all, evidence.effect, &Evidence::effect);
+void add_stronger(std::vector<SelectionEvidence> more, std::vector<SelectionEvidence>& all) {
+  for (SelectionEvidence& evidence : more) {
+    const auto known = std::ranges::find(all, evidence.effect, &SelectionEvidence::effect);
     if (known == all.end()) {
       all.push_back(std::move(evidence));
     } else if (strength(evidence) > strength(*known)) {
       *known = std::move(evidence);
     }
   }
-  std::ranges::stable_sort(all, std::greater{}, &Evidence::gain_nats);
+  std::ranges::stable_sort(all, std::greater{}, &SelectionEvidence::gain_nats);
 }
 
 }  // namespace zerorate::diagnose

@@ -18,7 +18,7 @@ namespace zerorate::diagnose {
 using statistics::BootstrapFigure;
 
 enum class Verdict {
-  /// White + 1/f + constant does, or the model that was given, as far as this recording can tell.
+  /// White + 1/f + constant does, or the model that was given, as far as this recording can show.
   consistent,
   explained,    ///< the causes are needed, and with them nothing is left
   unexplained,  ///< with the best extension something is still wrong: no cause is proven
@@ -60,10 +60,10 @@ inline constexpr std::string_view kByChance = "chance";
 inline constexpr double kStandsAlone = 0.8;
 
 struct Cause {
-  std::string effect;      ///< as in the catalogue, e.g. "rate_random_walk"
+  std::string effect;      ///< name in the catalogue, e.g. "rate_random_walk"
   double gain_nats = 0.0;  ///< log likelihood that is lost without it
-  double p_value = 1.0;    ///< of so large a gain by chance, the search included
-  std::size_t axes = 1;    ///< that have it in common, and that the gain and p are of
+  double p_value = 1.0;    ///< probability of so large a gain by chance, the search included
+  std::size_t axes = 1;    ///< axes that have it in common; gain and p hold for all of them
   std::vector<Parameter> parameters;
   std::vector<Alternative> alternatives;  ///< within kAlternativeNats, best first
   /// Probability that the effect is among the causes, if the catalogue holds them all.
@@ -73,17 +73,17 @@ struct Cause {
   std::string sentence;  ///< for a firmware engineer, e.g. "A random walk of ... explains it."
   bool in_model = true;  ///< the extended model has it
   std::string left_out_because;  ///< reason where it has not
-  /// Heading drift of the node with its extension over that without, on data held out: less than 1
-  /// is what the cause costs who leaves it out. Nothing where the node cannot follow the cause.
+  /// Heading drift of the node with its extension over that without, on data held out. Below 1 the
+  /// extension pays. Nothing where the node cannot follow the cause.
   std::optional<BootstrapFigure> heading_drift_ratio{};
 
   [[nodiscard]] bool stands_alone() const { return probability >= kStandsAlone; }
 };
 
 inline constexpr double kAlternativeNats = 3.0;
-inline constexpr std::size_t kMostCauses = 3;  ///< that are told first
+inline constexpr std::size_t kMostCauses = 3;  ///< causes reported at most
 
-/// A statistic of the recording beside what the base model makes of it in simulation.
+/// A statistic of the recording beside its range in simulations of the base model.
 struct Misfit {
   std::string statistic;  ///< "allan_deviation_dps", "density_dps_per_sqrt_hz", ...
   std::string where;      ///< "tau 200 s", ".5 Hz to 1 Hz"; empty where the whole is meant
@@ -99,7 +99,7 @@ struct Misfit {
 /// Whether a model is enough, by a family of tests whose error is controlled as a whole.
 struct Adequacy {
   bool holds = true;
-  double p_value = 1.0;               ///< of the whole family
+  double p_value = 1.0;               ///< p-value of the whole family
   std::vector<std::string> failures;  ///< tests that fail, the worst first, in words
 };
 
@@ -136,8 +136,8 @@ struct HeadingExcess {
     return std::nullopt;
   }
 
-  static constexpr double kLeastExcess = 1.05;  ///< of the heading error that may matter
-  static constexpr double kMostExcess = 1.25;   ///< that does not matter
+  static constexpr double kLeastExcess = 1.05;  ///< smallest ratio that may matter
+  static constexpr double kMostExcess = 1.25;   ///< largest ratio that does not matter
 };
 
 /// Whether what is left unexplained matters for the heading.
@@ -169,17 +169,17 @@ struct CurvePoint {
   double extended_hi = 0.0;
 };
 
-/// How strongly each effect of the catalogue speaks, when it alone is added to the base.
-struct Evidence {
+/// Gain of each effect of the catalogue when it alone is added to the base.
+struct SelectionEvidence {
   std::string effect;
   double gain_nats = 0.0;
-  double price_nats = 0.0;  ///< what the gain must exceed: parameters and search
+  double price_nats = 0.0;  ///< least gain that counts: the price of parameters and search
   bool selected = false;
   std::string not_examined;  ///< why it could not be, e.g. "no temperature"; empty otherwise
 };
 
 /// Adds evidence of another scale. An effect of either pace may be on both: the stronger stays.
-void add_stronger(std::vector<Evidence> more, std::vector<Evidence>& all);
+void add_stronger(std::vector<SelectionEvidence> more, std::vector<SelectionEvidence>& all);
 
 struct Point {
   double time_s = 0.0;
@@ -193,7 +193,7 @@ struct Drawing {
   std::vector<Point> marks;  ///< samples that the effect has touched; may be empty
 };
 
-/// Everything that is said of one axis.
+/// Result for one axis.
 struct Diagnosis {
   /// True where what is left unexplained matters for the heading; nothing where that is not known.
   [[nodiscard]] std::optional<bool> is_material() const {
@@ -215,19 +215,19 @@ struct Diagnosis {
   std::vector<Misfit> misfit;
   Adequacy base_adequacy;
   Adequacy extended_adequacy;
-  Gain gain;                  ///< over the base model
-  Gain gain_over_data_sheet;  ///< over white and 1/f noise, or the model that was given
+  Gain gain;                  ///< gain over the base model
+  Gain gain_over_data_sheet;  ///< gain over white and 1/f noise, or over the model that was given
   /// White and flicker noise as `zerorate characterize` writes them, or the model that was given.
   model::SensorModel base_model;
   /// The base with the extensions that pay. Where a model was given that describes the recording,
   /// that one.
   model::SensorModel extended_model;
-  std::vector<Evidence> evidence;    ///< strongest first
-  std::vector<CurvePoint> allan;     ///< rad/s
-  std::vector<CurvePoint> density;   ///< one-sided, (rad/s)^2/Hz
-  std::vector<Drawing> drawings;     ///< one a cause that can be drawn
-  std::vector<Point> thinned;        ///< the recording, thinned for drawing
-  std::vector<std::string> remarks;  ///< what a user should know of these figures
+  std::vector<SelectionEvidence> evidence;  ///< strongest first
+  std::vector<CurvePoint> allan;            ///< rad/s
+  std::vector<CurvePoint> density;          ///< one-sided, (rad/s)^2/Hz
+  std::vector<Drawing> drawings;            ///< one a cause that can be drawn
+  std::vector<Point> thinned;               ///< the recording, thinned for drawing
+  std::vector<std::string> remarks;         ///< limits of these figures, for the user
 };
 
 }  // namespace zerorate::diagnose

@@ -11,8 +11,8 @@
 namespace zerorate::diagnose {
 
 struct DescribedCauses {
-  std::vector<Cause> causes;      ///< by rank
-  std::vector<Drawing> drawings;  ///< of the causes that can be drawn, in the order of the choices
+  std::vector<Cause> causes;      ///< causes by rank
+  std::vector<Drawing> drawings;  ///< in the order of the choices, one a cause
 };
 
 /// Describes each choice once.

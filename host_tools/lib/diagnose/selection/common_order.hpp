@@ -1,6 +1,6 @@
 /// @file
-/// One order of the flicker noise for all axes of a sensor. They are of one make, and together they
-/// tell what none of them tells alone; what is asked of all at once is paid for once.
+/// One order of the flicker noise for all axes of a sensor. The axes are alike, and together they
+/// have more information on the order than each alone. One common question costs one price.
 #pragma once
 
 #include <array>
@@ -47,7 +47,7 @@ class OrderProfile {
 
 /// Slow noise of one axis, in three ways. Log likelihoods are less the prices of the choices.
 struct SlowNoise {
-  double selected_nats = 0.0;     ///< by what was selected for this axis alone
+  double selected_nats = 0.0;     ///< log likelihood with the effects selected for this axis alone
   std::vector<bool> is_kept;      ///< each of its choices, beside an order in common
   double prices_of_kept = 0.0;    ///< [nats]
   OrderProfile by_order;          ///< with an order in the place of what is not kept
@@ -60,7 +60,7 @@ struct SlowNoise {
 struct CommonOrder {
   OrderProfile by_order;
   OrderProfile::Peak peak;
-  double gain_nats = 0.0;  ///< over the order of the base
+  double gain_nats = 0.0;  ///< gain over the order of the base
   double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
   std::vector<Explanation> explanations;

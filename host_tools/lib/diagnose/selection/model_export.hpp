@@ -21,8 +21,8 @@ namespace zerorate::diagnose {
 /// and the share of the temperature (if the record has one), is fitted in size.
 [[nodiscard]] Hypothesis hypothesis_of(const FitData& data, const model::SensorModel& model);
 
-/// White and 1/f noise as fitted beside the sensor's low-pass, lines and disturbed samples, and
-/// then without them: where flicker noise lives nothing else has spoiled it.
+/// White and 1/f noise fitted beside the sensor's low-pass, lines and disturbed samples, without
+/// these. At the frequencies of flicker noise no other part disturbs the fit.
 /// @param base  white and 1/f noise fitted alone; returned where there is no such effect
 /// @param full  hypothesis with all effects
 [[nodiscard]] Hypothesis base_beside_fast_effects(const Hypothesis& base, const Hypothesis& full);

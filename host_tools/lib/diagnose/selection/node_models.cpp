@@ -72,7 +72,7 @@ model::SensorModel NodeModels::with(const std::vector<bool>& is_in) const {
 
 model::SensorModel NodeModels::beside_fast_effects(const std::vector<bool>& is_in) const {
   std::vector<Part> parts;
-  std::vector<std::size_t> places;  // of the choices
+  std::vector<std::size_t> places;  // places of the choices
   for (std::size_t i = 0; i < choices_.size(); ++i) {
     if (!is_in[i] && is_slow_extension(full_->parts()[i])) continue;
     parts.push_back(full_->parts()[i]);

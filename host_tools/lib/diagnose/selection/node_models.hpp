@@ -52,7 +52,7 @@ class NodeModels {
   identify::InnovationsFit fit_;
 };
 
-/// True if a choice is no extension: the base has it, or it says nothing of the rate.
+/// True if a choice is no extension: the base has it, or it does not concern the rate.
 [[nodiscard]] bool is_in_base(const Choice& choice);
 
 }  // namespace zerorate::diagnose

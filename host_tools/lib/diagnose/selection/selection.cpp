@@ -42,7 +42,7 @@ std::vector<Proposal> proposals_for(const Hypothesis& without, const Catalogue& 
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Effect& effect = *catalogue.effects[i];
-    // A fit that ran away is no offer.
+    // Skip fits that diverged.
     if (candidates[i] && std::isfinite(candidates[i]->surprisal_nats) &&
         catalogue.scope.holds(effect, *candidates[i])) {
       proposals.push_back({&effect, std::move(*candidates[i])});
@@ -144,7 +144,7 @@ class Selector {
   }
 
  private:
-  /// Choices that stay draw nothing that is fast, and take no room.
+  /// True if more choices fit. Kept slow choices do not count towards kMostCauses.
   [[nodiscard]] bool has_room(std::size_t more = 1) const {
     return diagnose::has_room(std::span(state_.parts()).subspan(kept_),
                               std::span(choices_).subspan(kept_), more);
@@ -280,7 +280,7 @@ class Selector {
     return std::ranges::find(choices_, &effect, &Choice::effect) != choices_.end();
   }
 
-  /// To the latest choice, if it is near and not named there yet.
+  /// Names the part beside the latest choice, if it is near and not named there yet.
   void add_alternative(const Effect& effect, double behind) {
     std::vector<Alternative>& known = choices_.back().alternatives;
     if (behind > kAlternativeNats || effect.name() == choices_.back().effect->name() ||
@@ -293,8 +293,8 @@ class Selector {
     latest.explanations = weigh(latest.effect->name(), latest.surprisal_nats, known);
   }
 
-  static std::vector<Evidence> evidence_of(const std::vector<Proposal>& proposals) {
-    std::vector<Evidence> all;
+  static std::vector<SelectionEvidence> evidence_of(const std::vector<Proposal>& proposals) {
+    std::vector<SelectionEvidence> all;
     all.reserve(proposals.size());
     for (const Proposal& proposal : proposals) {
       const Candidate& candidate = proposal.candidate;
@@ -307,7 +307,7 @@ class Selector {
     return all;
   }
 
-  void add_not_examined(std::vector<Evidence>& all) const {
+  void add_not_examined(std::vector<SelectionEvidence>& all) const {
     for (const auto& effect : catalogue_.effects) {
       if (!catalogue_.scope.is_searched(*effect)) continue;
       const std::string_view obstacle = effect->obstacle(state_);
@@ -320,7 +320,7 @@ class Selector {
   Catalogue catalogue_;
   Hypothesis state_;
   std::vector<Choice> choices_;
-  std::size_t kept_ = 0;  ///< of the choices, which stay
+  std::size_t kept_ = 0;  ///< choices that stay
 };
 
 }  // namespace
@@ -343,7 +343,7 @@ bool has_room(std::span<const Part> parts, std::span<const Choice> choices, std:
 }
 
 void mark_selected(Selection& selection) {
-  for (Evidence& evidence : selection.evidence) {
+  for (SelectionEvidence& evidence : selection.evidence) {
     evidence.selected = std::ranges::any_of(selection.choices, [&](const Choice& choice) {
       return choice.effect->name() == evidence.effect;
     });

@@ -1,5 +1,5 @@
 /// @file
-/// Which effects a record needs: forward selection with second thoughts.
+/// Selection of the effects that a record needs: forward selection with second thoughts.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace zerorate::diagnose {
 
-/// An effect must be less likely to be chance than this [nats], so that 16 of them together are
-/// seen in one clean recording of some 200.
+/// Least surprisal of an effect that is selected [nats]. Of 18 effects together one is found by
+/// chance in some 180 clean recordings: 18 exp(-8.1) = 1 / 183.
 inline constexpr double kSelectionThreshold_nats = 8.1;
 
-/// An effect that was chosen, and what else could have been in its place.
+/// A chosen effect, and the effects that could take its place.
 struct Choice {
   const Effect* effect = nullptr;
   double gain_nats = 0.0;
   double surprisal_nats = 0.0;
   std::vector<Alternative> alternatives;
-  std::vector<Explanation> explanations = {};  ///< that were fitted, weighed; see weigh()
-  std::size_t axes = 1;                        ///< that gain and surprise are of
+  std::vector<Explanation> explanations = {};  ///< fitted explanations, weighed; see weigh()
+  std::size_t axes = 1;                        ///< axes that gain and surprise hold for
   bool is_of_means = false;                    ///< it was chosen for means of the record
   bool in_model = true;                        ///< it is an extension of the model that is written
   std::string left_out_because;                ///< reason where it is not
@@ -42,8 +42,9 @@ struct Choice {
 /// hypothesis of them is found at once.
 struct Selection {
   std::vector<Part> parts;
-  std::vector<Choice> choices;     ///< one for each part, in their order
-  std::vector<Evidence> evidence;  ///< of each effect on its own, strongest first
+  std::vector<Choice> choices;  ///< one for each part, in their order
+  std::vector<SelectionEvidence>
+      evidence;  ///< evidence for each effect on its own, strongest first
   double log_likelihood = 0.0;
 };
 
@@ -53,8 +54,8 @@ struct Selection {
 /// A function of time or noise that a bias wanders by.
 [[nodiscard]] bool is_slow(const Part& part);
 
-/// True while so many causes more may be added. Obvious causes that are neither functions of time
-/// nor slow noise do not count towards the limit, since they cannot describe just anything.
+/// True while so many more causes may be added. Obvious causes that are neither functions of time
+/// nor slow noise do not count towards the limit: they cannot fit arbitrary data.
 [[nodiscard]] bool has_room(std::span<const Part> parts, std::span<const Choice> choices,
                             std::size_t more = 1);
 

@@ -111,8 +111,8 @@ json now_json(const Tally& tally, const std::string& source, std::chrono::millis
   for (const app::AxisRate& axis : message.axes) {
     now["axes"].push_back(
         {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
-         {"bias_dph", number(is_calibrated, axis.bias, core::deg_per_h)},
-         {"half95_dph", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_h)}});
+         {"bias_dps", number(is_calibrated, axis.bias, core::deg_per_s)},
+         {"half95_dps", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_s)}});
   }
   now["learnt"] =
       tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);
@@ -126,7 +126,7 @@ json point_json(const json& now) {
   json point{std::chrono::duration<double>(unix_time).count()};
   const bool is_heard = now["silent_s"].is_null();
   for (const json& axis : now["axes"]) {
-    for (const char* const figure : {"bias_dph", "half95_dph"}) {
+    for (const char* const figure : {"bias_dps", "half95_dps"}) {
       point.push_back(is_heard ? axis[figure] : json(nullptr));
     }
   }
@@ -202,7 +202,7 @@ class Page::Server {
   }
 
  private:
-  /// Events that a browser has been told.
+  /// Events sent to a browser.
   struct Viewer {
     std::uint64_t version = 0;
     std::uint64_t points = 0;
@@ -257,13 +257,13 @@ class Page::Server {
   std::atomic<std::size_t> viewers_ = 0;
   std::atomic<bool> has_ended_ = false;
 
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // protects all members below
   std::condition_variable changed_;
   bool is_ending_ = false;
   json now_;
   std::uint64_t version_ = 0;
   std::deque<json> history_;
-  std::uint64_t points_ = 0;  ///< of the history since the start
+  std::uint64_t points_ = 0;  ///< points of the history since the start
   std::chrono::steady_clock::time_point newest_point_at_;
 
   std::thread thread_;

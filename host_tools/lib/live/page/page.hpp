@@ -21,7 +21,7 @@ namespace zerorate::live {
 class Page {
  public:
   static constexpr std::size_t kMostViewers = 8;
-  static constexpr std::size_t kMostPoints = 3600;  ///< of the history, one a second
+  static constexpr std::size_t kMostPoints = 3600;  ///< points of the history, one a second
 
   /// Serves from now on, in threads of its own.
   /// @param address numeric or a name of this machine

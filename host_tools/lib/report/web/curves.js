@@ -1,5 +1,22 @@
 // Curves over a common x, drawn by uPlot.
 
+// Counts time from a round start where its ticks would all read the same, such as stamps since 1970.
+function countFromStart(data) {
+  const all = data.series.flatMap((one) => one.x);
+  if (data.x.logarithmic || data.x.unit !== "s" || all.length === 0) return data;
+  const [least, greatest] = all.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]);
+  const span = Math.max(greatest - least, 100);
+  if (least < 1e4 * span) return data;
+  const round = 10 ** Math.ceil(Math.log10(span));
+  const start = Math.floor(least / round) * round;
+  return {
+    ...data,
+    x: { ...data.x, label: `${data.x.label} since ${typeset(String(start))}` },
+    series: data.series.map((one) => ({ ...one, x: one.x.map((x) => x - start) })),
+    shaded: data.shaded.map(([from, to]) => [from - start, to - start]),
+  };
+}
+
 // One ascending x for all series, as uPlot wants it: undefined where a series has no point, null
 // where it has a gap. Points of one series at the same x keep a row each.
 function alignSeries(series) {
@@ -140,20 +157,20 @@ function lineOptions(one, rowOf, zoom) {
 }
 
 function edgeOptions(one) {
-  const paths = PATHS[one.style === "points" ? "line" : one.style];
-  return { stroke: "transparent", width: 0, paths, points: { show: false } };
+  return { stroke: "transparent", width: 0, paths: PATHS[one.style], points: { show: false } };
 }
 
 // The columns of uPlot: all band edges first, so that the lines lie on top of every band.
 function layOut(data, zoom) {
   const { xs, rows } = alignSeries(data.series);
   const column = (s, values) => rows.map((row) => (row[s] === undefined ? undefined : values[row[s]]));
-  const layout = { columns: [xs], series: [{}], bands: [], rows, lineOf: [] };
+  const layout = { columns: [xs], series: [{}], bands: [], bars: [], rows, lineOf: [] };
   data.series.forEach((one, s) => {
     if (!one.lo) return;
     const lower = layout.columns.push(column(s, one.lo), column(s, one.hi)) - 2;
     layout.series.push(edgeOptions(one), edgeOptions(one));
-    layout.bands.push({ series: [lower + 1, lower], fill: () => `${ink(one.ink)}2e`, owner: s });
+    const band = { series: [lower + 1, lower], fill: () => `${ink(one.ink)}2e`, owner: s };
+    (one.style === "points" ? layout.bars : layout.bands).push(band);
   });
   data.series.forEach((one, s) => {
     const rowOf = rows.flatMap((row, r) => (row[s] === undefined ? [] : [r]));
@@ -173,6 +190,30 @@ function shade(plot, intervals) {
   for (const [from, to] of intervals) {
     const left = plot.valToPos(from, "x", true);
     ctx.fillRect(left, bbox.top, plot.valToPos(to, "x", true) - left, bbox.height);
+  }
+  ctx.restore();
+}
+
+// The interval of each single point: an area between points would join what has nothing in common.
+function drawIntervals(plot, layout, zoom) {
+  const { ctx, bbox } = plot;
+  const [xs] = layout.columns;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.lineWidth = 5 * zoom * uPlot.pxRatio;
+  for (const { series: [upper, lower], fill, owner } of layout.bars) {
+    if (!plot.series[layout.lineOf[owner]].show) continue;
+    ctx.strokeStyle = fill();
+    ctx.beginPath();
+    layout.columns[lower].forEach((low, row) => {
+      if (!Number.isFinite(low)) return;
+      const x = plot.valToPos(xs[row], "x", true);
+      ctx.moveTo(x, plot.valToPos(low, "y", true));
+      ctx.lineTo(x, plot.valToPos(layout.columns[upper][row], "y", true));
+    });
+    ctx.stroke();
   }
   ctx.restore();
 }
@@ -237,7 +278,10 @@ function plotOptions({ data, figure }, layout, { width, height, zoom }) {
     },
     hooks: {
       init: [(plot) => plot.over.append(readout)],
-      drawClear: [(plot) => shade(plot, data.shaded)],
+      drawClear: [(plot) => {
+        shade(plot, data.shaded);
+        drawIntervals(plot, layout, zoom);
+      }],
       draw: [() => markDrawn(figure)],
       setCursor: [(plot) => updateReadout(readout, plot, data, layout)],
     },
@@ -246,7 +290,7 @@ function plotOptions({ data, figure }, layout, { width, height, zoom }) {
 
 function showSeries(plot, layout, s, shown) {
   plot.setSeries(layout.lineOf[s], { show: shown });
-  for (const band of layout.bands.filter(({ owner }) => owner === s)) {
+  for (const band of [...layout.bands, ...layout.bars].filter(({ owner }) => owner === s)) {
     for (const edge of band.series) plot.setSeries(edge, { show: shown });
   }
 }

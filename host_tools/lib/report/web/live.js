@@ -85,9 +85,9 @@ function dim(isStale) {
 function showAxes(now) {
   dim(now.silent_s !== null);
   cards.forEach((card, i) => {
-    const { rate_dps: rate, bias_dph: bias, half95_dph: half } = now.axes[i];
+    const { rate_dps: rate, bias_dps: bias, half95_dps: half } = now.axes[i];
     card.rate.textContent = fixed(rate, 2).replace(/^-(0\.00)$/, "$1");
-    card.bias.textContent = half === null ? "–" : `${fixed(bias, 1)} ± ${fixed(half, 1)}`;
+    card.bias.textContent = half === null ? "–" : `${fixed(bias, 4)} ± ${fixed(half, 4)}`;
   });
 }
 
@@ -176,7 +176,7 @@ function makeCard(name) {
   const bias = element("span", "", "–");
   const biasLine = element("p", "bias");
   const biasName = element("small");
-  biasLine.append(biasName, bias, element("small", "", " deg/h"));
+  biasLine.append(biasName, bias, element("small", "", " deg/s"));
   const place = element("div", "chart");
   card.append(element("h2", "", `${name}: turning at`), rateLine, biasLine, place);
   byId("axes").append(card);

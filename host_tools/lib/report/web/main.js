@@ -1,8 +1,8 @@
 // Draws every chart, and again when the width, the colour scheme or the medium changes.
 
 const KINDS = {
-  curves: { draw: drawCurves, table: curvesTable },
-  bars: { draw: drawBars, table: barsTable },
+  curves: { prepare: countFromStart, draw: drawCurves, table: curvesTable },
+  bars: { prepare: (data) => data, draw: drawBars, table: barsTable },
 };
 
 const PAPER = { width: 660, height: 270, zoom: 3 }; // fits A4 and Letter; 3 dots a CSS pixel
@@ -13,11 +13,12 @@ function screenSize(plot) {
 }
 
 function makeFrame(figure) {
-  const data = JSON.parse(figure.querySelector("script").textContent);
+  const kind = KINDS[figure.dataset.chart];
+  const data = kind.prepare(JSON.parse(figure.querySelector("script").textContent));
   const frame = {
     figure,
     data,
-    kind: KINDS[figure.dataset.chart],
+    kind,
     legend: figure.querySelector(".legend"),
     plot: figure.querySelector(".plot"),
     drawing: null,

@@ -143,7 +143,7 @@ struct PeriodicDisturbance {
 
   double amplitude_rad_s = 0.0;  ///< peak
   double frequency_hz = 1.0;
-  double phase_rad = 0.0;  ///< of the sine at sample 0
+  double phase_rad = 0.0;  ///< phase of the sine at sample 0
 
   void apply(Signal& signal, const random::RandomStream& /*stream*/) const {
     for (std::size_t k = 0; k < signal.size(); ++k) {

@@ -105,7 +105,7 @@ struct Outliers {
 struct DroppedSamples {
   static constexpr std::string_view kName = "dropped_samples";
 
-  double probability = 0.0;  ///< that a run of losses begins at a sample after one that arrived
+  double probability = 0.0;       ///< probability of a run of losses after a sample that arrived
   double mean_run_samples = 1.0;  ///< at least 1
 
   void apply(Signal& signal, const random::RandomStream& stream) const {

@@ -21,7 +21,7 @@ namespace zerorate::core {
 namespace {
 
 constexpr std::size_t kRuns = 400;
-constexpr std::size_t kSamples = 1000;  // of calibration, and of prediction
+constexpr std::size_t kSamples = 1000;  // length of the calibration and of the prediction
 constexpr std::size_t kDecades = 5;
 constexpr std::uint64_t kSeed = 1;
 

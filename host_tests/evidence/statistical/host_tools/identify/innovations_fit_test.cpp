@@ -23,14 +23,14 @@ using zerorate::testing::simulate_rest;
 /// 1000, or fewer in the default run, which says less (see the tolerances).
 constexpr std::size_t kRuns = ZERORATE_RECOVERY_RUNS;
 
-/// Simulated noise. A record of ARFIMA noise at one sample a tick is what the filter's model says
+/// Simulated noise. A record of ARFIMA noise at one sample a tick agrees with the filter's model
 /// it is; with several samples a tick, averaging and aliasing bend the flicker noise just below
 /// the tick's rate, which is some tenths of a percent of the white noise and more if it is weak.
 struct Scenario {
   RestNoise noise;
   std::size_t samples;
   double period_s;
-  std::optional<double> order{};  ///< as given to the fit
+  std::optional<double> order{};  ///< order given to the fit
   std::size_t stop = 0;           ///< length in samples; 0: at rest all the time
 };
 
@@ -94,7 +94,7 @@ void expect_recovery(const Scenario& scenario) {
   if (!scenario.order) free_order.expect_honest("order");
 }
 
-TEST(InnovationsFit, RecoversStrengthsOfOneOverFNoiseWithHonestIntervals) {
+TEST(InnovationsFit, RecoversFlickerNoiseWithHonestIntervals) {
   // 5000 s at 10 Hz: 10,000 ticks of five samples, the noise of a consumer gyro.
   expect_recovery({.noise = {}, .samples = 50'000, .period_s = 0.1, .order = 0.5});
 }

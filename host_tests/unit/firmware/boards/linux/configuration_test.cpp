@@ -153,7 +153,7 @@ struct Mistake {
   std::string message;
 };
 
-TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
+TEST(ConfigurationWithAMistake, IsRefusedWithPlaceAndExpected) {
   const std::vector<Mistake> mistakes{
       {with("daemon/1", "daemon/2"), "z.toml:1:10: \"schema\": expected \"zerorate.daemon/1\""},
       {with("[gyro]\n", "[gyro\n"), "z.toml:3:"},
@@ -221,7 +221,7 @@ TEST(ConfigurationWithAMistake, IsRefusedWithLineColumnAndWhatWasExpected) {
        "z.toml:19:16: \"latitude_deg\" in [earth]: expected degrees from -90 to 90"},
       {with("[model]", "[earth]\nlatitude_deg = 0\nup = \"w\"\n[model]"),
        "z.toml:20:6: \"up\" in [earth]: expected \"x\""},
-      {with(kOdometer, ""), "\"odometer\": missing: what tells that the vehicle stands?"},
+      {with(kOdometer, ""), "\"odometer\": missing: what decides that the vehicle stands?"},
       {with("interface", "interfaces"), "z.toml:45:1: unknown key \"interfaces\" in [sink]"},
   };
   for (const Mistake& mistake : mistakes) {

@@ -21,7 +21,7 @@ using drivers::GyroSample;
 
 constexpr core::Instant kStart = core::Instant{} + core::Duration::seconds(100);
 constexpr core::Duration kPeriod = core::Duration::nanoseconds(9'615'385);
-constexpr double kScale = 8.75e-3 * 0.017453292519943295;  // rad/s; the driver tells 0.000152716
+constexpr double kScale = 8.75e-3 * 0.017453292519943295;  // rad/s; the driver gives 0.000152716
 
 GyroSettings settings(const std::string& device, double rate_hz = 104.0) {
   return {.chip = "lsm6dso",
@@ -371,7 +371,7 @@ TEST(IioGyroWithoutABuffer, IsReadOnceAPeriodThroughItsAttributes) {
                        "in_anglvel_z_raw: No such file or directory (was the device unplugged"));
 }
 
-TEST(IioGyroWithoutABuffer, IsRefusedAtARateThatAttributesCannotFollow) {
+TEST(IioGyroWithoutABuffer, IsRefusedAtATooHighRate) {
   Rig rig{polled(), 200.0};
   EXPECT_TRUE(
       contains(rig.start_message(), "at most 100 times a second (wire the chip's interrupt"));

@@ -105,7 +105,7 @@ class Receiver {
   Descriptor socket_;
 };
 
-TEST(NodeServiceOnHealthyHardware, PublishesCorrectedRateToEverySink) {
+TEST(NodeServiceOnHealthyHardware, PublishesToEverySink) {
   ServiceRig rig;
   Receiver receiver{rig.folder.path() / "rate"};
   std::vector<wire::NumberedMessage> received;
@@ -135,7 +135,7 @@ TEST(NodeServiceOnHealthyHardware, PublishesCorrectedRateToEverySink) {
   EXPECT_TRUE(was_logged(" started, 104 Hz, 250 deg/s"));
 }
 
-TEST(NodeServiceThatHasLearntFromAStop, SaysEachSecondWhatWithTheNextLineOfJson) {
+TEST(NodeServiceThatHasLearntFromAStop, SendsItEachSecond) {
   ServiceRig rig;
   Receiver receiver{rig.folder.path() / "rate"};
   for (int i = 0; i < 30 * 104; ++i) {
@@ -189,7 +189,7 @@ TEST(NodeServiceThatHasNotStoodYet, SaysNothingOfALearntModel) {
   EXPECT_EQ(format_metrics(*rig.service, buffer).find("learnt"), std::string_view::npos);
 }
 
-TEST(NodeServiceWithoutReceivers, DropsCountsAndGoesOnAndFindsThemWhenTheyCome) {
+TEST(NodeServiceWithoutReceivers, CountsDropsUntilTheyCome) {
   ServiceRig rig;
   rig.run(300);
   const Sink& sink = *rig.service->sinks()[0];
@@ -226,7 +226,7 @@ TEST(NodeServiceOnceMade, NeverAllocates) {
   EXPECT_GE(rig.service->status().counters.starts, 3U);
 }
 
-TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, SaysSoAndRecoversWithoutARestart) {
+TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, Recovers) {
   ServiceRig rig;
   rig.run(1040);
   EXPECT_TRUE(rig.latest().health.calibrated);
@@ -279,7 +279,7 @@ TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
   EXPECT_NEAR(again.latest()->message.axes[0].bias.in(core::rad_per_s), bias, 1e-6F);
 }
 
-TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTurnOn) {
+TEST(NodeServiceAfterAnotherBoot, NeedsATurnOnForTheSavedState) {
   ServiceRig rig;
   rig.configuration.node.model.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   rig.restart(kBoot);
@@ -290,7 +290,7 @@ TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTur
   EXPECT_TRUE(was_logged("another boot, and the model has no [turn_on]"));
 }
 
-TEST(NodeServiceAfterAnotherBoot, GoesOnWithAWiderIntervalIfTheModelKnowsTheTurnOn) {
+TEST(NodeServiceAfterAnotherBoot, AddsTheTurnOnOfTheModel) {
   ServiceRig rig;
   rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
   rig.restart(kBoot);

@@ -207,7 +207,7 @@ TEST(JsonSinkOnAFullDisk, LeavesNoPartOfALine) {
   EXPECT_EQ(lines, sink->sent());
 }
 
-TEST(MessageQueueBetweenTwoThreads, KeepsOrderAndShowsEveryLossAsAGap) {
+TEST(MessageQueueBetweenTwoThreads, KeepsOrderAndShowsLosses) {
   const auto queue = std::make_unique<MessageQueue>();
   constexpr std::uint32_t kMessages = 200'000;
   std::thread writer([&] {
@@ -245,7 +245,7 @@ TEST(ServiceManager, IsToldThroughItsSocket) {
   ASSERT_EQ(setenv("NOTIFY_SOCKET", path.c_str(), 1), 0);
   notify_service_manager("READY=1");
   unsetenv("NOTIFY_SOCKET");
-  notify_service_manager("WATCHDOG=1");  // to nobody
+  notify_service_manager("WATCHDOG=1");  // nobody listens
   std::array<char, 64> text{};
   EXPECT_EQ(recv(socket.get(), text.data(), text.size(), 0), 7);
   EXPECT_STREQ(text.data(), "READY=1");

@@ -59,7 +59,7 @@ struct Rig {
   WatchedGyro gyro{std::make_unique<ToldGyro>(next), Repetition{4}};
 };
 
-TEST(WatchedGyroThatRepeatsItself, IsFaultyBeyondTheLongestRepetition) {
+TEST(WatchedGyroThatRepeatsItself, IsFaultyAfterTheLongestTime) {
   Rig rig;
   for (int i = 0; i < 4; ++i) EXPECT_EQ(rig.read({sample_of(1.0F)}).value_or(0), 1U);
   const auto frozen = rig.read({sample_of(1.0F)});
@@ -67,7 +67,7 @@ TEST(WatchedGyroThatRepeatsItself, IsFaultyBeyondTheLongestRepetition) {
   EXPECT_EQ(frozen.error().code, DriverErrorCode::frozen);
 }
 
-TEST(WatchedGyroThatRepeatsItself, StaysFaultyOverAStartUntilAnotherValueComes) {
+TEST(WatchedGyroThatRepeatsItself, StaysFaultyOverAStart) {
   Rig rig;
   for (int i = 0; i < 5; ++i) (void)rig.read({sample_of(1.0F)});
   ASSERT_TRUE(rig.gyro.start({}));
@@ -115,8 +115,8 @@ TEST(LongestRepetition, IsNotReachedByNoiseThatSpansAFewCounts) {
   }
 }
 
-/// By hand: sigma 1 LSB, of which half counts: a value stays with erf(0.7071) = 0.68269, and
-/// log(1e-12) / log(0.68269) = 72.4.
+/// Calculation by hand: sigma 1 LSB, of which half counts: a value stays with erf(0.7071) =
+/// 0.68269, and log(1e-12) / log(0.68269) = 72.4.
 TEST(LongestRepetition, IsThatOfHalfTheNoise) {
   EXPECT_EQ(longest_repetition(1.0, 1.0, 1.0), 73U);
   EXPECT_EQ(longest_repetition(0.02, 0.02, 1.0), 73U);

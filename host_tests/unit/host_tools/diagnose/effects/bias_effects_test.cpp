@@ -1,7 +1,7 @@
 // Effects on the bias, each alone: found where it is, and not found where it is not.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <cmath>
 
 #include "host_tests/unit/host_tools/diagnose/effects/effect_alone.hpp"
@@ -137,7 +137,7 @@ TEST(TemperatureDriftAlone, CannotBeExaminedWithoutATemperature) {
   EXPECT_FALSE(alone.is_found());
 }
 
-TEST(TemperatureDriftAlone, CannotBeExaminedWhereTheTemperatureHardlyChanges) {
+TEST(TemperatureDriftAlone, NeedsAChangingTemperature) {
   EXPECT_EQ(EffectAlone(make_temperature_drift(), warmed(0.01, 0.0)).obstacle(),
             "the temperature hardly changes");
 }
@@ -148,6 +148,7 @@ TEST(PeriodicDisturbanceAlone, IsFoundWithItsFigures) {
   ASSERT_TRUE(alone.is_found());
   alone.expect_within_three_sigma("amplitude_dps", 0.03);
   alone.expect_within_three_sigma("frequency_hz", 0.7);
+  EXPECT_THAT(alone.sentence(), ::testing::HasSubstr(" Hz, a period of 1.4"));
   EXPECT_EQ(alone.model().harmonic.size(), 1U);
 }
 

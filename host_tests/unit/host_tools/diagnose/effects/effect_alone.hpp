@@ -75,6 +75,7 @@ class EffectAlone {
     EXPECT_LT(at->lo, at->hi) << name;
   }
 
+  [[nodiscard]] const std::string& sentence() const { return description_.sentence; }
   /// A figure of the effect; NaN where it has none of that name.
   [[nodiscard]] double value_of(std::string_view name) const {
     const auto at = std::ranges::find(description_.parameters, name, &Parameter::name);
