@@ -100,6 +100,7 @@ class Bmi088 {
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return bmi088::sample_period(settings_.rate);
   }
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == bmi088::Mode::fifo; }
 
  private:

@@ -18,7 +18,7 @@ enum class DriverErrorCode : std::uint8_t {
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
   corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
   sensor_fault,  ///< the chip's own supervision says that its data are not to be used
-  frozen,        ///< the same counts again and again, for longer than noise makes them alike
+  frozen,        ///< an axis no longer measures; DriverError::reg has bit i for axis i
 };
 
 /// For logs and tables.
@@ -48,7 +48,7 @@ enum class DriverErrorCode : std::uint8_t {
 struct DriverError {
   DriverErrorCode code = DriverErrorCode::bus_failed;
   hal::BusError bus = {};  ///< only meaningful if code is bus_failed
-  std::uint8_t reg = 0;    ///< the register that the failing step was about
+  std::uint8_t reg = 0;    ///< register of the failing step; axes where code is frozen
 
   constexpr bool operator==(const DriverError&) const = default;
 };

@@ -41,6 +41,7 @@ struct GyroSample {
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
 /// - `sample_period()`: the chip's own period, trimmed where the chip tells its trim.
+/// - `lsb()`: the rate of one count, known after a start; zero where it is not known.
 /// - `is_batched()`: true if samples wait in a FIFO; then the `now` of read() must be the time of
 /// the
 ///   reading: the edge of a watermark is older than what came after it.
@@ -51,6 +52,7 @@ concept GyroSource = requires(Source& source, const Source& same, core::Instant 
   { source.read(now, out) } -> std::same_as<core::Result<std::size_t, DriverError>>;
   { source.verify_next() } -> std::same_as<core::Result<void, DriverError>>;
   { same.sample_period() } -> std::same_as<core::Duration>;
+  { same.lsb() } -> std::same_as<core::AngularRate>;
   { same.is_batched() } -> std::same_as<bool>;
 };
 

@@ -93,6 +93,7 @@ class Icm42688 {
     return icm42688::sample_period(settings_.rate);
   }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == icm42688::Mode::fifo; }
 
  private:

@@ -99,6 +99,7 @@ class Lsm6dso {
   /// Nominal until start() has read the chip's trim.
   [[nodiscard]] constexpr core::Duration sample_period() const { return period_; }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:

@@ -93,6 +93,7 @@ class Mpu6500 {
     return mpu6500::sample_period(settings_.rate);
   }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == mpu6500::Mode::fifo; }
 
  private:

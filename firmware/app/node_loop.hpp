@@ -13,6 +13,7 @@
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/app/sample_watch.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
@@ -47,7 +48,13 @@ class NodeLoop {
   /// @param ready stamps the newest sample, unless the gyro is batched
   constexpr NodeLoop(Node& node, Gyro& gyro, Odometer& odometer, Ready& ready, Clock& clock,
                      Sink& sink)
-      : node_(node), gyro_(gyro), odometer_(odometer), ready_(ready), clock_(clock), sink_(sink) {}
+      : node_(node),
+        gyro_(gyro),
+        odometer_(odometer),
+        ready_(ready),
+        clock_(clock),
+        sink_(sink),
+        watch_(node.params().white_variance_rad2_s2, node.params().sample_period) {}
 
   [[nodiscard]] constexpr const LoopCounters& counters() const { return counters_; }
   [[nodiscard]] constexpr bool is_running() const { return running_; }
@@ -80,6 +87,7 @@ class NodeLoop {
       if (!batch) break;
       for (std::size_t k = 0; k < batch->count; ++k) node_.pulse(stamps[k]);
       counters_.pulses += static_cast<std::uint32_t>(batch->count);
+      if (batch->count > 0) driven_at_ = now;
       if (batch->lost > 0) {
         counters_.pulses_lost += batch->lost;
         node_.report_odometer_fault(now);
@@ -102,13 +110,32 @@ class NodeLoop {
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
-      for (std::size_t i = 0; i < *count; ++i) {
-        RateMessage message = node_.step(samples[i]);
-        publish(message, now);
-      }
       counters_.samples += static_cast<std::uint32_t>(*count);
+      if (const auto frozen = take(std::span{samples}.first(*count), now); frozen != 0) {
+        return fail_to_read({.code = drivers::DriverErrorCode::frozen, .reg = frozen}, now);
+      }
       if (*count < Batch) return;
     }
+  }
+
+  /// Gives the samples to the node, but for those of an axis that no longer measures.
+  /// @return axes that are at fault with the newest sample, one bit each
+  constexpr std::uint8_t take(std::span<const drivers::GyroSample> samples, core::Instant now) {
+    std::uint8_t frozen = 0;
+    for (const drivers::GyroSample& sample : samples) {
+      frozen = watch_.take(sample, vehicle(now));
+      if (frozen != 0) continue;
+      RateMessage message = node_.step(sample);
+      publish(message, now);
+      retry_after_ = kFirstRetry;
+    }
+    return frozen;
+  }
+  /// A vehicle that only counts as moving is not known to drive.
+  [[nodiscard]] constexpr SampleWatch::Vehicle vehicle(core::Instant now) const {
+    if (node_.motion() == core::Motion::still) return SampleWatch::Vehicle::stands;
+    const bool is_driven = driven_at_ && now - *driven_at_ < core::Duration::seconds(1);
+    return is_driven ? SampleWatch::Vehicle::drives : SampleWatch::Vehicle::unknown;
   }
 
   constexpr void fail_to_read(drivers::DriverError error, core::Instant now) {
@@ -162,14 +189,15 @@ class NodeLoop {
     if (started) {
       ++counters_.starts;
       running_ = true;
-      retry_after_ = kFirstRetry;
+      watch_.set_step(gyro_.lsb());
     } else if (started.error().code != drivers::DriverErrorCode::not_ready) {
       ++counters_.start_errors;
       fail(started.error(), now);
     }
   }
 
-  /// Starts the gyro again after a pause that doubles from failure to failure.
+  /// Starts the gyro again after a pause that doubles from failure to failure, until a sample is
+  /// published.
   constexpr void fail(drivers::DriverError error, core::Instant now) {
     counters_.last_error = error;
     running_ = false;
@@ -184,7 +212,9 @@ class NodeLoop {
   Clock& clock_;
   Sink& sink_;
   LoopCounters counters_;
+  SampleWatch watch_;
   bool running_ = false;
+  std::optional<core::Instant> driven_at_;  ///< newest poll with pulses
   std::optional<core::Instant> published_at_;
   core::Instant next_edge_by_;
   core::Instant verify_at_;

@@ -156,8 +156,15 @@ std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& 
     return line.text();
   }
   line.add(": {}", drivers::name(error.code));
+  if (error.code == Code::frozen) {
+    line.add(" on axis");
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      if ((error.reg >> axis & 1U) != 0) line.add(" {}", "xyz"[axis]);
+    }
+    return line.text();
+  }
   if (is_bus) line.add(" ({})", hal::name(error.bus));
-  if (error.code != Code::frozen) line.add(" at register {:#04x}", error.reg);
+  line.add(" at register {:#04x}", error.reg);
   if (is_bus && error.bus == hal::BusError::nack) {
     line.add(" (are the wiring and the address right? zerorate probe)");
   } else if (is_bus && reason.error_number != 0) {

@@ -294,7 +294,7 @@ TEST(ErrorOfTheGyro, IsToldWithPlaceReasonAndCure) {
        {.identity = 0x69},
        "/dev/i2c-1 at 0x6a answered 0x69, lsm6dso answers 0x6c: is it another chip? zerorate "
        "probe"},
-      {BusKind::spi, {DriverErrorCode::frozen, {}, 0}, {}, "/dev/i2c-1: frozen"},
+      {BusKind::spi, {DriverErrorCode::frozen, {}, 0b101}, {}, "/dev/i2c-1: frozen on axis x z"},
   };
   for (const Trouble& trouble : troubles) {
     const GyroSettings gyro{
