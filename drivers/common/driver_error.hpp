@@ -16,9 +16,10 @@ enum class DriverErrorCode : std::uint8_t {
   not_ready,           ///< the chip needs time: call again later; or it was not started
   configuration_lost,  ///< a register does not hold what was written to it
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
-  corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
-  sensor_fault,  ///< the chip's own supervision says that its data are not to be used
-  frozen,        ///< an axis no longer measures; DriverError::reg has bit i for axis i
+  corrupt_data,    ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
+  sensor_fault,    ///< the chip's own supervision says that its data are not to be used
+  frozen,          ///< an axis no longer measures; DriverError::reg has bit i for axis i
+  no_new_samples,  ///< the chip answers, but has measured nothing for long
 };
 
 /// For logs and tables.
@@ -38,6 +39,8 @@ enum class DriverErrorCode : std::uint8_t {
       return "corrupt data";
     case DriverErrorCode::sensor_fault:
       return "the chip reports a fault";
+    case DriverErrorCode::no_new_samples:
+      return "no new samples";
     case DriverErrorCode::frozen:
       return "frozen";
   }

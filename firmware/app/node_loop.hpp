@@ -13,6 +13,7 @@
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/app/rate_watch.hpp"
 #include "firmware/app/sample_watch.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
@@ -22,7 +23,7 @@ namespace zerorate::app {
 
 /// Events since the start; every fault is counted, none is hidden. Counters wrap.
 struct LoopCounters {
-  std::uint32_t samples = 0;
+  std::uint32_t samples = 0;  ///< given to the node; not those of a frozen axis
   std::uint32_t pulses = 0;
   std::uint32_t pulses_lost = 0;
   std::uint32_t odometer_errors = 0;
@@ -58,6 +59,8 @@ class NodeLoop {
 
   [[nodiscard]] constexpr const LoopCounters& counters() const { return counters_; }
   [[nodiscard]] constexpr bool is_running() const { return running_; }
+  /// Samples a second over the newest seconds, and whether that is another rate than the gyro's.
+  [[nodiscard]] constexpr const RateWatch& sample_rate() const { return sample_rate_; }
 
   constexpr void poll() {
     const core::Instant now = clock_.now();
@@ -66,6 +69,7 @@ class NodeLoop {
     take_pulses(now);
     if (running_) {
       if (edge || now >= next_edge_by_) take_samples(now, edge);
+      if (running_) watch_for_samples(now);
       if (running_ && now >= verify_at_) verify(now);
     } else if (now >= retry_at_) {
       start(now);
@@ -76,9 +80,12 @@ class NodeLoop {
  private:
   static constexpr std::size_t kMostBatches =
       64;  ///< most batches of one poll; more than any FIFO holds
+  /// No chip asks for so much time; one that does will ask for ever.
+  static constexpr core::Duration kLongestStart = core::Duration::seconds(2);
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
+  static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void take_pulses(core::Instant now) {
     std::array<core::Instant, Batch> stamps{};
@@ -110,7 +117,8 @@ class NodeLoop {
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
-      counters_.samples += static_cast<std::uint32_t>(*count);
+      if (*count > 0) sampled_at_ = now;
+      sample_rate_.take(now, static_cast<std::uint32_t>(*count), gyro_.sample_period());
       if (const auto frozen = take(std::span{samples}.first(*count), now); frozen != 0) {
         return fail_to_read({.code = drivers::DriverErrorCode::frozen, .reg = frozen}, now);
       }
@@ -126,7 +134,9 @@ class NodeLoop {
       frozen = watch_.take(sample, vehicle(now));
       if (frozen != 0) continue;
       RateMessage message = node_.step(sample);
+      message.health.sample_rate_off = sample_rate_.is_off();
       publish(message, now);
+      ++counters_.samples;
       retry_after_ = kFirstRetry;
     }
     return frozen;
@@ -138,10 +148,19 @@ class NodeLoop {
     return is_driven ? SampleWatch::Vehicle::drives : SampleWatch::Vehicle::unknown;
   }
 
+  /// A gyro that answers without measuring is started again, with its reset.
+  constexpr void watch_for_samples(core::Instant now) {
+    const core::Duration longest = std::max(kLongestWithoutData, gyro_.sample_period() * 4);
+    if (now - sampled_at_ <= longest) return;
+    ++counters_.read_errors;
+    fail({.code = drivers::DriverErrorCode::no_new_samples}, now);
+  }
+
   constexpr void fail_to_read(drivers::DriverError error, core::Instant now) {
     ++counters_.read_errors;
     if (error.code == drivers::DriverErrorCode::fifo_overrun) {
       ++counters_.overruns;  // the chip goes on by itself
+      sampled_at_ = now;
       counters_.last_error = error;
     } else {
       fail(error, now);
@@ -189,11 +208,19 @@ class NodeLoop {
     if (started) {
       ++counters_.starts;
       running_ = true;
+      starting_since_.reset();
       watch_.set_step(gyro_.lsb());
-    } else if (started.error().code != drivers::DriverErrorCode::not_ready) {
-      ++counters_.start_errors;
-      fail(started.error(), now);
+      sample_rate_.restart();
+      sampled_at_ = now + core::Duration::milliseconds(500);  // settling of the slowest chip
+      return;
     }
+    if (!starting_since_) starting_since_ = now;
+    const bool is_getting_ready = started.error().code == drivers::DriverErrorCode::not_ready &&
+                                  now - *starting_since_ < kLongestStart;
+    if (is_getting_ready) return;
+    starting_since_.reset();
+    ++counters_.start_errors;
+    fail(started.error(), now);
   }
 
   /// Starts the gyro again after a pause that doubles from failure to failure, until a sample is
@@ -213,9 +240,12 @@ class NodeLoop {
   Sink& sink_;
   LoopCounters counters_;
   SampleWatch watch_;
+  RateWatch sample_rate_;
   bool running_ = false;
   std::optional<core::Instant> driven_at_;  ///< newest poll with pulses
   std::optional<core::Instant> published_at_;
+  std::optional<core::Instant> starting_since_;  ///< a start that asked for more time
+  core::Instant sampled_at_;                     ///< newest reading that had samples
   core::Instant next_edge_by_;
   core::Instant verify_at_;
   core::Instant retry_at_;

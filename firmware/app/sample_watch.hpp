@@ -53,14 +53,18 @@ class SampleWatch {
   /// Takes each sample in turn. An axis at fault stays so, over restarts of the chip too, until its
   /// samples no longer repeat themselves.
   /// @return bit i: axis i is at fault
-  constexpr std::uint8_t take(const drivers::GyroSample& sample, Vehicle vehicle) {
+  /// Not inlined, as its parts: a board counts bytes.
+  [[gnu::noinline]] constexpr std::uint8_t take(const drivers::GyroSample& sample,
+                                                Vehicle vehicle) {
     std::array<float, kAxes> rates{};
     for (std::size_t i = 0; i < kAxes; ++i) rates[i] = sample.rate[i].in(core::rad_per_s);
     for (std::size_t i = 0; i < kAxes; ++i) {
       const bool is_saturated = ((sample.saturated_axes >> i) & 1U) != 0;
       compare(axes_[i], rates, i, is_saturated);
     }
-    watch_rest(rates, vehicle == Vehicle::stands);
+    const bool stands = vehicle == Vehicle::stands;
+    for (Axis& axis : axes_) watch_rest(axis, stands);
+    in_window_ = stands ? (in_window_ + 1) % kWindow : 0;
     std::uint8_t at_fault = 0;
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (is_at_fault(i, vehicle)) at_fault |= static_cast<std::uint8_t>(1U << i);
@@ -69,6 +73,7 @@ class SampleWatch {
   }
 
  private:
+  static constexpr std::uint32_t kWindow = 128;  ///< samples
   static constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
   struct Axis {
@@ -83,8 +88,8 @@ class SampleWatch {
     float least_span = kUnknown;  ///< of all windows at rest
   };
 
-  constexpr void compare(Axis& axis, const std::array<float, kAxes>& rates, std::size_t i,
-                         bool is_saturated) {
+  [[gnu::noinline]] constexpr void compare(Axis& axis, const std::array<float, kAxes>& rates,
+                                           std::size_t i, bool is_saturated) {
     const float difference = rates[i] - axis.newest;
     // Counts times the rate of one count: three roundings.
     const float rounding = 2e-6F * (magnitude(rates[i]) + magnitude(axis.newest));
@@ -110,24 +115,23 @@ class SampleWatch {
 
   /// Spans of the noise over windows at rest. A window with few changes shows none: the axis may be
   /// frozen.
-  constexpr void watch_rest(const std::array<float, kAxes>& rates, bool stands) {
-    constexpr std::uint32_t kWindow = 128;
+  [[gnu::noinline]] constexpr void watch_rest(Axis& axis, bool stands) const {
     constexpr std::uint32_t kFewestChanges = 16;
     const bool begins = !stands || in_window_ == 0;
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      Axis& axis = axes_[i];
-      if (begins) axis.changes = 0;
-      axis.lowest = begins ? rates[i] : std::min(axis.lowest, rates[i]);
-      axis.highest = begins ? rates[i] : std::max(axis.highest, rates[i]);
-      const bool is_full = stands && in_window_ + 1 == kWindow;
-      if (is_full && axis.changes >= kFewestChanges) {
-        axis.least_span = std::min(axis.least_span, axis.highest - axis.lowest);
-      }
+    if (begins) {
+      axis.changes = 0;
+      axis.lowest = axis.newest;
+      axis.highest = axis.newest;
     }
-    in_window_ = stands ? (in_window_ + 1) % kWindow : 0;
+    axis.lowest = std::min(axis.lowest, axis.newest);
+    axis.highest = std::max(axis.highest, axis.newest);
+    const bool is_full = stands && in_window_ + 1 == kWindow;
+    if (is_full && axis.changes >= kFewestChanges) {
+      axis.least_span = std::min(axis.least_span, axis.highest - axis.lowest);
+    }
   }
 
-  [[nodiscard]] constexpr bool is_at_fault(std::size_t i, Vehicle vehicle) const {
+  [[gnu::noinline]] [[nodiscard]] constexpr bool is_at_fault(std::size_t i, Vehicle vehicle) const {
     constexpr std::uint32_t kLong_s = 10;
     const Axis& axis = axes_[i];
     if (axis.alike < per_second_) return false;

@@ -37,8 +37,8 @@ class I2cDevBus {
                                            std::span<const Operation> operations) {
     ZERORATE_ASSERT(operations.size() <= kMostOperations);
     if (operations.empty()) return {};
-    if (!file_.is_open()) {
-      if (const auto opened = file_.open(); !opened) return opened;
+    if (!file_.is_open() || address != reserved_) {
+      if (const auto reserved = reserve(address); !reserved) return reserved;
     }
     std::array<i2c_msg, kMostOperations> messages{};
     for (std::size_t i = 0; i < operations.size(); ++i) {
@@ -59,6 +59,14 @@ class I2cDevBus {
   [[nodiscard]] int error_number() const { return file_.error_number(); }
 
  private:
+  core::Result<void, BusError> reserve(I2cAddress address) {
+    if (!file_.is_open()) {
+      if (const auto opened = file_.open(); !opened) return opened;
+    }
+    reserved_ = address;
+    return file_.reserve(static_cast<off_t>(address));
+  }
+
   [[nodiscard]] static i2c_msg to_message(I2cAddress address, const Operation& operation) {
     ZERORATE_ASSERT(!operation.is_exchange());
     // The kernel's structure has one pointer for both directions; what is written is not changed.
@@ -72,6 +80,7 @@ class I2cDevBus {
   }
 
   DeviceFile<System> file_;
+  I2cAddress reserved_{};  ///< of the newest transaction
 };
 static_assert(I2cBus<I2cDevBus<>>);
 

@@ -83,6 +83,8 @@ void add_counters(Text& text, const NodeService& service) {
   const app::LoopCounters& loop = service.status().counters;
   text.gauge("gyro_running", "1 while the gyro is started and answers.",
              service.status().is_running ? 1.0F : 0.0F);
+  text.gauge("gyro_sample_rate_hz", "Samples a second over the newest seconds.",
+             service.status().sample_rate.samples_per_second());
   text.counter("samples_total", "Samples of the gyro.", loop.samples);
   text.counter("pulses_total", "Odometer pulses.", loop.pulses);
   text.counter("pulses_lost_total", "Odometer pulses that were dropped.", loop.pulses_lost);

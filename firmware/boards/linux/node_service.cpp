@@ -244,6 +244,7 @@ void NodeService::measure() {
 void NodeService::hand_over() {
   offered_status_ = {.counters = loop_.counters(),
                      .is_running = loop_.is_running(),
+                     .sample_rate = loop_.sample_rate(),
                      .state = node_.state(),
                      .learnt = learnt()};
   const bool is_failing =
@@ -295,29 +296,47 @@ void NodeService::finish() {
 
 void NodeService::report_changes(const ServiceStatus& now) {
   report_gyro(now);
+  report_sample_rate(now);
   report_odometer(now);
   report_sinks();
 }
 
+/// A start is told when samples follow it, a fault once until then: a gyro that is started again
+/// and again has two lines in the log.
 void NodeService::report_gyro(const ServiceStatus& now) {
   const app::LoopCounters& before = last_status_.counters;
   const GyroSettings& gyro = configuration_.gyro;
-  if (now.counters.starts != before.starts) {
+  const bool has_samples = now.counters.samples != before.samples;
+  const bool has_started = now.counters.starts != told_starts_;
+  if (has_started && has_samples && now.is_running) {
     log_line(log_, "gyro: {}{}{} started, {} Hz, {} deg/s{}", gyro.chip,
              gyro.is_simulated() ? "" : " on ", gyro.device, gyro.rate_hz, gyro.full_scale_dps,
-             before.starts > 0 ? ", again" : "");
+             told_starts_ > 0 ? ", again" : "");
+    told_starts_ = now.counters.starts;
+    told_fault_.reset();
   }
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
-  // A failure that repeats at every attempt is logged once.
-  const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running ||
-                       last_status_.reasons.gyro.error_number != now.reasons.gyro.error_number ||
-                       last_status_.reasons.gyro.told != now.reasons.gyro.told;
-  if (has_failed && is_news) {
-    LogBuffer words{};
-    log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, now.reasons.gyro, words),
-             now.is_running ? "" : "; trying again");
+  if (!has_failed) return;
+  const GyroReason& reason = now.reasons.gyro;
+  const ToldFault fault{now.counters.last_error, reason.error_number, reason.told};
+  if (told_fault_ == fault) return;
+  told_fault_ = fault;
+  LogBuffer words{};
+  log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, reason, words),
+           now.is_running ? "" : "; trying again");
+}
+
+void NodeService::report_sample_rate(const ServiceStatus& now) {
+  if (now.sample_rate.is_off() == last_status_.sample_rate.is_off()) return;
+  if (now.sample_rate.is_off()) {
+    log_line(log_,
+             "gyro: {:.1f} samples a second instead of {} (does another program read the chip, or "
+             "is the data-ready edge the wrong one?)",
+             now.sample_rate.samples_per_second(), configuration_.gyro.rate_hz);
+  } else {
+    log_line(log_, "gyro: {:.1f} samples a second again", now.sample_rate.samples_per_second());
   }
 }
 

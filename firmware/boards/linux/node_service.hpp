@@ -27,6 +27,7 @@ namespace zerorate::linux_node {
 struct ServiceStatus {
   app::LoopCounters counters;
   bool is_running = false;
+  app::RateWatch sample_rate;
   Node::State state;
   wire::LearntModel learnt;
   HardwareReasons reasons{};  ///< asked for where something fails
@@ -78,10 +79,20 @@ class NodeService {
  private:
   enum class Handover : std::uint8_t { idle, requested, ready };
 
+  /// Fault of the gyro in the log, which is not told again while it lasts.
+  struct ToldFault {
+    drivers::DriverError error;
+    int error_number = 0;
+    std::string told;
+
+    bool operator==(const ToldFault&) const = default;
+  };
+
   void hand_over();
   [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
   void report_gyro(const ServiceStatus& now);
+  void report_sample_rate(const ServiceStatus& now);
   void report_odometer(const ServiceStatus& now);
   void report_sinks();
   void publish_learnt();
@@ -107,6 +118,8 @@ class NodeService {
   std::vector<int> sink_errors_;  ///< newest one of each sink that was told
   std::optional<wire::NumberedMessage> latest_;
   ServiceStatus last_status_;
+  std::optional<ToldFault> told_fault_;  ///< of the gyro, since its newest samples
+  std::uint32_t told_starts_ = 0;
   bool odometer_failed_ = false;  ///< between the last two ticks
   ServiceCounters counters_;
   std::uint32_t turns_seen_ = 0;

@@ -7,6 +7,7 @@
 namespace zerorate::app {
 namespace {
 
+using core::Duration;
 using drivers::DriverErrorCode;
 using testing::LoopRig;
 
@@ -31,6 +32,61 @@ TEST(NodeLoopWithAFrozenAxis, PublishesNoRateUntilItMeasuresAgain) {
   rig.stuck[0].reset();
   rig.samples(300);
   EXPECT_TRUE(rig.published.messages.back().has_rate());
+}
+
+/// Stands for a second reader, or for edges of the wrong kind.
+TEST(NodeLoopThatGetsHalfOfTheSamples, FlagsTheRateUntilAllCome) {
+  LoopRig rig;
+  rig.start();
+  rig.samples(1000);
+  EXPECT_FALSE(rig.published.messages.back().health.sample_rate_off);
+  for (int i = 0; i < 1000; ++i) {
+    rig.hardware.clock.advance(rig.hardware.driver.sample_period());
+    rig.sample();
+  }
+  EXPECT_TRUE(rig.published.messages.back().health.sample_rate_off);
+  EXPECT_TRUE(rig.published.messages.back().has_rate());
+  EXPECT_NEAR(rig.loop.sample_rate().samples_per_second(), 52.0F, 1.0F);
+  rig.samples(1000);
+  EXPECT_FALSE(rig.published.messages.back().health.sample_rate_off);
+}
+
+TEST(NodeLoopWhoseChipRunsAtAnotherRate, FlagsTwiceTheSamplesAndNotTenPerCent) {
+  LoopRig rig{{.mode = drivers::lsm6dso::Mode::fifo}};
+  rig.start();
+  const Duration period = rig.hardware.driver.sample_period();
+  const auto run = [&](int extra_every) {
+    for (int i = 0; i < 3000; ++i) {
+      const auto rate = core::rad_per_s(0.001F * static_cast<float>(i % 7));
+      if (i % extra_every == 0) rig.hardware.chip.measure({rate, rate, rate}, {});
+      rig.sample();
+    }
+    return rig.published.messages.back().health.sample_rate_off;
+  };
+  EXPECT_FALSE(run(10));
+  EXPECT_TRUE(run(1));
+  for (int i = 0; i < 3000; ++i) {
+    rig.hardware.clock.advance(period / 10);
+    rig.sample();
+  }
+  EXPECT_FALSE(rig.published.messages.back().health.sample_rate_off);
+}
+
+/// The chip answers, and its data-ready flag never rises: its oscillator stands still.
+TEST(NodeLoopWhoseChipMeasuresNothing, StartsItAgainAndSaysWhy) {
+  for (const auto mode : {drivers::lsm6dso::Mode::data_ready, drivers::lsm6dso::Mode::fifo}) {
+    LoopRig rig{{.mode = mode}};
+    rig.start();
+    rig.samples(500);
+    rig.wait(Duration::seconds(30));
+    EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::no_new_samples);
+    EXPECT_GE(rig.counters().starts, 8U);
+    EXPECT_LE(rig.counters().starts, 20U);
+    EXPECT_TRUE(rig.published.messages.back().health.sensor_fault);
+    rig.wait(Duration::milliseconds(1500));
+    rig.samples(500);
+    EXPECT_TRUE(rig.published.messages.back().has_rate());
+  }
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(NodeLoopWhoseChipDoesNotAnswer, TriesAgainAfterPausesThatDoubleUpToASecond)
   EXPECT_EQ(rig.counters().starts, 0U);
   EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::bus_failed);
   rig.hardware.faults.clear();
-  rig.wait(Duration::seconds(2));
+  rig.wait(Duration::milliseconds(1100));
   EXPECT_TRUE(rig.loop.is_running());
   EXPECT_EQ(rig.counters().starts, 1U);
 }

@@ -3,8 +3,11 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "hal/linux/bus_error.hpp"
@@ -171,6 +174,42 @@ TEST(SpidevDeviceWithoutOperations, DoesNotEvenOpenItsNode) {
   SpiRig rig;
   EXPECT_TRUE(rig.bus.transaction({}));
   EXPECT_EQ(rig.kernel.opens, 0);
+}
+
+TEST(BusWhoseChipAnotherProgramReads, IsClosedAndSaysWhy) {
+  SpiRig spi;
+  spi.kernel.is_reserved = true;
+  EXPECT_EQ(spi.transact().error(), BusError::not_present);
+  EXPECT_EQ(spi.bus.error_number(), EBUSY);
+  I2cRig i2c;
+  i2c.kernel.is_reserved = true;
+  EXPECT_EQ(i2c.transact().error(), BusError::not_present);
+  EXPECT_EQ(i2c.bus.error_number(), EBUSY);
+  EXPECT_EQ(i2c.kernel.transfers, 0);
+  i2c.kernel.is_reserved = false;
+  EXPECT_TRUE(i2c.transact()) << "at the first use after that";
+}
+
+/// The locks of the real kernel, on a file in place of the node.
+TEST(ChipsBehindOneNode, AreReservedEachOnItsOwn) {
+  const testing::ScratchFolder folder;
+  const std::string node = (folder.path() / "i2c-7").string();
+  std::ofstream{node} << "node";
+  const auto open = [&] {
+    auto file = std::make_unique<DeviceFile<SystemCalls>>(node, Subsystem::i2c, SystemCalls{});
+    EXPECT_TRUE(file->open());
+    return file;
+  };
+  const auto first = open();
+  EXPECT_TRUE(first->reserve(0x6A));
+  EXPECT_TRUE(first->reserve(0x6A)) << "its own";
+  const auto second = open();
+  EXPECT_TRUE(second->reserve(0x6B));
+  EXPECT_FALSE(second->reserve(0x6A));
+  EXPECT_EQ(second->error_number(), EBUSY);
+  first->close();
+  const auto third = open();
+  EXPECT_TRUE(third->reserve(0x6A));
 }
 
 TEST(BusesOnceOpened, DoNotAllocate) {

@@ -34,6 +34,9 @@ struct KernelState {
   std::optional<int> next_answer;  ///< the same, as a success of this value
   std::optional<int> open_error;   ///< of every open, while set
 
+  bool is_reserved = false;  ///< by another program
+  std::vector<off_t> locks;
+
   std::string opened_path;
   int opens = 0;
   int closes = 0;
@@ -59,6 +62,13 @@ class KernelDouble {
   void close(int descriptor) {
     EXPECT_EQ(descriptor, KernelState::kDescriptor);
     ++state_->closes;
+  }
+  CallResult lock(int descriptor, off_t first, off_t count) {
+    EXPECT_EQ(descriptor, KernelState::kDescriptor);
+    EXPECT_EQ(count, 1);
+    if (state_->is_reserved) return core::Unexpected{EAGAIN};
+    state_->locks.push_back(first);
+    return 0;
   }
   CallResult ioctl(int descriptor, unsigned long request, void* argument) {
     EXPECT_EQ(descriptor, KernelState::kDescriptor);
