@@ -114,7 +114,10 @@ class StopLearning {
 
   /// The vehicle moves, and nobody knows since when: no tick that is held is certain any more.
   constexpr void report_odometer_fault(Instant now) {
-    if (!has_odometer_) return;
+    if (has_odometer_) interrupt(now);
+  }
+  /// Ends the stop, and drops what is held of it.
+  constexpr void interrupt(Instant now) {
     held_.clear();
     end_stop(now);
   }

@@ -245,6 +245,22 @@ class AxisPredictors {
     pass_pause(params, ticks);
   }
 
+  /// Ages what is known by ticks that were not measured, and adds what the bias changes by while
+  /// the power is off. The other predictors begin anew.
+  [[gnu::noinline]] constexpr void report_pause(const NodeParams<Shape>& params,
+                                                std::uint32_t ticks, bool has_lost_power) {
+    if (!filter().is_measured()) return;
+    kalman_.advance(Transition{params.modes.over(ticks)});
+    if (has_lost_power) {
+      kalman_.restart_transients();
+      kalman_.inflate_variance(params.turn_on_variance_or_widest());
+    }
+    for (Axis& axis : axes_) {
+      axis.moving_average.begin_stop();
+      axis.calibration_mean.begin_stop();
+    }
+  }
+
   /// Variance of the white noise of a tick, as learnt.
   [[nodiscard]] constexpr float white_variance(const WhiteNoise& white, std::size_t axis) const {
     if (!learns()) return white.variance(white.level);

@@ -104,6 +104,18 @@ class GyroNode {
     screening_.end_stop();
   }
 
+  /// Time passed that the clock of the samples does not count, or the gyro was without power. The
+  /// stop is over; the bias is aged by that time, and by what the power changes it by.
+  /// @param slept  time that the clock does not count; zero where it went on
+  constexpr void report_pause(core::Instant now, core::Duration slept, bool has_lost_power) {
+    constexpr std::int64_t kMostTicks = std::int64_t{1} << 30U;
+    learning_.interrupt(now);
+    screening_.end_stop();
+    const std::int64_t ticks = std::clamp(slept / params_.modes.tick, std::int64_t{0}, kMostTicks);
+    predictors_.report_pause(params_, static_cast<std::uint32_t>(ticks), has_lost_power);
+    if (learning_.has_sample()) predict_tick();
+  }
+
   /// Takes one sample. Samples must come in the order of their time stamps; one that is not newer
   /// than the one before, or not finite, is refused with a flag and changes nothing.
   constexpr RateMessage step(const drivers::GyroSample& sample) {
