@@ -32,6 +32,7 @@ struct LoopCounters {
   std::uint32_t read_errors = 0;
   std::uint32_t overruns = 0;  ///< read errors that were samples lost in the chip
   std::uint32_t configurations_lost = 0;
+  std::uint32_t sleeps = 0;    ///< times that the machine slept
   std::uint32_t silences = 0;  ///< messages that had to say that there are no samples
   drivers::DriverError last_error{};
 
@@ -55,7 +56,9 @@ class NodeLoop {
         ready_(ready),
         clock_(clock),
         sink_(sink),
-        watch_(node.params().white_variance_rad2_s2, node.params().sample_period) {}
+        watch_(node.params().white_variance_rad2_s2, node.params().sample_period) {
+    if constexpr (requires { clock.slept(); }) slept_ = clock.slept();
+  }
 
   [[nodiscard]] constexpr const LoopCounters& counters() const { return counters_; }
   [[nodiscard]] constexpr bool is_running() const { return running_; }
@@ -66,13 +69,15 @@ class NodeLoop {
     const core::Instant now = clock_.now();
     // Before the pulses, so that no pulse is missing that is older than the sample.
     const std::optional<core::Instant> edge = ready_.take_edge();
+    take_sleep(now);
     take_pulses(now);
     if (running_) {
       if (edge || now >= next_edge_by_) take_samples(now, edge);
       if (running_) watch_for_samples(now);
       if (running_ && now >= verify_at_) verify(now);
     } else if (now >= retry_at_) {
-      start(now);
+      if (has_run_) look_for_lost_power(now);
+      if (!has_run_ && now >= retry_at_) start(now);
     }
     report_silence(now);
   }
@@ -85,6 +90,8 @@ class NodeLoop {
   static constexpr core::Duration kFirstRetry = core::Duration::milliseconds(10);
   static constexpr core::Duration kLongestRetry = core::Duration::seconds(1);
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
+  /// The two clocks are not read at one instant.
+  static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void take_pulses(core::Instant now) {
@@ -167,12 +174,48 @@ class NodeLoop {
     }
   }
 
+  /// A clock that stands still while the machine sleeps says how long it slept.
+  constexpr void take_sleep(core::Instant now) {
+    if constexpr (requires { clock_.slept(); }) {
+      const core::Duration slept = clock_.slept();
+      if (slept - slept_ < kShortestSleep) return;
+      ++counters_.sleeps;
+      node_.report_pause(now, slept - slept_, false);
+      slept_ = slept;
+      if (running_) look_for_lost_power(now);
+    }
+  }
+
+  /// Verifies all of the configuration at once, before a start sets it anew: a chip that lost it
+  /// was without power, and comes back with another bias. While the chip does not answer, nobody
+  /// knows.
+  constexpr void look_for_lost_power(core::Instant now) {
+    constexpr int kMostEntries = 16;  // of any driver
+    for (int i = 0; i < kMostEntries; ++i) {
+      const auto verified = gyro_.verify_next();
+      if (verified) continue;
+      if (verified.error().code == drivers::DriverErrorCode::bus_failed) {
+        ++counters_.start_errors;
+        return fail(verified.error(), now);
+      }
+      if (verified.error().code == drivers::DriverErrorCode::configuration_lost) lose_power(now);
+      break;
+    }
+    has_run_ = false;
+    running_ = false;
+  }
+  constexpr void lose_power(core::Instant now) {
+    ++counters_.configurations_lost;
+    node_.report_pause(now, {}, true);
+  }
+
   /// Once a sample period, whether samples come or not: a chip that lost its power is silent.
   constexpr void verify(core::Instant now) {
     verify_at_ = now + gyro_.sample_period();
     if (const auto verified = gyro_.verify_next(); !verified) {
       if (verified.error().code == drivers::DriverErrorCode::configuration_lost) {
-        ++counters_.configurations_lost;
+        lose_power(now);
+        has_run_ = false;
       } else {
         ++counters_.read_errors;
       }
@@ -208,6 +251,7 @@ class NodeLoop {
     if (started) {
       ++counters_.starts;
       running_ = true;
+      has_run_ = true;
       starting_since_.reset();
       watch_.set_step(gyro_.lsb());
       sample_rate_.restart();
@@ -242,6 +286,8 @@ class NodeLoop {
   SampleWatch watch_;
   RateWatch sample_rate_;
   bool running_ = false;
+  bool has_run_ = false;  ///< since its newest start; its configuration tells of lost power
+  core::Duration slept_;  ///< that the node was told of
   std::optional<core::Instant> driven_at_;  ///< newest poll with pulses
   std::optional<core::Instant> published_at_;
   std::optional<core::Instant> starting_since_;  ///< a start that asked for more time

@@ -38,6 +38,10 @@ core::Instant LinuxHardware::now() const {
   return hal::linux_os::KernelClock::now();
 }
 
+core::Duration LinuxHardware::slept() const {
+  return hal::linux_os::KernelClock::slept();
+}
+
 std::optional<core::Instant> LinuxHardware::take_edge() {
   if (!data_ready_) return std::nullopt;
   const auto edge = data_ready_->edge.take_edge();

@@ -24,6 +24,7 @@ class LinuxHardware final : public Hardware {
   std::optional<core::Instant> take_edge() override;
   HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
+  [[nodiscard]] core::Duration slept() const override;
 
   /// For at most two sample periods while data-ready edges come, for four of a gyro with a FIFO.
   /// Without edges (no line, a broken wire, a gyro that does not run) for half a period: then the

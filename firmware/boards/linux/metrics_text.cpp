@@ -95,6 +95,7 @@ void add_counters(Text& text, const NodeService& service) {
   text.counter("gyro_overruns_total", "Overflows of the gyro's FIFO.", loop.overruns);
   text.counter("gyro_configurations_lost_total", "Times the gyro had lost its settings.",
                loop.configurations_lost);
+  text.counter("sleeps_total", "Times that the machine slept.", loop.sleeps);
   text.counter("silences_total", "Messages that said that there were no samples.", loop.silences);
   text.counter("queue_dropped_total", "Messages that the publishing thread was too slow for.",
                service.queue().dropped());

@@ -329,6 +329,9 @@ void NodeService::report_gyro(const ServiceStatus& now) {
 }
 
 void NodeService::report_sample_rate(const ServiceStatus& now) {
+  if (now.counters.sleeps != last_status_.counters.sleeps) {
+    log_("the machine slept: the bias is aged by that time, and the gyro started again");
+  }
   if (now.sample_rate.is_off() == last_status_.sample_rate.is_off()) return;
   if (now.sample_rate.is_off()) {
     log_line(log_,

@@ -89,5 +89,87 @@ TEST(NodeLoopWhoseChipMeasuresNothing, StartsItAgainAndSaysWhy) {
   }
 }
 
+float sigma_of(const LoopRig& rig) {
+  return rig.published.messages.back().axes[2].sigma.in(core::rad_per_s);
+}
+
+/// Parameters whose bias changes by 1e-3 rad/s while the power is off.
+struct TurnOnRig : LoopRig {
+  TurnOnRig() {
+    params.turn_on_variance_rad2_s2 = 1e-6F;
+    start();
+    samples(3000);
+    odometer.working.pulse(hardware.clock.now());
+    samples(20);
+  }
+};
+
+TEST(NodeLoopWhoseChipLostItsPower, WidensTheIntervalByTheTurnOnAndBeginsAStop) {
+  TurnOnRig rig;
+  ASSERT_LT(sigma_of(rig), 1e-4F);
+  rig.hardware.chip.cycle_power();
+  rig.samples(100);
+  EXPECT_GE(sigma_of(rig), 0.999e-3F);
+  EXPECT_EQ(rig.counters().configurations_lost, 1U);
+  EXPECT_EQ(rig.counters().starts, 2U);
+  EXPECT_TRUE(rig.published.messages.back().health.calibrated);
+  // The bias that it came back with is learnt.
+  rig.samples(3000, 0.012F);
+  const AxisRate& axis = rig.published.messages.back().axes[0];
+  EXPECT_LT(axis.sigma.in(core::rad_per_s), 2e-4F);
+  EXPECT_NEAR(axis.bias.in(core::rad_per_s), 0.012F, 5.0F * axis.sigma.in(core::rad_per_s));
+}
+
+/// The supply fails together with the bus, so that the loss shows only when the chip answers again.
+TEST(NodeLoopWhoseChipLostItsPower, FindsItBehindAFailureOfTheBus) {
+  TurnOnRig rig;
+  rig.break_bus(hal::testing::Fault::kForEver);
+  rig.wait(Duration::seconds(3));
+  rig.hardware.chip.cycle_power();
+  rig.hardware.faults.clear();
+  rig.wait(Duration::milliseconds(1100));
+  rig.samples(100);
+  EXPECT_GE(sigma_of(rig), 0.999e-3F);
+}
+
+TEST(NodeLoopAfterAFailureOfTheBusAlone, KeepsTheInterval) {
+  TurnOnRig rig;
+  rig.break_bus(hal::testing::Fault::kForEver);
+  rig.wait(Duration::seconds(3));
+  rig.hardware.faults.clear();
+  rig.wait(Duration::milliseconds(1100));
+  rig.samples(100);
+  EXPECT_TRUE(rig.published.messages.back().has_rate());
+  EXPECT_LT(sigma_of(rig), 1e-4F);
+}
+
+TEST(NodeLoopWhoseModelKnowsNoTurnOn, TakesTheLargestBiasOfTheChip) {
+  LoopRig rig;
+  rig.params.largest_bias_rad_s = 0.05F;
+  rig.start();
+  rig.samples(3000);
+  rig.hardware.chip.cycle_power();
+  rig.samples(40);
+  EXPECT_GE(sigma_of(rig), 0.0499F);
+}
+
+/// A drive of eight hours that nobody saw: the clock of the samples stands still meanwhile.
+TEST(NodeLoopOnAMachineThatSlept, AgesTheBiasByThatTime) {
+  const auto sigma_after = [](Duration slept, bool has_lost_power) {
+    TurnOnRig rig;
+    const float before = sigma_of(rig);
+    if (has_lost_power) rig.hardware.chip.cycle_power();
+    rig.clock.asleep = rig.clock.asleep + slept;
+    rig.samples(100);
+    EXPECT_TRUE(rig.published.messages.back().has_rate());
+    EXPECT_EQ(rig.counters().sleeps, slept > Duration{} ? 1U : 0U);
+    return sigma_of(rig) / before;
+  };
+  const float awake = sigma_after({}, false);
+  const float asleep = sigma_after(Duration::seconds(8 * 3600), false);
+  EXPECT_GT(asleep, 1.2F * awake);
+  EXPECT_GT(sigma_after(Duration::seconds(8 * 3600), true), 5.0F * asleep);
+}
+
 }  // namespace
 }  // namespace zerorate::app

@@ -39,11 +39,19 @@ struct FailingOdometer {
   bool is_endless = false;  ///< never says that no pulse is left
 };
 
+/// The clock of the chip, for a machine that may sleep.
+struct SleepingClock {
+  [[nodiscard]] core::Instant now() const { return awake->now(); }
+  [[nodiscard]] Duration slept() const { return asleep; }
+  const hal::sim::SimulatedClock* awake;
+  Duration asleep = Duration::seconds(3600);  ///< before the loop begins
+};
+
 /// A node's loop on the simulated chip, over SPI, with faults.
 struct LoopRig {
   using Chip = support::GyroRig<support::OverSpi<support::Lsm6dso>>;
   using Loop = NodeLoop<Node, decltype(Chip::driver), FailingOdometer, hal::sim::DataReadyPin,
-                        hal::sim::SimulatedClock, Published>;
+                        SleepingClock, Published>;
 
   explicit LoopRig(drivers::lsm6dso::Settings settings = {}) : hardware(settings) {}
 
@@ -89,7 +97,8 @@ struct LoopRig {
   Published published;
   Node::Params params = node_params();
   Node node{params};
-  Loop loop{node, hardware.driver, odometer, hardware.chip.interrupt(), hardware.clock, published};
+  SleepingClock clock{&hardware.clock};
+  Loop loop{node, hardware.driver, odometer, hardware.chip.interrupt(), clock, published};
 };
 
 }  // namespace zerorate::app::testing
