@@ -15,6 +15,7 @@
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/rate_watch.hpp"
 #include "firmware/app/sample_watch.hpp"
+#include "firmware/app/temperature_watch.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
@@ -135,11 +136,12 @@ class NodeLoop {
 
   /// Gives the samples to the node, but for those of an axis that no longer measures.
   /// @return axes that are at fault with the newest sample, one bit each
-  constexpr std::uint8_t take(std::span<const drivers::GyroSample> samples, core::Instant now) {
+  constexpr std::uint8_t take(std::span<drivers::GyroSample> samples, core::Instant now) {
     std::uint8_t frozen = 0;
-    for (const drivers::GyroSample& sample : samples) {
+    for (drivers::GyroSample& sample : samples) {
       frozen = watch_.take(sample, vehicle(now));
       if (frozen != 0) continue;
+      temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
       message.health.sample_rate_off = sample_rate_.is_off();
       publish(message, now);
@@ -285,6 +287,7 @@ class NodeLoop {
   LoopCounters counters_;
   SampleWatch watch_;
   RateWatch sample_rate_;
+  TemperatureWatch temperature_watch_;
   bool running_ = false;
   bool has_run_ = false;  ///< since its newest start; its configuration tells of lost power
   core::Duration slept_;  ///< that the node was told of

@@ -89,6 +89,25 @@ TEST(NodeLoopWhoseChipMeasuresNothing, StartsItAgainAndSaysWhy) {
   }
 }
 
+/// One transfer of the temperature gives FF, or bytes of two conversions.
+TEST(NodeLoopWithATornTemperature, WithholdsItUntilTheNextAgrees) {
+  LoopRig rig;
+  rig.start();
+  const auto published_at = [&](float degc) {
+    const auto rate = core::rad_per_s(0.001F * static_cast<float>(rig.counters().samples % 7));
+    rig.hardware.sample({rate, rate, rate}, core::Temperature::from_degc(degc));
+    rig.loop.poll();
+    return rig.published.messages.back().temperature;
+  };
+  (void)published_at(40.0F);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(published_at(40.0F + 0.02F * static_cast<float>(i)));
+  EXPECT_FALSE(published_at(25.0F));
+  EXPECT_FALSE(published_at(40.3F));
+  EXPECT_TRUE(published_at(40.3F));
+  EXPECT_FALSE(published_at(41.3F)) << "one bit of the high byte";
+  EXPECT_TRUE(published_at(41.3F)) << "it stays: the chip was warmed";
+}
+
 float sigma_of(const LoopRig& rig) {
   return rig.published.messages.back().axes[2].sigma.in(core::rad_per_s);
 }
