@@ -11,6 +11,7 @@
 
 #include "core/base/time.hpp"
 #include "drivers/common/gyro_source.hpp"
+#include "firmware/app/chatter_watch.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/rate_watch.hpp"
@@ -28,8 +29,9 @@ struct LoopCounters {
   std::uint32_t pulses = 0;
   std::uint32_t pulses_lost = 0;
   std::uint32_t odometer_errors = 0;
-  std::uint32_t starts = 0;        ///< successful starts of the gyro
-  std::uint32_t start_errors = 0;  ///< failed ones, without those that asked for more time
+  std::uint32_t foreign_stamps = 0;  ///< edges stamped by another clock, such as the wall clock
+  std::uint32_t starts = 0;          ///< successful starts of the gyro
+  std::uint32_t start_errors = 0;    ///< failed ones, without those that asked for more time
   std::uint32_t read_errors = 0;
   std::uint32_t overruns = 0;  ///< read errors that were samples lost in the chip
   std::uint32_t configurations_lost = 0;
@@ -69,9 +71,11 @@ class NodeLoop {
   constexpr void poll() {
     const core::Instant now = clock_.now();
     // Before the pulses, so that no pulse is missing that is older than the sample.
-    const std::optional<core::Instant> edge = ready_.take_edge();
+    std::optional<core::Instant> edge = ready_.take_edge();
+    if (edge) edge = own_stamp(*edge, now);
     take_sleep(now);
     take_pulses(now);
+    polled_at_ = now;
     if (running_) {
       if (edge || now >= next_edge_by_) take_samples(now, edge);
       if (running_) watch_for_samples(now);
@@ -93,6 +97,7 @@ class NodeLoop {
   static constexpr core::Duration kLongestSilence = core::Duration::milliseconds(250);
   /// The two clocks are not read at one instant.
   static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
+  static constexpr core::Duration kFarStamp = core::Duration::seconds(1);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void take_pulses(core::Instant now) {
@@ -100,7 +105,7 @@ class NodeLoop {
     for (std::size_t i = 0; i < kMostBatches; ++i) {
       const auto batch = odometer_.read_pulses(stamps);
       if (!batch) break;
-      for (std::size_t k = 0; k < batch->count; ++k) node_.pulse(stamps[k]);
+      for (std::size_t k = 0; k < batch->count; ++k) take_pulse(stamps[k], now);
       counters_.pulses += static_cast<std::uint32_t>(batch->count);
       if (batch->count > 0) driven_at_ = now;
       if (batch->lost > 0) {
@@ -113,6 +118,21 @@ class NodeLoop {
     // moving.
     ++counters_.odometer_errors;
     node_.report_odometer_fault(now);
+  }
+
+  constexpr void take_pulse(core::Instant stamp, core::Instant now) {
+    const core::Instant own = own_stamp(stamp, now);
+    if (own != stamp) node_.report_odometer_fault(now);
+    node_.pulse(own);
+    chatter_.pulse();
+  }
+  /// Edges come between two polls. A stamp far from there is of another clock: kernels before
+  /// Linux 5.7 take the wall clock. The time of the poll stands for it.
+  constexpr core::Instant own_stamp(core::Instant stamp, core::Instant now) {
+    const core::Instant oldest = polled_at_.value_or(stamp) - kFarStamp;
+    if (stamp >= oldest && stamp <= now + kFarStamp) return stamp;
+    ++counters_.foreign_stamps;
+    return now;
   }
 
   constexpr void take_samples(core::Instant now, std::optional<core::Instant> edge) {
@@ -144,6 +164,9 @@ class NodeLoop {
       temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
       message.health.sample_rate_off = sample_rate_.is_off();
+      chatter_.take(sample, message.health.calibrated,
+                    [&](std::size_t axis) { return node_.white_variance_rad2_s2(axis); });
+      message.health.odometer_disagreement |= chatter_.chatters();
       publish(message, now);
       ++counters_.samples;
       retry_after_ = kFirstRetry;
@@ -288,9 +311,11 @@ class NodeLoop {
   SampleWatch watch_;
   RateWatch sample_rate_;
   TemperatureWatch temperature_watch_;
+  ChatterWatch chatter_;
   bool running_ = false;
   bool has_run_ = false;  ///< since its newest start; its configuration tells of lost power
   core::Duration slept_;  ///< that the node was told of
+  std::optional<core::Instant> polled_at_;
   std::optional<core::Instant> driven_at_;  ///< newest poll with pulses
   std::optional<core::Instant> published_at_;
   std::optional<core::Instant> starting_since_;  ///< a start that asked for more time

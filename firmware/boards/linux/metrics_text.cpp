@@ -88,6 +88,7 @@ void add_counters(Text& text, const NodeService& service) {
   text.counter("samples_total", "Samples of the gyro.", loop.samples);
   text.counter("pulses_total", "Odometer pulses.", loop.pulses);
   text.counter("pulses_lost_total", "Odometer pulses that were dropped.", loop.pulses_lost);
+  text.counter("foreign_stamps_total", "Edges that another clock stamped.", loop.foreign_stamps);
   text.counter("odometer_errors_total", "Failed reads of the odometer.", loop.odometer_errors);
   text.counter("gyro_starts_total", "Successful starts of the gyro.", loop.starts);
   text.counter("gyro_start_errors_total", "Failed starts of the gyro.", loop.start_errors);

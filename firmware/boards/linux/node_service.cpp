@@ -356,6 +356,11 @@ void NodeService::report_odometer(const ServiceStatus& now) {
     log_("odometer: cannot be read; the vehicle counts as moving");
   }
   odometer_failed_ = fails;
+  if (before.foreign_stamps == 0 && now.counters.foreign_stamps > 0) {
+    log_(
+        "edges of a GPIO line are not stamped by the monotonic clock (a kernel before Linux 5.7?); "
+        "the time of the reading is taken");
+  }
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
   }

@@ -61,8 +61,7 @@ struct LoopRig {
     for (std::size_t i = 0; i < rates.size(); ++i) {
       const random::RandomStream noise{1, i};
       rates.at(i) = stuck.at(i).value_or(
-          rates.at(i) +
-          core::rad_per_s(kWhiteSigmaRadS * static_cast<float>(noise.normal(measured))));
+          rates.at(i) + core::rad_per_s(sigma_rad_s * static_cast<float>(noise.normal(measured))));
     }
     ++measured;
     hardware.sample(rates);
@@ -92,6 +91,7 @@ struct LoopRig {
 
   Chip hardware;
   std::array<std::optional<core::AngularRate>, 3> stuck{};  ///< axes that no longer measure
+  float sigma_rad_s = kWhiteSigmaRadS;
   std::int64_t measured = 0;
   FailingOdometer odometer;
   Published published;

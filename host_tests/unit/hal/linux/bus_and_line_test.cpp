@@ -330,6 +330,29 @@ TEST(LatestEdgeOfALineThatFails, IsNone) {
   EXPECT_EQ(pin.take_edge(), std::nullopt);
 }
 
+TEST(Debounce, LeavesOutEdgesThatFollowAnotherTooSoon) {
+  const auto ms = [](std::int64_t at) { return core::Instant::from_ns(at * 1'000'000); };
+  Debounce debounce{core::Duration::milliseconds(5)};
+  std::array stamps{ms(100), ms(102), ms(106), ms(111), ms(200)};
+  PulseBatch batch{.count = stamps.size(), .lost = 3};
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 3U);
+  EXPECT_EQ(batch.lost, 3U);
+  EXPECT_EQ(stamps[1], ms(111)) << "the line bounced until 106";
+  batch.count = 1;
+  stamps[0] = ms(203);
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 0U) << "over the end of a batch";
+}
+
+TEST(DebounceOfNoTime, KeepsAll) {
+  Debounce debounce{core::Duration{}};
+  std::array stamps{core::Instant::from_ns(1), core::Instant::from_ns(1)};
+  PulseBatch batch{.count = 2};
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 2U);
+}
+
 TEST(GpioLineOnAChipThatIsNotThere, SaysSoAtEveryRead) {
   GpioLine line{{.chip = "/dev/there-is-no-such-chip", .line = "3"}};
   std::array<core::Instant, 4> stamps{};
