@@ -82,6 +82,11 @@ class DeviceFile {
     descriptor_ = -1;
   }
 
+  /// Sets what not every driver lets set.
+  void set(unsigned long request, unsigned long value) {
+    (void)system_.ioctl(descriptor_, request, reinterpret_cast<void*>(value));  // as ioctl() is
+  }
+
   /// Answer of the driver. A device that is gone is closed.
   core::Result<int, BusError> ioctl(unsigned long request, void* argument) {
     const CallResult answered = system_.ioctl(descriptor_, request, argument);

@@ -21,12 +21,16 @@
 
 namespace zerorate::hal::linux_os {
 
-/// An I2cBus: one I2C_RDWR per transaction. Clock, retries and limits of time are the adapter
-/// driver's. No heap after construction; one system call per transaction.
+/// An I2cBus: one I2C_RDWR per transaction. Clock and retries are the adapter driver's, and the
+/// limit of time where it does not take kTimeLimit. No heap after construction; one system call per
+/// transaction.
 template <class System = SystemCalls>
 class I2cDevBus {
  public:
   static constexpr std::size_t kMostOperations = 8;
+  /// Longest wait for a bus whose data line is stuck, in units of 10 ms; the kernel's is a second.
+  /// It is the adapter's, and so holds for every program on the bus.
+  static constexpr unsigned long kTimeLimit = 5;
 
   /// @param device e.g. "/dev/i2c-1"
   explicit I2cDevBus(std::string device, System system = {})
@@ -62,6 +66,7 @@ class I2cDevBus {
   core::Result<void, BusError> reserve(I2cAddress address) {
     if (!file_.is_open()) {
       if (const auto opened = file_.open(); !opened) return opened;
+      file_.set(I2C_TIMEOUT, kTimeLimit);
     }
     reserved_ = address;
     return file_.reserve(static_cast<off_t>(address));

@@ -90,7 +90,8 @@ std::string_view cure_of_speed(int error_number) {
   }
 }
 
-std::string_view cure_of_sink(int error_number) {
+std::string_view cure_of_sink(std::string_view sink, int error_number) {
+  if (error_number == ENOENT && sink.starts_with("json:")) return " (make its folder first)";
   switch (error_number) {
     case EAFNOSUPPORT:
       return " (has this kernel CAN? modprobe can_raw)";
@@ -102,6 +103,11 @@ std::string_view cure_of_sink(int error_number) {
     case ENXIO:
     case ECONNREFUSED:
       return " (does the receiver run?)";
+    case EAGAIN:
+    case ENOBUFS:
+      return " (nobody takes them: does the receiver read, is a node on the bus to acknowledge?)";
+    case ECOMM:
+      return " (bus-off: are bit rate, wiring and termination right? ip -details link show)";
     default:
       return "";
   }
@@ -214,7 +220,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
 
 void NodeService::add_sink(std::unique_ptr<Sink> sink) {
   sinks_.push_back(std::move(sink));
-  sink_errors_.push_back(0);
+  sink_reports_.emplace_back();
 }
 
 bool NodeService::restore() {
@@ -225,7 +231,11 @@ bool NodeService::restore() {
     log_line(log_, "state: {}; starting without", hal::name(size.error()));
     return false;
   }
-  const auto restored = snapshot_.restore(node_, std::span{bytes}.first(*size), time_in(session_));
+  return restore(std::span{bytes}.first(*size));
+}
+
+bool NodeService::restore(std::span<const std::uint8_t> record) {
+  const auto restored = snapshot_.restore(node_, record, time_in(session_));
   if (!restored) {
     log_line(log_, "state: {}; starting without", app::name(restored.error()));
     return false;
@@ -366,16 +376,21 @@ void NodeService::report_odometer(const ServiceStatus& now) {
   }
 }
 
+/// A receiver that is slow for a moment is counted, and told where a second brought it nothing.
 void NodeService::report_sinks() {
   for (std::size_t i = 0; i < sinks_.size(); ++i) {
-    const int error = sinks_[i]->error_number();
-    if (error == sink_errors_[i] || is_congestion(error)) continue;
-    sink_errors_[i] = error;
+    SinkReport& told = sink_reports_[i];
+    const Sink& sink = *sinks_[i];
+    const bool takes_some = sink.sent() != told.sent;
+    told.sent = sink.sent();
+    const int error = sink.error_number();
+    if (error == told.error_number || (is_congestion(error) && takes_some)) continue;
+    told.error_number = error;
     if (error == 0) {
-      log_line(log_, "sink {}: takes messages again", sinks_[i]->name());
+      log_line(log_, "sink {}: takes messages again", sink.name());
     } else {
-      log_line(log_, "sink {}: {}{}; its messages are dropped", sinks_[i]->name(),
-               std::strerror(error), cure_of_sink(error));
+      log_line(log_, "sink {}: {}{}; its messages are dropped", sink.name(), std::strerror(error),
+               cure_of_sink(sink.name(), error));
     }
   }
 }
@@ -386,13 +401,27 @@ void NodeService::publish_learnt() {
   for (const auto& sink : sinks_) sink->publish_learnt(last_status_.learnt);
 }
 
+std::vector<std::uint8_t> NodeService::record() const {
+  const auto record = snapshot_.of_state(last_status_.state, time_in(session_));
+  return {record.begin(), record.end()};
+}
+
+/// A failure that lasts is told once.
 void NodeService::save(const Node::State& state) {
   if (storage_ == nullptr) return;
+  const std::string& file = configuration_.state->file;
   if (const auto saved = storage_->save(snapshot_.of_state(state, time_in(session_))); !saved) {
     ++counters_.save_errors;
-    log_line(log_, "state: not saved: {}", hal::name(saved.error()));
+    const int error = storage_->error_number() != 0 ? storage_->error_number() : EIO;
+    if (error != told_save_error_) {
+      log_line(log_, "state: not saved in {}: {} ({})", file, hal::name(saved.error()),
+               std::strerror(error));
+    }
+    told_save_error_ = error;
     return;
   }
+  if (told_save_error_ != 0) log_line(log_, "state: saved again in {}", file);
+  told_save_error_ = 0;
   ++counters_.saves;
 }
 

@@ -74,6 +74,7 @@ TEST(I2cDevBus, DoesATransactionInOneMessageList) {
   I2cRig rig;
   ASSERT_TRUE(rig.transact());
   EXPECT_EQ(rig.kernel.opened_path, "/dev/i2c-7");
+  EXPECT_EQ(rig.kernel.i2c_timeout, 5U) << "silence is told four times a second";
   EXPECT_EQ(rig.kernel.transfers, 1);
   ASSERT_EQ(rig.kernel.last_i2c.size(), 2U);
   EXPECT_EQ(rig.kernel.last_i2c[0].addr, 0x6A);

@@ -41,6 +41,7 @@ struct KernelState {
   int opens = 0;
   int closes = 0;
   int transfers = 0;
+  unsigned long i2c_timeout = 0;  ///< in 10 ms
   int spi_mode = -1;
   int spi_bits = -1;
   std::uint32_t spi_speed_hz = 0;
@@ -81,6 +82,9 @@ class KernelDouble {
         return 0;
       case SPI_IOC_WR_MAX_SPEED_HZ:
         state_->spi_speed_hz = *static_cast<std::uint32_t*>(argument);
+        return 0;
+      case I2C_TIMEOUT:
+        state_->i2c_timeout = reinterpret_cast<unsigned long>(argument);
         return 0;
       case I2C_RDWR:
         return i2c(*static_cast<i2c_rdwr_ioctl_data*>(argument));
