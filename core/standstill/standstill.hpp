@@ -2,6 +2,7 @@
 /// Still or moving, from odometer pulses and a clock.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +38,9 @@ enum class Motion : std::uint8_t {
 /// pulse has followed (HoldBackLine).
 ///
 /// A vehicle that creeps may need longer than the settle time from pulse to pulse. So the silence
-/// must also be twice as long as the one before the newest pulse, up to `slowest`.
+/// must also be twice as long as the one before the newest pulse, up to `slowest`. A contact that
+/// bounces gives pulses in quick succession, which say nothing of the speed: each shortens that
+/// silence by an eighth at most.
 class Standstill {
  public:
   struct Params {
@@ -80,7 +83,9 @@ class Standstill {
     if (!state_.started) return start(at);
     if (at < state_.last_pulse) return;
     const Duration since = at - state_.last_pulse;
-    state_.silence = since < params_.slowest / 2 ? since * 2 : params_.slowest;
+    const Duration silence = since < params_.slowest / 2 ? since * 2 : params_.slowest;
+    const Duration shortest = since < kLongestBounce ? state_.silence * 7 / 8 : Duration{};
+    state_.silence = std::max(silence, shortest);
     state_.last_pulse = at;
   }
 
@@ -105,6 +110,8 @@ class Standstill {
   }
 
  private:
+  static constexpr Duration kLongestBounce = Duration::milliseconds(20);
+
   Params params_;
   State state_;
 };

@@ -113,7 +113,10 @@ class StopLearning {
 
   /// The vehicle moves, and it is unknown since when: no tick that is held is certain any more.
   constexpr void report_odometer_fault(Instant now) {
-    if (!has_odometer_) return;
+    if (has_odometer_) interrupt(now);
+  }
+  /// Ends the stop, and discards what is held of it.
+  constexpr void interrupt(Instant now) {
     held_.discard_held();
     end_stop(now);
   }

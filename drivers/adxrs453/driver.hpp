@@ -101,6 +101,7 @@ class Adxrs453 {
   }
 
   [[nodiscard]] constexpr core::Duration sample_period() const { return settings_.sample_period; }
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return adxrs453::kLsb; }
   [[nodiscard]] constexpr bool is_batched() const { return false; }
 
  private:

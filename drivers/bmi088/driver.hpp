@@ -100,6 +100,7 @@ class Bmi088 {
   [[nodiscard]] constexpr core::Duration sample_period() const {
     return bmi088::sample_period(settings_.rate);
   }
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == bmi088::Mode::fifo; }
 
  private:
@@ -148,6 +149,7 @@ class Bmi088 {
     if (const auto done = configuration_.apply(bus_); !done) return done;
     settled_at_ = now + bmi088::settling_time(sample_period());
     sample_clock_.restart(now, sample_period());
+    blank_frames_.restart();
     stage_ = Stage::running;
     return {};
   }
@@ -174,14 +176,14 @@ class Bmi088 {
   }
 
   core::Result<std::size_t, DriverError> drain(std::size_t frames, std::span<GyroSample> out) {
+    blank_frames_.begin_reading();
     const auto decode = [&](std::span<const std::uint8_t, kFrameBytes> bytes, GyroSample& sample) {
       const core::Instant time = sample_clock_.next();
-      if (time < settled_at_) return Frame::no_sample;
+      const std::array raw{decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
+                           decode_int16(bytes[4], bytes[5])};
+      if (blank_frames_.is_blank(raw) || time < settled_at_) return Frame::no_sample;
       sample = GyroSample{.time = time};
-      set_rates(sample,
-                {decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
-                 decode_int16(bytes[4], bytes[5])},
-                lsb_, bmi088::kFullScaleRaw);
+      set_rates(sample, raw, lsb_, bmi088::kFullScaleRaw);
       return Frame::sample;
     };
     return drain_fifo<kFrameBytes>(bus_, bmi088::kFifoData, frames, out, decode);
@@ -204,6 +206,7 @@ class Bmi088 {
   core::AngularRate lsb_;
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;
+  BlankFrames blank_frames_;
   core::Instant reset_at_;
   core::Instant settled_at_;
   Stage stage_ = Stage::off;

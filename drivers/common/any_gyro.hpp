@@ -31,6 +31,7 @@ class AnyGyro {
                                                       std::span<GyroSample> out) = 0;
   virtual core::Result<void, DriverError> verify_next() = 0;
   [[nodiscard]] virtual core::Duration sample_period() const = 0;
+  [[nodiscard]] virtual core::AngularRate lsb() const = 0;
   [[nodiscard]] virtual bool is_batched() const = 0;
 };
 static_assert(GyroSource<AnyGyro>);
@@ -54,6 +55,7 @@ class ErasedGyro : public Base {
   }
   core::Result<void, DriverError> verify_next() final { return driver_.verify_next(); }
   [[nodiscard]] core::Duration sample_period() const final { return driver_.sample_period(); }
+  [[nodiscard]] core::AngularRate lsb() const final { return driver_.lsb(); }
   [[nodiscard]] bool is_batched() const final { return driver_.is_batched(); }
 
  protected:

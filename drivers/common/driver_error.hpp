@@ -16,9 +16,10 @@ enum class DriverErrorCode : std::uint8_t {
   not_ready,           ///< the chip needs time: call again later; or it was not started
   configuration_lost,  ///< a register does not hold what was written to it
   fifo_overrun,        ///< samples were lost in the chip; the next read continues after the gap
-  corrupt_data,  ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
-  sensor_fault,  ///< the chip's own supervision found its data invalid
-  frozen,        ///< equal counts for longer than noise repeats a value
+  corrupt_data,    ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
+  sensor_fault,    ///< the chip's own supervision found its data invalid
+  frozen,          ///< an axis no longer measures; DriverError::reg has bit i for axis i
+  no_new_samples,  ///< the chip answers, but has measured nothing for long
 };
 
 /// For logs and tables.
@@ -38,6 +39,8 @@ enum class DriverErrorCode : std::uint8_t {
       return "corrupt data";
     case DriverErrorCode::sensor_fault:
       return "the chip reports a fault";
+    case DriverErrorCode::no_new_samples:
+      return "no new samples";
     case DriverErrorCode::frozen:
       return "frozen";
   }
@@ -48,7 +51,7 @@ enum class DriverErrorCode : std::uint8_t {
 struct DriverError {
   DriverErrorCode code = DriverErrorCode::bus_failed;
   hal::BusError bus = {};  ///< only meaningful if code is bus_failed
-  std::uint8_t reg = 0;    ///< register of the step that failed
+  std::uint8_t reg = 0;    ///< register of the step that failed; axes where code is frozen
 
   constexpr bool operator==(const DriverError&) const = default;
 };

@@ -47,6 +47,47 @@ core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, s
   return count;
 }
 
+/// Finds frames without a mark that a transfer did not read: all bits are 1 or all are 0 on all
+/// axes, and the frame before was far from that. They count where the next reading has them too:
+/// the driver asks for the identity behind each, and a dead line would have shown.
+class BlankFrames {
+ public:
+  using Raw = std::array<std::int16_t, 3>;
+
+  constexpr void begin_reading() {
+    were_blank_ = are_blank_;
+    are_blank_ = false;
+  }
+  /// @return whether the frame was not read
+  constexpr bool is_blank(const Raw& raw) {
+    const bool is_uniform = raw[0] == raw[1] && raw[1] == raw[2] && (raw[0] == 0 || raw[0] == -1);
+    if (is_uniform && has_newest_ && is_far(raw)) {
+      are_blank_ = true;
+      if (!were_blank_) return true;
+    }
+    newest_ = raw;
+    has_newest_ = true;
+    return false;
+  }
+  constexpr void restart() { *this = {}; }
+
+ private:
+  [[nodiscard]] constexpr bool is_far(const Raw& raw) const {
+    constexpr int kNear = 8;  // counts, as noise is
+    bool is_far = false;
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      const int step = raw[i] - newest_[i];
+      is_far |= step > kNear || step < -kNear;
+    }
+    return is_far;
+  }
+
+  Raw newest_{};
+  bool has_newest_ = false;
+  bool are_blank_ = false;   ///< frames of this reading
+  bool were_blank_ = false;  ///< frames of the one before
+};
+
 /// Lets one overrun be reported once. The error is reported instead of samples, so the FIFO is as
 /// full as before when the next reading comes, and a chip that went on meanwhile reports an overrun
 /// again: that is the same gap, and the reading has to drain the FIFO, or it would never end.

@@ -33,6 +33,7 @@ using core::GyroSample;
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
 /// - `sample_period()`: the chip's own period, trimmed where the chip has a trim register.
+/// - `lsb()`: the rate of one count, known after a start; zero where it is not known.
 /// - `is_batched()`: true if samples wait in a FIFO. The `now` of read() must then be the time of
 ///   the reading: the edge of a watermark is older than the samples that came after it.
 template <class Source>
@@ -42,22 +43,28 @@ concept GyroSource = requires(Source& source, const Source& same, core::Instant 
   { source.read(now, out) } -> std::same_as<core::Result<std::size_t, DriverError>>;
   { source.verify_next() } -> std::same_as<core::Result<void, DriverError>>;
   { same.sample_period() } -> std::same_as<core::Duration>;
+  { same.lsb() } -> std::same_as<core::AngularRate>;
   { same.is_batched() } -> std::same_as<bool>;
 };
 
 /// Sets the rates and the saturated axes of a sample. One multiplication an axis, so that raw 0 is
 /// exactly 0.
 /// @param lsb the rate of one count
-/// @param full_scale_raw an axis is saturated at or beyond plus or minus so many counts
+/// @param highest_raw, lowest_raw  an axis is saturated at these counts or beyond
 constexpr void set_rates(GyroSample& sample, const std::array<std::int16_t, 3>& raw,
-                         core::AngularRate lsb, std::int16_t full_scale_raw) {
+                         core::AngularRate lsb, std::int16_t highest_raw, std::int16_t lowest_raw) {
   sample.saturated_axes = 0;
   for (std::size_t axis = 0; axis < raw.size(); ++axis) {
     sample.rate[axis] = lsb * static_cast<float>(raw[axis]);
-    if (raw[axis] >= full_scale_raw || raw[axis] <= -full_scale_raw) {
+    if (raw[axis] >= highest_raw || raw[axis] <= lowest_raw) {
       sample.saturated_axes |= static_cast<std::uint8_t>(1U << axis);
     }
   }
+}
+/// Rates and saturated axes for a range of plus or minus so many counts.
+constexpr void set_rates(GyroSample& sample, const std::array<std::int16_t, 3>& raw,
+                         core::AngularRate lsb, std::int16_t full_scale_raw) {
+  set_rates(sample, raw, lsb, full_scale_raw, static_cast<std::int16_t>(-full_scale_raw));
 }
 
 /// Two's complement from its low and its high byte, in whatever order the chip sends them.

@@ -35,8 +35,9 @@ enum class OutputDataRate : std::uint8_t {
   hz_2000 = 5,
 };
 
-/// The chip clips here: one more would be kInvalidRaw on the negative side.
-inline constexpr std::int16_t kFullScaleRaw = 32767;
+/// Ends of the range, where the chip clips (DS-000347, rev. 1.2, 12.8: valid are -32766 to 32767).
+inline constexpr std::int16_t kHighestRaw = 32767;
+inline constexpr std::int16_t kLowestRaw = -32766;
 /// Stands for "no sample".
 inline constexpr std::int16_t kInvalidRaw = -32768;
 

@@ -55,7 +55,7 @@ class Icm42688 {
         configuration_(configuration(settings)) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
-  /// 1 ms has passed, then identity, configuration (36 transactions) and success. When it runs, or
+  /// 1 ms has passed, then identity, configuration (39 transactions) and success. When it runs, or
   /// after any other error, a call begins anew. A chip that was left in another register bank is
   /// brought back first, which takes one call more.
   core::Result<void, DriverError> start(core::Instant now) {
@@ -93,11 +93,12 @@ class Icm42688 {
     return icm42688::sample_period(settings_.rate);
   }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == icm42688::Mode::fifo; }
 
  private:
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr std::size_t kEntries = 12;
+  static constexpr std::size_t kEntries = 13;
   static constexpr std::size_t kPacketBytes = icm42688::kFifoPacketBytes;
 
   static constexpr ConfigurationTable<kEntries> configuration(const icm42688::Settings& settings) {
@@ -114,6 +115,8 @@ class Icm42688 {
         // that is stuck either way.
         configure(kIntfConfig0, b::kIntfConfig0Data,
                   b::kIntfConfig0FifoCountBigEndian | b::kIntfConfig0SensorDataBigEndian),
+        // Adaptive full-scale off: with it, chips were seen to stall for 1 to 2 ms above 100 deg/s.
+        configure(kIntfConfig1, b::kIntfConfig1Afsr, b::kIntfConfig1AfsrOff),
         configure(kIntConfig, b::kIntConfigInt1,
                   b::kIntConfigInt1PushPull | b::kIntConfigInt1ActiveHigh),
         // The register's description: "For proper INT1 and INT2 pin operation".
@@ -264,7 +267,7 @@ class Icm42688 {
     out.time = time;
     out.temperature = temperature;
     out.has_temperature = true;
-    set_rates(out, raw, lsb_, icm42688::kFullScaleRaw);
+    set_rates(out, raw, lsb_, icm42688::kHighestRaw, icm42688::kLowestRaw);
     return true;
   }
 

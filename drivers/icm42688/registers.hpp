@@ -21,6 +21,7 @@ inline constexpr Register<0x1D, Access::read_only> kTempData1;  // accelerometer
 inline constexpr Register<0x2D, Access::read_only> kIntStatus;  // FIFO_COUNTH, FIFO_COUNTL follow
 inline constexpr Register<0x30, Access::read_only> kFifoData;
 inline constexpr Register<0x4C, Access::read_write, 0x30> kIntfConfig0;
+inline constexpr Register<0x4D, Access::read_write, 0x91> kIntfConfig1;
 inline constexpr Register<0x4E, Access::read_write> kPwrMgmt0;
 inline constexpr Register<0x4F, Access::read_write, 0x06> kGyroConfig0;
 inline constexpr Register<0x52, Access::read_write, 0x11> kGyroAccelConfig0;
@@ -46,6 +47,8 @@ inline constexpr std::uint8_t kIntStatusFifoFull = 0x02;
 inline constexpr std::uint8_t kIntfConfig0Data = 0xF0;
 inline constexpr std::uint8_t kIntfConfig0FifoCountBigEndian = 0x20;
 inline constexpr std::uint8_t kIntfConfig0SensorDataBigEndian = 0x10;
+inline constexpr std::uint8_t kIntfConfig1Afsr = 0xC0;
+inline constexpr std::uint8_t kIntfConfig1AfsrOff = 0x40;
 inline constexpr std::uint8_t kPwrMgmt0All = 0x3F;
 inline constexpr std::uint8_t kPwrMgmt0GyroLowNoise = 0x0C;
 inline constexpr std::uint8_t kGyroConfig0All = 0xEF;

@@ -69,11 +69,14 @@ class Lsm6dso {
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// the chip has left reset (50 us), then configuration (33 transactions) and success. When it
-  /// runs, or after any other error, a call begins anew.
+  /// runs, or after any other error, a call begins anew. A chip that gave 0 as its identity three
+  /// times is reset all the same (README).
   core::Result<void, DriverError> start(core::Instant now) {
     const bool is_reset_pending = stage_ == Stage::resetting;
     stage_ = Stage::off;
-    if (const auto known = check_identity(); !known) return known;
+    if (const auto known = check_identity(); !known) {
+      return is_blind_reset_due(known.error()) ? begin_reset() : known;
+    }
     return is_reset_pending ? finish_start(now) : begin_reset();
   }
 
@@ -99,6 +102,7 @@ class Lsm6dso {
   /// Nominal until start() has read the chip's trim.
   [[nodiscard]] constexpr core::Duration sample_period() const { return period_; }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:
@@ -165,10 +169,19 @@ class Lsm6dso {
   core::Result<void, DriverError> check_identity() {
     const auto identity = read_register(bus_, lsm6dso::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
+    zero_identities_ = *identity == 0 ? static_cast<std::uint8_t>(zero_identities_ + 1) : 0;
     if (*identity != settings_.variant->identity) {
       return refused(DriverErrorCode::wrong_identity, lsm6dso::kWhoAmI.address);
     }
     return {};
+  }
+
+  /// Some chips come out of a brown-out deaf but for writing, until a reset.
+  [[nodiscard]] constexpr bool is_blind_reset_due(const DriverError& error) {
+    constexpr std::uint8_t kAfter = 3;
+    if (error.code != DriverErrorCode::wrong_identity || zero_identities_ < kAfter) return false;
+    zero_identities_ = 0;
+    return true;
   }
 
   core::Result<void, DriverError> begin_reset() {
@@ -286,6 +299,7 @@ class Lsm6dso {
   SampleClock sample_clock_;
   OverrunReport overrun_report_;
   core::Instant settled_at_;
+  std::uint8_t zero_identities_ = 0;  ///< in a row
   Stage stage_ = Stage::off;
 };
 

@@ -12,23 +12,30 @@
 
 namespace zerorate::drivers::mpu6500 {
 
+/// Use of SIGNAL_PATH_RESET at the start. An MPU-6000 needs it and answers as an MPU-6050, which does
+/// not need it and is on I2C alone.
+enum class PathReset : std::uint8_t { never, on_spi, always };
+
 /// Chip of the family, identified by its WHO_AM_I. Only the differences are here.
 struct Variant {
   std::uint8_t identity;
   std::uint16_t fifo_bytes;   ///< least size of the FIFO
   float counts_per_degree;    ///< slope of the thermometer; 0: not known
   float degc_at_zero_counts;  ///< its temperature at 0 counts
+  PathReset path_reset;
 };
 
 /// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
-    Variant{0x68, 1024, 340.0F, 36.53F},  // MPU-6050, MPU-6000, MPU-9150
-    Variant{0x70, 512, 333.87F, 21.0F},   // MPU-6500, also where MPU-6050 is written on it
-    Variant{0x71, 512, 333.87F, 21.0F},   // MPU-9250
-    Variant{0x72, 512, 0.0F, 0.0F},       // no chip of InvenSense's: a copy
-    Variant{0x73, 512, 333.87F, 21.0F},   // MPU-9255
-    Variant{0x74, 512, 333.87F, 21.0F},   // MPU-6515
-    Variant{0x98, 512, 326.8F, 25.0F},    // ICM-20689, also where MPU-6050 is written on it
+    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi},  // MPU-6050, MPU-6000, MPU-9150
+    Variant{0x70, 512, 333.87F, 21.0F,
+            PathReset::always},  // MPU-6500, also where MPU-6050 is written on it
+    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always},  // MPU-9250
+    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never},       // no chip of InvenSense's: a copy
+    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always},  // MPU-9255
+    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always},  // MPU-6515
+    Variant{0x98, 512, 326.8F, 25.0F,
+            PathReset::never},  // ICM-20689, also where MPU-6050 is written on it
 };
 
 /// nullptr for a chip that is not accepted.

@@ -53,9 +53,10 @@ class Mpu6500 {
         configuration_(configuration(settings)) {}
 
   /// First call: identity, then reset, then always not_ready. Later calls: not_ready until 100 ms
-  /// have passed; then identity, waking up, and a reset of the signal paths, for which another 100
-  /// ms pass; then identity, configuration (27 transactions) and success. When it runs, or after
-  /// any other error, a call begins anew. The identity must be the same each time.
+  /// have passed; then identity, waking up, and where the chip needs it a reset of the signal
+  /// paths, for which another 100 ms pass; then identity, configuration (27 transactions) and
+  /// success. When it runs, or after any other error, a call begins anew. The identity must be the
+  /// same each time.
   core::Result<void, DriverError> start(core::Instant now) {
     const Stage stage = stage_;
     const bool is_pending = stage == Stage::resetting || stage == Stage::clearing;
@@ -93,6 +94,7 @@ class Mpu6500 {
     return mpu6500::sample_period(settings_.rate);
   }
 
+  [[nodiscard]] constexpr core::AngularRate lsb() const { return lsb_; }
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == mpu6500::Mode::fifo; }
 
  private:
@@ -146,8 +148,15 @@ class Mpu6500 {
   core::Result<void, DriverError> clear_paths(core::Instant now) {
     namespace b = mpu6500::bits;
     auto done = write_register(bus_, mpu6500::kPwrMgmt1, b::kPwrMgmt1Pll);
-    if (done) done = write_register(bus_, mpu6500::kSignalPathReset, b::kSignalPathResetAll);
+    if (done && needs_path_reset())
+      done = write_register(bus_, mpu6500::kSignalPathReset, b::kSignalPathResetAll);
     return done ? wait(now, Stage::clearing) : done;
+  }
+
+  [[nodiscard]] constexpr bool needs_path_reset() const {
+    const mpu6500::PathReset reset = variant_->path_reset;
+    return reset == mpu6500::PathReset::always ||
+           (reset == mpu6500::PathReset::on_spi && kIsSpi<Bus>);
   }
 
   core::Result<void, DriverError> wait(core::Instant now, Stage stage) {
@@ -160,6 +169,7 @@ class Mpu6500 {
     if (const auto done = configuration_.apply(bus_); !done) return done;
     settled_at_ = now + mpu6500::settling_time(sample_period());
     sample_clock_.restart(now, sample_period());
+    blank_frames_.restart();
     is_shifted_ = false;
     stage_ = Stage::running;
     return {};
@@ -247,9 +257,10 @@ class Mpu6500 {
 
   core::Result<std::size_t, DriverError> drain(std::size_t samples, std::span<GyroSample> out,
                                                std::int16_t temperature) {
+    blank_frames_.begin_reading();
     const auto decode = [&](std::span<const std::uint8_t, kSampleBytes> bytes, GyroSample& sample) {
       const core::Instant time = sample_clock_.next();
-      if (time < settled_at_) return Frame::no_sample;
+      if (blank_frames_.is_blank(raw_rates(bytes)) || time < settled_at_) return Frame::no_sample;
       sample = make_sample(time, bytes, temperature);
       return Frame::sample;
     };
@@ -270,6 +281,11 @@ class Mpu6500 {
     return decode_int16(outputs[8], outputs[7]);
   }
 
+  static constexpr BlankFrames::Raw raw_rates(std::span<const std::uint8_t, kSampleBytes> bytes) {
+    return {decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
+            decode_int16(bytes[5], bytes[4])};
+  }
+
   [[nodiscard]] GyroSample make_sample(core::Instant time,
                                        std::span<const std::uint8_t, kSampleBytes> bytes,
                                        std::int16_t temperature) const {
@@ -279,10 +295,7 @@ class Mpu6500 {
     if (sample.has_temperature) {
       sample.temperature = mpu6500::decode_temperature(*variant_, temperature);
     }
-    set_rates(sample,
-              {decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
-               decode_int16(bytes[5], bytes[4])},
-              lsb_, mpu6500::kFullScaleRaw);
+    set_rates(sample, raw_rates(bytes), lsb_, mpu6500::kFullScaleRaw);
     return sample;
   }
 
@@ -292,6 +305,7 @@ class Mpu6500 {
   const mpu6500::Variant* variant_ = nullptr;  ///< not null while it runs
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;
+  BlankFrames blank_frames_;
   core::Instant reset_at_;
   core::Instant settled_at_;
   bool is_shifted_ = false;  ///< the start of a sample in the FIFO is unknown

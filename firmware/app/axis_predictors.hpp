@@ -292,11 +292,21 @@ class AxisPredictors {
   [[gnu::noinline]] void resume(const Rates& biases_rad_s, float variance_rad2_s2) {
     kalman_.start_from(biases_rad_s, variance_rad2_s2);
   }
-  /// Ages what is known by a time without power, which may change the bias.
-  [[gnu::noinline]] void pass_pause(const Transition& pause, float turn_on_variance_rad2_s2) {
+  /// Ages what is known by ticks that were not measured. The averages begin anew.
+  /// @param turn_on_variance_rad2_s2 variance of the change of the bias; negative: the power stayed
+  ///   on
+  [[gnu::noinline]] constexpr void pass_pause(const Transition& pause,
+                                              float turn_on_variance_rad2_s2) {
+    if (!filter().is_measured()) return;
     kalman_.advance(pause);
-    kalman_.restart_transients();
-    kalman_.inflate_variance(turn_on_variance_rad2_s2);
+    if (turn_on_variance_rad2_s2 >= 0.0F) {
+      kalman_.restart_transients();
+      kalman_.inflate_variance(turn_on_variance_rad2_s2);
+    }
+    for (Axis& axis : axes_) {
+      axis.moving_average.begin_stop();
+      axis.calibration_mean.begin_stop();
+    }
   }
 
  private:

@@ -94,6 +94,20 @@ class GyroNode {
     ticks_.end_stop();
   }
 
+  /// Time passed that the stamps of the samples do not contain, or the gyro was without power. The
+  /// stop is over; the bias is aged by that time, and by what the power changes it by. A long call
+  /// with many hypotheses.
+  /// @param slept time that the clock does not count; zero where it went on
+  constexpr void report_pause(core::Instant now, core::Duration slept, bool has_lost_power) {
+    constexpr std::int64_t kMostTicks = std::int64_t{1} << 30U;
+    learning_.interrupt(now);
+    ticks_.end_stop();
+    finish_work();
+    const std::int64_t ticks =
+        std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
+    ticks_.pass_pause(static_cast<std::uint32_t>(ticks), has_lost_power);
+  }
+
   /// Takes one sample. Samples must come in the order of their time stamps; one that is not newer
   /// than the one before, or not finite, is refused with a flag and changes nothing.
   constexpr RateMessage step(const core::GyroSample& sample) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/earth_rate.hpp"
+#include "core/base/numeric.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "core/estimator/prediction.hpp"
@@ -50,6 +51,15 @@ struct NodeParams {
                                                       std::size_t axis) const {
     bias.variance_rad2_s2 += earth.heading_variance_rad2_s2[axis];
     return bias;
+  }
+  /// Variance of the change of the bias while the power is off; where the model has none,
+  /// that of the largest bias of the chip, else of any MEMS gyro.
+  [[nodiscard]] constexpr float turn_on_variance_or_widest() const {
+    constexpr float kLargestOfAny_rad_s = 0.35F;  // 20 deg/s: zero-rate output of the MPU-6050
+    if (core::is_finite(model.turn_on_variance_rad2_s2)) return model.turn_on_variance_rad2_s2;
+    const float largest =
+        core::is_finite(model.largest_bias_rad_s) ? model.largest_bias_rad_s : kLargestOfAny_rad_s;
+    return largest * largest;
   }
   /// Whether a bias is larger than the chip's may be: a turn was taken for one.
   [[nodiscard]] constexpr bool is_beyond_zero_rate(float bias_rad_s) const {

@@ -35,6 +35,9 @@ struct Health {
   /// The gyro found motion inside most of the newest stops: the odometer is silent while the
   /// vehicle still rolls (see core::CalmJudge). Nothing is learnt from that motion.
   bool odometer_dead_band = false;
+  /// Samples come at another rate than the nominal one, by a quarter and more (see RateWatch): some
+  /// are lost, or the chip is set otherwise. Rates are right; motion between samples is missed.
+  bool sample_rate_off = false;
 
   constexpr bool operator==(const Health&) const = default;
 };

@@ -161,14 +161,15 @@ class TickNode {
     temperature_.resume(temperature);
     white_.set_reference(white_level);
     predictors_.resume(learnt...);
-    pass_pause(ticks);
+    pass_pause(ticks, true);
   }
-  /// The sensor was without power: widens what is known, and predicts anew.
-  /// @param ticks of the pause that the stamps of the samples do not contain
-  void pass_pause(std::uint32_t ticks) {
+  /// Ages what is known by a pause, and predicts anew.
+  /// @param ticks ticks of the pause that the stamps of the samples do not contain
+  /// @param has_lost_power whether the sensor was without power, which may change its bias
+  constexpr void pass_pause(std::uint32_t ticks, bool has_lost_power) {
     finish();
     predictors_.pass_pause(Transition{params_.model.modes.over(ticks)},
-                           params_.model.turn_on_variance_rad2_s2);
+                           has_lost_power ? params_.turn_on_variance_or_widest() : -1.0F);
     lead_.ticks = 0;
     work_.is_stale = true;
     finish();

@@ -1,10 +1,13 @@
 #include "firmware/toml/strict_table.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -216,11 +219,27 @@ std::string StrictTable::place() const {
 }
 
 std::string read_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text(Document::kLongestText + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad() || !in.is_open()) throw std::system_error(errno, std::generic_category(), file);
-  text.resize(static_cast<std::size_t>(in.gcount()));
+  constexpr int kLongest_ms = 1000;
+  const auto fail = [&](int error) {
+    throw std::system_error(error, std::generic_category(), file);
+  };
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) fail(errno);
+  std::string text;
+  int error = 0;
+  for (;;) {
+    // A pipe to which nobody writes must not hold up a program that runs.
+    pollfd ready{.fd = descriptor, .events = POLLIN, .revents = 0};
+    std::array<char, 4096> piece{};
+    const bool is_ready = poll(&ready, 1, kLongest_ms) == 1;
+    const ssize_t size = is_ready ? ::read(descriptor, piece.data(), piece.size()) : -1;
+    if (size < 0) error = is_ready ? errno : ETIMEDOUT;
+    if (size <= 0 || text.size() > Document::kLongestText) break;
+    text.append(piece.data(), static_cast<std::size_t>(size));
+  }
+  (void)::close(descriptor);
+  if (error != 0) fail(error);
+  text.resize(std::min(text.size(), Document::kLongestText + 1));
   return text;
 }
 

@@ -83,8 +83,8 @@ namespace detail {
   }
   frames[3].id = id;
   LittleEndianWriter out{frames[3].data};
-  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. The dead
-  // band of the odometer, which is no alarm of a single sample, is in the frame of the inputs.
+  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. The later
+  // bits, which are no alarms of a single sample, are in the frame of the inputs.
   const unsigned health = encode_health(message.health) & 0x3FFU;
   out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
                                     (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
@@ -103,7 +103,8 @@ namespace detail {
   out.put(detail::encode_can_temperature(message.temperature));
   out.put(message.odometer_pulses.value_or(0));
   out.put(static_cast<std::uint8_t>((message.odometer_pulses ? 1U : 0U) |
-                                    (message.health.odometer_dead_band ? 2U : 0U)));
+                                    (message.health.odometer_dead_band ? 2U : 0U) |
+                                    (message.health.sample_rate_off ? 4U : 0U)));
   out.put(message.calm_percent);
   return frame;
 }

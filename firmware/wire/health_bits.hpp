@@ -18,7 +18,7 @@ struct HealthBit {
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 11> kHealthBits{{
+inline constexpr std::array<HealthBit, 12> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -30,6 +30,7 @@ inline constexpr std::array<HealthBit, 11> kHealthBits{{
     {"temperature_missing", &app::Health::temperature_missing},
     {"odometer_disagreement", &app::Health::odometer_disagreement},
     {"odometer_dead_band", &app::Health::odometer_dead_band},
+    {"sample_rate_off", &app::Health::sample_rate_off},
 }};
 
 [[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {

@@ -33,6 +33,15 @@ struct SystemCalls {
   static CallResult ioctl(int descriptor, unsigned long request, void* argument) {
     return checked(::ioctl(descriptor, request, argument));
   }
+  /// Locks bytes of the file to this descriptor; EAGAIN where another one holds some of them.
+  static CallResult lock(int descriptor, off_t first, off_t count) {
+    flock bytes{};
+    bytes.l_type = F_WRLCK;
+    bytes.l_whence = SEEK_SET;
+    bytes.l_start = first;
+    bytes.l_len = count;
+    return checked(::fcntl(descriptor, F_OFD_SETLK, &bytes));
+  }
 };
 
 /// Opens its node at the first use, and again at the first use after the device was gone: a sensor
@@ -57,9 +66,25 @@ class DeviceFile {
     error_number_ = 0;
     return {};
   }
+  /// Reserves one chip behind the node, so that no two programs read it and each gets half of the
+  /// samples. Binds those programs alone that ask, as the ones of this project do.
+  /// @param chip  its number: bytes of the node stand for chips
+  /// @return not_present with EBUSY where another open file has reserved it
+  core::Result<void, BusError> reserve(off_t chip) {
+    const CallResult locked = system_.lock(descriptor_, chip, 1);
+    if (locked || (locked.error() != EAGAIN && locked.error() != EACCES)) return {};
+    close();
+    error_number_ = EBUSY;
+    return core::Unexpected{BusError::not_present};
+  }
   void close() {
     if (is_open()) system_.close(descriptor_);
     descriptor_ = -1;
+  }
+
+  /// Sets what not every driver lets set.
+  void set(unsigned long request, unsigned long value) {
+    (void)system_.ioctl(descriptor_, request, reinterpret_cast<void*>(value));  // as ioctl() is
   }
 
   /// Answer of the driver. A device that is gone is closed.

@@ -40,11 +40,6 @@ Header make_header(std::uint64_t generation, std::span<const std::uint8_t> recor
   return header;
 }
 
-core::Unexpected<StorageError> failed(int error) {
-  const bool is_full = error == ENOSPC || error == EDQUOT;
-  return core::Unexpected{is_full ? StorageError::full : StorageError::io};
-}
-
 }  // namespace
 
 CallResult FileCalls::open(const char* path, int flags, unsigned mode) {
@@ -90,7 +85,14 @@ core::Result<std::size_t, StorageError> FileStorage::load(std::span<std::uint8_t
   return core::Unexpected{first.error() == StorageError::empty ? second.error() : first.error()};
 }
 
+core::Unexpected<StorageError> FileStorage::failed(int error) {
+  error_number_ = error;
+  const bool is_full = error == ENOSPC || error == EDQUOT;
+  return core::Unexpected{is_full ? StorageError::full : StorageError::io};
+}
+
 core::Result<void, StorageError> FileStorage::save(std::span<const std::uint8_t> record) {
+  error_number_ = 0;
   if (record.size() > kLargestRecord) return core::Unexpected{StorageError::too_large};
   const auto newest = newest_generation();
   if (!newest) return core::Unexpected{newest.error()};

@@ -49,6 +49,8 @@ class FileStorage {
   core::Result<std::size_t, StorageError> load(std::span<std::uint8_t> buffer);
   /// The first call reads both slots to learn which one is the newer.
   core::Result<void, StorageError> save(std::span<const std::uint8_t> record);
+  /// Reason of the newest save that failed as the kernel gave it; 0: it gave none.
+  [[nodiscard]] int error_number() const { return error_number_; }
 
  private:
   static constexpr std::size_t kSlots = 2;
@@ -61,6 +63,7 @@ class FileStorage {
     std::size_t size = 0;
   };
 
+  core::Unexpected<StorageError> failed(int error);
   core::Result<Content, StorageError> read_slot(const Slot& slot, std::span<std::uint8_t> buffer);
   core::Result<Content, StorageError> read_open(int descriptor, std::span<std::uint8_t> buffer);
   core::Result<void, StorageError> write_slot(const Slot& slot, std::uint64_t generation,
@@ -73,6 +76,7 @@ class FileStorage {
   std::array<Slot, kSlots> slots_;
   std::string folder_;
   std::optional<std::uint64_t> newest_;
+  int error_number_ = 0;
 };
 static_assert(Storage<FileStorage>);
 

@@ -19,11 +19,36 @@
 namespace zerorate::hal::linux_os {
 
 enum class Edge : std::uint8_t { rising, falling, both };
+/// Resistor inside the chip; as_is leaves what the boot or the device tree has set.
+enum class LineBias : std::uint8_t { as_is, disabled, pull_up, pull_down };
 
 struct LineSettings {
-  std::string chip;  ///< e.g. "/dev/gpiochip0"
+  std::string chip;  ///< its label or name, or its node as "/dev/gpiochip0"
   std::string line;  ///< its name, or its number on the chip in decimal
   Edge edge = Edge::rising;
+  LineBias bias = LineBias::as_is;
+  core::Duration debounce{};  ///< edges so soon after the one before are not handed on
+};
+
+/// Leaves out edges that follow another one too closely. The first edge counts, at its own time.
+class Debounce {
+ public:
+  explicit Debounce(core::Duration shortest) : shortest_(shortest) {}
+
+  /// Leaves bounces out of a batch.
+  void drop_bounces(std::span<core::Instant> stamps, PulseBatch& batch) {
+    std::size_t kept = 0;
+    for (const core::Instant edge : stamps.first(batch.count)) {
+      const bool is_bounce = newest_ && edge - *newest_ < shortest_;
+      newest_ = edge;
+      if (!is_bounce) stamps[kept++] = edge;
+    }
+    batch.count = kept;
+  }
+
+ private:
+  core::Duration shortest_;
+  std::optional<core::Instant> newest_;  ///< edge, bounces too
 };
 
 /// A PulseInput: each edge is a pulse, stamped by the kernel (CLOCK_MONOTONIC) in the interrupt.
@@ -51,6 +76,7 @@ class GpioLine {
  private:
   struct Request;  // line of libgpiod
   LineSettings settings_;
+  Debounce debounce_{settings_.debounce};
   std::unique_ptr<Request> request_;
 };
 static_assert(PulseInput<GpioLine>);

@@ -20,16 +20,31 @@ gpiod_line* find_line(gpiod_chip* chip, const std::string& name) {
   return number ? gpiod_chip_get_line(chip, *number) : gpiod_chip_find_line(chip, name.c_str());
 }
 
-int request_edges(gpiod_line* line, Edge edge) {
-  switch (edge) {
+int flags_of(LineBias bias) {
+  switch (bias) {
+    case LineBias::as_is:
+      return 0;
+    case LineBias::disabled:
+      return GPIOD_LINE_REQUEST_FLAG_BIAS_DISABLE;
+    case LineBias::pull_up:
+      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
+    case LineBias::pull_down:
+      break;
+  }
+  return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
+}
+
+int request_edges(gpiod_line* line, const LineSettings& settings) {
+  const int flags = flags_of(settings.bias);
+  switch (settings.edge) {
     case Edge::rising:
-      return gpiod_line_request_rising_edge_events(line, "zerorate");
+      return gpiod_line_request_rising_edge_events_flags(line, "zerorate", flags);
     case Edge::falling:
-      return gpiod_line_request_falling_edge_events(line, "zerorate");
+      return gpiod_line_request_falling_edge_events_flags(line, "zerorate", flags);
     case Edge::both:
       break;
   }
-  return gpiod_line_request_both_edges_events(line, "zerorate");
+  return gpiod_line_request_both_edges_events_flags(line, "zerorate", flags);
 }
 
 }  // namespace
@@ -47,11 +62,12 @@ GpioLine::~GpioLine() = default;
 
 core::Result<void, BusError> GpioLine::open() {
   auto request = std::make_unique<Request>();
-  request->chip.reset(gpiod_chip_open(settings_.chip.c_str()));
+  // A node, a name or a label.
+  request->chip.reset(gpiod_chip_open_lookup(settings_.chip.c_str()));
   if (!request->chip) return last_line_error();
   gpiod_line* const line = find_line(request->chip.get(), settings_.line);
   if (line == nullptr) return core::Unexpected{BusError::not_present};
-  if (request_edges(line, settings_.edge) != 0) return last_line_error();
+  if (request_edges(line, settings_) != 0) return last_line_error();
   request->descriptor = gpiod_line_event_get_fd(line);
   if (!set_non_blocking(request->descriptor)) return last_line_error();
   request_ = std::move(request);
@@ -78,7 +94,9 @@ core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant
     stamps[i] = core::Instant{} + core::Duration::seconds(events[i].ts.tv_sec) +
                 core::Duration::nanoseconds(events[i].ts.tv_nsec);
   }
-  return PulseBatch{.count = count, .lost = count == kKernelQueue ? 1U : 0U};
+  PulseBatch batch{.count = count, .lost = count == kKernelQueue ? 1U : 0U};
+  debounce_.drop_bounces(stamps, batch);
+  return batch;
 }
 
 int GpioLine::descriptor() const {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include "hal/linux/gpio_line.hpp"
@@ -20,6 +23,7 @@ struct Freed {
   void operator()(Object* object) const { Free(object); }
 };
 using Chip = std::unique_ptr<gpiod_chip, Freed<gpiod_chip, gpiod_chip_close>>;
+using Info = std::unique_ptr<gpiod_chip_info, Freed<gpiod_chip_info, gpiod_chip_info_free>>;
 using Settings =
     std::unique_ptr<gpiod_line_settings, Freed<gpiod_line_settings, gpiod_line_settings_free>>;
 using LineConfig =
@@ -50,14 +54,47 @@ int find_line(gpiod_chip* chip, const std::string& name) {
                 : gpiod_chip_get_line_offset_from_name(chip, name.c_str());
 }
 
-Lines request_edges(gpiod_chip* chip, unsigned offset, Edge edge) {
+gpiod_line_bias bias_of(LineBias bias) {
+  switch (bias) {
+    case LineBias::as_is:
+      return GPIOD_LINE_BIAS_AS_IS;
+    case LineBias::disabled:
+      return GPIOD_LINE_BIAS_DISABLED;
+    case LineBias::pull_up:
+      return GPIOD_LINE_BIAS_PULL_UP;
+    case LineBias::pull_down:
+      break;
+  }
+  return GPIOD_LINE_BIAS_PULL_DOWN;
+}
+
+/// Opens a chip by its node, its name or its label; errno says why not.
+Chip open_chip(const std::string& wanted) {
+  if (wanted.find('/') != std::string::npos) return Chip{gpiod_chip_open(wanted.c_str())};
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
+    const std::string& node = entry.path().native();
+    if (!gpiod_is_gpiochip_device(node.c_str())) continue;
+    Chip chip{gpiod_chip_open(node.c_str())};
+    const Info info{chip ? gpiod_chip_get_info(chip.get()) : nullptr};
+    if (info && (wanted == gpiod_chip_info_get_label(info.get()) ||
+                 wanted == gpiod_chip_info_get_name(info.get()))) {
+      return chip;
+    }
+  }
+  errno = ENOENT;
+  return nullptr;
+}
+
+Lines request_edges(gpiod_chip* chip, unsigned offset, const LineSettings& wanted) {
   const Settings settings{gpiod_line_settings_new()};
   const LineConfig lines{gpiod_line_config_new()};
   const RequestConfig request{gpiod_request_config_new()};
   if (!settings || !lines || !request) return nullptr;
   gpiod_request_config_set_consumer(request.get(), "zerorate");
   gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_INPUT);
-  gpiod_line_settings_set_edge_detection(settings.get(), edge_of(edge));
+  gpiod_line_settings_set_edge_detection(settings.get(), edge_of(wanted.edge));
+  gpiod_line_settings_set_bias(settings.get(), bias_of(wanted.bias));
   gpiod_line_settings_set_event_clock(settings.get(), GPIOD_LINE_CLOCK_MONOTONIC);
   if (gpiod_line_config_add_line_settings(lines.get(), &offset, 1, settings.get()) != 0) return {};
   return Lines{gpiod_chip_request_lines(chip, request.get(), lines.get())};
@@ -75,12 +112,12 @@ GpioLine::GpioLine(LineSettings settings) : settings_(std::move(settings)) {}
 GpioLine::~GpioLine() = default;
 
 core::Result<void, BusError> GpioLine::open() {
-  const Chip chip{gpiod_chip_open(settings_.chip.c_str())};
+  const Chip chip = open_chip(settings_.chip);
   if (!chip) return last_line_error();
   const int offset = find_line(chip.get(), settings_.line);
   if (offset < 0) return core::Unexpected{BusError::not_present};
   auto request = std::make_unique<Request>(
-      Request{.lines = request_edges(chip.get(), static_cast<unsigned>(offset), settings_.edge),
+      Request{.lines = request_edges(chip.get(), static_cast<unsigned>(offset), settings_),
               .events = Events{gpiod_edge_event_buffer_new(kBatch)}});
   if (!request->lines || !request->events) return last_line_error();
   if (!set_non_blocking(gpiod_line_request_get_fd(request->lines.get()))) return last_line_error();
@@ -110,6 +147,7 @@ core::Result<PulseBatch, BusError> GpioLine::read_pulses(std::span<core::Instant
     batch.lost +=
         request_->gaps.take(static_cast<std::uint32_t>(gpiod_edge_event_get_line_seqno(event)));
   }
+  debounce_.drop_bounces(stamps, batch);
   return batch;
 }
 

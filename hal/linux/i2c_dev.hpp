@@ -21,12 +21,16 @@
 
 namespace zerorate::hal::linux_os {
 
-/// An I2cBus: one I2C_RDWR per transaction. Clock, retries and limits of time are the adapter
-/// driver's. No heap after construction; one system call per transaction.
+/// An I2cBus: one I2C_RDWR per transaction. Clock and retries are the adapter driver's, and the
+/// limit of time where it does not take kTimeLimit. No heap after construction; one system call per
+/// transaction.
 template <class System = SystemCalls>
 class I2cDevBus {
  public:
   static constexpr std::size_t kMostOperations = 8;
+  /// Longest wait for a bus whose data line is stuck, in units of 10 ms; the kernel's is a second.
+  /// It is the adapter's, and so holds for every program on the bus.
+  static constexpr unsigned long kTimeLimit = 5;
 
   /// @param device e.g. "/dev/i2c-1"
   explicit I2cDevBus(std::string device, System system = {})
@@ -37,8 +41,8 @@ class I2cDevBus {
                                            std::span<const Operation> operations) {
     ZERORATE_ASSERT(operations.size() <= kMostOperations);
     if (operations.empty()) return {};
-    if (!file_.is_open()) {
-      if (const auto opened = file_.open(); !opened) return opened;
+    if (!file_.is_open() || address != reserved_) {
+      if (const auto reserved = reserve(address); !reserved) return reserved;
     }
     std::array<i2c_msg, kMostOperations> messages{};
     for (std::size_t i = 0; i < operations.size(); ++i) {
@@ -59,6 +63,15 @@ class I2cDevBus {
   [[nodiscard]] int error_number() const { return file_.error_number(); }
 
  private:
+  core::Result<void, BusError> reserve(I2cAddress address) {
+    if (!file_.is_open()) {
+      if (const auto opened = file_.open(); !opened) return opened;
+      file_.set(I2C_TIMEOUT, kTimeLimit);
+    }
+    reserved_ = address;
+    return file_.reserve(static_cast<off_t>(address));
+  }
+
   [[nodiscard]] static i2c_msg to_message(I2cAddress address, const Operation& operation) {
     ZERORATE_ASSERT(!operation.is_exchange());
     // The kernel's structure has one pointer for both directions; what is written is not changed.
@@ -72,6 +85,7 @@ class I2cDevBus {
   }
 
   DeviceFile<System> file_;
+  I2cAddress reserved_{};  ///< of the newest transaction
 };
 static_assert(I2cBus<I2cDevBus<>>);
 

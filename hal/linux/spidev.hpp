@@ -56,6 +56,7 @@ class SpidevDevice {
  private:
   core::Result<void, BusError> open() {
     if (const auto opened = file_.open(); !opened) return opened;
+    if (const auto reserved = file_.reserve(0); !reserved) return reserved;
     for (const auto& [request, argument] :
          {std::pair<unsigned long, void*>{SPI_IOC_WR_MODE, &mode_},
           {SPI_IOC_WR_BITS_PER_WORD, &bits_per_word_},

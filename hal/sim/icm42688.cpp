@@ -74,6 +74,7 @@ void SimulatedIcm42688::reset_registers() {
   registers_[int_status] = 0x10;  // RESET_DONE
   registers_[intf_config0] = 0x30;
   registers_[0x4D] = 0x91;
+  registers_[0x4D] = 0x91;
   registers_[gyro_config0] = 0x06;
   registers_[0x50] = 0x06;
   registers_[0x51] = 0x16;
@@ -115,7 +116,7 @@ void SimulatedIcm42688::measure(const std::array<core::AngularRate, 3>& rate,
     const double counts =
         (in_deg_per_s(rate[axis]) + transient_dps) / dps_per_lsb(registers_[gyro_config0]);
     // -32768 is reserved for "no sample".
-    set_word(static_cast<std::uint8_t>(gyro_data_x1 + 2 * axis), to_counts(counts, -32767, 32767));
+    set_word(static_cast<std::uint8_t>(gyro_data_x1 + 2 * axis), to_counts(counts, -32766, 32767));
   }
   registers_[int_status] |= 0x08U;  // DATA_RDY
   push_packet(temperature);

@@ -257,6 +257,31 @@ TYPED_TEST(GyroSamples, LineStuckInAReadGivesNoInventedSample) {
   }
 }
 
+/// One transfer reads nothing, and those before and after it are right.
+TYPED_TEST(GyroSamples, ATransferThatReadNothingGivesNoSampleThatWasNotMeasured) {
+  for (const auto& settings : TestFixture::kModes) {
+    for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
+      for (std::size_t call = 0; call < 6; ++call) {
+        typename TestFixture::Rig rig{settings};
+        ASSERT_TRUE(rig.start_and_settle());
+        std::array<GyroSample, 8> out{};
+        rig.sample(kTurning);
+        ASSERT_TRUE(rig.read(out));
+        for (int i = 0; i < 3; ++i) rig.sample(kTurning);
+        rig.faults.inject({.kind = kind, .first = rig.faults.calls() + call});
+        const std::size_t count = rig.read(out).value_or(0);
+        for (std::size_t i = 0; i < count; ++i) {
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            EXPECT_NEAR(out[i].rate[axis].in(deg_per_s), TestFixture::expected_dps(kTurning, axis),
+                        0.51F * TypeParam::Gyro::kLsbDps)
+                << "transaction " << call;
+          }
+        }
+      }
+    }
+  }
+}
+
 TYPED_TEST(GyroSamples, OneThatIsMeasuredInTheMiddleOfAReadComesOnce) {
   if (TypeParam::Gyro::kIsSampledByReading) GTEST_SKIP() << "the chip measures whenever it is read";
   constexpr Rates kNewer{deg_per_s(11.0F), deg_per_s(-21.0F), deg_per_s(31.0F)};

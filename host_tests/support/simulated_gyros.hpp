@@ -132,7 +132,7 @@ struct Icm42688 {
       Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
   static constexpr float kLsbDps = 1.0F / 131.072F;
   static constexpr float kFullScaleDps = 250.0F;
-  static constexpr std::int16_t kLowestRaw = -32767;
+  static constexpr std::int16_t kLowestRaw = -32766;
   static constexpr float kTemperatureLsb = 1.0F / 132.48F;
   static constexpr bool kFramesAreMarked = true;
   static constexpr std::size_t kVerifyTransactions = 1;
@@ -142,7 +142,7 @@ struct Icm42688 {
 
   static constexpr std::uint8_t kIdentity = 0x75;
   static constexpr std::array kConfigured{
-      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x4C, 0xF0}, ConfiguredBits{0x14, 0x07},
+      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x4C, 0xF0}, ConfiguredBits{0x4D, 0xC0}, ConfiguredBits{0x14, 0x07},
       ConfiguredBits{0x64, 0x10}, ConfiguredBits{0x65, 0x7F}, ConfiguredBits{0x52, 0x0F},
       ConfiguredBits{0x5F, 0x7F}, ConfiguredBits{0x60, 0xFF}, ConfiguredBits{0x61, 0x0F},
       ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};

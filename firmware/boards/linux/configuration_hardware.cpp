@@ -42,6 +42,8 @@ constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
                         "seconds, above 0 and at most 1 000 000"};
 constexpr Rule kTimeFactor{[](double x) { return x >= 1.0 && x <= 100.0; },
                            "a factor from 1 to 100"};
+constexpr Rule kDebounce{[](double x) { return x >= 0.0 && x <= 1e6; },
+                         "microseconds, from 0 to 1 000 000"};
 constexpr Rule kLineNumber{[](double x) { return x >= 0.0 && x <= 65535.0; },
                            "a line's name or number"};
 
@@ -180,6 +182,16 @@ hal::linux_os::LineSettings read_line(StrictTable& table, ErrorList& errors) {
     static constexpr std::array<std::string_view, 3> kEdges{"rising", "falling", "both"};
     line.edge = static_cast<hal::linux_os::Edge>(
         table.choice("edge", kEdges, Presence::optional).value_or(0));
+  });
+  errors.attempt([&] {
+    static constexpr std::array<std::string_view, 4> kBiases{"as-is", "disabled", "pull-up",
+                                                             "pull-down"};
+    line.bias = static_cast<hal::linux_os::LineBias>(
+        table.choice("bias", kBiases, Presence::optional).value_or(0));
+  });
+  errors.attempt([&] {
+    line.debounce = core::Duration::microseconds(
+        table.integer("debounce_us", kDebounce, Presence::optional).value_or(0));
   });
   return line;
 }

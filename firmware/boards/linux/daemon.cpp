@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <cstdio>
+#include <cstring>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -21,6 +23,7 @@
 #include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
+#include "firmware/boards/linux/process/error_stream.hpp"
 #include "firmware/boards/linux/process/process.hpp"
 #include "firmware/boards/linux/simulated_vehicle.hpp"
 #include "hal/linux/clock.hpp"
@@ -36,7 +39,8 @@ using hal::linux_os::Descriptor;
 
 /// The journal takes lines of the error stream.
 void log_to_journal(std::string_view line) {
-  fmt::print(stderr, "zerorated: {}\n", hal::linux_os::printable(line));
+  static ErrorStream stream;
+  stream.write_line(hal::linux_os::printable(line));
 }
 
 /// Signals arrive as readable bytes, in one thread, between two turns of its loop.
@@ -71,7 +75,8 @@ class Run {
   using Sources = std::array<int, 2>;
 
   /// Throws what the configuration leads to that cannot be, such as a file in no folder.
-  explicit Run(Configuration configuration)
+  /// @param learnt  record of a run before, for a node without a state of its own; may be empty
+  Run(Configuration configuration, std::span<const std::uint8_t> learnt)
       : configuration_(std::move(configuration)), log_(log_of(configuration_.name)) {
     if (configuration_.state) {
       state_lock_ = lock_state(configuration_.state->file);
@@ -80,7 +85,9 @@ class Run {
     service_.emplace(configuration_, *hardware_, storage_ ? &*storage_ : nullptr, read_boot_id(),
                      log_);
     log_(describe(configuration_));
-    (void)service_->restore();
+    if (!service_->restore() && !configuration_.state && !learnt.empty()) {
+      (void)service_->restore(learnt);
+    }
   }
 
   void start() {
@@ -93,6 +100,10 @@ class Run {
     service_->finish();
     update_metrics();
   }
+
+  [[nodiscard]] const std::string& name() const { return configuration_.name; }
+  /// Record of what the node knows; after finish().
+  [[nodiscard]] std::vector<std::uint8_t> learnt() const { return service_->record(); }
 
   [[nodiscard]] Sources sources() const {
     return {service_->queue().waiting().descriptor(), metrics_.descriptor()};
@@ -111,7 +122,13 @@ class Run {
 
  private:
   void update_metrics() {
-    if (metrics_.is_wanted()) metrics_.publish(format_metrics(*service_, metrics_text_));
+    if (!metrics_.is_wanted()) return;
+    metrics_.publish(format_metrics(*service_, metrics_text_));
+    if (metrics_.error_number() == told_error_) return;
+    told_error_ = metrics_.error_number();
+    log_(told_error_ == 0 ? fmt::format("metrics: {} is written again", configuration_.metrics.file)
+                          : fmt::format("metrics: {}: {}; the file stays as it is",
+                                        configuration_.metrics.file, std::strerror(told_error_)));
   }
 
   Configuration configuration_;
@@ -123,17 +140,25 @@ class Run {
   std::optional<NodeService> service_;
   MetricsBuffer metrics_text_{};
   MetricsEndpoint metrics_{configuration_.metrics};
+  int told_error_ = 0;                     ///< of the file of metrics
   std::optional<MeasuringThread> thread_;  ///< last: ends before what it uses
 };
+
+/// Records of nodes by their names.
+using Memory = std::map<std::string, std::vector<std::uint8_t>>;
 
 /// All nodes, published, watched and saved by one thread.
 class Daemon {
  public:
   /// @param signals  must outlive the daemon
-  Daemon(const std::vector<Configuration>& configurations, const Descriptor& signals)
+  Daemon(const std::vector<Configuration>& configurations, const Descriptor& signals,
+         const Memory& memory = {})
       : signals_(signals) {
     for (const Configuration& one : configurations) {
-      runs_.push_back(std::make_unique<Run>(one));
+      const auto learnt = memory.find(one.name);
+      runs_.push_back(std::make_unique<Run>(one, learnt != memory.end()
+                                                     ? std::span{learnt->second}
+                                                     : std::span<const std::uint8_t>{}));
       for (const int source : runs_.back()->sources()) sources_.push_back({source, POLLIN, 0});
     }
     for (const int source : {seconds_.get(), signals_.get()}) {
@@ -141,14 +166,24 @@ class Daemon {
     }
   }
 
-  /// @return the signal that ended it
-  int until_signalled() {
+  void start() {
     for (const auto& run : runs_) run->start();
-    notify_service_manager("READY=1");
+  }
+  /// @return the signal that came
+  int until_signalled() {
     int signal = 0;
     while (signal == 0) signal = turn();
-    for (const auto& run : runs_) run->finish();
     return signal;
+  }
+  /// Ends the measuring.
+  /// @return what the nodes know
+  Memory finish() {
+    Memory memory;
+    for (const auto& run : runs_) {
+      run->finish();
+      memory[run->name()] = run->learnt();
+    }
+    return memory;
   }
 
  private:
@@ -209,19 +244,27 @@ void leave_out_what_has_gone(Configuration& configuration) {
   }
 }
 
-/// Run with the files as they are now, or as before where they are wrong.
+/// Run with the files as they are now. Wrong files leave the present run as it is; files that cannot
+/// be followed lead to a new run of the configuration before.
 void reload(const std::vector<std::string>& files, const Descriptor& signals,
             std::vector<Configuration>& configurations, std::optional<Daemon>& daemon) {
-  daemon.reset();  // the next daemon may ask for what this one holds
+  std::vector<Configuration> changed;
   try {
-    std::vector<Configuration> changed = read_configurations(files);
-    daemon.emplace(changed, signals);
+    changed = read_configurations(files);
+  } catch (const std::exception& error) {
+    return log_to_journal(fmt::format("not reloaded: {}", error.what()));
+  }
+  const Memory memory = daemon->finish();
+  daemon.reset();  // what it holds may be asked for again
+  try {
+    daemon.emplace(changed, signals, memory);
     configurations = std::move(changed);
   } catch (const std::exception& error) {
     log_to_journal(fmt::format("not reloaded: {}", error.what()));
     std::ranges::for_each(configurations, leave_out_what_has_gone);
-    daemon.emplace(configurations, signals);
+    daemon.emplace(configurations, signals, memory);
   }
+  daemon->start();
 }
 
 }  // namespace
@@ -234,11 +277,15 @@ void run_daemon(const std::vector<std::string>& configuration_files) {
   become_user(first.user, first.real_time);
   std::optional<Daemon> daemon{std::in_place, configurations, signals};
   lock_memory(first.real_time, log_to_journal);
+  daemon->start();
+  notify_service_manager("READY=1");
   while (daemon->until_signalled() == SIGHUP) {
     notify_service_manager(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                                        hal::linux_os::KernelClock::now().ns() / 1000));
     reload(configuration_files, signals, configurations, daemon);
+    notify_service_manager("READY=1");
   }
+  (void)daemon->finish();
   notify_service_manager("STOPPING=1");
 }
 

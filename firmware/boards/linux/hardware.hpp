@@ -37,6 +37,8 @@ class Hardware {
   /// For the log, after an error of the gyro or the odometer. May ask the chip.
   virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;
+  /// Time for which the machine has slept since it was started, which now() does not count.
+  [[nodiscard]] virtual core::Duration slept() const { return {}; }
 
   /// Sleeps until there may be something to do: an edge, a wake(), or the time for a poll.
   virtual void wait() = 0;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "firmware/boards/linux/chips/watched_gyro.hpp"
+#include "firmware/boards/linux/chips/gyro.hpp"
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/process/event.hpp"
@@ -18,12 +18,13 @@ class LinuxHardware final : public Hardware {
  public:
   explicit LinuxHardware(const Configuration& configuration);
 
-  [[nodiscard]] drivers::AnyGyro& gyro() override { return gyro_; }
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return *gyro_; }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
   HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
+  [[nodiscard]] core::Duration slept() const override;
 
   /// For at most two sample periods while data-ready edges come, for four of a gyro with a FIFO.
   /// Without edges (no line, a broken wire, a gyro that does not run) for half a period: then the
@@ -32,8 +33,6 @@ class LinuxHardware final : public Hardware {
   void wake() override;
 
  private:
-  LinuxHardware(const Configuration& configuration, std::unique_ptr<DeviceGyro> device);
-
   struct DataReadyLine {
     explicit DataReadyLine(const hal::linux_os::LineSettings& settings) : line(settings) {}
     hal::linux_os::GpioLine line;
@@ -43,8 +42,7 @@ class LinuxHardware final : public Hardware {
 
   [[nodiscard]] core::Duration longest_wait() const;
 
-  DeviceGyro& device_;  ///< owned by gyro_
-  WatchedGyro gyro_;
+  std::unique_ptr<DeviceGyro> gyro_;
   std::optional<hal::linux_os::GpioLine> odometer_;
   std::optional<SpeedSource> speed_;  ///< in its place
   std::optional<DataReadyLine> data_ready_;

@@ -9,6 +9,7 @@
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/daemon.hpp"
+#include "firmware/boards/linux/process/error_stream.hpp"
 #include "hal/linux/standard_output.hpp"
 
 namespace {
@@ -55,6 +56,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  zerorate::linux_node::keep_standard_descriptors();
   try {
     const int code = run(argc, argv);
     zerorate::hal::linux_os::flush_standard_output();

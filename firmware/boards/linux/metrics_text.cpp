@@ -83,9 +83,12 @@ void add_counters(Text& text, const NodeService& service) {
   const app::LoopCounters& loop = service.status().counters;
   text.gauge("gyro_running", "1 while the gyro is started and answers.",
              service.status().is_running ? 1.0F : 0.0F);
+  text.gauge("gyro_sample_rate_hz", "Samples a second over the newest seconds.",
+             service.status().sample_rate.samples_per_second());
   text.counter("samples_total", "Samples of the gyro.", loop.samples);
   text.counter("pulses_total", "Odometer pulses.", loop.pulses);
   text.counter("pulses_lost_total", "Odometer pulses that were dropped.", loop.pulses_lost);
+  text.counter("foreign_stamps_total", "Edges that another clock stamped.", loop.foreign_stamps);
   text.counter("odometer_errors_total", "Failed reads of the odometer.", loop.odometer_errors);
   text.counter("gyro_starts_total", "Successful starts of the gyro.", loop.starts);
   text.counter("gyro_start_errors_total", "Failed starts of the gyro.", loop.start_errors);
@@ -93,6 +96,7 @@ void add_counters(Text& text, const NodeService& service) {
   text.counter("gyro_overruns_total", "Overflows of the gyro's FIFO.", loop.overruns);
   text.counter("gyro_configurations_lost_total", "Times the gyro had lost its settings.",
                loop.configurations_lost);
+  text.counter("sleeps_total", "Times that the machine slept.", loop.sleeps);
   text.counter("silences_total", "Messages that reported that there were no samples.",
                loop.silences);
   text.counter("queue_dropped_total", "Messages that the publishing thread was too slow for.",

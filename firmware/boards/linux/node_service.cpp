@@ -90,7 +90,8 @@ std::string_view cure_of_speed(int error_number) {
   }
 }
 
-std::string_view cure_of_sink(int error_number) {
+std::string_view cure_of_sink(std::string_view sink, int error_number) {
+  if (error_number == ENOENT && sink.starts_with("json:")) return " (make its folder first)";
   switch (error_number) {
     case EAFNOSUPPORT:
       return " (has this kernel CAN? modprobe can_raw)";
@@ -102,6 +103,11 @@ std::string_view cure_of_sink(int error_number) {
     case ENXIO:
     case ECONNREFUSED:
       return " (does the receiver run?)";
+    case EAGAIN:
+    case ENOBUFS:
+      return " (nobody takes them: does the receiver read, is a node on the bus to acknowledge?)";
+    case ECOMM:
+      return " (bus-off: are bit rate, wiring and termination right? ip -details link show)";
     default:
       return "";
   }
@@ -156,8 +162,15 @@ std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& 
     return line.text();
   }
   line.add(": {}", drivers::name(error.code));
+  if (error.code == Code::frozen) {
+    line.add(" on axis");
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      if ((error.reg >> axis & 1U) != 0) line.add(" {}", "xyz"[axis]);
+    }
+    return line.text();
+  }
   if (is_bus) line.add(" ({})", hal::name(error.bus));
-  if (error.code != Code::frozen) line.add(" at register {:#04x}", error.reg);
+  line.add(" at register {:#04x}", error.reg);
   if (is_bus && error.bus == hal::BusError::nack) {
     line.add(" (are the wiring and the address right? zerorate probe)");
   } else if (is_bus && reason.error_number != 0) {
@@ -207,7 +220,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
 
 void NodeService::add_sink(std::unique_ptr<Sink> sink) {
   sinks_.push_back(std::move(sink));
-  sink_errors_.push_back(0);
+  sink_reports_.emplace_back();
 }
 
 bool NodeService::restore() {
@@ -218,7 +231,11 @@ bool NodeService::restore() {
     log_line(log_, "state: {}; starting without", hal::name(size.error()));
     return false;
   }
-  const auto restored = snapshot_.restore(node_, std::span{bytes}.first(*size), time_in(session_));
+  return restore(std::span{bytes}.first(*size));
+}
+
+bool NodeService::restore(std::span<const std::uint8_t> record) {
+  const auto restored = snapshot_.restore(node_, record, time_in(session_));
   if (!restored) {
     log_line(log_, "state: {}; starting without", app::name(restored.error()));
     return false;
@@ -237,6 +254,7 @@ void NodeService::measure() {
 void NodeService::hand_over() {
   offered_status_ = {.counters = loop_.counters(),
                      .is_running = loop_.is_running(),
+                     .sample_rate = loop_.sample_rate(),
                      .state = node_.state(),
                      .learnt = learnt()};
   const bool is_failing =
@@ -288,29 +306,50 @@ void NodeService::finish() {
 
 void NodeService::report_changes(const ServiceStatus& now) {
   report_gyro(now);
+  report_sample_rate(now);
   report_odometer(now);
   report_sinks();
 }
 
+/// A start is told when samples follow it, a fault once until then: a gyro that is started again
+/// and again has two lines in the log.
 void NodeService::report_gyro(const ServiceStatus& now) {
   const app::LoopCounters& before = last_status_.counters;
   const GyroSettings& gyro = configuration_.gyro;
-  if (now.counters.starts != before.starts) {
+  const bool has_samples = now.counters.samples != before.samples;
+  const bool has_started = now.counters.starts != told_starts_;
+  if (has_started && has_samples && now.is_running) {
     log_line(log_, "gyro: {}{}{} started, {} Hz, {} deg/s{}", gyro.chip,
              gyro.is_simulated() ? "" : " on ", gyro.device, gyro.rate_hz, gyro.full_scale_dps,
-             before.starts > 0 ? ", again" : "");
+             told_starts_ > 0 ? ", again" : "");
+    told_starts_ = now.counters.starts;
+    told_fault_.reset();
   }
   const bool has_failed = now.counters.start_errors != before.start_errors ||
                           now.counters.read_errors != before.read_errors ||
                           now.counters.configurations_lost != before.configurations_lost;
-  // A failure that repeats at every attempt is logged once.
-  const bool is_news = before.last_error != now.counters.last_error || last_status_.is_running ||
-                       last_status_.reasons.gyro.error_number != now.reasons.gyro.error_number ||
-                       last_status_.reasons.gyro.told != now.reasons.gyro.told;
-  if (has_failed && is_news) {
-    LogBuffer words{};
-    log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, now.reasons.gyro, words),
-             now.is_running ? "" : "; trying again");
+  if (!has_failed) return;
+  const GyroReason& reason = now.reasons.gyro;
+  const ToldFault fault{now.counters.last_error, reason.error_number, reason.told};
+  if (told_fault_ == fault) return;
+  told_fault_ = fault;
+  LogBuffer words{};
+  log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, reason, words),
+           now.is_running ? "" : "; trying again");
+}
+
+void NodeService::report_sample_rate(const ServiceStatus& now) {
+  if (now.counters.sleeps != last_status_.counters.sleeps) {
+    log_("the machine slept: the bias is aged by that time, and the gyro started again");
+  }
+  if (now.sample_rate.is_off() == last_status_.sample_rate.is_off()) return;
+  if (now.sample_rate.is_off()) {
+    log_line(log_,
+             "gyro: {:.1f} samples a second instead of {} (does another program read the chip, or "
+             "is the data-ready edge the wrong one?)",
+             now.sample_rate.samples_per_second(), configuration_.gyro.rate_hz);
+  } else {
+    log_line(log_, "gyro: {:.1f} samples a second again", now.sample_rate.samples_per_second());
   }
 }
 
@@ -327,21 +366,31 @@ void NodeService::report_odometer(const ServiceStatus& now) {
     log_("odometer: cannot be read; the vehicle counts as moving");
   }
   odometer_failed_ = fails;
+  if (before.foreign_stamps == 0 && now.counters.foreign_stamps > 0) {
+    log_(
+        "edges of a GPIO line are not stamped by the monotonic clock (a kernel before Linux 5.7?); "
+        "the time of the reading is taken");
+  }
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
   }
 }
 
+/// A receiver that is slow for a moment is counted, and told where a second brought it nothing.
 void NodeService::report_sinks() {
   for (std::size_t i = 0; i < sinks_.size(); ++i) {
-    const int error = sinks_[i]->error_number();
-    if (error == sink_errors_[i] || is_congestion(error)) continue;
-    sink_errors_[i] = error;
+    SinkReport& told = sink_reports_[i];
+    const Sink& sink = *sinks_[i];
+    const bool takes_some = sink.sent() != told.sent;
+    told.sent = sink.sent();
+    const int error = sink.error_number();
+    if (error == told.error_number || (is_congestion(error) && takes_some)) continue;
+    told.error_number = error;
     if (error == 0) {
-      log_line(log_, "sink {}: takes messages again", sinks_[i]->name());
+      log_line(log_, "sink {}: takes messages again", sink.name());
     } else {
-      log_line(log_, "sink {}: {}{}; its messages are dropped", sinks_[i]->name(),
-               std::strerror(error), cure_of_sink(error));
+      log_line(log_, "sink {}: {}{}; its messages are dropped", sink.name(), std::strerror(error),
+               cure_of_sink(sink.name(), error));
     }
   }
 }
@@ -352,13 +401,27 @@ void NodeService::publish_learnt() {
   for (const auto& sink : sinks_) sink->publish_learnt(last_status_.learnt);
 }
 
+std::vector<std::uint8_t> NodeService::record() const {
+  const auto record = snapshot_.of_state(last_status_.state, time_in(session_));
+  return {record.begin(), record.end()};
+}
+
+/// A failure that lasts is told once.
 void NodeService::save(const Node::State& state) {
   if (storage_ == nullptr) return;
+  const std::string& file = configuration_.state->file;
   if (const auto saved = storage_->save(snapshot_.of_state(state, time_in(session_))); !saved) {
     ++counters_.save_errors;
-    log_line(log_, "state: not saved: {}", hal::name(saved.error()));
+    const int error = storage_->error_number() != 0 ? storage_->error_number() : EIO;
+    if (error != told_save_error_) {
+      log_line(log_, "state: not saved in {}: {} ({})", file, hal::name(saved.error()),
+               std::strerror(error));
+    }
+    told_save_error_ = error;
     return;
   }
+  if (told_save_error_ != 0) log_line(log_, "state: saved again in {}", file);
+  told_save_error_ = 0;
   ++counters_.saves;
 }
 

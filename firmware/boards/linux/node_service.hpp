@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,7 @@ namespace zerorate::linux_node {
 struct ServiceStatus {
   app::LoopCounters counters;
   bool is_running = false;
+  app::RateWatch sample_rate;
   Node::State state;
   wire::LearntModel learnt;
   HardwareReasons reasons{};  ///< asked for where something fails
@@ -53,6 +55,8 @@ class NodeService {
   /// Takes up the saved state, if there is one that fits. Before measure().
   /// @return whether it did
   bool restore();
+  /// The same from a record of a node in this process.
+  bool restore(std::span<const std::uint8_t> record);
 
   /// The measuring thread: sleeps until there is something to do, and does it.
   void measure();
@@ -66,6 +70,9 @@ class NodeService {
   /// After the measuring thread has ended: publishes what waits, and saves.
   void finish();
 
+  /// Record of what the node knows; after finish().
+  [[nodiscard]] std::vector<std::uint8_t> record() const;
+
   [[nodiscard]] const MessageQueue& queue() const { return queue_; }
   /// Status at the last tick.
   [[nodiscard]] const ServiceStatus& status() const { return last_status_; }
@@ -78,10 +85,26 @@ class NodeService {
  private:
   enum class Handover : std::uint8_t { idle, requested, ready };
 
+  /// Fault of the gyro in the log, which is not told again while it lasts.
+  struct ToldFault {
+    drivers::DriverError error;
+    int error_number = 0;
+    std::string told;
+
+    bool operator==(const ToldFault&) const = default;
+  };
+
+  /// Newest state of a sink that was told, and its messages until then.
+  struct SinkReport {
+    int error_number = 0;
+    std::uint64_t sent = 0;
+  };
+
   void hand_over();
   [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
   void report_gyro(const ServiceStatus& now);
+  void report_sample_rate(const ServiceStatus& now);
   void report_odometer(const ServiceStatus& now);
   void report_sinks();
   void publish_learnt();
@@ -104,9 +127,12 @@ class NodeService {
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 
   std::vector<std::unique_ptr<Sink>> sinks_;
-  std::vector<int> sink_errors_;  ///< newest reported error of each sink
+  std::vector<SinkReport> sink_reports_;
   std::optional<wire::NumberedMessage> latest_;
   ServiceStatus last_status_;
+  std::optional<ToldFault> told_fault_;  ///< of the gyro, since its newest samples
+  std::uint32_t told_starts_ = 0;
+  int told_save_error_ = 0;       ///< of the state; 0: the newest save succeeded
   bool odometer_failed_ = false;  ///< between the last two ticks
   ServiceCounters counters_;
   std::uint32_t turns_seen_ = 0;

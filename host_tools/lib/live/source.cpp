@@ -255,8 +255,11 @@ wire::NumberedMessage read_message(const json& line) {
   const json& calm = line.at("calm_percent");
   if (!calm.is_null()) message.calm_percent = calm;
   read_inputs(line, message);
-  for (const wire::HealthBit& bit : wire::kHealthBits) {
-    message.health.*bit.flag = line.at(std::string{bit.name});
+  constexpr std::size_t kFirstBits = 11;  // every line has them; nodes of before lack the others
+  for (std::size_t i = 0; i < wire::kHealthBits.size(); ++i) {
+    const wire::HealthBit& bit = wire::kHealthBits.at(i);
+    const std::string name{bit.name};
+    if (i < kFirstBits || line.contains(name)) message.health.*bit.flag = line.at(name);
   }
   return numbered;
 }

@@ -42,9 +42,9 @@ int Bus::error_number() const {
   using hal::linux_os::Subsystem;
   const Subsystem subsystem = kind == Kind::spi ? Subsystem::spi : Subsystem::i2c;
   const bool is_unusable = std::ranges::all_of(attempts, [&](const Attempt& attempt) {
-    return attempt.error_number != 0 &&
-           hal::linux_os::to_bus_error(attempt.error_number, subsystem) ==
-               hal::BusError::not_present;
+    const int error = attempt.error_number;
+    return error == EBUSY || (error != 0 && hal::linux_os::to_bus_error(error, subsystem) ==
+                                                hal::BusError::not_present);
   });
   return attempts.empty() || !is_unusable ? 0 : attempts.front().error_number;
 }
@@ -70,8 +70,11 @@ std::string to_text(const std::vector<Bus>& buses, const std::vector<KernelGyro>
   for (const Bus& bus : buses) {
     if (const int error = bus.error_number(); error != 0) {
       const bool is_forbidden = error == EACCES || error == EPERM;
-      text += fmt::format("{:<20} {}{}\n", bus.device, std::strerror(error),
-                          is_forbidden ? " (is the user in the device's group, i2c or spi?)" : "");
+      const std::string_view cure =
+          is_forbidden     ? " (is the user in the device's group, i2c or spi?)"
+          : error == EBUSY ? " (another program reads the chip, zerorated perhaps)"
+                           : "";
+      text += fmt::format("{:<20} {}{}\n", bus.device, std::strerror(error), cure);
       continue;
     }
     for (const Attempt& attempt : bus.attempts) {

@@ -36,6 +36,9 @@ class IioGyro final : public DeviceGyro {
                                                        std::span<drivers::GyroSample> out) override;
   core::Result<void, drivers::DriverError> verify_next() override;
   [[nodiscard]] core::Duration sample_period() const override { return period_; }
+  [[nodiscard]] core::AngularRate lsb() const override {
+    return core::rad_per_s(static_cast<float>(rad_s_per_count_));
+  }
   [[nodiscard]] bool is_batched() const override { return is_buffered_; }
   GyroReason reason(drivers::DriverErrorCode code) override;
   [[nodiscard]] int descriptor() const override { return device_ ? device_->descriptor() : -1; }

@@ -35,15 +35,20 @@ MetricsEndpoint::MetricsEndpoint(const MetricsSettings& settings)
 
 void MetricsEndpoint::publish(std::string_view text) {
   text_ = text;
-  if (settings_.file.empty()) return;
+  if (!settings_.file.empty()) error_number_ = write_file();
+}
+
+/// @return the kernel's error, or 0
+int MetricsEndpoint::write_file() const {
   constexpr mode_t kReadable = 0644;
   // A link or a FIFO of that name must neither lead elsewhere nor hold up the thread.
   constexpr int kWriteAnew = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
   const Descriptor file{::open(file_while_written_.c_str(), kWriteAnew, kReadable)};
-  if (file.is_open() &&
-      ::write(file.get(), text_.data(), text_.size()) == static_cast<ssize_t>(text_.size())) {
-    (void)std::rename(file_while_written_.c_str(), settings_.file.c_str());
-  }
+  if (!file.is_open()) return errno;
+  const ssize_t written = ::write(file.get(), text_.data(), text_.size());
+  if (written < 0) return errno;
+  if (written != static_cast<ssize_t>(text_.size())) return ENOSPC;
+  return std::rename(file_while_written_.c_str(), settings_.file.c_str()) == 0 ? 0 : errno;
 }
 
 void MetricsEndpoint::serve() const {

@@ -23,9 +23,12 @@ class MetricsEndpoint {
   explicit MetricsEndpoint(const MetricsSettings& settings);
 
   [[nodiscard]] bool is_wanted() const { return !settings_.file.empty() || listener_; }
-  /// Replaces the text; a file that cannot be written keeps the old one.
+  /// Replaces the text; a file that cannot be written keeps the old one, and error_number() says
+  /// why.
   /// @param text  must stay as it is until the next call
   void publish(std::string_view text);
+  /// Reason why the file was not written the last time; 0: it was.
+  [[nodiscard]] int error_number() const { return error_number_; }
   /// Readable when somebody asks; -1 without a socket.
   [[nodiscard]] int descriptor() const { return listener_ ? listener_->descriptor() : -1; }
   /// Gives the text to everybody who waits. A reader that does not take it all at once loses the
@@ -33,10 +36,13 @@ class MetricsEndpoint {
   void serve() const;
 
  private:
+  [[nodiscard]] int write_file() const;
+
   MetricsSettings settings_;
   std::string file_while_written_;
   std::optional<hal::linux_os::NamedSocket> listener_;
   std::string_view text_;
+  int error_number_ = 0;
 };
 
 }  // namespace zerorate::linux_node

@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/can.h>
+#include <linux/can/error.h>
 #include <linux/can/raw.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -47,8 +49,7 @@ class JsonSink final : public Sink {
  public:
   JsonSink(const JsonSettings& settings, std::string_view node)
       : Sink(name_of(settings)), file_(settings.file), node_(node) {
-    if (open() || errno == ENXIO) return;
-    throw std::system_error(errno, std::generic_category(), "\"file\" in [[sink]]: " + file_);
+    (void)open();
   }
 
   void publish_learnt(const wire::LearntModel& learnt) override { learnt_ = learnt; }
@@ -68,7 +69,10 @@ class JsonSink final : public Sink {
     if (!output_.is_open() && !(retry_.is_due() && open())) return false;
     // A pipe that is writable takes a line of less than PIPE_BUF bytes whole and at once (POSIX).
     pollfd ready{.fd = output_.get(), .events = POLLOUT, .revents = 0};
-    if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return false;
+    if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) {
+      keep_reason(EAGAIN);
+      return false;
+    }
     const std::string_view line =
         format_json_line(message, buffer_, node_, learnt_ ? &*learnt_ : nullptr);
     const ssize_t written = ::write(output_.get(), line.data(), line.size());
@@ -76,8 +80,9 @@ class JsonSink final : public Sink {
       learnt_.reset();
       return true;
     }
-    keep_reason();
-    if (written > 0) take_back(written);
+    if (written < 0) return keep_reason(), false;
+    keep_reason(ENOSPC);  // a part of the line found room
+    take_back(written);
     return false;
   }
 
@@ -144,8 +149,10 @@ class CanSink final : public Sink {
   bool try_to_open() {
     Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
     if (!opened.is_open() || ioctl(opened.get(), SIOCGIFINDEX, &interface_) != 0) return false;
-    // Nothing is read: without this, frames of others would fill the socket's buffer.
+    // Frames of others are not read: without this they would fill the socket's buffer.
     (void)setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
+    const can_err_mask_t states = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
+    (void)setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &states, sizeof states);
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = interface_.ifr_ifindex;
@@ -153,11 +160,26 @@ class CanSink final : public Sink {
       return false;
     }
     socket_ = std::move(opened);
+    is_bus_off_ = false;
     return true;
+  }
+
+  /// The controller takes no part in the bus after too many errors. The kernel tells it by error
+  /// frames, and says to write() all the same that it has taken the frame.
+  void take_states() {
+    can_frame frame{};
+    while (recv(socket_.get(), &frame, sizeof frame, MSG_DONTWAIT) == sizeof frame) {
+      is_bus_off_ = is_bus_off_after(frame.can_id, is_bus_off_);
+    }
   }
 
   bool send(const wire::NumberedMessage& message) override {
     if (!socket_.is_open() && !(retry_.is_due() && open())) return false;
+    take_states();
+    if (is_bus_off_) {
+      keep_reason(ECOMM);
+      return false;
+    }
     for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
       if (!write_frame(frame)) return false;
     }
@@ -181,6 +203,7 @@ class CanSink final : public Sink {
   ifreq interface_;  // the kernel answers in it
   Descriptor socket_;
   RetryCounter retry_;
+  bool is_bus_off_ = false;
 };
 
 struct NameSink {
@@ -211,6 +234,12 @@ struct MakeSink {
 };
 
 }  // namespace
+
+bool is_bus_off_after(std::uint32_t can_id, bool is_bus_off) {
+  if ((can_id & CAN_ERR_FLAG) == 0) return is_bus_off;
+  if ((can_id & CAN_ERR_RESTARTED) != 0) return false;
+  return is_bus_off || (can_id & CAN_ERR_BUSOFF) != 0;
+}
 
 std::string name_of(const SinkSettings& settings) {
   return std::visit(NameSink{}, settings);

@@ -44,7 +44,8 @@ class Sink {
 
  protected:
   /// Keeps errno, for a send() or an open() that failed.
-  void keep_reason() { error_number_ = errno; }
+  void keep_reason() { keep_reason(errno); }
+  void keep_reason(int error_number) { error_number_ = error_number; }
 
  private:
   virtual bool send(const wire::NumberedMessage& message) = 0;
@@ -55,12 +56,15 @@ class Sink {
   int error_number_ = 0;
 };
 
+/// Whether a CAN controller is bus-off after a frame of the kernel.
+/// @param can_id  of the frame; others than error frames change nothing
+[[nodiscard]] bool is_bus_off_after(std::uint32_t can_id, bool is_bus_off);
+
 /// For logs and metrics: "udp:127.0.0.1:4242".
 [[nodiscard]] std::string name_of(const SinkSettings& settings);
 
-/// Throws std::system_error, std::invalid_argument where the sink cannot even be tried: a file that
-/// cannot be opened, an address that is none. A receiver or a CAN interface that is absent may come
-/// later.
+/// Throws std::invalid_argument where the sink cannot even be tried: an address that is none. A
+/// file's folder, a receiver or a CAN interface that is absent may come later.
 /// @param node  name of whose messages they are, where lines tell it; empty: they do not
 [[nodiscard]] std::unique_ptr<Sink> make_sink(const SinkSettings& settings,
                                               std::string_view node = {});

@@ -98,7 +98,7 @@ void disk_full(DeviceWorld& world, Verdict& verdict) {
     const Tally& during = bench.tally();
     const double errors = DaemonProcess::metric("state_save_errors_total");
     verdict.check("the failed save is counted", errors >= 1.0, errors);
-    verdict.check("and named", DaemonProcess::has_logged("state: not saved: no space left"), 0);
+    verdict.check("and named", DaemonProcess::has_logged(": no space left ("), 0);
     const auto samples = during.with_rate - before.with_rate;
     verdict.check("samples go on", samples >= 1000, samples);
     check_state(verdict, "the state from before is whole");

@@ -57,6 +57,28 @@ TEST(StandstillWhileCreeping, WaitsForTwiceTheLastSilence) {
   EXPECT_TRUE(standstill.is_settled(at_ms(30'000 + 6'000)));
 }
 
+/// Each pulse of a creeping vehicle comes three times, 2 ms apart.
+TEST(StandstillWhileCreepingWithABouncingContact, WaitsAsLongAsWithoutIt) {
+  for (const int bounce_ms : {1, 2, 10}) {
+    Standstill standstill{kParams};
+    standstill.start(at_ms(0));
+    for (int pulse = 1; pulse <= 10; ++pulse) {
+      const int begin = 3000 * pulse;
+      for (int i = 0; i < 3; ++i) standstill.pulse(at_ms(begin + bounce_ms * i));
+      for (int ms = 100; ms < 3000; ms += 100)
+        EXPECT_FALSE(standstill.is_settled(at_ms(begin + ms)));
+    }
+  }
+}
+
+TEST(StandstillAfterAFastDrive, NeedsNoMoreThanTheSettleTime) {
+  Standstill standstill{kParams};
+  standstill.start(at_ms(0));
+  standstill.pulse(at_ms(60'000));
+  for (int ms = 0; ms < 1000; ms += 5) standstill.pulse(at_ms(60'000 + ms));
+  EXPECT_TRUE(standstill.is_settled(at_ms(62'000)));
+}
+
 TEST(StandstillAfterASinglePulseOfALongStop, WaitsForCreeping) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));

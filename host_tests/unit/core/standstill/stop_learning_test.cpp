@@ -84,8 +84,8 @@ TEST(StopLearningAtAPulse, ReleasesCertainTicksDropsOthers) {
   EXPECT_FALSE(vehicle.learnt.back().second);
   EXPECT_EQ(vehicle.learning.state().held.size(), 0U);
   // A second pulse: after a single one the silence must be twice that before it.
-  vehicle.learning.pulse(at_ms(3'151));
-  vehicle.samples(3'160, 6'000);
+  vehicle.learning.pulse(at_ms(3'180));
+  vehicle.samples(3'190, 6'000);
   EXPECT_GT(vehicle.learnt.back().first, 41U);
   std::size_t stops = 0;
   for (const auto& [tick, begins_stop] : vehicle.learnt) stops += begins_stop ? 1U : 0U;

@@ -298,6 +298,31 @@ TEST(Lsm6dsoOnScriptedSpi, AsksForTheIdentityAndResetsTheChip) {
   EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::not_ready);
 }
 
+/// Brown-out of a chip: each read gives 0, and a reset by writing alone cures it.
+TEST(Lsm6dsoThatAnswersZeros, IsResetBlindlyAfterThreeIdentities) {
+  using hal::testing::reads;
+  using hal::testing::writes;
+  hal::testing::ScriptedSpiDevice spi;
+  for (int i = 0; i < 3; ++i) spi.expect({writes({0x8F}), reads({0x00})});
+  spi.expect({writes({0x12, 0x05})});
+  Lsm6dso driver{SpiRegisters{spi}};
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::wrong_identity);
+  }
+  EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::not_ready);
+}
+
+TEST(Lsm6dsoThatAnswersAsAnotherChip, IsNeverWrittenTo) {
+  using hal::testing::reads;
+  using hal::testing::writes;
+  hal::testing::ScriptedSpiDevice spi;
+  for (int i = 0; i < 10; ++i) spi.expect({writes({0x8F}), reads({0x47})});
+  Lsm6dso driver{SpiRegisters{spi}};
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::wrong_identity);
+  }
+}
+
 TEST(Lsm6dsoOnScriptedI2c, ReportsAFailureInATransaction) {
   using hal::testing::reads;
   using hal::testing::writes;

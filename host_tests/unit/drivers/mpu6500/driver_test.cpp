@@ -304,5 +304,28 @@ TEST(Mpu6500OnScriptedSpi, AsksForTheIdentityAndResetsInTwoSteps) {
   EXPECT_EQ(driver.start(now).error().code, DriverErrorCode::not_ready);
 }
 
+/// A write to the register, which is reserved in the last two, would kill some of them.
+TEST(Mpu6500OnScriptedSpi, ResetsTheSignalPathsOfThoseThatNeedIt) {
+  using hal::testing::reads;
+  using hal::testing::writes;
+  struct Case {
+    std::uint8_t identity;
+    bool is_written;
+  };
+  for (const Case& one :
+       {Case{0x68, true}, Case{0x71, true}, Case{0x72, false}, Case{0x98, false}}) {
+    hal::testing::ScriptedSpiDevice spi;
+    Mpu6500 driver{SpiRegisters{spi}};
+    spi.expect({writes({0xF5}), reads({one.identity})});
+    spi.expect({writes({0x6B, 0x80})});
+    EXPECT_EQ(driver.start({}).error().code, DriverErrorCode::not_ready);
+    spi.expect({writes({0xF5}), reads({one.identity})});
+    spi.expect({writes({0x6B, 0x01})});
+    if (one.is_written) spi.expect({writes({0x68, 0x07})});
+    const auto later = core::Instant{} + core::Duration::milliseconds(100);
+    EXPECT_EQ(driver.start(later).error().code, DriverErrorCode::not_ready);
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::drivers

@@ -5,14 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "drivers/lsm6dso/registers.hpp"
-#include "hal/sim/odometer.hpp"
 #include "host_tests/support/allocation_counter.hpp"
-#include "host_tests/support/simulated_gyros.hpp"
-#include "host_tests/unit/firmware/app/node_rig.hpp"
+#include "host_tests/unit/firmware/app/loop_rig.hpp"
 
 namespace zerorate::app {
 namespace {
@@ -21,69 +18,8 @@ using core::Duration;
 using drivers::DriverErrorCode;
 using hal::testing::Fault;
 
-constexpr Duration kMillisecond = Duration::milliseconds(1);
-
-/// Keeps what was published in memory that was reserved before.
-struct Published {
-  Published() { messages.reserve(100'000); }
-  void publish(const RateMessage& message) { messages.push_back(message); }
-  std::vector<RateMessage> messages;
-};
-
-/// An odometer that can fail.
-struct FailingOdometer {
-  core::Result<hal::PulseBatch, hal::BusError> read_pulses(std::span<core::Instant> stamps) {
-    if (fails) return core::Unexpected{hal::BusError::io};
-    if (is_endless) return hal::PulseBatch{.count = stamps.size()};
-    return working.read_pulses(stamps);
-  }
-  hal::sim::SimulatedOdometer working;
-  bool fails = false;
-  bool is_endless = false;  ///< never says that no pulse is left
-};
-
-/// A node's loop on the simulated chip, over SPI, with faults.
-struct LoopRig {
-  using Chip = support::GyroRig<support::OverSpi<support::Lsm6dso>>;
-  using Loop = NodeLoop<testing::Node, decltype(Chip::driver), FailingOdometer,
-                        hal::sim::DataReadyPin, hal::sim::SimulatedClock, Published>;
-
-  explicit LoopRig(drivers::lsm6dso::Settings settings = {}) : hardware(settings) {}
-
-  /// The chip measures, the loop polls.
-  void sample(float rate_rad_s = 0.01F) {
-    hardware.sample({core::rad_per_s(rate_rad_s), core::rad_per_s(-rate_rad_s), {}});
-    loop.poll();
-  }
-  void samples(int count, float rate_rad_s = 0.01F) {
-    for (int i = 0; i < count; ++i) sample(rate_rad_s);
-  }
-  /// Polls every millisecond, without samples.
-  void wait(Duration time) {
-    for (Duration waited; waited < time; waited = waited + kMillisecond) {
-      hardware.clock.advance(kMillisecond);
-      loop.poll();
-    }
-  }
-  /// Starts, and lets the start-up time of the chip pass.
-  void start() {
-    wait(Duration::milliseconds(3));
-    samples(20, 0.0F);
-    published.messages.clear();
-  }
-  /// The bus fails from the next transaction on.
-  void break_bus(std::size_t transactions) {
-    hardware.faults.inject({.first = hardware.faults.calls(), .calls = transactions});
-  }
-  [[nodiscard]] const LoopCounters& counters() const { return loop.counters(); }
-
-  Chip hardware;
-  FailingOdometer odometer;
-  Published published;
-  testing::Node::Params params = testing::node_params();
-  testing::Node node{params};
-  Loop loop{node, hardware.driver, odometer, hardware.chip.interrupt(), hardware.clock, published};
-};
+using testing::kMillisecond;
+using testing::LoopRig;
 
 TEST(NodeLoopWithHealthyHardware, PublishesEverySample) {
   LoopRig rig;
@@ -136,7 +72,7 @@ TEST(NodeLoopWhoseChipDoesNotAnswer, DoublesItsPausesToASecond) {
   EXPECT_EQ(rig.counters().starts, 0U);
   EXPECT_EQ(rig.counters().last_error.code, DriverErrorCode::bus_failed);
   rig.hardware.faults.clear();
-  rig.wait(Duration::seconds(2));
+  rig.wait(Duration::milliseconds(1100));
   EXPECT_TRUE(rig.loop.is_running());
   EXPECT_EQ(rig.counters().starts, 1U);
 }
@@ -221,7 +157,8 @@ TEST(NodeLoopWhoseChipWasUpset, RestoresTheChangedRegister) {
   EXPECT_EQ(rig.counters().starts, 2U);
   rig.samples(20);
   rig.published.messages.clear();
-  rig.sample(0.5F);
+  rig.hardware.sample({core::rad_per_s(0.5F), {}, {}});
+  rig.loop.poll();
   ASSERT_EQ(rig.published.messages.size(), 1U);
   const float lsb = core::deg_per_s(8.75e-3F).in(core::rad_per_s);
   EXPECT_NEAR(rig.published.messages[0].axes[0].measured.in(core::rad_per_s), 0.5F, 0.51F * lsb);
@@ -356,7 +293,10 @@ TEST(NodeLoopOverAWholeDrive, NeverAllocatesInNodeLoopAndDriver) {
   for (int i = 0; i < 6000; ++i) {
     const bool moves = i >= 2000 && i < 4000;
     const support::AllocationCounter simulation;
-    rig.hardware.sample({core::rad_per_s(moves ? 0.3F : 0.01F), {}, {}});
+    rig.hardware.sample(
+        {core::rad_per_s((moves ? 0.3F : 0.01F) + 1e-3F * static_cast<float>(i % 7)),
+         core::rad_per_s(1e-3F * static_cast<float>(i % 5)),
+         core::rad_per_s(1e-3F * static_cast<float>(i % 3))});
     if (moves) rig.odometer.working.pulse(rig.hardware.clock.now());
     by_the_simulation += simulation.count();
     rig.loop.poll();

@@ -173,6 +173,7 @@ TEST(CanInputsFrame, HoldsTemperatureOdometerAndCalm) {
     EXPECT_EQ(reading.raw("HasOdometer") == 1, sent.odometer_pulses.has_value());
     EXPECT_EQ(reading.raw("OdometerPulses"), sent.odometer_pulses.value_or(0));
     EXPECT_EQ(reading.raw("OdometerDeadBand") == 1, sent.health.odometer_dead_band);
+    EXPECT_EQ(reading.raw("SampleRateOff") == 1, sent.health.sample_rate_off);
     EXPECT_EQ(reading.raw("CalmPercent"), sent.calm_percent);
   }
 }

@@ -3,8 +3,11 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "hal/linux/bus_error.hpp"
@@ -71,6 +74,7 @@ TEST(I2cDevBus, DoesATransactionInOneMessageList) {
   I2cRig rig;
   ASSERT_TRUE(rig.transact());
   EXPECT_EQ(rig.kernel.opened_path, "/dev/i2c-7");
+  EXPECT_EQ(rig.kernel.i2c_timeout, 5U) << "silence is told four times a second";
   EXPECT_EQ(rig.kernel.transfers, 1);
   ASSERT_EQ(rig.kernel.last_i2c.size(), 2U);
   EXPECT_EQ(rig.kernel.last_i2c[0].addr, 0x6A);
@@ -171,6 +175,42 @@ TEST(SpidevDeviceWithoutOperations, DoesNotEvenOpenItsNode) {
   SpiRig rig;
   EXPECT_TRUE(rig.bus.transaction({}));
   EXPECT_EQ(rig.kernel.opens, 0);
+}
+
+TEST(BusWhoseChipAnotherProgramReads, IsClosedAndSaysWhy) {
+  SpiRig spi;
+  spi.kernel.is_reserved = true;
+  EXPECT_EQ(spi.transact().error(), BusError::not_present);
+  EXPECT_EQ(spi.bus.error_number(), EBUSY);
+  I2cRig i2c;
+  i2c.kernel.is_reserved = true;
+  EXPECT_EQ(i2c.transact().error(), BusError::not_present);
+  EXPECT_EQ(i2c.bus.error_number(), EBUSY);
+  EXPECT_EQ(i2c.kernel.transfers, 0);
+  i2c.kernel.is_reserved = false;
+  EXPECT_TRUE(i2c.transact()) << "at the first use after that";
+}
+
+/// The locks of the real kernel, on a file in place of the node.
+TEST(ChipsBehindOneNode, AreReservedEachOnItsOwn) {
+  const testing::ScratchFolder folder;
+  const std::string node = (folder.path() / "i2c-7").string();
+  std::ofstream{node} << "node";
+  const auto open = [&] {
+    auto file = std::make_unique<DeviceFile<SystemCalls>>(node, Subsystem::i2c, SystemCalls{});
+    EXPECT_TRUE(file->open());
+    return file;
+  };
+  const auto first = open();
+  EXPECT_TRUE(first->reserve(0x6A));
+  EXPECT_TRUE(first->reserve(0x6A)) << "its own";
+  const auto second = open();
+  EXPECT_TRUE(second->reserve(0x6B));
+  EXPECT_FALSE(second->reserve(0x6A));
+  EXPECT_EQ(second->error_number(), EBUSY);
+  first->close();
+  const auto third = open();
+  EXPECT_TRUE(third->reserve(0x6A));
 }
 
 TEST(BusesOnceOpened, DoNotAllocate) {
@@ -289,6 +329,29 @@ TEST(LatestEdgeOfALineThatFails, IsNone) {
   } line;
   LatestEdge pin{line};
   EXPECT_EQ(pin.take_edge(), std::nullopt);
+}
+
+TEST(Debounce, LeavesOutEdgesThatFollowAnotherTooSoon) {
+  const auto ms = [](std::int64_t at) { return core::Instant::from_ns(at * 1'000'000); };
+  Debounce debounce{core::Duration::milliseconds(5)};
+  std::array stamps{ms(100), ms(102), ms(106), ms(111), ms(200)};
+  PulseBatch batch{.count = stamps.size(), .lost = 3};
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 3U);
+  EXPECT_EQ(batch.lost, 3U);
+  EXPECT_EQ(stamps[1], ms(111)) << "the line bounced until 106";
+  batch.count = 1;
+  stamps[0] = ms(203);
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 0U) << "over the end of a batch";
+}
+
+TEST(DebounceOfNoTime, KeepsAll) {
+  Debounce debounce{core::Duration{}};
+  std::array stamps{core::Instant::from_ns(1), core::Instant::from_ns(1)};
+  PulseBatch batch{.count = 2};
+  debounce.drop_bounces(stamps, batch);
+  EXPECT_EQ(batch.count, 2U);
 }
 
 TEST(GpioLineOnAChipThatIsNotThere, SaysSoAtEveryRead) {

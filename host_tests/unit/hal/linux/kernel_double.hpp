@@ -34,10 +34,14 @@ struct KernelState {
   std::optional<int> next_answer;  ///< value that the next such ioctl returns as a success
   std::optional<int> open_error;   ///< error of every open, while set
 
+  bool is_reserved = false;  ///< by another program
+  std::vector<off_t> locks;
+
   std::string opened_path;
   int opens = 0;
   int closes = 0;
   int transfers = 0;
+  unsigned long i2c_timeout = 0;  ///< in 10 ms
   int spi_mode = -1;
   int spi_bits = -1;
   std::uint32_t spi_speed_hz = 0;
@@ -60,6 +64,13 @@ class KernelDouble {
     EXPECT_EQ(descriptor, KernelState::kDescriptor);
     ++state_->closes;
   }
+  CallResult lock(int descriptor, off_t first, off_t count) {
+    EXPECT_EQ(descriptor, KernelState::kDescriptor);
+    EXPECT_EQ(count, 1);
+    if (state_->is_reserved) return core::Unexpected{EAGAIN};
+    state_->locks.push_back(first);
+    return 0;
+  }
   CallResult ioctl(int descriptor, unsigned long request, void* argument) {
     EXPECT_EQ(descriptor, KernelState::kDescriptor);
     switch (request) {
@@ -71,6 +82,9 @@ class KernelDouble {
         return 0;
       case SPI_IOC_WR_MAX_SPEED_HZ:
         state_->spi_speed_hz = *static_cast<std::uint32_t*>(argument);
+        return 0;
+      case I2C_TIMEOUT:
+        state_->i2c_timeout = reinterpret_cast<unsigned long>(argument);
         return 0;
       case I2C_RDWR:
         return i2c(*static_cast<i2c_rdwr_ioctl_data*>(argument));

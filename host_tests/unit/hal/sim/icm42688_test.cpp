@@ -55,12 +55,12 @@ TEST_F(SimulatedIcm42688Test, ItsOlderSisterHasAnotherIdentity) {
   EXPECT_EQ(sister.read_register(0x75), 0x42);
 }
 
-TEST_F(SimulatedIcm42688Test, ClipsOneLsbShortOfTheInvalidValue) {
+TEST_F(SimulatedIcm42688Test, ClipsAtTheEndsOfTheValidRange) {
   power_up();
   measure_x(1000.0F);
   EXPECT_EQ(read_word(0x25), 32767);
   measure_x(-1000.0F);
-  EXPECT_EQ(read_word(0x25), -32767);
+  EXPECT_EQ(read_word(0x25), -32766);
 }
 
 TEST_F(SimulatedIcm42688Test, HasEightRanges) {

@@ -6,71 +6,18 @@
 
 #include <cerrno>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "firmware/boards/linux/metrics_text.hpp"
-#include "host_tests/support/folders.hpp"
-#include "host_tests/unit/firmware/boards/linux/simulated_hardware.hpp"
+#include "host_tests/unit/firmware/boards/linux/service_rig.hpp"
 
 namespace zerorate::linux_node {
 namespace {
 
 using hal::testing::Fault;
-
-constexpr app::Session kBoot{'a'};
-
-std::vector<std::string>& log_lines() {
-  static std::vector<std::string> lines;
-  return lines;
-}
-void keep_line(std::string_view line) {
-  log_lines().emplace_back(line);
-}
-void forget_line(std::string_view) {}
-
-bool was_logged(const std::string& piece) {
-  return std::ranges::any_of(
-      log_lines(), [&](const std::string& line) { return line.find(piece) != std::string::npos; });
-}
-
-/// A service on simulated hardware, both of its threads played by the test.
-struct ServiceRig {
-  explicit ServiceRig(Log log = keep_line, const app::Session& boot = kBoot) {
-    log_lines().clear();
-    configuration.sinks.emplace_back(UnixSettings{(folder.path() / "rate").string()});
-    configuration.sinks.emplace_back(JsonSettings{(folder.path() / "rate.jsonl").string()});
-    configuration.state =
-        StateSettings{(folder.path() / "state").string(), core::Duration::seconds(10)};
-    service.emplace(configuration, hardware, &storage, boot, log);
-  }
-
-  /// A new service, in this boot, on the same storage.
-  void restart(const app::Session& boot) {
-    service.emplace(configuration, hardware, &storage, boot, keep_line);
-  }
-
-  /// Sample by sample, with a tick each second.
-  void run(int samples) {
-    for (int i = 0; i < samples; ++i) {
-      service->measure();
-      service->publish_waiting();
-      if (++samples_ % 104 == 0) (void)service->tick();
-    }
-  }
-  [[nodiscard]] const app::RateMessage& latest() const { return service->latest()->message; }
-
-  testing::ScratchFolder folder;
-  hal::linux_os::FileCalls calls;
-  hal::linux_os::FileStorage storage{(folder.path() / "state").string(), calls};
-  Configuration configuration = parse_configuration(kMinimalConfiguration, "test.toml");
-  SimulatedHardware hardware;
-  std::optional<NodeService> service;
-  int samples_ = 0;
-};
 
 /// A receiver of datagrams on a Unix socket.
 class Receiver {
@@ -224,113 +171,6 @@ TEST(NodeServiceOnceMade, NeverAllocates) {
   EXPECT_LE(allocations.count() - (rig.hardware.allocations - excused_before), by_the_test);
   EXPECT_GE(rig.service->counters().saves, 5U);
   EXPECT_GE(rig.service->status().counters.starts, 3U);
-}
-
-TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, Recovers) {
-  ServiceRig rig;
-  rig.run(1040);
-  EXPECT_TRUE(rig.latest().health.calibrated);
-  rig.hardware.rig.faults.inject({.first = rig.hardware.rig.faults.calls(),
-                                  .calls = Fault::kForEver,
-                                  .error = hal::BusError::not_present});
-  rig.run(520);
-  EXPECT_TRUE(rig.latest().health.sensor_fault);
-  EXPECT_FALSE(rig.latest().has_rate());
-  EXPECT_EQ(rig.latest().motion, core::Motion::moving);
-  EXPECT_FALSE(rig.service->status().is_running);
-  EXPECT_TRUE(was_logged("bus failed (not present)"));
-  rig.hardware.rig.faults.clear();
-  rig.run(312);
-  EXPECT_FALSE(rig.latest().health.sensor_fault);
-  EXPECT_TRUE(rig.latest().has_rate());
-  EXPECT_NEAR(rig.latest().axes[1].corrected.in(core::deg_per_s), 0.0F, 1e-2F);
-  EXPECT_EQ(rig.service->status().counters.starts, 2U);
-}
-
-TEST(NodeServiceWhoseOdometerFails, NeverClaimsStandstillMeanwhile) {
-  ServiceRig rig;
-  rig.run(520);
-  rig.hardware.odometer_fails = true;
-  rig.run(208);
-  EXPECT_EQ(rig.latest().motion, core::Motion::moving);
-  EXPECT_TRUE(rig.latest().health.odometer_fault);
-  EXPECT_TRUE(was_logged("odometer: cannot be read"));
-  rig.hardware.odometer_fails = false;
-  rig.run(520);
-  EXPECT_EQ(rig.latest().motion, core::Motion::still);
-  EXPECT_FALSE(rig.latest().health.odometer_fault);
-}
-
-TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
-  ServiceRig rig;
-  rig.run(2000);
-  const float bias = rig.latest().axes[0].bias.in(core::rad_per_s);
-  rig.service->finish();
-
-  SimulatedHardware hardware;
-  hardware.rig.clock.advance_to(rig.hardware.now());
-  NodeService again{rig.configuration, hardware, &rig.storage, kBoot, keep_line};
-  EXPECT_TRUE(again.restore());
-  again.measure();
-  hardware.is_moving = true;  // nothing can be learnt
-  for (int i = 0; i < 30; ++i) again.measure();
-  again.publish_waiting();
-  EXPECT_TRUE(again.latest()->message.health.calibrated);
-  EXPECT_NEAR(again.latest()->message.axes[0].bias.in(core::rad_per_s), bias, 1e-6F);
-}
-
-TEST(NodeServiceAfterAnotherBoot, NeedsATurnOnForTheSavedState) {
-  ServiceRig rig;
-  rig.configuration.node.model.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
-  rig.restart(kBoot);
-  rig.run(2000);
-  rig.service->finish();
-  rig.restart(app::Session{'b'});
-  EXPECT_FALSE(rig.service->restore());
-  EXPECT_TRUE(was_logged("another boot, and the model has no [turn_on]"));
-}
-
-TEST(NodeServiceAfterAnotherBoot, AddsTheTurnOnOfTheModel) {
-  ServiceRig rig;
-  rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
-  rig.restart(kBoot);
-  rig.run(2000);
-  const app::RateMessage before = rig.latest();
-  rig.service->finish();
-  rig.restart(app::Session{'b'});
-  EXPECT_TRUE(rig.service->restore());
-  EXPECT_TRUE(was_logged("restored, aged by the time since it was saved"));
-  rig.run(30);
-  EXPECT_TRUE(rig.latest().health.calibrated);
-  EXPECT_FLOAT_EQ(rig.latest().axes[0].bias.in(core::rad_per_s),
-                  before.axes[0].bias.in(core::rad_per_s));
-  // The hardware of this test has no noise, and the node has learnt that.
-  EXPECT_GE(rig.latest().axes[0].sigma.in(core::rad_per_s), 0.9999e-3F);
-  EXPECT_GT(rig.latest().axes[0].sigma, before.axes[0].sigma);
-}
-
-TEST(NodeServiceWithAnotherModel, GoesOnWithTheSavedBiasAlone) {
-  ServiceRig rig;
-  rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
-  rig.restart(kBoot);
-  rig.run(2000);
-  rig.service->finish();
-  Configuration changed = rig.configuration;
-  changed.node.model.white_variance_rad2_s2 *= 2.0F;
-  NodeService again{changed, rig.hardware, &rig.storage, kBoot, keep_line};
-  EXPECT_TRUE(again.restore());
-  EXPECT_TRUE(was_logged("restored, the bias alone, for the model has changed"));
-}
-
-TEST(NodeServiceWhoseStateCannotBeSaved, SaysSoAndGoesOn) {
-  ServiceRig rig;
-  std::filesystem::create_directory(rig.folder.path() / "state.0.new");  // in the way of both slots
-  std::filesystem::create_directory(rig.folder.path() / "state.1.new");
-  rig.run(2080);
-  EXPECT_GE(rig.service->counters().save_errors, 1U);
-  EXPECT_EQ(rig.service->counters().saves, 0U);
-  EXPECT_TRUE(was_logged("state: not saved"));
-  EXPECT_TRUE(rig.latest().has_rate());
 }
 
 TEST(NodeServiceTick, TellsWhetherTheMeasuringThreadLives) {

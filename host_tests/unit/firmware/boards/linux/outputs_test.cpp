@@ -5,6 +5,8 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -14,6 +16,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -26,6 +29,7 @@
 #include "firmware/boards/linux/node_service.hpp"
 #include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
+#include "firmware/boards/linux/process/error_stream.hpp"
 #include "firmware/boards/linux/process/process.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/support/folders.hpp"
@@ -151,7 +155,59 @@ TEST(SinksThatCannotBeTried, AreRefused) {
   EXPECT_THROW((void)make_sink(UdpSettings{"localhost", 9}), std::invalid_argument);
   EXPECT_THROW((void)make_sink(UnixSettings{std::string(200, 'x')}), std::invalid_argument);
   EXPECT_THROW((void)make_sink(CanSettings{"a-name-that-is-too-long", 0}), std::invalid_argument);
-  EXPECT_THROW((void)make_sink(JsonSettings{"/no/such/folder/file"}), std::system_error);
+}
+
+TEST(JsonSinkWhoseFolderIsNotThere, WritesOnceItHasCome) {
+  const testing::ScratchFolder folder;
+  const auto file = folder.path() / "later" / "rate.jsonl";
+  const auto sink = make_sink(JsonSettings{file.string()});
+  std::mt19937_64 random{1};
+  const auto publish = [&] { sink->publish(random_message(random)); };
+  publish();
+  EXPECT_EQ(sink->error_number(), ENOENT);
+  std::filesystem::create_directories(file.parent_path());
+  for (int i = 0; i < 100; ++i) publish();
+  EXPECT_EQ(sink->error_number(), 0);
+  EXPECT_GT(sink->sent(), 0U);
+}
+
+TEST(CanController, IsBusOffFromItsErrorFrameUntilItsRestart) {
+  EXPECT_FALSE(is_bus_off_after(0x200, false));
+  EXPECT_TRUE(is_bus_off_after(CAN_ERR_FLAG | CAN_ERR_BUSOFF, false));
+  EXPECT_TRUE(is_bus_off_after(0x200, true));
+  EXPECT_TRUE(is_bus_off_after(CAN_ERR_FLAG | CAN_ERR_ACK, true));
+  EXPECT_FALSE(is_bus_off_after(CAN_ERR_FLAG | CAN_ERR_RESTARTED, true));
+}
+
+/// A descriptor of a pipe that nobody reads, full.
+TEST(ErrorStream, DropsLinesThatNobodyTakesAndTellsHowMany) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC), 0);
+  const Descriptor reader{ends[0]};
+  const Descriptor writer{ends[1]};
+  const std::array<char, 4096> page{};
+  while (write(writer.get(), page.data(), page.size()) > 0) {
+  }
+  ASSERT_EQ(fcntl(writer.get(), F_SETFL, 0), 0);  // it would wait
+  ErrorStream stream{writer.get()};
+  stream.write_line("first");
+  stream.write_line("second");
+  EXPECT_EQ(stream.lost(), 2U);
+  std::array<char, 4096> read_back{};
+  while (read(reader.get(), read_back.data(), read_back.size()) > 0) {
+  }
+  stream.write_line("third");
+  stream.write_line("third");
+  const ssize_t size = read(reader.get(), read_back.data(), read_back.size());
+  ASSERT_GT(size, 0);
+  EXPECT_EQ((std::string_view{read_back.data(), static_cast<std::size_t>(size)}),
+            "zerorated: 2 lines of this log were lost\nzerorated: third\n");
+}
+
+TEST(ErrorStreamThatIsClosed, IsNoError) {
+  ErrorStream stream{-1};
+  stream.write_line("line");
+  EXPECT_EQ(stream.lost(), 1U);
 }
 
 TEST(CanSinkWithoutItsInterface, DropsAndGoesOn) {
@@ -294,7 +350,7 @@ TEST(ErrorOfTheGyro, IsToldWithPlaceReasonAndCure) {
        {.identity = 0x69},
        "/dev/i2c-1 at 0x6a answered 0x69, lsm6dso answers 0x6c: is it another chip? zerorate "
        "probe"},
-      {BusKind::spi, {DriverErrorCode::frozen, {}, 0}, {}, "/dev/i2c-1: frozen"},
+      {BusKind::spi, {DriverErrorCode::frozen, {}, 0b101}, {}, "/dev/i2c-1: frozen on axis x z"},
   };
   for (const Trouble& trouble : troubles) {
     const GyroSettings gyro{

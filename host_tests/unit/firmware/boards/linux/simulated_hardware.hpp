@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -11,6 +12,7 @@
 #include "hal/sim/odometer.hpp"
 #include "host_tests/support/allocation_counter.hpp"
 #include "host_tests/support/simulated_gyros.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate::linux_node {
 
@@ -39,6 +41,7 @@ class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
     return excused([&] { return rig.driver.verify_next(); });
   }
   [[nodiscard]] core::Duration sample_period() const override { return rig.driver.sample_period(); }
+  [[nodiscard]] core::AngularRate lsb() const override { return rig.driver.lsb(); }
   [[nodiscard]] bool is_batched() const override { return rig.driver.is_batched(); }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override {
@@ -51,7 +54,13 @@ class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
 
   void wait() override {
     excused([&] {
-      rig.sample({rate, rate, rate});
+      support::Rates rates{rate, rate, rate};
+      for (std::size_t i = 0; i < rates.size(); ++i) {
+        const random::RandomStream noise{1, i};
+        rates.at(i) = rates.at(i) + sigma * static_cast<float>(noise.normal(measured));
+      }
+      ++measured;
+      rig.sample(rates);
       if (is_moving) odometer.pulse(rig.clock.now());
       return 0;
     });
@@ -61,6 +70,8 @@ class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
       {.rate = drivers::lsm6dso::OutputDataRate::hz_104}, core::Instant::from_ns(1'000'000'000)};
   hal::sim::SimulatedOdometer odometer;
   core::AngularRate rate = core::deg_per_s(0.35F);
+  core::AngularRate sigma = core::deg_per_s(0.04F);
+  std::int64_t measured = 0;
   bool is_moving = false;
   bool odometer_fails = false;
   std::size_t allocations = 0;
