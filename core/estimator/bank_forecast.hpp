@@ -27,8 +27,8 @@ struct BankLead {
   }
 };
 
-/// What the filters of a bank predict: the mean of the mixture of their forecasts, and its
-/// variance. One forecast a call of add() lets a board spread the work.
+/// Predictions of the filters of a bank: mean and variance of the mixture of their forecasts.
+/// One forecast a call of add() lets a board spread the work.
 ///
 /// Cost of a hypothesis and three axes at six decaying modes: 100 floating-point operations for the
 /// bias, 200 for its integral.

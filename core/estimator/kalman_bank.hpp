@@ -176,7 +176,7 @@ class KalmanBank {
 
   /// Begins warm-up and ramp anew, each with another amplitude or slope: the sensor was switched on
   /// again. What the warm-up before has put on the bias is gone, what a ramp has put on it stays.
-  /// docs/design/kalman-predictor.md, eq. 9b.
+  /// docs/design/kalman-predictor.md, eq. 9a.
   constexpr void restart_transients() {
     for (std::size_t i = 0; i < Coefficients::kDecaying; ++i) {
       if (!coefficients_->is_transient(i)) continue;

@@ -12,7 +12,7 @@ namespace zerorate::core {
 
 /// Rates and temperature that a gyro measured at one time.
 struct GyroSample {
-  Instant time;  ///< of the node's monotonic clock
+  Instant time;  ///< on the node's monotonic clock
   /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis gives its rate on all three, so
   /// that no axis shows zero noise.
   std::array<AngularRate, 3> rate;

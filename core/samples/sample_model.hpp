@@ -10,7 +10,7 @@ namespace zerorate::core {
 
 /// Single wild samples: a share of them has noise of its own on top.
 struct Outliers {
-  float probability = 0.0F;       ///< that a sample is one; 0: there are none
+  float probability = 0.0F;       ///< probability of one; 0: there are none
   float variance_rad2_s2 = 0.0F;  ///< variance of the error that is added
 
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(probability); }

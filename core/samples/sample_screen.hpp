@@ -1,5 +1,5 @@
 /// @file
-/// Which samples of a tick may be learnt from, and how strong their noise is.
+/// Selection of the samples of a tick to learn from, and the strength of their noise.
 #pragma once
 
 #include <algorithm>

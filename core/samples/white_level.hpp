@@ -185,7 +185,7 @@ class WhiteLevel {
   [[nodiscard]] constexpr float least_rad2_s2() const { return kSmallest * model_rad2_s2_; }
 
  private:
-  static constexpr float kSmallest = 1e-4F;          ///< of the model's variance
+  static constexpr float kSmallest = 1e-4F;          ///< share of the model's variance
   static constexpr float kLargestRise = 8.0F;        ///< largest factor by one spread
   static constexpr std::uint8_t kSpreads = 64;       ///< memory: half a minute
   static constexpr std::uint32_t kLocalWindows = 8;  ///< memory of the differences

@@ -55,7 +55,7 @@ class Standstill {
   };
   struct State {
     Instant last_pulse;  ///< or the start: until the settle time has passed nothing is known
-    Duration silence;    ///< that must follow it, if longer than the settle time
+    Duration silence;    ///< silence needed after it, if longer than the settle time
     bool started = false;
 
     constexpr bool operator==(const State&) const = default;

@@ -241,7 +241,7 @@ class StopLearning {
   CalmJudge<Axes> calm_;
   bool has_odometer_;
   bool asks_gyro_;
-  Duration wait_;  ///< of a tick for what may speak against it
+  Duration wait_;  ///< time of a tick until it is certain
   HoldBack held_;
 };
 

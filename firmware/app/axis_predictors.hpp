@@ -77,8 +77,8 @@ class AxisPredictors {
   struct Measurement {
     Rates rate_rad_s{};
     float white_of_bank = 0.0F;   ///< relative to the level that the bank's scales rest on
-    float white = 0.0F;           ///< as this sensor has shown it
-    float white_of_model = 0.0F;  ///< by the model
+    float white = 0.0F;           ///< level of this sensor
+    float white_of_model = 0.0F;  ///< level of the model
     Innovations innovations{};    ///< innovations of the bank, once it has compared
 
     constexpr bool operator==(const Measurement&) const = default;

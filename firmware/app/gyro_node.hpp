@@ -29,6 +29,7 @@
 #include "firmware/app/node_params.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/sample_screening.hpp"
+#include "firmware/app/tick_forecast.hpp"
 #include "firmware/app/tick_node.hpp"
 
 namespace zerorate::app {
@@ -36,8 +37,8 @@ namespace zerorate::app {
 /// One sensor. Chip-free and board-free; no heap; one thread (the caller's).
 ///
 /// What a tick costs is spread over the samples of the next one, so that no call is long: a rate is
-/// published with the newest prediction that is complete (docs/adr/0021).
-/// Cost per sample: a few additions and its share of TickNode::cost_of_tick().
+/// published with the newest prediction that is complete (docs/adr/0020).
+/// Cost per sample: a few additions and its share of TickCosts::of_tick().
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
@@ -56,6 +57,7 @@ class GyroNode {
   /// bit for bit.
   struct State {
     bool odometer_fault = false;  ///< not yet published
+    std::int32_t credit = 0;      ///< cost units that may be spent; negative: spent in advance
     typename Learning::State learning;
     typename Ticks::State ticks;
 
@@ -140,10 +142,10 @@ class GyroNode {
 
   /// Bias that a predictor expects at the newest sample, alone and with its variance.
   [[nodiscard]] constexpr core::AngularRate bias(Predictor which, std::size_t axis) const {
-    return core::rad_per_s(ticks_.bias_rad_s(which, axis));
+    return core::rad_per_s(forecast().bias_rad_s(which, axis));
   }
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return params_.with_earth(ticks_.predict(which, axis), axis);
+    return params_.with_earth(forecast().predict(which, axis), axis);
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
@@ -152,7 +154,7 @@ class GyroNode {
                                                                   core::Instant to) const {
     const std::uint32_t first = std::max(learning_.tick_of(from), ticks_.measured_ticks());
     const std::uint32_t last = std::max(learning_.tick_of(to), first);
-    core::HeadingPrediction heading = ticks_.predict_heading(which, axis, first, last);
+    core::HeadingPrediction heading = forecast().predict_heading(which, axis, first, last);
     const float length_s = (params_.model.modes.tick * std::int64_t{last - first}).in_seconds();
     heading.variance_rad2 += params_.earth.heading_variance_rad2_s2[axis] * length_s * length_s;
     return heading;
@@ -175,6 +177,7 @@ class GyroNode {
   /// Goes on from a state of a node with the same parameters, bit for bit.
   constexpr void restore(const State& state) {
     odometer_fault_ = state.odometer_fault;
+    credit_ = state.credit;
     ticks_.restore(state.ticks);
     learning_.restore(state.learning, ticks_.white());
   }
@@ -198,13 +201,16 @@ class GyroNode {
   using Rate = std::array<core::AngularRate, 3>;
   using Rates = std::array<float, kAxes>;
 
-  static constexpr std::uint32_t kShortCall = 8;  ///< cost units of a call that is short
+  static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
 
   /// Cost units a sample that do the work of a tick before the next one begins.
-  [[nodiscard]] static constexpr std::uint32_t pace_of(const core::NodeModel<Shape>& model) {
+  [[nodiscard]] static constexpr std::int32_t pace_of(const core::NodeModel<Shape>& model) {
     const auto samples = static_cast<std::uint32_t>(
         std::clamp(model.modes.tick / model.sample_period, std::int64_t{1}, std::int64_t{0xFFFF}));
-    return (Ticks::cost_of_tick() + samples - 1) / samples;
+    return static_cast<std::int32_t>((Ticks::Costs::of_tick() + samples - 1) / samples);
+  }
+  [[nodiscard]] constexpr TickForecast<Ticks> forecast() const {
+    return TickForecast<Ticks>{ticks_};
   }
   [[nodiscard]] static constexpr std::array<core::AngularRate, kAxes> rates_of(
       const core::GyroSample& sample) {
@@ -250,12 +256,13 @@ class GyroNode {
     ticks_.begin_samples();
   }
 
-  /// Does the share of a sample, more where several ticks wait and the call stays short.
+  /// Does the share of a sample, more where several ticks wait and the call stays short. A step
+  /// that costs more than the share is paid by the samples that follow.
   constexpr void work() {
-    const auto waiting =
-        static_cast<std::uint32_t>(std::max(learning_.confirmed(), std::size_t{1}));
-    const std::uint32_t share = std::max(pace_, std::min(pace_ * waiting, kShortCall));
-    for (std::uint32_t done = 0; done < share && has_work();) done += one_step();
+    const auto waiting = static_cast<std::int32_t>(std::max(learning_.confirmed(), std::size_t{1}));
+    credit_ += std::max(pace_, std::min(pace_ * waiting, kShortCall));
+    while (credit_ > 0 && has_work()) credit_ -= static_cast<std::int32_t>(one_step());
+    credit_ = std::min(credit_, std::int32_t{0});
   }
   /// A tick is predicted before the next measurement is learnt.
   constexpr std::uint32_t one_step() {
@@ -291,7 +298,8 @@ class GyroNode {
   const Params& params_;
   Learning learning_;
   Ticks ticks_;
-  std::uint32_t pace_;  ///< cost units of the work of a sample
+  std::int32_t pace_;        ///< cost units of the work of a sample
+  std::int32_t credit_ = 0;  ///< cost units that may be spent; negative: spent in advance
   bool odometer_fault_ = false;
 };
 

@@ -22,7 +22,7 @@ struct LearntNoise {
   LearntFigure order;                             ///< d
   LearntFigure bias_instability_rad_s;            ///< B
   LearntFigure angle_random_walk_rad_per_sqrt_s;  ///< N
-  float stops = 0.0F;  ///< that the figures rest on, older ones counted in part
+  float stops = 0.0F;  ///< stops behind the figures, older ones counted in part
 
   constexpr bool operator==(const LearntNoise&) const = default;
 };

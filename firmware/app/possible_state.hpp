@@ -160,14 +160,16 @@ template <class Node>
            Node::Screening::is_possible(held.squares);
   };
   const typename Ticks::State& ticks = state.ticks;
-  return core::is_bool(state.odometer_fault) && is_possible_span(ticks.lead) &&
-         ticks.tick == state.learning.average.tick && ticks.measured_ticks <= ticks.tick + 1 &&
-         are_plausible(ticks.predicted, true) &&
+  constexpr std::int32_t kMostCredit = 1 << 16;
+  return core::is_bool(state.odometer_fault) && state.credit <= 0 && state.credit >= -kMostCredit &&
+         is_possible_span(ticks.lead) && ticks.tick == state.learning.average.tick &&
+         ticks.measured_ticks <= ticks.tick + 1 && are_plausible(ticks.predicted, true) &&
          Node::Learning::is_possible(state.learning, node.params().model.modes.tick,
                                      is_possible_item) &&
          Node::TemperatureTrack::is_possible(ticks.temperature) &&
          Node::Screening::is_possible(ticks.screening) &&
-         Ticks::WhiteLevel::is_possible(ticks.white) && Ticks::is_possible(ticks.work) &&
+         Ticks::WhiteLevel::is_possible(ticks.white) &&
+         Ticks::Work::is_possible(ticks.work, Ticks::kMostItems, is_possible_item) &&
          node.predictors().is_possible(ticks.predictors);
 }
 

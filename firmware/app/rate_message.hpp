@@ -60,8 +60,9 @@ struct RateMessage {
   /// Share of the newest stop that was calm enough to learn from; kNoCalm before anything was
   /// judged.
   std::uint8_t calm_percent = kNoCalm;
-  std::array<AxisRate, 3> axes{};                ///< x, y, z of the sensor
-  std::optional<core::Temperature> temperature;  ///< of the sensor; none where the chip gave none
+  std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
+  std::optional<core::Temperature>
+      temperature;  ///< temperature of the sensor, where the chip gave one
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an
   /// odometer.
   std::optional<std::uint32_t> odometer_pulses;

@@ -57,7 +57,7 @@ enum class SnapshotRefusal : std::uint8_t {
 /// Outcome of a record that was taken up.
 enum class Resumption : std::uint8_t {
   continued,      ///< bit for bit, as if there had been no pause
-  aged,           ///< by the time that the clock says to have passed since
+  aged,           ///< aged by the time on the clock since then
   aged_by_a_day,  ///< no clock: assume a day, so the interval is never too narrow
   bias_alone,     ///< the model is another: aged likewise, and the noise is learnt anew
 };
@@ -235,7 +235,7 @@ class Snapshot {
   /// Biases, which mean the same whatever the model is.
   struct Biases {
     std::array<float, Node::kAxes> bias_rad_s{};
-    float variance_rad2_s2 = 0.0F;  ///< of the axis that is known worst
+    float variance_rad2_s2 = 0.0F;  ///< variance of the axis with the largest one
     float temperature_degc = 0.0F;  ///< at which they were measured; no number where unknown
     float age_s = 0.0F;             ///< when the record was written
 
@@ -249,7 +249,7 @@ class Snapshot {
   static_assert(kPayload == 64 + kBytesOfBiases);
   struct Pause {
     std::uint32_t ticks = 0;
-    bool is_known = false;  ///< by the clock; else a day
+    bool is_known = false;  ///< true by the clock; else a day
   };
 
   template <class Value>

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include "core/base/assert.hpp"
@@ -18,6 +16,7 @@
 #include "firmware/app/axis_predictors.hpp"
 #include "firmware/app/node_params.hpp"
 #include "firmware/app/sample_screening.hpp"
+#include "firmware/app/tick_work.hpp"
 
 namespace zerorate::app {
 
@@ -32,10 +31,10 @@ namespace zerorate::app {
 ///                moving average and calibration mean
 ///     predict(): lead, window of the average, predict a hypothesis
 ///
-/// step() does one of them. Until the last one predicted() is the prediction of before. What is
-/// computed does not depend on how the steps are spread (docs/adr/0021).
+/// step() does one of them. Until the last one predicted() is the prediction before. The way of
+/// spreading the steps does not change what is computed (docs/adr/0020).
 ///
-/// Fixed memory, no heap; one thread (the caller's). Cost: see step_cost().
+/// Fixed memory, no heap; one thread (the caller's). Cost: see TickCosts.
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class TickNode {
  public:
@@ -50,6 +49,8 @@ class TickNode {
   using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
   using WhiteLevel = core::WhiteLevel<kAxes>;
   using Lead = typename Predictors::Lead;
+  static constexpr std::size_t kPieces = core::ModesOf<Shape>::kPieces;
+  static constexpr std::size_t kMostItems = std::max({Shape.hypotheses, kAxes, kPieces});
 
   /// A measurement: the mean of a tick at standstill, with its circumstances.
   struct Tick : core::TickMean<kAxes> {
@@ -60,34 +61,9 @@ class TickNode {
     constexpr bool operator==(const Tick&) const = default;
   };
 
-  /// Steps of the work, in order.
-  enum class Stage : std::uint8_t {
-    idle,
-    span,
-    advance,
-    compare,
-    learn,
-    conclude,
-    weigh,
-    rest,
-    lead,
-    window,
-    predict,
-  };
-  /// Work in progress.
-  struct Work {
-    Stage stage = Stage::idle;
-    std::uint8_t item = 0;         ///< next piece, hypothesis or axis of the stage
-    bool is_stale = false;         ///< the prediction is not that of the tick being filled
-    bool begins_to_learn = false;  ///< the white noise was seen for the first time
-    float unit_factor = 1.0F;      ///< change of the unit of the bank's variances
-    Tick tick;                     ///< measurement that is being learnt
-    typename Predictors::Measurement measurement;
-    typename Predictors::Kalman::Forecast::Mixtures mixtures{};
-    Transition span;  ///< from the measurement before, or the window of an average
-
-    constexpr bool operator==(const Work&) const = default;
-  };
+  using Stage = TickStage;
+  using Costs = TickCosts<Shape, kAxes>;
+  using Work = TickWork<Tick, Predictors>;
   /// Levels that a filter's figures are relative to; kept with it while the power is off.
   struct Levels {
     float white = 0.0F;  ///< white level that learnt scales rest on; 0: not seen
@@ -231,7 +207,7 @@ class TickNode {
   }
 
   /// Does one step.
-  /// @return its cost, see step_cost()
+  /// @return its cost, see TickCosts
   constexpr std::uint32_t step() {
     switch (work_.stage) {
       case Stage::idle:
@@ -240,30 +216,30 @@ class TickNode {
         return step_lead();
       case Stage::span:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return next(kPieces, Stage::advance, cost_of_piece(work_.span.ticks));
+        return next(kPieces, Stage::advance, Costs::of_piece(work_.span.ticks));
       case Stage::advance:
         return step_advance();
       case Stage::compare:
         go_to(predictors_.compare(work_.measurement, work_.tick.begins_stop) ? Stage::learn
                                                                              : Stage::rest);
-        return kCostOfComparison;
+        return Costs::kComparison;
       case Stage::learn:
         predictors_.learn(work_.item, work_.measurement);
-        return next(count(), Stage::conclude, kCostOfLearning);
+        return next(count(), Stage::conclude, Costs::kLearning);
       case Stage::conclude:
         predictors_.bank().conclude();
         go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
-        return kCostOfConclusion;
+        return Costs::kConclusion;
       case Stage::weigh:
         predictors_.bank().weigh(work_.item);
-        return next(kAxes, Stage::rest, kCostOfWeighing);
+        return next(kAxes, Stage::rest, Costs::kWeighing);
       case Stage::rest:
         return step_rest();
       case Stage::lead:
         return step_lead();
       case Stage::window:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return next(kPieces, Stage::predict, cost_of_piece(work_.span.ticks));
+        return next(kPieces, Stage::predict, Costs::of_piece(work_.span.ticks));
       case Stage::predict:
         return step_predict();
     }
@@ -281,47 +257,8 @@ class TickNode {
     return work_.measurement.innovations;
   }
 
-  /// Upper bound of the cost of the steps from one tick to the next, in units of 5,000 instructions
-  /// of a Cortex-M0+ at -O2 (500 of a Cortex-M4F).
-  [[nodiscard]] static constexpr std::uint32_t cost_of_tick() {
-    constexpr auto kFilters = static_cast<std::uint32_t>(Shape.hypotheses);
-    return kFilters * (kCostOfAdvance + kCostOfLearning + kCostOfPrediction) + kCostOfComparison +
-           kCostOfConclusion + static_cast<std::uint32_t>(kAxes) * kCostOfWeighing + kCostOfRest +
-           2 * static_cast<std::uint32_t>(kPieces) * cost_of_piece(kLongLead);
-  }
-
   /// Biases of the axes by the published predictor, as far as the steps have come.
   [[nodiscard]] constexpr const Predictions& predicted() const { return predicted_; }
-  /// Bias that a predictor expects at the end of the tick being filled.
-  [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis) const {
-    return with_lead([&](const Lead& lead) { return predictors_.bias_rad_s(which, axis, lead); });
-  }
-  [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return with_lead([&](const Lead& lead) {
-      return predictors_.predict(which, axis, lead, params_.model.modes);
-    });
-  }
-  /// Predicted integral of the bias over the ticks from `first` to before `last`.
-  /// @param first, last not before measured_ticks()
-  [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
-                                                                  std::uint32_t first,
-                                                                  std::uint32_t last) const {
-    const auto& modes = params_.model.modes;
-    const std::uint32_t behind = first - measured_ticks_;
-    const Transition others{modes.over(behind)};
-    Transition drive{modes.over(last - first)};
-    const std::uint32_t now = std::clamp(tick_ + 1, first, last);
-    Transition to_now;
-    to_now.ticks = tick_ + 1 - measured_ticks_;
-    temperature_.fill_lead(to_now.ticks, to_now);
-    TemperatureTrack::over_drive(to_now, now - first, drive);
-    if (!is_advancing()) {
-      return predictors_.predict_heading(which, axis, {others, others}, drive);
-    }
-    const Transition advanced{modes.over(behind - std::min(behind, work_.span.ticks))};
-    return predictors_.predict_heading(which, axis, {others, advanced, advanced_filters()}, drive);
-  }
-
   [[nodiscard]] constexpr std::uint32_t tick() const { return tick_; }
   /// Ticks up to and with the newest one that has been learnt from.
   [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return measured_ticks_; }
@@ -338,7 +275,9 @@ class TickNode {
   [[nodiscard]] constexpr Levels levels() const {
     return {.white = white_.reference(), .drive = predictors_.drive_memory()};
   }
+  /// Span from the newest measurement to the end of the tick being filled; 0 ticks: not made.
   [[nodiscard]] constexpr const Transition& lead() const { return lead_; }
+  [[nodiscard]] constexpr const Work& work() const { return work_; }
 
   /// Variance of the white noise of a sample, as learnt.
   [[nodiscard]] constexpr float white_variance_rad2_s2(std::size_t axis) const {
@@ -349,42 +288,8 @@ class TickNode {
                                        [](const auto& /*one*/, float scale) { return scale; });
   }
 
-  /// True if restored work is valid: what it indexes exists, and its numbers are plausible.
-  [[nodiscard]] static bool is_possible(const Work& work) {
-    const auto items = std::max({Shape.hypotheses, kAxes, kPieces});
-    const auto stage = std::bit_cast<std::uint8_t>(work.stage);
-    return stage <= static_cast<std::uint8_t>(Stage::predict) && work.item < items &&
-           core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop) &&
-           core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
-           TickTemperature::is_possible(work.tick.temperature) &&
-           Screening::is_possible(work.tick.squares) && core::are_plausible(work.tick.rate_rad_s) &&
-           is_possible_span(work.span);
-  }
-
  private:
-  static constexpr std::size_t kPieces = core::ModesOf<Shape>::kPieces;
-  // Units of 5,000 instructions of a Cortex-M0+: what docs/reference/c-interface.md counts.
-  static constexpr std::uint32_t kCostOfAdvance = 2;
-  static constexpr std::uint32_t kCostOfComparison = 3;
-  static constexpr std::uint32_t kCostOfLearning = 3;
-  static constexpr std::uint32_t kCostOfConclusion = 1;
-  static constexpr std::uint32_t kCostOfWeighing = 3;
-  static constexpr std::uint32_t kCostOfRest = 3;
-  static constexpr std::uint32_t kCostOfLead = 2;
-  static constexpr std::uint32_t kCostOfPrediction = 2;
-  static constexpr std::uint32_t kLongLead = 16;
-  static constexpr std::uint32_t cost_of_piece(std::uint32_t ticks) {
-    return 1U + static_cast<std::uint32_t>(std::bit_width(ticks)) / 4U;
-  }
-
   [[nodiscard]] constexpr std::size_t count() const { return predictors_.bank().count(); }
-  /// Whether some filters stand at the measurement before and others, or none, at the newest.
-  [[nodiscard]] constexpr bool is_advancing() const {
-    return work_.stage == Stage::span || work_.stage == Stage::advance;
-  }
-  [[nodiscard]] constexpr std::size_t advanced_filters() const {
-    return work_.stage == Stage::advance ? work_.item : 0;
-  }
   constexpr void go_to(Stage stage) {
     work_.stage = stage;
     work_.item = 0;
@@ -418,7 +323,7 @@ class TickNode {
 
   constexpr std::uint32_t step_advance() {
     const std::size_t m = work_.item;
-    std::uint32_t cost = kCostOfAdvance;
+    std::uint32_t cost = Costs::kAdvance;
     if (work_.unit_factor != 1.0F) {
       ++cost;
       if (work_.begins_to_learn) {
@@ -438,7 +343,7 @@ class TickNode {
       white_.observe_squares(work_.tick.squares.rad2_s2, static_cast<float>(work_.tick.samples));
     }
     go_to(Stage::idle);
-    return kCostOfRest;
+    return Costs::kRest;
   }
   /// Makes the lead piece by piece, unless it is one tick longer than it was.
   constexpr std::uint32_t step_lead() {
@@ -449,13 +354,13 @@ class TickNode {
       if (lead_.ticks > 0 && lead_.ticks + 1 == ticks) {
         modes.lengthen(lead_, one_tick_);
         finish_lead();
-        return kCostOfLead;
+        return Costs::kLead;
       }
       lead_.ticks = ticks;
     }
     modes.make_piece(work_.item, lead_);
     if (++work_.item == kPieces) finish_lead();
-    return cost_of_piece(lead_.ticks);
+    return Costs::of_piece(lead_.ticks);
   }
   constexpr void finish_lead() {
     temperature_.lead_over(lead_.ticks, lead_);
@@ -467,7 +372,7 @@ class TickNode {
     if (params_.published != Predictor::kalman) {
       predicted_[work_.item] =
           predictors_.predict(params_.published, work_.item, lead_, work_.span);
-      return next(kAxes, Stage::idle, kCostOfPrediction);
+      return next(kAxes, Stage::idle, Costs::kPrediction);
     }
     const auto forecast = predictors_.bank().forecast();
     forecast.add(work_.mixtures, work_.item, lead_);
@@ -476,23 +381,7 @@ class TickNode {
       for (auto& one : predicted_) one.variance_rad2_s2 *= predictors_.drive_scale();
       go_to(Stage::idle);
     }
-    return kCostOfPrediction;
-  }
-
-  /// Calls use(lead) with the spans to the end of the tick being filled, which are at hand until a
-  /// tick is learnt.
-  template <class Use>
-  [[nodiscard]] constexpr auto with_lead(Use use) const {
-    const auto& modes = params_.model.modes;
-    const std::uint32_t ticks = ticks_since_measured();
-    if (!is_busy() && lead_.ticks == ticks) return use(Lead{lead_, lead_});
-    Transition others{modes.over(ticks)};
-    temperature_.fill_lead(ticks, others);
-    if (!is_advancing()) return use(Lead{others, others});
-    Transition advanced{modes.over(ticks - work_.span.ticks)};
-    temperature_.fill_lead(advanced.ticks, advanced);
-    TemperatureTrack::prepend(work_.span, others);
-    return use(Lead{others, advanced, advanced_filters()});
+    return Costs::kPrediction;
   }
 
   const Params& params_;
@@ -501,7 +390,7 @@ class TickNode {
   [[no_unique_address]] Screening screening_;
   WhiteLevel white_;
   Predictors predictors_;
-  Predictions predicted_{};  ///< by the published predictor
+  Predictions predicted_{};  ///< predictions of the published predictor
   Transition lead_{};
   Work work_{};
   std::uint32_t tick_ = 0;

@@ -1,9 +1,12 @@
 /* How many instructions each function of zerorate.h takes and how deep its stack gets, on the drive
    that board.c plays. Linked with --wrap: every call of super_loop.c comes through here. QEMU's
-   -icount makes periods of SysTick a number of instructions; the interrupt of board.c is off, and
-   sleeping brings the next sample. Included by board.c. */
+   -icount makes periods of timer 0 of the board a number of instructions; SysTick has 24 bits, too
+   few for a call of 655,360 instructions. The interrupt of board.c is off, and sleeping brings the
+   next sample. Included by board.c. */
 
-#define MASK 0x00FFFFFFU
+#define TIMER_CONTROL REGISTER(0x40000000)
+#define TIMER_VALUE REGISTER(0x40000004)
+#define TIMER_RELOAD REGISTER(0x40000008)
 #define PAINTED_WORDS 1024
 #define PAINT 0xA5A5A5A5U
 
@@ -15,6 +18,12 @@ typedef struct figure {
 } figure;
 static figure init_, pulse_, sample_moving, sample_still, predict_, save_;
 
+static void start_timer(void) {
+  TIMER_RELOAD = 0xFFFFFFFFU;
+  TIMER_VALUE = 0xFFFFFFFFU;
+  TIMER_CONTROL = 1U;
+}
+
 /* Paints the stack below, calls, counts, and looks how far down the paint is gone. */
 #define MEASURE(figure_, call)                                       \
   do {                                                               \
@@ -23,9 +32,9 @@ static figure init_, pulse_, sample_moving, sample_still, predict_, save_;
     for (int i = 1; i <= PAINTED_WORDS; ++i) {                       \
       top[-i] = PAINT;                                               \
     }                                                                \
-    const uint32_t before = REGISTER(0xE000E018);                    \
+    start_timer();                                                   \
     result = (call);                                                 \
-    const uint32_t periods = (before - REGISTER(0xE000E018)) & MASK; \
+    const uint32_t periods = 0xFFFFFFFFU - TIMER_VALUE;              \
     int depth = PAINTED_WORDS;                                       \
     while (depth > 0 && top[-depth] == PAINT) {                      \
       --depth;                                                       \
@@ -44,15 +53,18 @@ static void note(figure* of, uint32_t periods, uint32_t stack_bytes) {
   }
 }
 
-#define REAL(name) __real_zerorate_##name
-#define WRAP(name) __wrap_zerorate_##name
+/* The name of zerorate_init() in the library is a macro. */
+#define JOINED_(prefix, name) prefix##name
+#define JOINED(prefix, name) JOINED_(prefix, name)
+#define REAL(name) JOINED(__real_, zerorate_##name)
+#define WRAP(name) JOINED(__wrap_, zerorate_##name)
 
 zerorate_result REAL(init)(zerorate_node*, const zerorate_model*, const zerorate_config*);
 zerorate_result REAL(pulse)(zerorate_node*, int64_t);
 zerorate_result REAL(sample)(zerorate_node*, const zerorate_measurement*, zerorate_rate*);
 zerorate_result REAL(predict_heading)(const zerorate_node*, uint8_t, uint32_t,
                                       zerorate_heading_error*);
-zerorate_result REAL(save)(const zerorate_node*, int64_t, uint8_t*, size_t);
+zerorate_result REAL(save)(zerorate_node*, int64_t, uint8_t*, size_t);
 
 zerorate_result WRAP(init)(zerorate_node* self, const zerorate_model* model,
                            const zerorate_config* config) {
@@ -83,7 +95,7 @@ zerorate_result WRAP(predict_heading)(const zerorate_node* self, uint8_t axis, u
   MEASURE(predict_, REAL(predict_heading)(self, axis, samples, error));
   return result;
 }
-zerorate_result WRAP(save)(const zerorate_node* self, int64_t utc_s, uint8_t* record,
+zerorate_result WRAP(save)(zerorate_node* self, int64_t utc_s, uint8_t* record,
                            size_t capacity) {
   zerorate_result result;
   MEASURE(save_, REAL(save)(self, utc_s, record, capacity));

@@ -26,15 +26,23 @@ FUNCTIONS = {"zerorate_init": "`zerorate_init()`", "zerorate_pulse": "`zerorate_
              "zerorate_sample, still": "`zerorate_sample()`, still",
              "zerorate_predict_heading, 6000 samples": "`zerorate_predict_heading()`, 6000 samples",
              "zerorate_save": "`zerorate_save()`"}
-WRAPPED = ("init", "pulse", "sample", "predict_heading", "save")
+WRAPPED = ("zerorate_pulse", "zerorate_sample", "zerorate_predict_heading", "zerorate_save")
 FIGURE = re.compile(r"^(zerorate_.+?) ([0-9a-f]{8}) ([0-9a-f]{8}) ([0-9a-f]{8}) ([0-9a-f]{8}) \n", re.MULTILINE)
 # -icount shift=10, and SysTick on the 25 MHz of the mps2 boards.
 INSTRUCTIONS_OF_A_PERIOD = 40 / 1024
 
 
+def name_of_init(shop):
+    """Name of zerorate_init() in the library, which contains its sizes."""
+    source = shop.work / "name_of_init.c"
+    source.write_text("#include <zerorate.h>\n#undef bool\nNAME zerorate_init\n")
+    printed = run("gcc", "-E", "-P", f"-I{shop.repository}/firmware/c_api/include", source)
+    return re.search(r"NAME (\w+)", printed).group(1)
+
+
 def build(shop, processor, optimisation):
     """The folder of an image that measures itself."""
-    wraps = " ".join(f"-Wl,--wrap=zerorate_{name}" for name in WRAPPED)
+    wraps = " ".join(f"-Wl,--wrap={name}" for name in (name_of_init(shop), *WRAPPED))
     return shop.make(f"{processor}{optimisation.replace(' ', '')}", f"ZERORATE={shop.repository}", "CROSS=arm-none-eabi-",
                      f"CPU={CORTEX[processor][0]} -DZERORATE_FIGURES", f"OPTIMISATION={optimisation}", f"LINK={ARM_LINK} {wraps}")
 
@@ -46,7 +54,7 @@ def size_of(folder, processor):
     require(len(functions) == 10, f"functions of zerorate.h: {functions}")
     roots = [f"-Wl,-u,{name}" for name in functions] + [f"-Wl,--defsym={name}=0" for name in ("memcpy", "memset", "memmove")]
     run("arm-none-eabi-gcc", *CORTEX[processor][0].split(), folder / "zerorate.o", folder / "assert.o", "-nostdlib", *roots,
-        "-Wl,--gc-sections", "-Wl,-e,zerorate_init", "-lgcc", "-o", folder / "library.elf")
+        "-Wl,--gc-sections", f"-Wl,-e,{functions[0]}", "-lgcc", "-o", folder / "library.elf")
     text, data = run("arm-none-eabi-size", folder / "library.elf").splitlines()[1].split()[:2]
     return int(text) + int(data)
 

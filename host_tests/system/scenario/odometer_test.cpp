@@ -108,7 +108,7 @@ Harm on_a_turntable(const Turntable& setting) {
   TurntableNode node{params};
   constexpr double kRadPerDegree = std::numbers::pi / 180.0;
   constexpr std::array<double, 3> kBias_dps{1.0, -0.4, 0.2};
-  constexpr double kFlicker_dps = 0.003;  // of the level, by steps of a random walk a second
+  constexpr double kFlicker_dps = 0.003;  // step of the level's random walk in one second
   const double white = std::sqrt(double{params.model.white_variance_rad2_s2});
   const double period_s = 1.0 / setting.real_hz;
   double walk_dps = 0.0;

@@ -26,7 +26,7 @@ struct IntervalEstimate {
 
 /// Where the order of a fit comes from.
 enum class OrderSource {
-  given,      ///< by the caller
+  given,      ///< given by the caller
   estimated,  ///< from the record
   prior,      ///< d = 1/2, because the record cannot tell it
   limit,      ///< the record asks for more than 0.95: it drifts like a random walk, or faster
@@ -45,7 +45,7 @@ struct InnovationsFit {
   /// Nothing where the record does not show flicker noise at the 1 % level.
   std::optional<FittedFlicker> flicker;
   double likelihood_ratio = 0.0;  ///< 2 log of likelihood with flicker noise over without
-  double p_value = 1.0;           ///< of a ratio this large under white noise alone
+  double p_value = 1.0;           ///< probability of a ratio this large under white noise alone
   double minus_two_log_likelihood = 0.0;
   /// N and B with d = 1/2; nothing without flicker noise, or where the order was given.
   struct OfPrior {
@@ -74,8 +74,8 @@ struct InnovationsFitOptions {
   std::vector<StartValues> starts;
   /// d in [0.05, 0.95] where it is known; estimated otherwise.
   std::optional<double> order{};
-  double shortest_time_constant_s = 0.5;  ///< of the decades, see model::Flicker
-  double significance = 0.01;             ///< of the test for flicker noise
+  double shortest_time_constant_s = 0.5;  ///< shortest of the decades, see model::Flicker
+  double significance = 0.01;             ///< level of the test for flicker noise
 };
 
 /// Maximises the likelihood over log N, the log of the flicker noise at a pivot frequency and, if

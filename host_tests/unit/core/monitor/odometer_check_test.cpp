@@ -99,7 +99,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsAtAFarRate) {
   check.on_driving_tick(kBias);
   stand(check, turning(0.2F), 1, &kBias);
   EXPECT_FALSE(check.disagrees());
-  Check fresh = make_check();  // of a node that has learnt nothing yet
+  Check fresh = make_check();  // a node that has learnt nothing yet
   fresh.on_driving_tick(kBias);
   stand(fresh, turning(50.0F), 1);
   EXPECT_FALSE(fresh.disagrees());
@@ -178,7 +178,7 @@ TEST(OdometerCheckInAShakingVehicle, JudgesByQuietWindows) {
 }
 
 TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
-  for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // of 50
+  for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // a full tick has 50
     Check check = make_check();
     for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias);
     EXPECT_FALSE(check.disagrees()) << samples;

@@ -100,7 +100,7 @@ TEST(CalmJudgeWithThreeWindows, EstimatesTheWhiteVariance) {
         (double{stop.means[0][i]} + double{stop.means[1][i]} + double{stop.means[2][i]}) / 3.0;
     for (const Rates& one : stop.means) expected += std::pow(double{one[i]} - mean, 2) / 2.0;
   }
-  expected *= 5.0 / 3.0;  // of a sample, the mean of three axes
+  expected *= 5.0 / 3.0;  // variance of a sample, mean of three axes
   EXPECT_NEAR(double{stop.white.shown_rad2_s2()}, expected, 1e-5 * expected);
 }
 

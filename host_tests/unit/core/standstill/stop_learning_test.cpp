@@ -141,7 +141,7 @@ TEST(StopLearningWithoutAnOdometer, IsMovingWhileTheGyroIsNotCalm) {
     for (; ms < end_ms; ms += 10) {
       const float noise = ms / 500 % 2 == 0 ? 1e-5F : -1e-5F;
       vehicle.sample(ms, noise + swing_rad_s * static_cast<float>(ms / 300 % 3));
-      vehicle.learning.pulse(at_ms(ms));  // of an odometer that lies
+      vehicle.learning.pulse(at_ms(ms));  // a wrong odometer
     }
   };
   run_until(10'000, 0.0F);

@@ -167,7 +167,7 @@ TEST(GyroNodeThatScreensSamples, FollowsTheStrengthOfTheNoise) {
   auto params = screening_params();
   params.model.samples = {};
   params.model.samples.level = {.variance = 1.0F, .time_constants_per_tick = 1e-3F};
-  for (auto& mode : params.model.modes.decaying) {  // as good as none, so that the mean is all
+  for (auto& mode : params.model.modes.decaying) {  // almost no flicker noise
     mode.noise_variance *= 1e-6F;
     mode.initial_variance *= 1e-6F;
   }

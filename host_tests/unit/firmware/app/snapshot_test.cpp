@@ -132,7 +132,7 @@ TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByThem) {
                     zerorate::testing::flicker_like<4>(core::Duration::milliseconds(5), 0.5),
                     core::RandomWalk{.coefficient_rad_s_sqrt_s = 1e-6F});
   params.model.sample_period = core::Duration::milliseconds(5);
-  params.standstill.hold_back = core::Duration::milliseconds(200);  // as many ticks as are held
+  params.standstill.hold_back = core::Duration::milliseconds(200);  // equals the ticks held
   Node node{params};
   for (std::int64_t ms = 0; ms < 30'000; ms += 5) {
     (void)node.step(noisy_sample(at_ms(ms), kBias_rad_s));

@@ -52,7 +52,7 @@ class HeldOutDrives {
   core::Duration tick_;
   std::vector<identify::TickMean> means_;
   std::uint32_t judged_from_ = 0;
-  std::deque<Scored> scored_;  ///< that were asked for
+  std::deque<Scored> scored_;  ///< models scored so far
 };
 
 /// Gain on the last part of a record, see HeldOutDrives.

@@ -47,7 +47,7 @@ struct Component {
 /// Sum of the density over the levels, times the step: 1 unless the levels are far apart.
 double sum_over_levels(const std::array<Component, 3>& parts, double level, double step) {
   const double sigma = std::sqrt(parts.front().variance);
-  if (step < sigma) return 1.0;  // to 1e-8
+  if (step < sigma) return 1.0;  // exact to 1e-8
   constexpr double kReach = 8.0;
   const double middle = std::round((parts.front().mean - level) / step);
   const double reach = std::ceil(kReach * sigma / step);

@@ -9,11 +9,11 @@ namespace zerorate::diagnose {
 
 /// Scale that readings are read off; by default a reading is the rate itself.
 struct Scale {
-  double step_rad_s = 0.0;  ///< of what readings are rounded to; 0: they are not
+  double step_rad_s = 0.0;  ///< step that readings are rounded to; 0: none
   /// Spacing of the levels that readings lie on, where the model does not know of them: its density
   /// at the levels is made to sum to 1. 0: there are none.
   double unknown_step_rad_s = 0.0;
-  double rounding_variance = 0.0;  ///< what the variance of a forecast holds of that
+  double rounding_variance = 0.0;  ///< share of it in the variance of a forecast
   /// Width of the cell that a reading at the end of the range stands for, where nothing is rounded.
   double end_cell_rad_s = 0.0;
   core::MeasuringRange range;

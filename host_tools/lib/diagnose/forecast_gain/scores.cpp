@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/samples/sample_screen.hpp"
+#include "firmware/app/tick_forecast.hpp"
 #include "firmware/app/tick_node.hpp"
 #include "firmware/model/node_model.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/reading_score.hpp"
@@ -103,9 +104,10 @@ class TickRun {
   }
   /// Heading sigma of the drive that began after the newest measurement and ends now.
   [[nodiscard]] double heading_sigma_rad() const {
-    return double{
-        node_.predict_heading(app::Predictor::kalman, 0, node_.measured_ticks(), tick().tick + 1)
-            .sigma_rad()};
+    const app::TickForecast<Node> forecast{node_};
+    const core::HeadingPrediction heading = forecast.predict_heading(
+        app::Predictor::kalman, 0, node_.measured_ticks(), tick().tick + 1);
+    return double{heading.sigma_rad()};
   }
 
  private:

@@ -20,7 +20,7 @@ struct ScoredTicks {
                                               ///< other; none where no model asks for them
   /// Temperature of each sample of the ticks; none: there is no thermometer.
   std::span<const double> temperature_degc;
-  double level_step_rad_s = 0.0;  ///< of the levels that the samples lie on; 0: none
+  double level_step_rad_s = 0.0;  ///< spacing of the levels of the samples; 0: none
   core::Duration sample_period;
   core::Duration tick;
   std::uint32_t judged_from = 0;  ///< tick; everything before it is a stop
@@ -31,7 +31,7 @@ struct ScoredTicks {
 /// One drive: what the filter had predicted at its beginning, against what was measured.
 struct ScoredDrive {
   double integrated_rad = 0.0;   ///< heading error: measured minus predicted, integrated
-  double sigma_rad = 0.0;        ///< as predicted, white noise and temperature included
+  double sigma_rad = 0.0;        ///< predicted, white noise and temperature included
   double squares_rad2_s2 = 0.0;  ///< sum of squared errors of the tick means
   std::size_t ticks = 0;
 };

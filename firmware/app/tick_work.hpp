@@ -1,0 +1,91 @@
+/// @file
+/// Work of a tick, cut into steps of bounded length.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/numeric.hpp"
+#include "core/noise/model_shape.hpp"
+#include "firmware/app/possible_state.hpp"
+
+namespace zerorate::app {
+
+/// Steps of TickNode, in order. A step with an item is repeated for each of them.
+enum class TickStage : std::uint8_t {
+  idle,
+  span,      ///< piece of the span since the measurement before
+  advance,   ///< hypothesis: its filter goes on to the measurement
+  compare,   ///< the bank compares the measurement with its forecast
+  learn,     ///< hypothesis: its filter and its evidence learn
+  conclude,  ///< all hypotheses have learnt
+  weigh,     ///< axis: probabilities of the hypotheses
+  rest,      ///< monitors, moving average and calibration mean
+  lead,      ///< piece of the span to the tick being filled
+  window,    ///< piece of the span that an average covers
+  predict,   ///< hypothesis: its forecast, or axis: that of an average
+};
+
+/// Costs of the steps in units of 5,000 instructions of a Cortex-M0+ with libgcc's floating point,
+/// or 250 of a Cortex-M4F, as docs/reference/c-interface.md counts them. They grow with the square
+/// of the states.
+template <core::ModelShape Shape, std::size_t Axes>
+struct TickCosts {
+  static constexpr auto kStates =
+      static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.temperature_weights);
+  static constexpr std::uint32_t kAdvance = 1 + kStates * kStates / 13;
+  static constexpr std::uint32_t kComparison = 1 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
+  static constexpr std::uint32_t kLearning = 4 + kStates * kStates / 30;
+  static constexpr std::uint32_t kConclusion = 2;
+  static constexpr std::uint32_t kWeighing = 1 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
+  static constexpr std::uint32_t kRest = 6;
+  static constexpr std::uint32_t kLead = 4;
+  static constexpr std::uint32_t kPrediction = 1 + kStates * kStates / 30;
+  /// A piece of a span grows with the logarithm of its length.
+  static constexpr std::uint32_t of_piece(std::uint32_t ticks) {
+    return 1U + static_cast<std::uint32_t>(std::bit_width(ticks)) / 2U;
+  }
+
+  /// Upper bound of the steps from one tick to the next in a stop: a prediction and a measurement.
+  [[nodiscard]] static constexpr std::uint32_t of_tick() {
+    constexpr auto kFilters = static_cast<std::uint32_t>(Shape.hypotheses);
+    constexpr auto kPieces = static_cast<std::uint32_t>(core::ModesOf<Shape>::kPieces);
+    constexpr std::uint32_t kShortLead = 7;  ///< ticks from a measurement to the present
+    return kFilters * (kAdvance + kLearning + kPrediction) + kComparison + kConclusion +
+           static_cast<std::uint32_t>(Axes) * kWeighing + kRest + kPieces * of_piece(kShortLead);
+  }
+};
+
+/// Work in progress: plain data, part of a node's state.
+/// @tparam Tick measurement of a TickNode  @tparam Predictors its AxisPredictors
+template <class Tick, class Predictors>
+struct TickWork {
+  TickStage stage = TickStage::idle;
+  std::uint8_t item = 0;         ///< next piece, hypothesis or axis of the stage
+  bool is_stale = false;         ///< the prediction is not that of the tick being filled
+  bool begins_to_learn = false;  ///< the white noise was seen for the first time
+  float unit_factor = 1.0F;      ///< change of the unit of the bank's variances
+  Tick tick;                     ///< measurement that is being learnt
+  typename Predictors::Measurement measurement;
+  typename Predictors::Kalman::Forecast::Mixtures mixtures{};
+  typename Predictors::Transition span;  ///< since the measurement before, or of an average
+
+  constexpr bool operator==(const TickWork&) const = default;
+
+  /// True if restored work is valid: its items exist, and its numbers are plausible.
+  /// @param most_items largest number of items of a stage
+  template <class IsPossibleTick>
+  [[nodiscard]] static bool is_possible(const TickWork& work, std::size_t most_items,
+                                        IsPossibleTick is_possible_tick) {
+    const auto number = std::bit_cast<std::uint8_t>(work.stage);
+    return number <= static_cast<std::uint8_t>(TickStage::predict) && work.item < most_items &&
+           core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop) &&
+           core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
+           core::are_plausible(work.tick.rate_rad_s) && is_possible_tick(work.tick) &&
+           is_possible_span(work.span);
+  }
+};
+
+}  // namespace zerorate::app

@@ -1,0 +1,146 @@
+/// @file
+/// Node of the C interface, and its parameters from what a caller hands over in C.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "core/base/earth_rate.hpp"
+#include "core/base/time.hpp"
+#include "firmware/app/gyro_node.hpp"
+#include "firmware/c_api/include/zerorate.h"
+#include "firmware/c_api/model_checks.hpp"
+
+namespace zerorate::c_api {
+
+constexpr core::ModelShape kShape{
+    .decaying = ZERORATE_DECAYING_MODES,
+    .rotating = ZERORATE_ROTATING_MODES,
+    .temperature_weights = ZERORATE_TEMPERATURE != 0 ? core::TemperatureDrift::kWeights : 0,
+    .hypotheses = ZERORATE_HYPOTHESES};
+constexpr app::NodeCapacity kCapacity{.axes = ZERORATE_AXES,
+                                      .held_ticks = ZERORATE_HELD_TICKS,
+                                      .average_levels = 12,
+                                      .runs_moving_average = ZERORATE_HAS_MOVING_AVERAGE != 0,
+                                      .runs_calibration_mean = ZERORATE_HAS_CALIBRATION_MEAN != 0};
+using Node = app::GyroNode<kShape, kCapacity>;
+
+[[nodiscard]] inline core::ModesOf<kShape> modes_of(const zerorate_model& model) {
+  core::ModesOf<kShape> modes{
+      .tick = core::Duration::nanoseconds(model.tick_ns),
+      .start = model.starts_stationary ? core::Start::stationary : core::Start::zero,
+      .is_stationary = model.is_stationary,
+      .walk_variance = model.walk_variance_rad2_s2};
+  for (std::size_t i = 0; i < kShape.decaying; ++i) {
+    const zerorate_decaying_mode& mode = model.decaying[i];
+    if (!does_something(mode)) continue;
+    modes.decaying[i] = {mode.one_minus_phi, mode.noise_variance, mode.initial_variance,
+                         mode.initial_mean};
+  }
+#if ZERORATE_ROTATING_MODES > 0
+  for (std::size_t i = 0; i < kShape.rotating; ++i) {
+    const zerorate_rotating_mode& mode = model.rotating[i];
+    if (!does_something(mode)) continue;
+    modes.rotating[i] = {{mode.one_minus_phi.re, mode.one_minus_phi.im},
+                         mode.noise_variance,
+                         mode.initial_variance,
+                         mode.initial_mean};
+  }
+#endif
+  return modes;
+}
+
+/// @tparam Shape kShape; a template, so that a node of one hypothesis needs none of their members
+template <core::ModelShape Shape>
+[[nodiscard]] core::HypothesesOf<Shape> hypotheses_of(const zerorate_model& model) {
+  core::HypothesesOf<Shape> hypotheses;
+  if constexpr (Shape.hypotheses > 1) {
+    hypotheses.count = model.hypothesis_count;
+    hypotheses.kept = model.evidence_kept;
+    for (std::size_t m = 0; m < hypotheses.count; ++m) {
+      const zerorate_hypothesis& given = model.hypotheses[m];
+      auto& one = hypotheses.all[m];
+      std::ranges::copy(given.strength, one.strength.begin());
+      one.log_prior = given.log_prior;
+      one.level = given.level;
+      one.order = given.order;
+      one.bias_instability_rad_s = given.bias_instability_rad_s;
+      one.angle_random_walk_rad_per_sqrt_s = given.angle_random_walk_rad_per_sqrt_s;
+    }
+  }
+  return hypotheses;
+}
+
+[[nodiscard]] inline app::Predictor predictor_of(zerorate_predictor predictor) {
+  switch (predictor) {
+    case ZERORATE_MOVING_AVERAGE:
+      return app::Predictor::moving_average;
+    case ZERORATE_CALIBRATION_MEAN:
+      return app::Predictor::calibration_mean;
+    case ZERORATE_KALMAN:
+      break;
+  }
+  return app::Predictor::kalman;
+}
+
+[[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
+  constexpr float kPole_deg = 90.0F;
+  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
+         (config.up_axis == 0 ||
+          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
+}
+
+[[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
+  if (config.up_axis == 0) return {};
+  const bool points_down = config.up_axis < 0;
+  const int axis = (points_down ? -config.up_axis : config.up_axis) - 1;
+  return core::earth_rate(config.latitude_deg,
+                          {.axis = static_cast<std::uint8_t>(axis), .points_down = points_down});
+}
+
+[[nodiscard]] inline core::StandstillSource source_of(zerorate_standstill standstill) {
+  switch (standstill) {
+    case ZERORATE_BY_GYRO:
+      return core::StandstillSource::gyro;
+    case ZERORATE_BY_ODOMETER_ALONE:
+      return core::StandstillSource::odometer_alone;
+    case ZERORATE_BY_ODOMETER:
+      break;
+  }
+  return core::StandstillSource::odometer;
+}
+
+[[nodiscard]] inline Node::Params params_of(const zerorate_model& model,
+                                            const zerorate_config& config) {
+  const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
+  const core::NodeModel<kShape> noise {
+    .modes = modes_of(model), .white_variance_rad2_s2 = model.white_variance_rad2_s2,
+    .measurement_floor_variance_rad2_s2 = model.measurement_floor_variance_rad2_s2,
+    .turn_on_variance_rad2_s2 =
+        is_known ? model.turn_on_variance_rad2_s2 : std::numeric_limits<float>::infinity(),
+    .largest_bias_rad_s = model.largest_bias_rad_s > 0.0F ? model.largest_bias_rad_s
+                                                          : std::numeric_limits<float>::infinity(),
+    .gate = {.threshold_sigma = model.gate_threshold_sigma,
+             .longest_knock_ticks = model.gate_longest_knock_ticks},
+#if ZERORATE_TEMPERATURE
+    .temperature = {.reference_degc = model.temperature.reference_degc,
+                    .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
+                    .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
+                    .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
+                    .curvature_sigma_rad_s_per_k2 = model.temperature.curvature_sigma_rad_s_per_k2,
+                    .lag_s = model.temperature.lag_s},
+#endif
+    .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+    .hypotheses = hypotheses_of<kShape>(model)
+  };
+  return {.model = noise,
+          .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
+                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
+                         .source = source_of(config.standstill)},
+          .earth = earth_of(config),
+          .published = predictor_of(config.predictor)};
+}
+
+}  // namespace zerorate::c_api
