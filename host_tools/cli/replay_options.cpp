@@ -282,7 +282,7 @@ std::vector<std::size_t> shown_axes(const ReplayFlags& flags, std::size_t axis_c
   const std::size_t vertical = truth ? truth->vertical.axis : axis_count - 1;
   const bool is_drive = flags.schedule.empty();
   if (is_drive && flags.axis.empty()) return {vertical};
-  std::ranges::rotate(axes, axes.begin() + static_cast<std::ptrdiff_t>(vertical));
+  std::rotate(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(vertical), axes.end());
   return axes;
 }
 
