@@ -36,8 +36,8 @@ TARGET = re.compile(r" -o \S*?CMakeFiles/([^/]+)\.dir/")
 # Files that CMake makes: their flags are none to borrow.
 GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
 INCLUDED = re.compile(r"^\.+ (.*)$")
-# A flag of GCC that clang refuses, and the warnings for those that it knows by another meaning or not at all.
-GCC_ONLY = "-fcx-limited-range"
+# Flags of GCC that clang refuses, and the warnings for those that it knows by another meaning or not at all.
+GCC_ONLY = ("-fcx-limited-range", "--param=")
 EXTRA_FLAGS = ["-Wno-double-promotion", "-Wno-ignored-optimization-argument", "-Wno-unknown-warning-option"]
 KEPT_RUNS = 4  # as many states of one file are remembered, for branches to switch between
 
@@ -104,7 +104,7 @@ class Flags:
             if GENERATED.search(entry["file"]):
                 continue
             words = shlex.split(entry["command"])[1:]
-            words = [word for word in words[:words.index("-o")] if not word.startswith("-M") and word != GCC_ONLY]
+            words = [word for word in words[:words.index("-o")] if not word.startswith(("-M", *GCC_ONLY))]
             file = os.path.relpath(entry["file"], root)
             self._of.setdefault(file, without_precompiled_headers(words))
             target = TARGET.search(entry["command"])

@@ -113,7 +113,7 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
   if (!drives.truth.obstacle.empty()) return;
   fmt::print("true stops: {}, slower than {:.3g} m/s for {:g} s at least\n",
              drives.truth.stops.size(), drives.truth.speed_limit_m_s, truth::kShortestStop_s);
-  for (const evaluate::ScoredDrive& scored : drives.drives) {
+  for (const evaluate::ScoredTrueDrive& scored : drives.drives) {
     if (scored.flaw == truth::Flaw::none) continue;
     fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
                static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
@@ -284,7 +284,7 @@ std::vector<std::size_t> shown_axes(const ReplayFlags& flags, std::size_t axis_c
   const std::size_t vertical = truth ? truth->vertical.axis : axis_count - 1;
   const bool is_drive = flags.schedule.empty();
   if (is_drive && flags.axis.empty()) return {vertical};
-  std::ranges::rotate(axes, axes.begin() + static_cast<std::ptrdiff_t>(vertical));
+  std::rotate(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(vertical), axes.end());
   return axes;
 }
 

@@ -15,8 +15,12 @@ endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 # The sanitizers at -O0 take several times as long; of the symbols they need the lines only.
 set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g1")
-# Daily work: compiled in two thirds of the time, and fast enough for the tests.
+# Daily work: compiled in two thirds of the time, and fast enough for the tests. GCC collects its garbage later, which
+# costs up to 400 MB of memory a compiler and saves 5 to 10 % of its time.
 set(CMAKE_CXX_FLAGS_DEV "-O1 -DNDEBUG")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  string(APPEND CMAKE_CXX_FLAGS_DEV " --param=ggc-min-heapsize=512000")
+endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
@@ -95,9 +99,9 @@ function(zerorate_use_precompiled_headers target name)
   endif()
 endfunction()
 
-zerorate_precompiled_headers(zerorate_standard_headers
-  HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span> <stdexcept> <string>
-          <string_view> <utility> <variant> <vector>)
+set(ZERORATE_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory> <optional> <span>
+  <stdexcept> <string> <string_view> <utility> <variant> <vector>)
+zerorate_precompiled_headers(zerorate_standard_headers HEADERS ${ZERORATE_STANDARD_HEADERS})
 
 # zerorate_leaf(NAME [HOSTED] [FOLDER folder] [SOURCES files...] [DEPENDS targets...])
 #
@@ -119,7 +123,9 @@ function(zerorate_leaf name)
   if(leaf_SOURCES)
     add_library(zerorate_${name} STATIC ${leaf_SOURCES})
     target_link_libraries(zerorate_${name} PUBLIC ${flags} ${leaf_DEPENDS})
-    if(leaf_HOSTED)
+    if(leaf_HOSTED AND leaf_DEPENDS MATCHES "fmt::fmt")
+      zerorate_use_precompiled_headers(zerorate_${name} zerorate_text_headers)
+    elseif(leaf_HOSTED)
       zerorate_use_precompiled_headers(zerorate_${name} zerorate_standard_headers)
     endif()
   else()

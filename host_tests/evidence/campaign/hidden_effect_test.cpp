@@ -12,7 +12,7 @@
 #include "firmware/model/catalogue.hpp"
 #include "host_tests/support/folders.hpp"
 #include "host_tools/lab/campaign/answer.hpp"
-#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/blind_recording.hpp"
 #include "host_tools/lab/campaign/tally.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/recording/reader.hpp"
@@ -27,16 +27,17 @@ using sizing::Draws;
 using sizing::EffectEntry;
 using sizing::Part;
 using sizing::RecordingSetting;
+using sizing::SizedEffect;
 
 TEST(RoundOfTheBlindCampaign, MissesNoBarByMoreThanChance) {
   const testing::ScratchFolder folder;
   const auto recording = folder.path() / "recording.csv";
-  const ScenarioOptions options{.seed = 2026, .nats = 40.0};
+  const BlindOptions options{.seed = 2026, .nats = 40.0};
   Tally tally{options};
   for (std::size_t run = 0; run < Round::kRuns; ++run) {
-    const Scenario scenario = draw_scenario(options, run);
-    write_recording(scenario, recording);
-    tally.add(run, scenario, diagnose(ZERORATE_PROGRAM, recording));
+    const BlindRecording blind = draw_blind_recording(options, run);
+    write_recording(blind, recording);
+    tally.add(run, blind, diagnose(ZERORATE_PROGRAM, recording));
   }
   for (const Bar& bar : tally.bars()) {
     const bool missed =
@@ -115,7 +116,7 @@ TEST_P(EffectBehindTheChip, IsFoundInWhatTheNodeRecordedAtStandstill) {
   const RecordingSetting setting = chip_setting();
   Draws draws{setting.stream.substream("effects")};
   const SizedEffect effect = GetParam().draw(setting, draws);
-  const double size = size_for(effect, 150.0).value();
+  const double size = sizing::size_for(effect, 150.0).value();
   const testing::ScratchFolder folder;
   const auto recorded = folder.path() / "recorded.csv";
   write_physical(setting, effect.at(size), folder.path() / "physical.csv");
@@ -130,10 +131,10 @@ TEST_P(EffectBehindTheChip, IsFoundInWhatTheNodeRecordedAtStandstill) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Some, EffectBehindTheChip,
-                         ::testing::Values(EffectEntry{"rate_ramp", draw_rate_ramp},
+                         ::testing::Values(EffectEntry{"rate_ramp", sizing::draw_rate_ramp},
                                            EffectEntry{"periodic_disturbance",
-                                                       draw_periodic_disturbance},
-                                           EffectEntry{"outliers", draw_outliers}),
+                                                       sizing::draw_periodic_disturbance},
+                                           EffectEntry{"outliers", sizing::draw_outliers}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace

@@ -4,17 +4,18 @@
 
 #include <cmath>
 
-#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/blind_recording.hpp"
+#include "host_tools/lab/campaign/gain_summary.hpp"
 
 namespace zerorate::campaign {
 namespace {
 
-Scenario hidden(Kind kind, std::vector<std::string> truth) {
+BlindRecording hidden(Kind kind, std::vector<std::string> truth) {
   return {.kind = kind, .truth = std::move(truth), .signal = simulate::Signal(0, 1.0)};
 }
 
 TEST(Score, CountsARightNameFirstAndAlone) {
-  const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
+  const BlindRecording ramp = hidden(Kind::single, {"rate_ramp"});
   const Score right = score(ramp, {"explained", {"rate_ramp"}, {"rate_random_walk"}});
   EXPECT_TRUE(right.named && right.first && right.alone && !right.wrong);
   const Score beside = score(ramp, {"explained", {"outliers", "rate_ramp"}, {}});
@@ -22,14 +23,14 @@ TEST(Score, CountsARightNameFirstAndAlone) {
 }
 
 TEST(Score, CallsAnotherNameWrongEvenBesideTheTruth) {
-  const Scenario ramp = hidden(Kind::single, {"rate_ramp"});
+  const BlindRecording ramp = hidden(Kind::single, {"rate_ramp"});
   const Score rival = score(ramp, {"explained", {"rate_random_walk"}, {"rate_ramp"}});
   EXPECT_TRUE(!rival.named && rival.alternative && rival.wrong);
   EXPECT_FALSE(score(ramp, {"unexplained", {"rate_random_walk"}, {}}).wrong);
 }
 
 TEST(Score, WantsBothOfTwoEffects) {
-  const Scenario both = hidden(Kind::pair, {"rate_ramp", "outliers"});
+  const BlindRecording both = hidden(Kind::pair, {"rate_ramp", "outliers"});
   EXPECT_FALSE(score(both, {"explained", {"outliers"}, {}}).named);
   EXPECT_TRUE(score(both, {"explained", {"outliers", "rate_ramp"}, {}}).alone);
 }
@@ -58,7 +59,7 @@ TEST(RateComparison, AssertsOnlyWhatFewRunsCanShow) {
 }
 
 TEST(Tally, FillsBarsAndMatrix) {
-  Tally tally{ScenarioOptions{}};
+  Tally tally{BlindOptions{}};
   tally.add(0, hidden(Kind::single, {"rate_ramp"}), {"explained", {"rate_ramp"}, {}});
   tally.add(1, hidden(Kind::single, {"rate_ramp"}), {"explained", {"outliers"}, {}});
   tally.add(2, hidden(Kind::clean, {}), {"consistent", {}, {}});
@@ -96,11 +97,11 @@ TEST(GainSummary, HoldsMediansAndMeansAgainstTheBars) {
 
 TEST(ScenarioOfAnAwkwardLength, HasThatLengthAndRate) {
   for (const std::size_t samples : {5'003U, 7'001U}) {
-    const ScenarioOptions options{.seed = 3, .samples = samples, .rate_hz = 104.0};
+    const BlindOptions options{.seed = 3, .samples = samples, .rate_hz = 104.0};
     for (const std::size_t run : {1U, 3U, 8U, 20U}) {
-      const Scenario scenario = draw_scenario(options, run);
-      EXPECT_EQ(scenario.signal.size(), samples);
-      EXPECT_DOUBLE_EQ(scenario.signal.sample_period_s, 1.0 / 104.0);
+      const BlindRecording blind = draw_blind_recording(options, run);
+      EXPECT_EQ(blind.signal.size(), samples);
+      EXPECT_DOUBLE_EQ(blind.signal.sample_period_s, 1.0 / 104.0);
     }
   }
 }

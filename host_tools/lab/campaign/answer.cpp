@@ -93,18 +93,18 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
   return answer;
 }
 
-Score score(const Scenario& scenario, const Answer& answer) {
-  const auto hidden = [&](const std::string& name) { return contains(scenario.truth, name); };
+Score score(const BlindRecording& blind, const Answer& answer) {
+  const auto hidden = [&](const std::string& name) { return contains(blind.truth, name); };
   const auto named = [&](const std::string& name) { return contains(answer.causes, name); };
   const auto mentioned = [&](const std::string& name) {
     return named(name) || contains(answer.alternatives, name);
   };
-  const bool any_hidden = !scenario.truth.empty();
+  const bool any_hidden = !blind.truth.empty();
   Score score;
-  score.named = any_hidden && std::ranges::all_of(scenario.truth, named);
+  score.named = any_hidden && std::ranges::all_of(blind.truth, named);
   score.first = !answer.causes.empty() && hidden(answer.causes.front());
   score.alone = score.first && std::ranges::all_of(answer.causes, hidden);
-  score.alternative = any_hidden && std::ranges::all_of(scenario.truth, mentioned);
+  score.alternative = any_hidden && std::ranges::all_of(blind.truth, mentioned);
   for (std::size_t i = 0; i < answer.causes.size(); ++i) {
     const bool stands_alone =
         i >= answer.certainties.size() || answer.certainties[i].probability >= kStandsAlone;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/blind_recording.hpp"
 
 namespace zerorate::campaign {
 
@@ -54,6 +54,6 @@ struct Score {
   bool wrong = false;
 };
 
-[[nodiscard]] Score score(const Scenario& scenario, const Answer& answer);
+[[nodiscard]] Score score(const BlindRecording& blind, const Answer& answer);
 
 }  // namespace zerorate::campaign

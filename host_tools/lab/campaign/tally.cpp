@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <boost/math/distributions/beta.hpp>
-#include <boost/math/distributions/binomial.hpp>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host_tools/lab/campaign/outside_catalogue.hpp"
@@ -14,85 +11,8 @@
 namespace zerorate::campaign {
 namespace {
 
-constexpr double kGreatestErrorRatio = 1.01;
-constexpr double kLeastCoverage = 0.93;
-constexpr double kGreatestCoverage = 0.97;
-
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
-}  // namespace
-
-statistics::BootstrapFigure GainSummary::median(double Gain::*figure) const {
-  return statistics::bootstrap(
-      gains_.size(),
-      [&](const std::vector<std::size_t>& drawn) {
-        std::vector<double> values;
-        values.reserve(drawn.size());
-        for (const std::size_t i : drawn) values.push_back(gains_[i].*figure);
-        return values.empty() ? std::nan("") : median_of(std::move(values));
-      },
-      random::RandomStream(seed_));
-}
-
-statistics::BootstrapFigure GainSummary::mean(double Gain::*figure) const {
-  return statistics::bootstrap(
-      gains_.size(),
-      [&](const std::vector<std::size_t>& drawn) {
-        double sum = 0.0;
-        for (const std::size_t i : drawn) sum += gains_[i].*figure;
-        return sum / static_cast<double>(drawn.size());
-      },
-      random::RandomStream(seed_));
-}
-
-bool GainSummary::scores_better() const {
-  return median(&Gain::log_score_gain_nats_per_sample).lo > 0.0;
-}
-bool GainSummary::scores_worse() const {
-  return median(&Gain::log_score_gain_nats_per_sample).hi < 0.0;
-}
-bool GainSummary::errs_no_more() const {
-  return median(&Gain::rsse_ratio).value <= kGreatestErrorRatio &&
-         median(&Gain::heading_drift_ratio).value <= kGreatestErrorRatio;
-}
-bool GainSummary::covers() const {
-  const double coverage = mean(&Gain::coverage95_extended).value;
-  return coverage >= kLeastCoverage && coverage <= kGreatestCoverage;
-}
-
-std::string GainSummary::header() {
-  return "| hidden effect | recordings | in the model | log score gain, 10^-3 nats a sample | RSSE "
-         "| heading drift | coverage before | after | the models |\n"
-         "|---|---|---|---|---|---|---|---|---|\n";
-}
-
-std::string GainSummary::row() const {
-  const auto score = median(&Gain::log_score_gain_nats_per_sample);
-  const auto after = mean(&Gain::coverage95_extended);
-  std::string misses;
-  if (scores_worse()) misses += " log score";
-  if (!errs_no_more()) misses += " error";
-  if (!covers()) misses += " coverage";
-  return fmt::format(
-      "| {} | {} | {} | {:.3g} ({:.3g} to {:.3g}) | {:.4f} | {:.3f} | {:.3f} | {:.3f} ({:.3f} to "
-      "{:.3f}) "
-      "| {} |\n",
-      effect_, size(), extensions_, 1e3 * score.value, 1e3 * score.lo, 1e3 * score.hi,
-      median(&Gain::rsse_ratio).value, median(&Gain::heading_drift_ratio).value,
-      mean(&Gain::coverage95_base).value, after.value, after.lo, after.hi,
-      misses.empty() ? (scores_better() ? "pay" : "do no harm") : "harm:" + misses);
-}
-
-namespace {
-
-constexpr double kOnceInAThousand = 1e-3;
-
-std::string truth_of(const Scenario& scenario) {
-  switch (scenario.kind) {
+std::string truth_of(const BlindRecording& blind) {
+  switch (blind.kind) {
     case Kind::clean:
       return "clean";
     case Kind::pair:
@@ -101,11 +21,11 @@ std::string truth_of(const Scenario& scenario) {
     case Kind::outside:
       break;
   }
-  return scenario.truth.front();
+  return blind.truth.front();
 }
 
-bool is_right(const Scenario& scenario, const Answer& answer, const Score& result) {
-  switch (scenario.kind) {
+bool is_right(const BlindRecording& blind, const Answer& answer, const Score& result) {
+  switch (blind.kind) {
     case Kind::clean:
       return answer.verdict == "consistent";
     case Kind::single:
@@ -117,87 +37,18 @@ bool is_right(const Scenario& scenario, const Answer& answer, const Score& resul
   return false;
 }
 
-std::string percent(double share) {
-  return fmt::format("{:.1f} %", 100.0 * share);
-}
-
 }  // namespace
 
-double Rate::share() const {
-  return runs == 0 ? 0.0 : static_cast<double>(hits) / static_cast<double>(runs);
-}
-
-double Rate::lo95() const {
-  if (hits == 0) return 0.0;
-  return boost::math::quantile(
-      boost::math::beta_distribution<>(static_cast<double>(hits),
-                                       static_cast<double>(runs - hits) + 1.0),
-      0.025);
-}
-
-double Rate::hi95() const {
-  if (hits == runs) return 1.0;
-  return boost::math::quantile(boost::math::beta_distribution<>(static_cast<double>(hits) + 1.0,
-                                                                static_cast<double>(runs - hits)),
-                               0.975);
-}
-
-bool is_surely_below(const Rate& rate, double p) {
-  const boost::math::binomial_distribution<> hits(static_cast<double>(rate.runs), p);
-  return boost::math::cdf(hits, static_cast<double>(rate.hits)) < kOnceInAThousand;
-}
-
-bool is_surely_above(const Rate& rate, double p) {
-  if (rate.hits == 0) return false;
-  const boost::math::binomial_distribution<> hits(static_cast<double>(rate.runs), p);
-  return boost::math::cdf(boost::math::complement(hits, static_cast<double>(rate.hits) - 1.0)) <
-         kOnceInAThousand;
-}
-
-void Reliability::count(double probability, bool right) {
-  const auto last = static_cast<double>(bins_.size() - 1);
-  Bin& bin = bins_[static_cast<std::size_t>(std::clamp(probability * 10.0, 0.0, last))];
-  bin.stated += probability;
-  bin.right.count(right);
-}
-
-std::size_t Reliability::size() const {
-  std::size_t all = 0;
-  for (const Bin& bin : bins_) all += bin.right.runs;
-  return all;
-}
-
-double Reliability::expected_calibration_error() const {
-  double sum = 0.0;
-  for (const Bin& bin : bins_) sum += std::abs(bin.stated - static_cast<double>(bin.right.hits));
-  return sum / static_cast<double>(std::max<std::size_t>(1, size()));
-}
-
-std::string Reliability::markdown() const {
-  std::string text =
-      "| stated | causes | mean stated | right | share, 95 % interval |\n|---|---|---|---|---|\n";
-  for (std::size_t i = 0; i < bins_.size(); ++i) {
-    const Bin& bin = bins_[i];
-    if (bin.right.runs == 0) continue;
-    text +=
-        fmt::format("| {:.1f} to {:.1f} | {} | {:.3f} | {} ({:.3f}) | {} to {} |\n",
-                    0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i + 1), bin.right.runs,
-                    bin.stated / static_cast<double>(bin.right.runs), bin.right.hits,
-                    bin.right.share(), percent(bin.right.lo95()), percent(bin.right.hi95()));
-  }
-  return text;
-}
-
-void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer) {
-  const Score result = score(scenario, answer);
-  Row& row = rows_[truth_of(scenario)];
+void Tally::add(std::size_t run, const BlindRecording& blind, const Answer& answer) {
+  const Score result = score(blind, answer);
+  Row& row = rows_[truth_of(blind)];
   ++row.runs;
   if (result.named) ++row.named;
   if (result.named && result.alone) ++row.first_and_alone;
   if (result.alternative && !result.named) ++row.alternative;
   ++row.verdicts[answer.verdict];
   ++row.answers[answer.causes.empty() ? answer.verdict : answer.causes.front()];
-  switch (scenario.kind) {
+  switch (blind.kind) {
     case Kind::clean:
       false_alarms_.count(answer.verdict != "consistent");
       break;
@@ -214,21 +65,21 @@ void Tally::add(std::size_t run, const Scenario& scenario, const Answer& answer)
   }
   if (answer.verdict == "explained") {
     wrong_.count(result.wrong);
-    count_certainties(scenario, answer);
+    count_certainties(blind, answer);
   }
-  count_coverage(scenario, answer);
-  if (!is_right(scenario, answer, result)) {
+  count_coverage(blind, answer);
+  if (!is_right(blind, answer, result)) {
     misses_.push_back(fmt::format(
         "run {}: {} ({}) was answered: {}, causes [{}], alternatives [{}]", run,
-        scenario.truth.empty() ? "clean" : fmt::format("{}", fmt::join(scenario.truth, " + ")),
-        scenario.description, answer.verdict, fmt::join(answer.causes, ", "),
+        blind.truth.empty() ? "clean" : fmt::format("{}", fmt::join(blind.truth, " + ")),
+        blind.description, answer.verdict, fmt::join(answer.causes, ", "),
         fmt::join(answer.alternatives, ", ")));
   }
 }
 
-void Tally::count_certainties(const Scenario& scenario, const Answer& answer) {
+void Tally::count_certainties(const BlindRecording& blind, const Answer& answer) {
   const auto hidden = [&](const std::string& name) {
-    return std::ranges::find(scenario.truth, name) != scenario.truth.end();
+    return std::ranges::find(blind.truth, name) != blind.truth.end();
   };
   for (std::size_t i = 0; i < answer.certainties.size(); ++i) {
     reliability_.count(answer.certainties[i].probability, hidden(answer.causes[i]));
@@ -236,10 +87,10 @@ void Tally::count_certainties(const Scenario& scenario, const Answer& answer) {
   }
 }
 
-void Tally::count_coverage(const Scenario& scenario, const Answer& answer) {
+void Tally::count_coverage(const BlindRecording& blind, const Answer& answer) {
   for (const auto& [effect, intervals] : answer.intervals) {
-    const auto truths = scenario.figures.find(effect);
-    if (truths == scenario.figures.end()) continue;
+    const auto truths = blind.figures.find(effect);
+    if (truths == blind.figures.end()) continue;
     for (const auto& [name, truth] : truths->second) {
       const auto interval = intervals.find(name);
       if (interval == intervals.end()) continue;

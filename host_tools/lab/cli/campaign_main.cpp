@@ -25,7 +25,8 @@
 #include "host_tools/cli/program.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lab/campaign/answer.hpp"
-#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/blind_recording.hpp"
+#include "host_tools/lab/campaign/gain_summary.hpp"
 #include "host_tools/lab/campaign/tally.hpp"
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
@@ -62,7 +63,7 @@ std::string neighbouring_program() {
 }
 
 struct CampaignOptions {
-  ScenarioOptions scenario;
+  BlindOptions blind;
   std::string zerorate = neighbouring_program();
   std::size_t runs = 10 * campaign::Round::kRuns;
   std::string document;
@@ -86,12 +87,12 @@ Answer answer_of(const CampaignOptions& options, const std::filesystem::path& re
 Tally run_campaign(const CampaignOptions& options) {
   const RecordingFolder folder;
   const std::filesystem::path recording = folder.recording();
-  Tally tally{options.scenario};
-  cli::ProgressBar progress{fmt::format("{:g} nats", options.scenario.nats)};
+  Tally tally{options.blind};
+  cli::ProgressBar progress{fmt::format("{:g} nats", options.blind.nats)};
   for (std::size_t run = 0; run < options.runs; ++run) {
-    const Scenario scenario = draw_scenario(options.scenario, run);
-    write_recording(scenario, recording);
-    tally.add(run, scenario, answer_of(options, recording));
+    const BlindRecording blind = draw_blind_recording(options.blind, run);
+    write_recording(blind, recording);
+    tally.add(run, blind, answer_of(options, recording));
     progress.update(static_cast<double>(run + 1) / static_cast<double>(options.runs));
   }
   return tally;
@@ -101,16 +102,16 @@ Tally run_campaign(const CampaignOptions& options) {
 GainSummary gains_of(const std::string& effect, const CampaignOptions& options) {
   const RecordingFolder folder;
   const std::filesystem::path recording = folder.recording();
-  ScenarioOptions scenario_options = options.scenario;
+  BlindOptions scenario_options = options.blind;
   scenario_options.only = effect;
   scenario_options.finest_step_share = 1.0;
   GainSummary gains{effect, scenario_options.seed};
   cli::ProgressBar progress{effect};
   for (std::size_t run = 0; run < 2 * options.gain_recordings; ++run) {
-    const Scenario scenario = draw_scenario(scenario_options, run);
-    write_recording(scenario, recording);
+    const BlindRecording blind = draw_blind_recording(scenario_options, run);
+    write_recording(blind, recording);
     const Answer answer = answer_of(options, recording);
-    if (score(scenario, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
+    if (score(blind, answer).named && std::isfinite(answer.gain.rsse_ratio)) {
       gains.add(answer.gain,
                 std::ranges::find(answer.extensions, effect) != answer.extensions.end());
     }
@@ -155,11 +156,11 @@ void run_document(CampaignOptions options) {
   const Document document{options.document};
   std::string figures;
   for (const double nats : {40.0, 25.0}) {
-    options.scenario.nats = nats;
+    options.blind.nats = nats;
     const Tally tally = run_campaign(options);
     figures +=
         fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}, commit {}.\n\n{}",
-                    nats, options.runs, options.scenario.samples, options.scenario.seed,
+                    nats, options.runs, options.blind.samples, options.blind.seed,
                     options.commit.empty() ? "unknown" : options.commit, tally.markdown());
   }
   document.write(figures + "\n");
@@ -170,10 +171,10 @@ void run_gain(const CampaignOptions& options) {
   if (!options.document.empty()) document.emplace(options.document);
   std::string table =
       fmt::format("\n{} recordings of {} samples for each effect, {:g} nats, seed {}.\n\n{}",
-                  options.gain_recordings, options.scenario.samples, options.scenario.nats,
-                  options.scenario.seed, GainSummary::header());
+                  options.gain_recordings, options.blind.samples, options.blind.nats,
+                  options.blind.seed, GainSummary::header());
   for (const sizing::EffectEntry& entry : sizing::catalogue()) {
-    if (!options.scenario.only.empty() && entry.name != options.scenario.only) continue;
+    if (!options.blind.only.empty() && entry.name != options.blind.only) continue;
     table += gains_of(std::string(entry.name), options).row();
   }
   if (document) {
@@ -186,9 +187,9 @@ void run_gain(const CampaignOptions& options) {
 void run(const CampaignOptions& options) {
   if (!options.write_run.second.empty()) {
     const auto& [number, path] = options.write_run;
-    const Scenario scenario = draw_scenario(options.scenario, number);
-    write_recording(scenario, path);
-    fmt::print("{} ({})\n", fmt::join(scenario.truth, " + "), scenario.description);
+    const BlindRecording blind = draw_blind_recording(options.blind, number);
+    write_recording(blind, path);
+    fmt::print("{} ({})\n", fmt::join(blind.truth, " + "), blind.description);
     return;
   }
   if (options.gain) {
@@ -215,18 +216,18 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
       "  zerorate-campaign --gain --document FILE.md          what the extended models are worth\n"
       "  zerorate-campaign --write-run 17 recording.csv       one recording, for a look");
   app.add_option("--runs", options.runs, "recordings; a round has 34")->capture_default_str();
-  app.add_option("--nats", options.scenario.nats,
+  app.add_option("--nats", options.blind.nats,
                  "loss of the best base model to each effect [nats]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--seed", options.scenario.seed, "seed of everything that is drawn")
+  app.add_option("--seed", options.blind.seed, "seed of everything that is drawn")
       ->capture_default_str();
-  app.add_option("--samples", options.scenario.samples, "samples of each recording")
+  app.add_option("--samples", options.blind.samples, "samples of each recording")
       ->check(CLI::Range(1000, 1'000'000))
       ->capture_default_str();
-  app.add_option("--rate-hz", options.scenario.rate_hz, "sample rate, in place of a drawn one")
+  app.add_option("--rate-hz", options.blind.rate_hz, "sample rate, in place of a drawn one")
       ->check(CLI::PositiveNumber);
-  app.add_option("--only", options.scenario.only, "hide this effect in every recording");
+  app.add_option("--only", options.blind.only, "hide this effect in every recording");
   app.add_option("--zerorate", options.zerorate, "the program that is tried")
       ->check(CLI::ExistingFile)
       ->capture_default_str();

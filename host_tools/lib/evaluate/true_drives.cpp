@@ -11,7 +11,7 @@ using units::seconds;
 
 std::size_t TrueDrives::scored() const {
   return static_cast<std::size_t>(std::ranges::count_if(
-      drives, [](const ScoredDrive& scored) { return scored.flaw == truth::Flaw::none; }));
+      drives, [](const ScoredTrueDrive& scored) { return scored.flaw == truth::Flaw::none; }));
 }
 
 TrueScore TrueDrives::score(app::Predictor predictor) const {
@@ -21,7 +21,7 @@ TrueScore TrueDrives::score(app::Predictor predictor) const {
   double sigmas = 0.0;
   double covered = 0.0;
   double covered_by_node = 0.0;
-  for (const ScoredDrive& scored : drives) {
+  for (const ScoredTrueDrive& scored : drives) {
     if (scored.flaw != truth::Flaw::none) continue;
     const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(predictor)];
     const double size = std::abs(outcome.drift_rad);
@@ -65,7 +65,7 @@ void TrueDriveScorer::open() {
 }
 
 /// The rate of a sample stands for the time since the one before, as far as it lies in the drive.
-void TrueDriveScorer::integrate(ScoredDrive& scored, std::int64_t time_ns, double rate_rad_s) {
+void TrueDriveScorer::integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s) {
   const truth::Drive& drive = scored.drive;
   const std::int64_t begin_ns = has_sample_ ? newest_ns_ : time_ns;
   const std::int64_t overlap_ns =
@@ -82,7 +82,7 @@ void TrueDriveScorer::integrate(ScoredDrive& scored, std::int64_t time_ns, doubl
 }
 
 /// Turns the integral along the drive into the error, for which the bias at departure is known now.
-void TrueDriveScorer::close(ScoredDrive& scored) {
+void TrueDriveScorer::close(ScoredTrueDrive& scored) {
   const truth::Drive& drive = scored.drive;
   const truth::Truth& truth = result_.truth;
   const double from_s = seconds(drive.from_ns);
@@ -96,8 +96,8 @@ void TrueDriveScorer::close(ScoredDrive& scored) {
   }
   const std::int64_t longest_ns = truth.heading_rad.longest_interval_ns();
   const auto start = truth.heading_rad.at(drive.from_ns, longest_ns);
-  std::vector<ScoredDrive::Point> along;
-  for (const ScoredDrive::Point& point : scored.along) {
+  std::vector<ScoredTrueDrive::Point> along;
+  for (const ScoredTrueDrive::Point& point : scored.along) {
     const auto time_ns = static_cast<std::int64_t>(std::llround(point.time_s * 1e9));
     const auto heading = truth.heading_rad.at(time_ns, longest_ns);
     if (scored.flaw != truth::Flaw::none || !start || !heading) continue;

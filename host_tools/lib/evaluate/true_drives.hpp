@@ -17,7 +17,7 @@
 namespace zerorate::evaluate {
 
 /// A true drive after the node.
-struct ScoredDrive {
+struct ScoredTrueDrive {
   truth::Drive drive;
   truth::Flaw flaw = truth::Flaw::none;  ///< flaw of the reference or of the replay; none: scored
   /// Drift by predictor. It counts like the heading: positive where the node's heading is ahead.
@@ -45,8 +45,8 @@ struct TrueScore {
 /// The scored drives of a replay.
 struct TrueDrives {
   truth::Truth truth;
-  app::Predictor published = app::Predictor::kalman;  ///< predictor of ScoredDrive::along
-  std::vector<ScoredDrive> drives;
+  app::Predictor published = app::Predictor::kalman;  ///< predictor of ScoredTrueDrive::along
+  std::vector<ScoredTrueDrive> drives;
 
   [[nodiscard]] std::size_t scored() const;
   [[nodiscard]] TrueScore score(app::Predictor predictor) const;
@@ -67,7 +67,7 @@ class TrueDriveScorer {
   template <class Node>
   void take(std::int64_t time_ns, double rate_rad_s, bool is_measured, const Node& node) {
     while (next_ < result_.drives.size()) {
-      ScoredDrive& scored = result_.drives[next_];
+      ScoredTrueDrive& scored = result_.drives[next_];
       if (time_ns < scored.drive.from_ns) break;
       if (!is_open_) open();
       integrate(scored, time_ns, rate_rad_s);
@@ -101,8 +101,8 @@ class TrueDriveScorer {
     }
   }
   void open();
-  void integrate(ScoredDrive& scored, std::int64_t time_ns, double rate_rad_s);
-  void close(ScoredDrive& scored);
+  void integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s);
+  void close(ScoredTrueDrive& scored);
 
   TrueDrives result_;
   core::Duration shift_;

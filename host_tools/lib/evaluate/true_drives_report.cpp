@@ -74,9 +74,9 @@ Chart error_chart(const TrueDrives& drives) {
               .x = {"Time", "s"},
               .y = {"Heading error", "deg"}};
   report::Series series{.name = "heading error", .colour = Colour::blue};
-  for (const ScoredDrive& scored : drives.drives) {
+  for (const ScoredTrueDrive& scored : drives.drives) {
     if (scored.along.empty()) continue;
-    for (const ScoredDrive::Point& point : scored.along) {
+    for (const ScoredTrueDrive::Point& point : scored.along) {
       series.x.push_back(point.time_s);
       series.y.push_back(point.error_rad * kDegPerRad);
     }
@@ -105,7 +105,7 @@ Chart end_chart(const TrueDrives& drives) {
     report::Series series{.name = std::string(name(predictor)),
                           .style = report::SeriesStyle::points,
                           .colour = kColours[p]};
-    for (const ScoredDrive& scored : drives.drives) {
+    for (const ScoredTrueDrive& scored : drives.drives) {
       if (scored.flaw != truth::Flaw::none) continue;
       series.x.push_back(seconds(scored.drive.departure_ns));
       series.y.push_back(scored.outcomes[p].drift_rad * kDegPerRad);
@@ -152,7 +152,7 @@ report::Table drive_table(const TrueDrives& drives) {
                                   {"Error", "deg", 3},
                                   {"Sigma", "deg", 3},
                                   {"Remark"}}};
-  for (const ScoredDrive& scored : drives.drives) {
+  for (const ScoredTrueDrive& scored : drives.drives) {
     const truth::Drive& drive = scored.drive;
     const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(drives.published)];
     const bool is_scored = scored.flaw == truth::Flaw::none;
@@ -238,7 +238,7 @@ Json score_json(const TrueScore& score) {
           {"sigma_over_rms", number(score.sigma_over_rms)}};
 }
 
-Json drive_json(const ScoredDrive& scored) {
+Json drive_json(const ScoredTrueDrive& scored) {
   Json json{{"from_s", seconds(scored.drive.from_ns)},
             {"departure_s", seconds(scored.drive.departure_ns)},
             {"to_s", seconds(scored.drive.to_ns)},
@@ -264,7 +264,7 @@ Json true_drives_json(const TrueDrives& drives, std::size_t axis_count) {
     stops.push_back({{"from_s", seconds(stop.from_ns)}, {"to_s", seconds(stop.to_ns)}});
   }
   Json list = Json::array();
-  for (const ScoredDrive& scored : drives.drives) list.push_back(drive_json(scored));
+  for (const ScoredTrueDrive& scored : drives.drives) list.push_back(drive_json(scored));
   Json predictors = Json::object();
   for (const app::Predictor predictor : kAllPredictors) {
     predictors[std::string(name(predictor))] = score_json(drives.score(predictor));

@@ -7,6 +7,7 @@
 #include "firmware/model/model_file.hpp"
 #include "host_tools/lib/identify/density.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
@@ -91,14 +92,14 @@ Chart allan_chart(const AxisCharacterization& axis) {
 }
 
 Chart density_chart(const AxisCharacterization& axis) {
-  constexpr double kNormal95 = 1.96;
   report::Series measured{.name = "recording, 95 % interval", .colour = Colour::blue};
   report::Series fitted{.name = "fitted model", .colour = Colour::ink, .dashed = true};
   for (const DensityBin& bin : axis.density) {
     const double root = std::sqrt(bin.density) * kDegPerRad;
     // A mean of p periodogram points is chi squared with 2p degrees of freedom; on the logarithm
     // of its root the standard error is 1 / (2 sqrt(p)).
-    const double spread = std::exp(0.5 * kNormal95 / std::sqrt(static_cast<double>(bin.points)));
+    const double spread =
+        std::exp(0.5 * statistics::kHalfWidth95 / std::sqrt(static_cast<double>(bin.points)));
     measured.x.push_back(bin.frequency_hz);
     measured.y.push_back(root);
     measured.lo.push_back(root / spread);

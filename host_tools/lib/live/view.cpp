@@ -4,6 +4,7 @@
 
 #include "core/base/numeric.hpp"
 #include "firmware/wire/health_bits.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 
 namespace zerorate::live {
 namespace {
@@ -24,9 +25,11 @@ Figures figures_of(const app::RateMessage& message, const app::AxisRate& axis, b
   return {
       .rate_dps = number(is_present && message.has_rate(), axis.corrected.in(core::deg_per_s), 5),
       .bias_dps = number(is_calibrated, axis.bias.in(core::deg_per_s), 5),
-      .interval_dph = is_calibrated && core::is_finite(sigma_dps)
-                          ? fmt::format("{:.2f}", sigma_dps * kHalfWidth95 * kPerHour)
-                          : "-"};
+      .interval_dph =
+          is_calibrated && core::is_finite(sigma_dps)
+              ? fmt::format("{:.2f}",
+                            sigma_dps * static_cast<float>(statistics::kHalfWidth95) * kPerHour)
+              : "-"};
 }
 
 std::string format_counters(const wire::Status& status) {

@@ -13,8 +13,6 @@ namespace zerorate::live {
 /// A message older than this is not shown as the present.
 inline constexpr std::chrono::milliseconds kStale{1000};
 
-inline constexpr float kHalfWidth95 = 1.959964F;  ///< in standard deviations
-
 /// Whether the newest message is current.
 [[nodiscard]] inline bool is_present(const Tally& tally, std::chrono::milliseconds silence) {
   return tally.newest && silence <= kStale;

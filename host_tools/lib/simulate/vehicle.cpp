@@ -40,9 +40,9 @@ struct Turn {
 };
 
 /// One drive: a trapezoid of speed, and turns while it lasts.
-class SimulatedDrive {
+class VehicleDrive {
  public:
-  SimulatedDrive(const VehicleParams& params, double start_s, double length_s, Draws& draws)
+  VehicleDrive(const VehicleParams& params, double start_s, double length_s, Draws& draws)
       : start_s_(start_s), length_s_(length_s) {
     cruise_ =
         std::min(params.cruise_speed_m_s * draws.uniform(0.6, 1.4), 0.5 * kAcceleration * length_s);
@@ -93,7 +93,7 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
       .sample_period_s = sample_period_s, .rate_rad_s = {}, .speed_m_s = {}, .odometer_pulses = {}};
   // A trip begins with some time at the kerb.
   double next_drive_s = params.mean_stop_s + draws.exponential(params.mean_stop_s);
-  SimulatedDrive drive(params, -1e9, 0.0, draws);
+  VehicleDrive drive(params, -1e9, 0.0, draws);
   double distance_m = 0.0;
   const auto samples = static_cast<std::size_t>(params.duration_s / sample_period_s);
   for (std::size_t k = 0; k < samples; ++k) {
@@ -101,7 +101,7 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
     if (t >= next_drive_s) {
       // Shorter than 10 s is no drive.
       const double length_s = 10.0 + draws.exponential(params.mean_drive_s - 10.0);
-      drive = SimulatedDrive(params, t, length_s, draws);
+      drive = VehicleDrive(params, t, length_s, draws);
       next_drive_s = t + length_s + 3.0 + draws.exponential(params.mean_stop_s);
     }
     distance_m += drive.speed(t) * sample_period_s;

@@ -13,14 +13,9 @@
 #include <vector>
 
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 
 namespace zerorate::statistics {
-
-/// Half the width of the customary 95 % interval, in standard deviations.
-inline constexpr double kHalfWidth95 = 1.96;
-/// Half the 95 % quantile of chi squared with one degree of freedom: how far the profile likelihood
-/// falls to the ends of a 95 % interval [nats].
-inline constexpr double kHalfChiSquared95 = 1.92;
 
 /// log P of a standard normal beyond |z|, both sides.
 [[nodiscard]] double log_normal_tails(double z);

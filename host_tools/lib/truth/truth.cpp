@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
@@ -129,20 +130,14 @@ class JumpFinder {
       at_ns.push_back(parted.time_ns(k));
     }
     if (steps.empty()) return;
-    const double bias = middle_of(steps);
+    const double bias = statistics::median_of(steps);
     std::vector<double> sizes;
     sizes.reserve(steps.size());
     for (const double step : steps) sizes.push_back(std::abs(step - bias));
-    const double least = std::max(kLeast_rad, 20.0 * middle_of(sizes));
+    const double least = std::max(kLeast_rad, 20.0 * statistics::median_of(sizes));
     for (std::size_t k = 0; k < steps.size(); ++k) {
       if (sizes[k] > least) jumps_ns_.push_back(at_ns[k]);
     }
-  }
-
-  static double middle_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
   }
 
   const Series& heading_;

@@ -38,10 +38,7 @@ class DeviceWorld {
   static constexpr int kDataReadyLine = 0;
   static constexpr int kOdometerLine = 1;
 
-  explicit DeviceWorld(std::unique_ptr<Wires> wires = std::make_unique<KernelWires>())
-      : wires_(std::move(wires)), server_([this] { serve(); }) {
-    server_.detach();
-  }
+  DeviceWorld() : server_([this] { serve(); }) { server_.detach(); }
 
   /// Another chip in the place of the one before.
   void insert(std::unique_ptr<PlayedChip> chip) {
@@ -58,8 +55,8 @@ class DeviceWorld {
   /// One pulse; when its rising edge was given.
   core::Instant pulse() {
     const core::Instant at = hal::linux_os::KernelClock::now();
-    wires_->drive(kOdometerLine, true);
-    wires_->drive(kOdometerLine, false);
+    wires_.drive(kOdometerLine, true);
+    wires_.drive(kOdometerLine, false);
     return at;
   }
   [[nodiscard]] std::size_t reserved_writes() {
@@ -79,14 +76,14 @@ class DeviceWorld {
 
   void show_data_ready() {
     if (is_data_ready_broken_) return;
-    if (chip_->take_edge()) wires_->drive(kDataReadyLine, true);
-    wires_->drive(kDataReadyLine, chip_->is_data_ready());
+    if (chip_->take_edge()) wires_.drive(kDataReadyLine, true);
+    wires_.drive(kDataReadyLine, chip_->is_data_ready());
   }
 
   void serve() {
     std::array<std::uint8_t, sizeof(Request) + ZERORATE_BUS_BYTES> in{};
     for (;;) {
-      if (!wires_->next(in)) continue;
+      if (!wires_.next(in)) continue;
       Request request{};
       std::memcpy(&request, in.data(), sizeof request);
       answer(request, std::span{in}.subspan(sizeof request));
@@ -110,7 +107,7 @@ class DeviceWorld {
     std::vector<std::uint8_t> out(sizeof head + size);
     std::memcpy(out.data(), &head, sizeof head);
     std::ranges::copy(bytes.first(size), out.begin() + sizeof head);
-    wires_->answer(out);
+    wires_.answer(out);
   }
 
   /// @return 0 or a negative error number
@@ -141,7 +138,7 @@ class DeviceWorld {
     return hal::Operation::exchange(bytes, bytes);
   }
 
-  std::unique_ptr<Wires> wires_;
+  Wires wires_;
   std::mutex mutex_;
   std::unique_ptr<PlayedChip> chip_ = on_spi<hal::sim::SimulatedLsm6dso>();
   std::atomic<BusFault> fault_ = BusFault::none;

@@ -27,32 +27,20 @@ inline int open_device(const char* path, int flags) {
   return descriptor;
 }
 
-/// Transactions come one after the other: each is answered, or not at all, before the next.
+/// The modules in kernel/. Transactions come one after the other: each is answered, or not at all,
+/// before the next.
 class Wires {
  public:
-  Wires() = default;
-  Wires(const Wires&) = delete;
-  Wires& operator=(const Wires&) = delete;
-  virtual ~Wires() = default;
-
   /// Waits for a zerorate_bus_transaction and the bytes behind it.
   /// @return false: it was too late for this one
-  virtual bool next(std::span<std::uint8_t> transaction) = 0;
-  /// A zerorate_bus_answer and the bytes behind it.
-  virtual void answer(std::span<const std::uint8_t> answer) = 0;
-  virtual void drive(int line, bool high) = 0;
-};
-
-/// Through the modules in kernel/.
-class KernelWires final : public Wires {
- public:
-  bool next(std::span<std::uint8_t> transaction) override {
+  bool next(std::span<std::uint8_t> transaction) {
     return read(bus_, transaction.data(), transaction.size()) >= 0;
   }
-  void answer(std::span<const std::uint8_t> answer) override {
+  /// Sends a zerorate_bus_answer and the bytes behind it.
+  void answer(std::span<const std::uint8_t> answer) {
     (void)!write(bus_, answer.data(), answer.size());
   }
-  void drive(int line, bool high) override {
+  void drive(int line, bool high) {
     const std::string text = std::to_string(line) + (high ? " 1" : " 0");
     if (write(lines_, text.data(), text.size()) < 0) give_up("zerorate_lines");
   }

@@ -147,20 +147,6 @@ TEST(WindowPredictorsGivenNonsense, RefuseItAndStayAsTheyWere) {
   EXPECT_EQ(std::memcmp(&average_before, &average.state(), sizeof average_before), 0);
 }
 
-TEST(CalibrationMeanOverTenMillionTicks, LosesNothingToRounding) {
-  const auto modes = mixed_modes(Start::stationary);
-  CalibrationMean mean{modes};
-  double sum = 0.0;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<float> uniform(0.2F, 0.3F);
-  for (int k = 0; k < 10'000'000; ++k) {
-    const float rate = uniform(random);
-    sum += double{rate};
-    mean.observe(rate, 1.0F);
-  }
-  EXPECT_NEAR(double{mean.bias_rad_s(modes.over(1))}, sum / 1e7, 1e-7);
-}
-
 /// Noise with a slow part, so that a block's two parts differ.
 std::vector<float> wandering_rates(std::size_t n) {
   std::mt19937 random(42);
@@ -212,15 +198,6 @@ TEST(SuffixSums, StayWithinTheStatedDeviationOfTheExactMean) {
     return true;
   });
   EXPECT_EQ(newer, rates.size());
-}
-
-TEST(SuffixSumsOfAHundredMillion, CountEveryMeasurement) {
-  SuffixSums<> sums;
-  constexpr std::uint32_t kMany = 110'000'000;  // more than the rings hold: the oldest swallows
-  for (std::uint32_t k = 0; k < kMany; ++k) sums.push(1.0F);
-  EXPECT_EQ(sums.count(), kMany);
-  EXPECT_FLOAT_EQ(sums.sum_of_newest(kMany), 1.1e8F);
-  EXPECT_FLOAT_EQ(sums.sum_of_newest(kMany / 3), static_cast<float>(kMany / 3));
 }
 
 }  // namespace

@@ -135,7 +135,9 @@ TEST(GyroNodeThatLearnsAtALowRate, CompletesEachTickBeforeTheNext) {
     const std::uint32_t tick = node.tick();
     const bool had_work = node.has_work();
     (void)node.step(testing::noisy_sample(at, 0.01F));
-    if (k > 100 && node.tick() != tick) EXPECT_FALSE(had_work) << k;
+    if (k > 100 && node.tick() != tick) {
+      EXPECT_FALSE(had_work) << k;
+    }
   }
   EXPECT_GT(node.measured_ticks(), 140U);
 }

@@ -30,10 +30,10 @@ TEST(LearntModelInUnits, HasIntervalsByHand) {
       .stops = 3.5F};
   const LearntModel model = learnt_model(noise);
   EXPECT_NEAR(model.order.value, 0.6, 1e-6);
-  EXPECT_NEAR(model.order.lo, 0.6 - 0.196, 1e-6);
-  EXPECT_NEAR(model.order.hi, 0.6 + 0.196, 1e-6);
+  EXPECT_NEAR(model.order.lo, 0.6 - 0.1959964, 1e-6);
+  EXPECT_NEAR(model.order.hi, 0.6 + 0.1959964, 1e-6);
   EXPECT_NEAR(model.bias_instability_dph.value, 10.0, 1e-5);
-  const double factor = std::exp(1.96 * std::sqrt(std::numbers::ln2));
+  const double factor = std::exp(1.959964 * std::sqrt(std::numbers::ln2));
   EXPECT_NEAR(model.bias_instability_dph.lo, 10.0 / std::numbers::sqrt2 / factor, 1e-4);
   EXPECT_NEAR(model.bias_instability_dph.hi, 10.0 / std::numbers::sqrt2 * factor, 1e-4);
   EXPECT_NEAR(model.angle_random_walk_dps_per_sqrt_hz.value, 1.0, 1e-6);

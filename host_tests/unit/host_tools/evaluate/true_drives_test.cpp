@@ -111,7 +111,7 @@ TEST(DrivesAgainstAReference, HaveTheFiguresOfTheirErrors) {
   double squares = 0.0;
   double worst = 0.0;
   std::size_t below_median = 0;
-  for (const ScoredDrive& scored : drives.drives) {
+  for (const ScoredTrueDrive& scored : drives.drives) {
     const double error = scored.outcomes[0].drift_rad;
     squares += error * error / 9.0;
     worst = std::max(worst, std::abs(error));

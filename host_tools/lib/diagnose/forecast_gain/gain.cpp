@@ -9,6 +9,7 @@
 #include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -64,7 +65,7 @@ double ie_deviation(const std::vector<ScoredDrive>& drives,
 double coverage95(const std::vector<ScoredDrive>& drives, const std::vector<std::size_t>& indices) {
   double covered = 0.0;
   for (const std::size_t i : indices) {
-    if (std::abs(drives[i].integrated_rad) <= 1.96 * drives[i].sigma_rad) covered += 1.0;
+    if (std::abs(drives[i].integrated_rad) <= statistics::kHalfWidth95 * drives[i].sigma_rad) covered += 1.0;
   }
   return covered / static_cast<double>(indices.size());
 }

@@ -20,6 +20,7 @@
 #include "firmware/wire/health_bits.hpp"
 #include "host_tools/lib/live/view.hpp"
 #include "host_tools/lib/report/web_assets.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 
 namespace zerorate::live {
 namespace {
@@ -112,7 +113,9 @@ json now_json(const Tally& tally, const std::string& source, std::chrono::millis
     now["axes"].push_back(
         {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
          {"bias_dps", number(is_calibrated, axis.bias, core::deg_per_s)},
-         {"half95_dps", number(is_calibrated, axis.sigma * kHalfWidth95, core::deg_per_s)}});
+         {"half95_dps",
+          number(is_calibrated, axis.sigma * static_cast<float>(statistics::kHalfWidth95),
+                 core::deg_per_s)}});
   }
   now["learnt"] =
       tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);

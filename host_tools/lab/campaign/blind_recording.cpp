@@ -1,4 +1,4 @@
-#include "host_tools/lab/campaign/scenario.hpp"
+#include "host_tools/lab/campaign/blind_recording.hpp"
 
 #include <fmt/format.h>
 
@@ -55,7 +55,7 @@ std::optional<std::vector<HiddenEffect>> hide(const std::vector<EffectEntry>& en
   return std::nullopt;
 }
 
-std::vector<EffectEntry> choose(Kind kind, const ScenarioOptions& options, std::size_t run,
+std::vector<EffectEntry> choose(Kind kind, const BlindOptions& options, std::size_t run,
                                 Draws& draws) {
   const auto known = sizing::catalogue();
   const auto unknown = outside_catalogue();
@@ -106,8 +106,8 @@ simulate::Signal compose(const RecordingSetting& setting, std::vector<HiddenEffe
   return signal;
 }
 
-std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t run,
-                                     const random::RandomStream& stream) {
+std::optional<BlindRecording> try_blind_recording(const BlindOptions& options, std::size_t run,
+                                                  const random::RandomStream& stream) {
   RecordingSetting setting = sizing::draw_setting(options.samples, options.rate_hz, stream);
   setting.finest_step_share = options.finest_step_share;
   Draws draws{stream.substream("effects")};
@@ -115,18 +115,18 @@ std::optional<Scenario> try_scenario(const ScenarioOptions& options, std::size_t
   const double nats = options.nats * (kind == Kind::outside ? options.outside_factor : 1.0);
   const auto effects = hide(choose(kind, options, run, draws), setting, nats, draws);
   if (!effects) return std::nullopt;
-  Scenario scenario{.kind = kind,
-                    .description = describe(setting, *effects),
-                    .with_temperature = draws.with_probability(0.5),
-                    .signal = compose(setting, *effects)};
-  const auto [least, most] = std::ranges::minmax(scenario.signal.rate_rad_s);
+  BlindRecording blind{.kind = kind,
+                       .description = describe(setting, *effects),
+                       .with_temperature = draws.with_probability(0.5),
+                       .signal = compose(setting, *effects)};
+  const auto [least, most] = std::ranges::minmax(blind.signal.rate_rad_s);
   if (!(least < most)) return std::nullopt;  // a coarse quantizer has left one level
   for (const HiddenEffect& effect : *effects) {
-    scenario.truth.push_back(effect.name);
-    scenario.figures[effect.name] = effect.figures;
-    scenario.with_temperature |= effect.name.starts_with("temperature");
+    blind.truth.push_back(effect.name);
+    blind.figures[effect.name] = effect.figures;
+    blind.with_temperature |= effect.name.starts_with("temperature");
   }
-  return scenario;
+  return blind;
 }
 
 }  // namespace
@@ -143,21 +143,22 @@ Kind kind_of_run(std::size_t run) {
   return place < Round::kRuns - Round::kOutside ? Kind::pair : Kind::outside;
 }
 
-Scenario draw_scenario(const ScenarioOptions& options, std::size_t run) {
+BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run) {
   const auto stream = random::RandomStream(options.seed).substream(run);
   // Some base noise hides an effect whatever its size: then another is drawn.
   constexpr std::size_t kMostTries = 20;
   for (std::size_t attempt = 0; attempt < kMostTries; ++attempt) {
-    auto scenario = try_scenario(options, run, attempt == 0 ? stream : stream.substream(attempt));
-    if (scenario) return *std::move(scenario);
+    auto blind =
+        try_blind_recording(options, run, attempt == 0 ? stream : stream.substream(attempt));
+    if (blind) return *std::move(blind);
   }
   throw std::runtime_error(
       fmt::format("run {}: no effect could be made to cost {} nats", run, options.nats));
 }
 
-void write_recording(const Scenario& scenario, const std::filesystem::path& path) {
-  const simulate::Signal& signal = scenario.signal;
-  recording::Writer writer{path, {.axis_count = 1, .temperature = scenario.with_temperature}};
+void write_recording(const BlindRecording& blind, const std::filesystem::path& path) {
+  const simulate::Signal& signal = blind.signal;
+  recording::Writer writer{path, {.axis_count = 1, .temperature = blind.with_temperature}};
   for (std::size_t k = 0; k < signal.size(); ++k) {
     if (signal.missing[k]) continue;
     writer.write({.time_ns = std::llround(signal.time_s(k) * 1e9),

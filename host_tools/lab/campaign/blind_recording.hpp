@@ -18,7 +18,7 @@ namespace zerorate::campaign {
 enum class Kind : std::uint8_t { clean, single, pair, outside };
 [[nodiscard]] std::string_view name(Kind kind);
 
-struct Scenario {
+struct BlindRecording {
   Kind kind = Kind::clean;
   std::vector<std::string> truth;  ///< names of what is hidden, none if clean
   std::map<std::string, std::map<std::string, double>> figures;  ///< effect, figure
@@ -27,7 +27,7 @@ struct Scenario {
   simulate::Signal signal;
 };
 
-struct ScenarioOptions {
+struct BlindOptions {
   std::uint64_t seed = 1;
   std::size_t samples = 20'000;
   double rate_hz = 0.0;  ///< rate of the samples; 0: drawn for each recording
@@ -53,9 +53,9 @@ struct Round {
 [[nodiscard]] Kind kind_of_run(std::size_t run);
 
 /// A pure function of the options and the number of the run.
-[[nodiscard]] Scenario draw_scenario(const ScenarioOptions& options, std::size_t run);
+[[nodiscard]] BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run);
 
-/// Time and rate, and temperature if the scenario has it; nothing else.
-void write_recording(const Scenario& scenario, const std::filesystem::path& path);
+/// Time and rate, and temperature if the recording has it; nothing else.
+void write_recording(const BlindRecording& blind, const std::filesystem::path& path);
 
 }  // namespace zerorate::campaign
