@@ -73,10 +73,7 @@ bool Recorder::follow_number(const wire::NumberedMessage& numbered) {
     ++counts_.out_of_order;
     return false;
   }
-  if (step > 0 && has_jumped(*before, numbered)) {
-    ++counts_.restarts;
-    is_anchored_ = false;
-  } else if (step > 0) {
+  if (step > 0 && !has_jumped(*before, numbered)) {
     counts_.lost += static_cast<std::uint64_t>(step) - 1;
   } else if (step > -kOvertaken && numbered.message.time <= before->message.time) {
     newest_ = before;
