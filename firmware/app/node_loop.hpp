@@ -77,9 +77,7 @@ class NodeLoop {
     take_pulses(now);
     polled_at_ = now;
     if (running_) {
-      if (edge || now >= next_edge_by_) take_samples(now, edge);
-      if (running_) watch_for_samples(now);
-      if (running_ && now >= verify_at_) verify(now);
+      run(now, edge);
     } else if (now >= retry_at_) {
       if (has_run_) look_for_lost_power(now);
       if (!has_run_ && now >= retry_at_) start(now);
@@ -99,6 +97,12 @@ class NodeLoop {
   static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
   static constexpr core::Duration kFarStamp = core::Duration::seconds(1);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
+
+  constexpr void run(core::Instant now, std::optional<core::Instant> edge) {
+    if (edge || now >= next_edge_by_) take_samples(now, edge);
+    if (running_) watch_for_samples(now);
+    if (running_ && now >= verify_at_) verify(now);
+  }
 
   constexpr void take_pulses(core::Instant now) {
     std::array<core::Instant, Batch> stamps{};

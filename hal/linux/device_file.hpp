@@ -84,7 +84,8 @@ class DeviceFile {
 
   /// Sets what not every driver lets set.
   void set(unsigned long request, unsigned long value) {
-    (void)system_.ioctl(descriptor_, request, reinterpret_cast<void*>(value));  // as ioctl() is
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): ioctl() takes numbers and pointers alike
+    (void)system_.ioctl(descriptor_, request, reinterpret_cast<void*>(value));
   }
 
   /// Answer of the driver. A device that is gone is closed.

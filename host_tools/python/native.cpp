@@ -73,6 +73,9 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t one : axes) records.push_back(diagnose::record_of(samples, one));
+  if (!(holdout > 0.0 && holdout < 1.0)) {
+    throw std::invalid_argument("holdout: expected a share above 0 and below 1");
+  }
   diagnose::DiagnoseOptions options{.recording = name, .holdout = holdout};
   if (model) options.base_model = model_of(*model);
   options.on_left_out = [&](const std::string& which, const std::string& reason) {
@@ -106,6 +109,12 @@ std::string evaluate_recording(const Source& source, const std::string& axis,
 py::tuple allan_deviation(const Array<double>& rate, double sample_period_s,
                           double points_per_decade) {
   if (rate.ndim() != 1) throw std::invalid_argument("expected the rates of one axis");
+  if (!(sample_period_s > 0.0 && sample_period_s <= 1e6)) {
+    throw std::invalid_argument("sample_period_s: expected seconds, above 0 and at most 1e6");
+  }
+  if (!(points_per_decade >= 1.0 && points_per_decade <= 1000.0)) {
+    throw std::invalid_argument("points_per_decade: expected a number from 1 to 1000");
+  }
   const std::span<const double> values{rate.data(), static_cast<std::size_t>(rate.size())};
   std::vector<identify::AllanPoint> points;
   {

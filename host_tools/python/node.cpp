@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -31,6 +32,9 @@ struct Messages {
   py::array_t<bool> calibrated;
   py::array_t<bool> has_rate;
   py::array_t<bool> model_inconsistent;
+  py::array_t<bool> saturated;
+  py::array_t<bool> temperature_missing;
+  py::array_t<bool> odometer_disagreement;
 
   Messages(py::ssize_t rows, py::ssize_t axes)
       : corrected({rows, axes}),
@@ -39,7 +43,10 @@ struct Messages {
         still(rows),
         calibrated(rows),
         has_rate(rows),
-        model_inconsistent(rows) {}
+        model_inconsistent(rows),
+        saturated(rows),
+        temperature_missing(rows),
+        odometer_disagreement(rows) {}
 
   [[nodiscard]] py::dict by_name() const {
     py::dict names;
@@ -50,6 +57,9 @@ struct Messages {
     names["calibrated"] = calibrated;
     names["has_rate"] = has_rate;
     names["model_inconsistent"] = model_inconsistent;
+    names["saturated"] = saturated;
+    names["temperature_missing"] = temperature_missing;
+    names["odometer_disagreement"] = odometer_disagreement;
     return names;
   }
 };
@@ -64,6 +74,9 @@ struct MessagePlaces {
   bool* calibrated;
   bool* has_rate;
   bool* model_inconsistent;
+  bool* saturated;
+  bool* temperature_missing;
+  bool* odometer_disagreement;
 
   explicit MessagePlaces(Messages& messages)
       : axes(static_cast<std::size_t>(messages.corrected.shape(1))),
@@ -73,7 +86,10 @@ struct MessagePlaces {
         still(messages.still.mutable_data()),
         calibrated(messages.calibrated.mutable_data()),
         has_rate(messages.has_rate.mutable_data()),
-        model_inconsistent(messages.model_inconsistent.mutable_data()) {}
+        model_inconsistent(messages.model_inconsistent.mutable_data()),
+        saturated(messages.saturated.mutable_data()),
+        temperature_missing(messages.temperature_missing.mutable_data()),
+        odometer_disagreement(messages.odometer_disagreement.mutable_data()) {}
 
   void put(std::size_t row, const app::RateMessage& message) const {
     for (std::size_t i = 0; i < axes; ++i) {
@@ -86,6 +102,9 @@ struct MessagePlaces {
     calibrated[row] = message.health.calibrated;
     has_rate[row] = message.has_rate();
     model_inconsistent[row] = message.health.model_inconsistent;
+    saturated[row] = message.health.saturated;
+    temperature_missing[row] = message.health.temperature_missing;
+    odometer_disagreement[row] = message.health.odometer_disagreement;
   }
 };
 
@@ -134,6 +153,7 @@ class Node {
     {
       const MessagePlaces places{messages};
       const py::gil_scoped_release release;
+      const std::scoped_lock lock{*one_at_a_time_};  // other threads of Python run meanwhile
       node_->run(rows, places);
     }
     return messages.by_name();
@@ -174,6 +194,7 @@ class Node {
   std::optional<double> sample_period_s_;
   recording::Columns columns_;
   std::unique_ptr<AnyNode> node_;
+  std::unique_ptr<std::mutex> one_at_a_time_ = std::make_unique<std::mutex>();
 };
 
 core::Duration seconds(double value, const char* name) {

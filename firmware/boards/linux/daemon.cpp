@@ -176,13 +176,13 @@ class Daemon {
     return signal;
   }
   /// Ends the measuring.
-  /// @return what the nodes know
-  Memory finish() {
+  void finish() {
+    for (const auto& run : runs_) run->finish();
+  }
+  /// Knowledge of the nodes, after finish().
+  [[nodiscard]] Memory memory() const {
     Memory memory;
-    for (const auto& run : runs_) {
-      run->finish();
-      memory[run->name()] = run->learnt();
-    }
+    for (const auto& run : runs_) memory[run->name()] = run->learnt();
     return memory;
   }
 
@@ -244,8 +244,8 @@ void leave_out_what_has_gone(Configuration& configuration) {
   }
 }
 
-/// Run with the files as they are now. Wrong files leave the present run as it is; files that cannot
-/// be followed lead to a new run of the configuration before.
+/// Run with the files as they are now. Wrong files leave the present run as it is; files that
+/// cannot be followed lead to a new run of the configuration before.
 void reload(const std::vector<std::string>& files, const Descriptor& signals,
             std::vector<Configuration>& configurations, std::optional<Daemon>& daemon) {
   std::vector<Configuration> changed;
@@ -254,7 +254,8 @@ void reload(const std::vector<std::string>& files, const Descriptor& signals,
   } catch (const std::exception& error) {
     return log_to_journal(fmt::format("not reloaded: {}", error.what()));
   }
-  const Memory memory = daemon->finish();
+  daemon->finish();
+  const Memory memory = daemon->memory();
   daemon.reset();  // what it holds may be asked for again
   try {
     daemon.emplace(changed, signals, memory);
@@ -285,7 +286,7 @@ void run_daemon(const std::vector<std::string>& configuration_files) {
     reload(configuration_files, signals, configurations, daemon);
     notify_service_manager("READY=1");
   }
-  (void)daemon->finish();
+  daemon->finish();
   notify_service_manager("STOPPING=1");
 }
 

@@ -16,6 +16,7 @@
 #include "firmware/app/snapshot.hpp"
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
+#include "firmware/boards/linux/log_words.hpp"
 #include "firmware/boards/linux/message_queue.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/log.hpp"
@@ -55,7 +56,7 @@ class NodeService {
   /// Takes up the saved state, if there is one that fits. Before measure().
   /// @return whether it did
   bool restore();
-  /// The same from a record of a node in this process.
+  /// Takes up the record of a node in this process.
   bool restore(std::span<const std::uint8_t> record);
 
   /// The measuring thread: sleeps until there is something to do, and does it.
@@ -149,18 +150,5 @@ class NodeService {
 
 /// Tells gyros apart that a configuration may name one after the other.
 [[nodiscard]] std::uint32_t sensor_id(const GyroSettings& gyro);
-
-using LogBuffer = std::array<char, 512>;
-
-/// An error of the gyro for the log, with place, reason and cure: "/dev/i2c-1: Permission denied
-/// (is the user in the device's group, i2c or spi?)".
-[[nodiscard]] std::string_view describe(const GyroSettings& gyro, const drivers::DriverError& error,
-                                        const GyroReason& reason, LogBuffer& buffer);
-
-/// "odometer /dev/gpiochip0 line 24"
-[[nodiscard]] std::string name_of_odometer(const Configuration& configuration);
-
-/// The node as it was configured, in one line for the log.
-[[nodiscard]] std::string describe(const Configuration& configuration);
 
 }  // namespace zerorate::linux_node

@@ -12,6 +12,9 @@
 #include <system_error>
 #include <utility>
 
+#include "host_tools/lib/fleet/left_files.hpp"
+#include "host_tools/lib/output/output_file.hpp"
+
 namespace zerorate::fleet {
 namespace {
 
@@ -356,10 +359,10 @@ void merge(const std::vector<std::filesystem::path>& shards, const std::filesyst
     }
   };
   clean();
+  remove_of_dead_processes(out);
   try {
     {
       Database joined{work, Database::Access::write};
-      joined.execute("PRAGMA synchronous = OFF");  // it is thrown away if anything happens
       for (const fs::path& source : sources) {
         static_cast<void>(Database{source, Database::Access::read});  // its engine, or a message
         Statement{joined.handle_.get(), joined.path_, "ATTACH ?1 AS shard"}
@@ -380,7 +383,7 @@ void merge(const std::vector<std::filesystem::path>& shards, const std::filesyst
           "recording WHERE hash NOT LIKE 'missing:%')");
       Statement{joined.handle_.get(), joined.path_, "VACUUM INTO ?1"}.bind(partial.string()).step();
     }
-    fs::rename(partial, out);
+    output::replace_file(partial, out);
   } catch (...) {
     clean();
     throw;

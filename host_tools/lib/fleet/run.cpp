@@ -134,11 +134,22 @@ class List {
 
 std::vector<Entry> search(const fs::path& folder) {
   std::vector<Entry> entries;
-  for (const auto& file : fs::recursive_directory_iterator(folder)) {
-    if (!file.is_regular_file() || !is_recording(file.path())) continue;
-    const std::string name = file.path().lexically_relative(folder).string();
-    entries.push_back(
-        {.path = file.path(), .name = name, .sensor = without_extensions(name), .lot = {}});
+  const auto add = [&](const fs::path& path) {
+    const std::string name = path.lexically_relative(folder).string();
+    entries.push_back({.path = path, .name = name, .sensor = without_extensions(name), .lot = {}});
+  };
+  for (auto file = fs::recursive_directory_iterator(folder);
+       file != fs::recursive_directory_iterator(); ++file) {
+    std::error_code unreadable;
+    if (file->is_directory(unreadable)) {
+      // Stands among the recordings, so that the run says what was not seen.
+      (void)fs::directory_iterator(file->path(), unreadable);
+      if (!unreadable) continue;
+      file.disable_recursion_pending();
+      add(file->path());
+    } else if (file->is_regular_file(unreadable) && is_recording(file->path())) {
+      add(file->path());
+    }
   }
   return entries;
 }
@@ -205,7 +216,7 @@ class Run {
   void take(StoredRecording& one) {
     if (one.problem.empty()) {
       try {
-        one.result = analyse(one.entry.path);
+        analyse_again_if_away(one);
       } catch (const recording::DataError& error) {
         one.problem = error.what();
       } catch (const std::system_error& error) {
@@ -219,6 +230,21 @@ class Run {
     one.result = {};  // stored, so that memory does not grow
     ++summary_.analysed;
     report_progress();
+  }
+
+  /// Analyses a recording again that seems to be wrong, with its content still there: a share that
+  /// drops out for a moment would make it bad for ever, because results are kept by content. Throws
+  /// std::system_error where the content is another.
+  static void analyse_again_if_away(StoredRecording& one) {
+    try {
+      one.result = analyse(one.entry.path);
+    } catch (const recording::DataError&) {
+      if (content_hash(one.entry.path) != one.hash) {
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again),
+                                one.entry.path.string() + ": changed while it was read");
+      }
+      one.result = analyse(one.entry.path);
+    }
   }
 
   void report_progress() const {

@@ -157,7 +157,8 @@ std::string to_json(const Characterization& result) {
             {"axes", Json::object()}};
   for (const AxisCharacterization& axis : result.axes) json["axes"][axis.axis] = axis_json(axis);
   if (!result.sameness.empty()) json["one_parameter_set"] = sameness_json(result);
-  return json.dump(2) + "\n";
+  // A name may be no UTF-8: what is none is replaced.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string kalibr_yaml(const Characterization& result) {

@@ -67,7 +67,13 @@ bool Recorder::follow_number(const wire::NumberedMessage& numbered) {
   const std::optional<wire::NumberedMessage> before = std::exchange(newest_, numbered);
   if (!before) return true;
   const auto step = static_cast<std::int32_t>(numbered.sequence - before->sequence);
-  if (step > 0) {
+  if (step > 0 && has_jumped(*before, numbered) && !is_borne_out(numbered)) {
+    newest_ = before;
+    doubted_ = numbered;
+    ++counts_.out_of_order;
+    return false;
+  }
+  if (step > 0 && !has_jumped(*before, numbered)) {
     counts_.lost += static_cast<std::uint64_t>(step) - 1;
   } else if (step > -kOvertaken && numbered.message.time <= before->message.time) {
     newest_ = before;
@@ -78,6 +84,21 @@ bool Recorder::follow_number(const wire::NumberedMessage& numbered) {
     is_anchored_ = false;
   }
   return true;
+}
+
+/// A node sends four messages a second and more: one whose time runs further ahead than its number
+/// is damaged, or the clock has changed.
+bool Recorder::has_jumped(const wire::NumberedMessage& before,
+                          const wire::NumberedMessage& numbered) {
+  const std::int64_t step = numbered.sequence - before.sequence;
+  const core::Duration longest = core::Duration::seconds(10) + core::Duration::seconds(1) * step;
+  return numbered.message.time - before.message.time > longest;
+}
+
+/// Whether the message before jumped to the same time.
+bool Recorder::is_borne_out(const wire::NumberedMessage& numbered) const {
+  return doubted_ && static_cast<std::int32_t>(numbered.sequence - doubted_->sequence) > 0 &&
+         numbered.message.time > doubted_->message.time && !has_jumped(*doubted_, numbered);
 }
 
 void Recorder::anchor(core::Instant time, std::int64_t utc_ns) {

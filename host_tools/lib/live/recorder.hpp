@@ -64,6 +64,9 @@ class Recorder {
   }
 
  private:
+  static bool has_jumped(const wire::NumberedMessage& before,
+                         const wire::NumberedMessage& numbered);
+  [[nodiscard]] bool is_borne_out(const wire::NumberedMessage& numbered) const;
   [[nodiscard]] bool follow_number(const wire::NumberedMessage& numbered);
   void anchor(core::Instant time, std::int64_t utc_ns);
   void count_pulses(const app::RateMessage& message);
@@ -79,6 +82,7 @@ class Recorder {
   bool has_pulses_ = false;
 
   std::optional<wire::NumberedMessage> newest_;
+  std::optional<wire::NumberedMessage> doubted_;  ///< newest one whose time jumped
   bool is_anchored_ = false;
   std::int64_t offset_ns_ = 0;  ///< from the node's clock to the row's
   std::optional<std::int64_t> last_time_ns_;

@@ -45,12 +45,16 @@ class DatagramSource : public Source {
   using Source::Source;
 
   bool receive(Tally& tally) override {
+    // Not all that is there: under a flood there is always more, and the caller has other things to
+    // do, such as to write what came and to end.
+    constexpr int kMostDatagrams = 1024;
     std::array<std::uint8_t, 256> bytes{};
-    for (;;) {
+    for (int i = 0; i < kMostDatagrams; ++i) {
       const ssize_t size = recv(descriptor(), bytes.data(), bytes.size(), 0);
-      if (size < 0) return true;  // nothing more for now
+      if (size < 0) break;  // nothing more for now
       take_frame(std::span{bytes}.first(static_cast<std::size_t>(size)), tally);
     }
+    return true;
   }
 };
 

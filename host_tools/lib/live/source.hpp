@@ -25,7 +25,7 @@ class Source {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Becomes readable when there is something to receive.
   [[nodiscard]] virtual int descriptor() const = 0;
-  /// Takes what is there.
+  /// Takes some of what is there.
   /// @return false at the end: of the file, of the pipe, of a serial adapter that was unplugged
   virtual bool receive(Tally& tally) = 0;
 

@@ -89,8 +89,29 @@ void OutputFile::finish() {
   descriptor_ = -1;
   if (closed != 0) fail();
   if (partial_.empty()) return;
-  if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail();
+  replace_file(partial_, path_);
   forget_partial();
+}
+
+namespace {
+
+void sync(const std::filesystem::path& path, int flags) {
+  const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
+  const bool is_synced = descriptor >= 0 && (::fsync(descriptor) == 0 || errno == EINVAL);
+  const int reason = errno;
+  if (descriptor >= 0) (void)::close(descriptor);
+  if (is_synced) return;
+  throw std::system_error(reason, std::generic_category(), "cannot write " + path.string());
+}
+
+}  // namespace
+
+void replace_file(const std::filesystem::path& written, const std::filesystem::path& name) {
+  sync(written, O_RDONLY);
+  if (std::rename(written.c_str(), name.c_str()) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot write " + name.string());
+  }
+  sync(std::filesystem::absolute(name).parent_path(), O_RDONLY | O_DIRECTORY);
 }
 
 void OutputFile::close_descriptor() {

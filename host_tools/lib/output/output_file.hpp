@@ -45,6 +45,11 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
+/// Gives a file that was written another name, so that after a power cut the name has the old
+/// content or all of the new one: the content is on the disk before the name is, and both are at
+/// the end. Throws std::system_error.
+void replace_file(const std::filesystem::path& written, const std::filesystem::path& name);
+
 /// Writes a whole text with OutputFile.
 void write_file(const std::filesystem::path& path, std::string_view text);
 

@@ -41,6 +41,16 @@ class Database {
     const int fault = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY, nullptr);
     handle_.reset(opened);
     if (fault != SQLITE_OK) throw unreadable();
+    // A view of that name may compute for ever.
+    constexpr const char* kTables =
+        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('messages', "
+        "'topics')";
+    if (number(kTables) != 2) {
+      throw Error{{file_.string()},
+                  "no tables messages and topics",
+                  "a bag of ROS 2 (rosbag2_storage_sqlite3)",
+                  "See whether ros2 bag info reads it."};
+    }
   }
 
   [[nodiscard]] Statement prepare(const char* sql, std::initializer_list<const char*> texts = {}) {

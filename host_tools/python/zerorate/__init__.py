@@ -110,6 +110,8 @@ class Node:
     def replay(self, time_ns: np.ndarray, rate_rad_s: np.ndarray, *, temperature_degc: Optional[np.ndarray] = None,
                still: Optional[np.ndarray] = None, odometer_pulses: Optional[np.ndarray] = None) -> Corrected:
         """Takes n samples: times, n by 3 rates (n by 1 of a single axis) and what decides about rest, one element a sample."""
+        if np.asarray(time_ns).dtype.kind not in "iu":
+            raise TypeError("time_ns: expected whole nanoseconds (integers); seconds * 1e9, rounded")
         arrays = self._node.replay(time_ns, rate_rad_s, temperature_degc, still, odometer_pulses)
         return Corrected(time_ns=np.asarray(time_ns), **arrays)
 

@@ -309,6 +309,9 @@ class Corrected:
     calibrated: np.ndarray
     has_rate: np.ndarray
     model_inconsistent: np.ndarray
+    saturated: np.ndarray
+    temperature_missing: np.ndarray
+    odometer_disagreement: np.ndarray
 
     def _repr_html_(self) -> str:
         last = np.degrees(np.stack([self.bias_rad_s[-1], self.sigma_rad_s[-1]])) * 3600.0

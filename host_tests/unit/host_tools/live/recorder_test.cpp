@@ -128,6 +128,33 @@ TEST_P(RecordingOfMessages, CountsWhatIsMissing) {
   EXPECT_EQ(read(path()).rows.size(), 300U + 97U + 9U);
 }
 
+/// One message is damaged or forged: its time is an hour ahead, and its number is the next one.
+TEST_P(RecordingOfMessages, LeavesOutOneThatIsAnHourAhead) {
+  Recorder recorder{settings()};
+  feed(recorder, 0, 300);
+  auto ahead = message_at(300);
+  ahead.message.time = ahead.message.time + core::Duration::seconds(3600);
+  recorder.take(ahead, utc_of(message_at(300)));
+  feed(recorder, 300, 600);
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().out_of_order, 1U);
+  EXPECT_EQ(recorder.counts().lost, 0U);
+  EXPECT_EQ(read(path()).rows.size(), 600U);
+}
+
+TEST_P(RecordingOfMessages, FollowsAClockThatStaysAnHourAhead) {
+  Recorder recorder{settings()};
+  feed(recorder, 0, 300);
+  for (std::uint32_t number = 300; number < 600; ++number) {
+    auto ahead = message_at(number);
+    ahead.message.time = ahead.message.time + core::Duration::seconds(3600);
+    recorder.take(ahead, utc_of(ahead));
+  }
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().out_of_order, 1U);
+  EXPECT_EQ(read(path()).rows.size(), 599U);
+}
+
 TEST_P(RecordingOfMessages, FollowsANodeThatRestarts) {
   Recorder recorder{settings()};
   feed(recorder, 0, 300);

@@ -250,5 +250,19 @@ TEST(BagOfRos1, IsRefusedWithItsCure) {
   }
 }
 
+TEST(BagWhoseMessagesAreAView, IsRefusedAndNotComputed) {
+  const testing::ScratchFolder folder;
+  const std::string file = (folder.path() / "endless.db3").string();
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  const char* const sql =
+      "CREATE TABLE topics(id, name, type, serialization_format);"
+      "CREATE VIEW messages AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
+      "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'00' AS data FROM n";
+  ASSERT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+  EXPECT_THROW(Reader{file}, DataError);
+}
+
 }  // namespace
 }  // namespace zerorate::recording

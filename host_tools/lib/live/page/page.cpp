@@ -1,10 +1,13 @@
 #include "host_tools/lib/live/page/page.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <httplib.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
@@ -30,7 +33,9 @@ using std::chrono::seconds;
 
 /// Requests at a time: the streams, and a few that fetch the page.
 constexpr std::size_t kWorkers = Page::kMostViewers + 4;
-constexpr seconds kPatience{2};  // with a browser that neither asks nor takes what it is given
+constexpr seconds kPatience{2};  // with a browser that does not take what it is given
+/// Patience with one that does not go on with its question. No browser pauses within one.
+constexpr std::chrono::milliseconds kPatienceWithQuestions{500};
 
 /// Forbids every load from elsewhere.
 constexpr std::string_view kContentPolicy =
@@ -48,6 +53,37 @@ std::string page_html() {
       "<script>/* uPlot\n{}\n*/\n{}</script>\n{}<script>{}</script>\n</html>\n",
       kContentPolicy, report::kPlotStyle, report::kReportStyle, report::kLiveStyle,
       report::kPlotLicence, report::kPlotScript, report::kLivePage, report::kLiveScript);
+}
+
+/// Name of a host without its port.
+std::string_view without_port(std::string_view host) {
+  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
+  return host.substr(0, host.find(':'));
+}
+
+bool is_address(const std::string& name) {
+  std::array<std::uint8_t, sizeof(in6_addr)> address{};
+  return inet_pton(AF_INET, name.c_str(), address.data()) == 1 ||
+         inet_pton(AF_INET6, name.c_str(), address.data()) == 1;
+}
+
+/// Whether no public name server can have given the name: it has no dot, or is this machine's.
+bool is_own_name(std::string_view name) {
+  if (!name.empty() && name.find('.') == std::string_view::npos) return true;
+  std::array<char, 256> own{};
+  (void)gethostname(own.data(), own.size() - 1);
+  const std::string_view host{own.data()};
+  return !host.empty() && name.starts_with(host) &&
+         (name.size() == host.size() || name[host.size()] == '.');
+}
+
+/// Whether a request was meant for this program: by an address or a name of this machine, and from
+/// no page of another origin. A foreign page whose name leads here would read the rates otherwise.
+bool is_for_this_machine(const httplib::Request& request) {
+  const std::string host = request.get_header_value("Host");
+  const std::string origin = request.get_header_value("Origin");
+  const std::string name{without_port(host)};
+  return (is_address(name) || is_own_name(name)) && (origin.empty() || origin == "http://" + host);
 }
 
 /// Threads of the server. A request for which none is free waits in the kernel's queue, which is
@@ -72,6 +108,11 @@ class Workers final : public httplib::ThreadPool {
 json number(bool is_known, core::AngularRate rate, core::Unit<core::AngularRateDimension> unit) {
   const float figure = rate.in(unit);
   return is_known && core::is_finite(figure) ? json(figure) : json(nullptr);
+}
+
+/// Names may be no UTF-8: what is none is replaced.
+std::string as_text(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 json learnt_json(const wire::LearntModel& learnt) {
@@ -145,7 +186,13 @@ class Page::Server {
   Server(const std::string& address, std::uint16_t port) {
     http_.new_task_queue = [] { return new Workers; };  // owned by the server
     http_.set_keep_alive_max_count(1);                  // a thread waits for nobody's next request
-    http_.set_read_timeout(kPatience);
+    http_.set_read_timeout(kPatienceWithQuestions);
+    http_.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
+      if (is_for_this_machine(request)) return httplib::Server::HandlerResponse::Unhandled;
+      response.status = 403;
+      response.set_content("not by this name: open the page by its address\n", "text/plain");
+      return httplib::Server::HandlerResponse::Handled;
+    });
     http_.set_write_timeout(kPatience);
     http_.set_payload_max_length(0);
     // Not SO_REUSEPORT, with which two programs would share a port without knowing.
@@ -239,7 +286,7 @@ class Page::Server {
         sink.done();
         return true;
       }
-      if (version_ != viewer.version) text = "data: " + news(viewer).dump() + "\n\n";
+      if (version_ != viewer.version) text = "data: " + as_text(news(viewer)) + "\n\n";
     }
     return sink.write(text.data(), text.size());
   }

@@ -114,6 +114,31 @@ TEST(PageOfANode, TellsAViewerTheHistoryFirstAndThenOnlyWhatIsNew) {
   EXPECT_TRUE(events[1]["now"]["axes"][2]["rate_dps"].is_null());
 }
 
+/// A page of another origin whose name leads to this machine, by a trick of its name server.
+TEST(PageOfANode, IsReadByItsOwnNamesAndByNoOtherPage) {
+  const Page page{"127.0.0.1", 0};
+  const std::string url = page.url().substr(0, page.url().size() - 1);
+  const std::string port = url.substr(url.rfind(':'));
+  const auto status_of = [&](const httplib::Headers& headers) {
+    httplib::Client client{url};
+    const auto answer = client.Get("/", headers);
+    return answer ? answer->status : 0;
+  };
+  EXPECT_EQ(status_of({{"Host", "localhost" + port}}), 200);
+  EXPECT_EQ(status_of({{"Host", "127.0.0.1" + port}}), 200);
+  EXPECT_EQ(status_of({{"Host", "[::1]" + port}}), 200);
+  EXPECT_EQ(status_of({{"Host", "evil.example" + port}}), 403);
+  EXPECT_EQ(status_of({{"Host", "localhost" + port}, {"Origin", "http://localhost" + port}}), 200);
+  EXPECT_EQ(status_of({{"Host", "localhost" + port}, {"Origin", "http://evil.example"}}), 403);
+}
+
+TEST(PageOfANode, ShowsANameThatIsNoUtf8) {
+  Page page{"127.0.0.1", 0};
+  page.show(tally_of(calibrated_message(7)), "json \xFF\xFE", milliseconds{10});
+  Viewer viewer{page, 1};
+  EXPECT_EQ(viewer.take().size(), 1U);
+}
+
 TEST(PageOfANode, HasWordsForEveryFlagAndLoadsNothingFromElsewhere) {
   const Page page{"127.0.0.1", 0};
   httplib::Client client{page.url().substr(0, page.url().size() - 1)};
