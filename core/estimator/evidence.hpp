@@ -54,7 +54,7 @@ struct Evidence {
         one.scale = scale;
       }
     }
-    if (given.count > 0) return;
+    if (given.count > 0) return subtract_largest(given);
     for (OfAxis& one : hypotheses[0]) one = {.weight = 1.0F, .scale = (shape - 1.0F) / shape};
   }
 
@@ -79,13 +79,7 @@ struct Evidence {
   template <class Given>
   constexpr void conclude(const Given& given) {
     shape = faded_shape(given.kept) + 0.5F;
-    for (std::size_t i = 0; i < Axes; ++i) {
-      float largest = hypotheses[0][i].log_evidence;
-      for (std::size_t m = 1; m < given.count; ++m) {
-        largest = std::max(largest, hypotheses[m][i].log_evidence);
-      }
-      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].log_evidence -= largest;
-    }
+    subtract_largest(given);
   }
   /// Probabilities of the hypotheses on an axis, from the evidence.
   template <class Given>
@@ -119,6 +113,17 @@ struct Evidence {
     return std::max(kept * shape, kPriorShape);
   }
 
+  /// Makes the largest evidence of each axis 0.
+  template <class Given>
+  constexpr void subtract_largest(const Given& given) {
+    for (std::size_t i = 0; i < Axes; ++i) {
+      float largest = hypotheses[0][i].log_evidence;
+      for (std::size_t m = 1; m < given.count; ++m) {
+        largest = std::max(largest, hypotheses[m][i].log_evidence);
+      }
+      for (std::size_t m = 0; m < given.count; ++m) hypotheses[m][i].log_evidence -= largest;
+    }
+  }
   /// Logarithm of the weight, less a constant.
   template <class Given>
   [[nodiscard]] constexpr float log_posterior(const Given& given, std::size_t m,

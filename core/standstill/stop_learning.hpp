@@ -63,7 +63,9 @@ class StopLearning {
         calm_(standstill.source, odometer.longest_bend, tick),
         has_odometer_(standstill.source != StandstillSource::gyro),
         asks_gyro_(standstill.source != StandstillSource::odometer_alone),
-        wait_(longest_wait(standstill, tick) + half_sample_) {}
+        wait_(longest_wait(standstill, tick) + half_sample_),
+        most_waiting_(static_cast<std::size_t>(
+            std::min(wait_ / tick + 2, static_cast<std::int64_t>(Capacity) - 2))) {}
 
   [[nodiscard]] constexpr State state() const {
     return {newest_sample_,    has_sample_,      stop_is_open_, standstill_.state(),
@@ -183,8 +185,9 @@ class StopLearning {
   [[nodiscard]] constexpr std::size_t confirmed() const { return held_.confirmed(); }
   /// Takes the oldest certain tick.
   [[nodiscard]] constexpr Item take_confirmed() { return held_.take_confirmed(); }
-  /// Whether another tick would find no place.
-  [[nodiscard]] constexpr bool is_full() const { return held_.size() + 1 >= Capacity; }
+  /// Whether more ticks wait than a pulse confirms at once: the samples that should have shared
+  /// their work did not come.
+  [[nodiscard]] constexpr bool is_behind() const { return held_.confirmed() > most_waiting_; }
 
   /// Never still while the gyro shows motion or a turn without pulses: nothing is learnt then.
   /// Without an odometer that is what moving means.
@@ -241,7 +244,8 @@ class StopLearning {
   CalmJudge<Axes> calm_;
   bool has_odometer_;
   bool asks_gyro_;
-  Duration wait_;  ///< time of a tick until it is certain
+  Duration wait_;             ///< time of a tick until it is certain
+  std::size_t most_waiting_;  ///< certain ticks that wait at most
   HoldBack held_;
 };
 

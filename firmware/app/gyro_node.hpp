@@ -78,7 +78,7 @@ class GyroNode {
         learning_(params.standstill, params.odometer, params.model.modes.tick,
                   params.model.sample_period, params.model.white_variance_rad2_s2),
         ticks_(params),
-        pace_(pace_of(params.model)) {
+        pace_(pace_of(params)) {
     ZERORATE_ASSERT(check(params).has_value());
   }
 
@@ -204,10 +204,12 @@ class GyroNode {
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
 
   /// Cost units a sample that do the work of a tick before the next one begins.
-  [[nodiscard]] static constexpr std::int32_t pace_of(const core::NodeModel<Shape>& model) {
-    const auto samples = static_cast<std::uint32_t>(
-        std::clamp(model.modes.tick / model.sample_period, std::int64_t{1}, std::int64_t{0xFFFF}));
-    return static_cast<std::int32_t>((Ticks::Costs::of_tick() + samples - 1) / samples);
+  [[nodiscard]] static constexpr std::int32_t pace_of(const Params& params) {
+    const auto samples =
+        static_cast<std::uint32_t>(std::clamp(params.model.modes.tick / params.model.sample_period,
+                                              std::int64_t{1}, std::int64_t{0xFFFF}));
+    const std::uint32_t cost = Ticks::Costs::of_tick(params.published != Predictor::kalman);
+    return static_cast<std::int32_t>((cost + samples - 1) / samples);
   }
   [[nodiscard]] constexpr TickForecast<Ticks> forecast() const {
     return TickForecast<Ticks>{ticks_};
@@ -243,7 +245,7 @@ class GyroNode {
   constexpr void turn_to_tick(core::Instant at) {
     // Only where samples were lost: then this call is as long as the work that they would have
     // done.
-    while (learning_.is_full() && learning_.confirmed() > 0) (void)one_step();
+    while (learning_.is_behind()) (void)one_step();
     const auto& predicted = ticks_.predicted();
     Rates predicted_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) predicted_rad_s[i] = predicted[i].bias_rad_s;

@@ -219,7 +219,7 @@ class NodeLoop {
   /// was without power, and comes back with another bias. While the chip does not answer, nobody
   /// knows.
   constexpr void look_for_lost_power(core::Instant now) {
-    constexpr int kMostEntries = 16;  // of any driver
+    constexpr int kMostEntries = 16;  // rate of any driver
     for (int i = 0; i < kMostEntries; ++i) {
       const auto verified = gyro_.verify_next();
       if (verified) continue;
@@ -318,7 +318,7 @@ class NodeLoop {
   ChatterWatch chatter_;
   bool running_ = false;
   bool has_run_ = false;  ///< since its newest start; its configuration tells of lost power
-  core::Duration slept_;  ///< that the node was told of
+  core::Duration slept_;  ///< pauses that the node was told of
   std::optional<core::Instant> polled_at_;
   std::optional<core::Instant> driven_at_;  ///< newest poll with pulses
   std::optional<core::Instant> published_at_;

@@ -82,10 +82,10 @@ class SampleWatch {
     std::uint32_t alike = 0;              ///< samples of the present repetition
     bool is_saturated = false;            ///< the newest sample
     std::array<float, kAxes> at_begin{};  ///< rates of all axes when the repetition began
-    float lowest = 0.0F;                  ///< of the present window at rest
+    float lowest = 0.0F;                  ///< sum of the present window at rest
     float highest = 0.0F;
     std::uint32_t changes = 0;
-    float least_span = kUnknown;  ///< of all windows at rest
+    float least_span = kUnknown;  ///< sum of all windows at rest
   };
 
   [[gnu::noinline]] constexpr void compare(Axis& axis, const std::array<float, kAxes>& rates,
@@ -158,7 +158,7 @@ class SampleWatch {
 
   [[nodiscard]] constexpr std::uint32_t longest_by_noise(std::size_t i) const {
     constexpr std::uint32_t kUnseen_s = 10;
-    constexpr float kSpanInSigmas = 6.0F;  // of a window: 5.2 is expected
+    constexpr float kSpanInSigmas = 6.0F;  // changes of a window: 5.2 is expected
     const float step = step_ > 0.0F ? step_ : least_difference_;
     // The flips between two counts at their border have this variance without any noise.
     const float of_flips = 0.25F * step * step;

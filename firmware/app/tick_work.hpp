@@ -49,12 +49,15 @@ struct TickCosts {
   }
 
   /// Upper bound of the steps from one tick to the next in a stop: a prediction and a measurement.
-  [[nodiscard]] static constexpr std::uint32_t of_tick() {
+  /// @param publishes_average whether an average is published, whose window needs a span of its own
+  [[nodiscard]] static constexpr std::uint32_t of_tick(bool publishes_average) {
     constexpr auto kFilters = static_cast<std::uint32_t>(Shape.hypotheses);
     constexpr auto kPieces = static_cast<std::uint32_t>(core::ModesOf<Shape>::kPieces);
     constexpr std::uint32_t kShortLead = 7;  ///< ticks from a measurement to the present
+    constexpr std::uint32_t kLongWindow = 1U << 14U;
     return kFilters * (kAdvance + kLearning + kPrediction) + kComparison + kConclusion +
-           static_cast<std::uint32_t>(Axes) * kWeighing + kRest + kPieces * of_piece(kShortLead);
+           static_cast<std::uint32_t>(Axes) * (kWeighing + kPrediction) + kRest +
+           kPieces * (of_piece(kShortLead) + (publishes_average ? of_piece(kLongWindow) : 0));
   }
 };
 

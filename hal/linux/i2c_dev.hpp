@@ -85,7 +85,7 @@ class I2cDevBus {
   }
 
   DeviceFile<System> file_;
-  I2cAddress reserved_{};  ///< of the newest transaction
+  I2cAddress reserved_{};  ///< status of the newest transaction
 };
 static_assert(I2cBus<I2cDevBus<>>);
 

@@ -258,7 +258,7 @@ TYPED_TEST(GyroSamples, LineStuckInAReadGivesNoInventedSample) {
 }
 
 /// One transfer reads nothing, and those before and after it are right.
-TYPED_TEST(GyroSamples, ATransferThatReadNothingGivesNoSampleThatWasNotMeasured) {
+TYPED_TEST(GyroSamples, AnEmptyTransferGivesNoSample) {
   for (const auto& settings : TestFixture::kModes) {
     for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
       for (std::size_t call = 0; call < 6; ++call) {

@@ -74,14 +74,38 @@ def measure(shop, processor, optimisation):
     return column | {"program, all functions, bytes": [size_of(folder, processor)]}
 
 
-def memory(shop, hypotheses):
-    """Bytes of an instance and of a record."""
+# Size of an instance -> the definitions that differ from zerorate.h.
+SMALL = ("-DZERORATE_DECAYING_MODES=6", "-DZERORATE_ROTATING_MODES=0", "-DZERORATE_TEMPERATURE=0", "-DZERORATE_HELD_TICKS=8",
+         "-DZERORATE_HAS_MOVING_AVERAGE=0", "-DZERORATE_HAS_CALIBRATION_MEAN=0")
+SIZES = {"as in `zerorate.h`": (), "4 hypotheses": ("-DZERORATE_HYPOTHESES=4",), "1 hypothesis": ("-DZERORATE_HYPOTHESES=1",),
+         "12 hypotheses, small": SMALL, "4 hypotheses, small": (*SMALL, "-DZERORATE_HYPOTHESES=4"),
+         "1 hypothesis, small": (*SMALL, "-DZERORATE_HYPOTHESES=1"),
+         "1 hypothesis, small, one axis": (*SMALL, "-DZERORATE_HYPOTHESES=1", "-DZERORATE_AXES=1")}
+# Bytes of an instance that are promised.
+MOST_BYTES = {"12 hypotheses, small": 7168, "1 hypothesis, small": 2560}
+# Instructions of the longest call of zerorate_sample() and zerorate_pulse() that are promised.
+MOST_INSTRUCTIONS = {"M0+ -O2": 150_000, "M4F -O2": 12_000, "M7 -O2": 12_000}
+
+
+def memory(shop, definitions):
+    """Bytes of an instance and of a record; the library checks them when it is compiled."""
     program = shop.work / "memory.c"
     program.write_text('#include <stdio.h>\n#include <zerorate.h>\n'
-                       'int main(void) { return printf("%d %d", ZERORATE_INSTANCE_BYTES, ZERORATE_SNAPSHOT_BYTES) < 0; }\n')
-    run("gcc", f"-DZERORATE_HYPOTHESES={hypotheses}", f"-I{shop.repository}/firmware/c_api/include", program, "-o",
-        shop.work / "memory")
+                       'int main(void) { return printf("%d %d", (int)sizeof(zerorate_node), ZERORATE_SNAPSHOT_BYTES) < 0; }\n')
+    run("gcc", *definitions, f"-I{shop.repository}/firmware/c_api/include", program, "-o", shop.work / "memory")
+    run("g++", "-std=c++20", "-fsyntax-only", *definitions, f"-I{shop.repository}",
+        shop.repository / "firmware/c_api/zerorate.cpp")
     return [int(word) for word in run(shop.work / "memory").split()]
+
+
+def check_promises(columns, sizes):
+    """No call is longer, and no instance larger, than the page promises."""
+    for heading, most in MOST_INSTRUCTIONS.items():
+        for row, figures in columns[heading].items():
+            if "sample()`," in row or "pulse()" in row:
+                require(figures[-2] <= most, f"{heading}: {row} takes {figures[-2]} instructions, {most} are promised")
+    for name, most in MOST_BYTES.items():
+        require(sizes[name][0] <= most, f"{name}: {sizes[name][0]} bytes, {most} are promised")
 
 
 def cell(figures):
@@ -92,12 +116,13 @@ def cell(figures):
 def tables(shop):
     """The tables of the page, each beginning with its heading."""
     columns = {heading: measure(shop, *what) for heading, what in COLUMNS.items()}
+    sizes = {name: memory(shop, definitions) for name, definitions in SIZES.items()}
+    check_promises(columns, sizes)
     rows = next(iter(columns.values()))
     yield "".join([f"| function: instructions, mean / most; stack in bytes | {' | '.join(columns)} |\n",
                    f"|---|{'---|' * len(columns)}\n",
                    *(f"| {row} | {' | '.join(cell(column[row]) for column in columns.values())} |\n" for row in rows)])
-    sizes = {hypotheses: memory(shop, hypotheses) for hypotheses in (12, 4, 1)}
-    yield "".join(["| hypotheses | instance (`ZERORATE_INSTANCE_BYTES`) | record of `zerorate_save()` (`ZERORATE_SNAPSHOT_BYTES`) |\n",
+    yield "".join(["| size | instance (`sizeof(zerorate_node)`) | record of `zerorate_save()` (`ZERORATE_SNAPSHOT_BYTES`) |\n",
                    "|---|---|---|\n", *(f"| {count} | {instance:,} | {record:,} |\n" for count, (instance, record) in sizes.items())])
     if not all(map(shutil.which, foreign_test.COMPILERS)):
         return

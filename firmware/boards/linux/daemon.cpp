@@ -140,7 +140,7 @@ class Run {
   std::optional<NodeService> service_;
   MetricsBuffer metrics_text_{};
   MetricsEndpoint metrics_{configuration_.metrics};
-  int told_error_ = 0;                     ///< of the file of metrics
+  int told_error_ = 0;                     ///< file of the metrics
   std::optional<MeasuringThread> thread_;  ///< last: ends before what it uses
 };
 
@@ -256,7 +256,7 @@ void reload(const std::vector<std::string>& files, const Descriptor& signals,
   }
   daemon->finish();
   const Memory memory = daemon->memory();
-  daemon.reset();  // what it holds may be asked for again
+  daemon.reset();  // the next run may ask for what this one holds
   try {
     daemon.emplace(changed, signals, memory);
     configurations = std::move(changed);

@@ -131,9 +131,9 @@ class NodeService {
   std::vector<SinkReport> sink_reports_;
   std::optional<wire::NumberedMessage> latest_;
   ServiceStatus last_status_;
-  std::optional<ToldFault> told_fault_;  ///< of the gyro, since its newest samples
+  std::optional<ToldFault> told_fault_;  ///< fault of the gyro, since its newest samples
   std::uint32_t told_starts_ = 0;
-  int told_save_error_ = 0;       ///< of the state; 0: the newest save succeeded
+  int told_save_error_ = 0;       ///< error of the newest save; 0: it succeeded
   bool odometer_failed_ = false;  ///< between the last two ticks
   ServiceCounters counters_;
   std::uint32_t turns_seen_ = 0;

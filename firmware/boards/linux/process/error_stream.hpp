@@ -43,7 +43,7 @@ class ErrorStream {
   std::uint64_t lost_ = 0;
   std::uint64_t lost_untold_ = 0;
   std::array<Recent, 8> recent_{};
-  std::size_t next_ = 0;  ///< that is forgotten next
+  std::size_t next_ = 0;  ///< place that is forgotten next
 };
 
 /// Opens what stands for the standard streams where they are closed, so that no other file gets

@@ -58,7 +58,7 @@ TEST(StandstillWhileCreeping, WaitsForTwiceTheLastSilence) {
 }
 
 /// Each pulse of a creeping vehicle comes three times, 2 ms apart.
-TEST(StandstillWhileCreepingWithABouncingContact, WaitsAsLongAsWithoutIt) {
+TEST(StandstillWithABouncingContact, WaitsAsLongAsWithoutIt) {
   for (const int bounce_ms : {1, 2, 10}) {
     Standstill standstill{kParams};
     standstill.start(at_ms(0));

@@ -51,7 +51,7 @@ TEST(NodeLoopThatGetsHalfOfTheSamples, FlagsTheRateUntilAllCome) {
   EXPECT_FALSE(rig.published.messages.back().health.sample_rate_off);
 }
 
-TEST(NodeLoopWhoseChipRunsAtAnotherRate, FlagsTwiceTheSamplesAndNotTenPerCent) {
+TEST(NodeLoopWhoseChipRunsAtAnotherRate, FlagsTwiceTheSamples) {
   LoopRig rig{{.mode = drivers::lsm6dso::Mode::fifo}};
   rig.start();
   const Duration period = rig.hardware.driver.sample_period();
@@ -123,7 +123,7 @@ struct TurnOnRig : LoopRig {
   }
 };
 
-TEST(NodeLoopWhoseChipLostItsPower, WidensTheIntervalByTheTurnOnAndBeginsAStop) {
+TEST(NodeLoopWhoseChipLostItsPower, WidensTheInterval) {
   TurnOnRig rig;
   ASSERT_LT(sigma_of(rig), 1e-4F);
   rig.hardware.chip.cycle_power();

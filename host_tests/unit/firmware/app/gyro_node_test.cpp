@@ -249,6 +249,8 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
     if (ms % 100 < 50) (void)thin.step(noisy_sample(at_ms(ms), kBias));
   }
   EXPECT_EQ(thin.tick(), full.tick());
+  full.finish_work();
+  thin.finish_work();
   const auto thin_mean = thin.state().ticks.predictors.axes[0].calibration_mean;
   const auto full_mean = full.state().ticks.predictors.axes[0].calibration_mean;
   EXPECT_EQ(thin_mean.count, full_mean.count);

@@ -23,7 +23,7 @@ core::Motion motion_after_a_drive(LoopRig& rig, Duration offset) {
   return rig.published.messages.back().motion;
 }
 
-TEST(NodeLoopWithPulsesOfTheWallClock, MovesAndStandsAsTheVehicleDoesAndSaysSo) {
+TEST(NodeLoopWithPulsesOfTheWallClock, MovesAsTheVehicleDoes) {
   for (const std::int64_t seconds : {1'760'000'000L, 5L, -10L}) {
     LoopRig rig;
     EXPECT_EQ(motion_after_a_drive(rig, Duration::seconds(seconds)), core::Motion::still);

@@ -91,7 +91,7 @@ TEST(SampleWatchOfZeros, FindsAllAxesWithinTenSeconds) {
 }
 
 /// Where no sample has differed yet, nobody knows the step; the road tells.
-TEST(SampleWatchOfZerosWithoutAKnownStep, FindsAllAxesWhileItDrives) {
+TEST(SampleWatchOfZerosWithoutAStep, FindsAllAxesWhileItDrives) {
   WatchedAxes gyro;
   gyro.stuck.fill(0.0);
   EXPECT_FALSE(gyro.run(kMinute));
@@ -141,7 +141,7 @@ TEST(SampleWatchOfAnAxisAtFullScale, FindsItAfterTenSeconds) {
 
 /// Steps far above the noise: constant samples are the rule. The biases wander over five steps in
 /// an hour, so that each place between two counts is met at rest and while the vehicle drives.
-TEST(SampleWatchOfACoarseQuietGyro, FindsNoFaultWhereverTheBiasStands) {
+TEST(SampleWatchOfACoarseQuietGyro, FindsNoFaultAtAnyBias) {
   for (const double model : {0.2, 0.5, 1.0}) {
     WatchedAxes gyro{.step = 0.061, .sigma = 0.2 * 0.061, .model_sigma = model * 0.061};
     const std::array<double, 3> begin = gyro.rates;
@@ -163,7 +163,7 @@ TEST(SampleWatchOfACoarseQuietGyro, FindsNoFaultWhereverTheBiasStands) {
   }
 }
 
-TEST(SampleWatchOfACoarseQuietGyro, FindsAnAxisThatDoesNotTurnWithTheOthers) {
+TEST(SampleWatchOfACoarseQuietGyro, FindsAnAxisThatDoesNotTurn) {
   WatchedAxes gyro{.step = 0.061, .sigma = 0.2 * 0.061};
   ASSERT_FALSE(gyro.run(10 * kMinute));
   gyro.vehicle = Vehicle::drives;

@@ -34,7 +34,7 @@ struct KernelState {
   std::optional<int> next_answer;  ///< value that the next such ioctl returns as a success
   std::optional<int> open_error;   ///< error of every open, while set
 
-  bool is_reserved = false;  ///< by another program
+  bool is_reserved = false;  ///< held by another program
   std::vector<off_t> locks;
 
   std::string opened_path;

@@ -12,7 +12,7 @@ namespace {
 
 using hal::testing::Fault;
 
-TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, SaysSoAndRecoversWithoutARestart) {
+TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, Recovers) {
   ServiceRig rig;
   rig.run(1040);
   EXPECT_TRUE(rig.latest().health.calibrated);
@@ -68,7 +68,7 @@ TEST(NodeServiceThatIsRestarted, GoesOnFromTheSavedState) {
   EXPECT_NEAR(again.latest()->message.axes[0].bias.in(core::rad_per_s), bias, 1e-6F);
 }
 
-TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTurnOn) {
+TEST(NodeServiceAfterAnotherBoot, NeedsATurnOn) {
   ServiceRig rig;
   rig.configuration.node.model.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
   rig.restart(kBoot);
@@ -79,7 +79,7 @@ TEST(NodeServiceAfterAnotherBoot, StartsWithoutTheSavedStateIfTheModelKnowsNoTur
   EXPECT_TRUE(was_logged("another boot, and the model has no [turn_on]"));
 }
 
-TEST(NodeServiceAfterAnotherBoot, GoesOnWithAWiderIntervalIfTheModelKnowsTheTurnOn) {
+TEST(NodeServiceAfterAnotherBoot, AddsTheTurnOn) {
   NoiselessRig rig;
   rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;
   rig.restart(kBoot);
