@@ -171,8 +171,10 @@ class GyroNode {
   }
 
   [[nodiscard]] constexpr State state() const {
-    return {
-        .odometer_fault = odometer_fault_, .learning = learning_.state(), .ticks = ticks_.state()};
+    return {.odometer_fault = odometer_fault_,
+            .credit = credit_,
+            .learning = learning_.state(),
+            .ticks = ticks_.state()};
   }
   /// Goes on from a state of a node with the same parameters, bit for bit.
   constexpr void restore(const State& state) {

@@ -72,6 +72,7 @@ class StopJudge {
   void begin_stop(const Node& node) {
     before_.emplace(node.params());
     before_->restore(node.state());
+    before_->finish_work();
     first_tick_.reset();
   }
   /// After each sample.
@@ -170,7 +171,9 @@ class Run {
   void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
-    if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
+    if (message.motion != core::Motion::still && !node_.has_work() && has_news()) {
+      tell_learnt(row.time_ns);
+    }
     stops_.take(node_);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {

@@ -25,6 +25,7 @@ class RestFilter {
       standstill_.start(at);
       take_pulses(pulses_in(row), at);
     }
+    row_before_ = at;
     if (!is_usable(row, at)) {
       ++samples_.lost;
     } else if (has_motion_column() && !standstill_.is_settled(at)) {
@@ -52,8 +53,9 @@ class RestFilter {
 
   void take_pulses(std::int64_t pulses, core::Instant at) {
     if (pulses == 0) return;
+    // Several pulses share the time since the row before: at one time they would be bounces.
+    if (pulses > 1) standstill_.pulse(row_before_ + (at - row_before_) / 2);
     standstill_.pulse(at);
-    if (pulses > 1) standstill_.pulse(at);
     while (!samples_.time.empty() && samples_.time.back() > standstill_.discard_after(at)) {
       samples_.time.pop_back();
       samples_.rate_rad_s.pop_back();
@@ -77,6 +79,7 @@ class RestFilter {
   recording::Columns columns_;
   core::Standstill standstill_;
   RestSamples& samples_;
+  core::Instant row_before_;
   std::int64_t pulses_ = 0;  ///< pulses of the row before
   bool driven_ = false;      ///< since the newest sample at rest
 };
