@@ -148,7 +148,8 @@ class OdometerCheck {
   static constexpr Duration kLongestWindow = Duration::seconds(2);  ///< window of a loud sensor
   static constexpr Duration kBackFor = Duration::seconds(1);        ///< then it is over
   static constexpr Duration kBouncedFor = Duration::seconds(2);     ///< it is reported for so long
-  static constexpr Duration kMemory = Duration::seconds(15);        ///< memory of the level: a bias drifts
+  static constexpr Duration kMemory =
+      Duration::seconds(15);  ///< memory of the level: a bias drifts
   static constexpr std::uint16_t kNever = 0xFFFF;
   // Six standard deviations of a difference are no noise, four may be, once in a while.
   static constexpr float kSixSigma2 = 6.0F * 6.0F;

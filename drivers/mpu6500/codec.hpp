@@ -12,8 +12,8 @@
 
 namespace zerorate::drivers::mpu6500 {
 
-/// Use of SIGNAL_PATH_RESET at the start. An MPU-6000 needs it and answers as an MPU-6050, which does
-/// not need it and is on I2C alone.
+/// Use of SIGNAL_PATH_RESET at the start. An MPU-6000 needs it and answers as an MPU-6050, which
+/// does not need it and is on I2C alone.
 enum class PathReset : std::uint8_t { never, on_spi, always };
 
 /// Chip of the family, identified by its WHO_AM_I. Only the differences are here.

@@ -25,21 +25,21 @@ static void start_timer(void) {
 }
 
 /* Paints the stack below, calls, counts, and looks how far down the paint is gone. */
-#define MEASURE(figure_, call)                                       \
-  do {                                                               \
-    register uint32_t* sp __asm__("sp");                             \
-    volatile uint32_t* const top = sp;                               \
-    for (int i = 1; i <= PAINTED_WORDS; ++i) {                       \
-      top[-i] = PAINT;                                               \
-    }                                                                \
-    start_timer();                                                   \
-    result = (call);                                                 \
-    const uint32_t periods = 0xFFFFFFFFU - TIMER_VALUE;              \
-    int depth = PAINTED_WORDS;                                       \
-    while (depth > 0 && top[-depth] == PAINT) {                      \
-      --depth;                                                       \
-    }                                                                \
-    note(&(figure_), periods, 4U * (uint32_t)depth);                 \
+#define MEASURE(figure_, call)                          \
+  do {                                                  \
+    register uint32_t* sp __asm__("sp");                \
+    volatile uint32_t* const top = sp;                  \
+    for (int i = 1; i <= PAINTED_WORDS; ++i) {          \
+      top[-i] = PAINT;                                  \
+    }                                                   \
+    start_timer();                                      \
+    result = (call);                                    \
+    const uint32_t periods = 0xFFFFFFFFU - TIMER_VALUE; \
+    int depth = PAINTED_WORDS;                          \
+    while (depth > 0 && top[-depth] == PAINT) {         \
+      --depth;                                          \
+    }                                                   \
+    note(&(figure_), periods, 4U * (uint32_t)depth);    \
   } while (0)
 
 static void note(figure* of, uint32_t periods, uint32_t stack_bytes) {
@@ -95,8 +95,7 @@ zerorate_result WRAP(predict_heading)(const zerorate_node* self, uint8_t axis, u
   MEASURE(predict_, REAL(predict_heading)(self, axis, samples, error));
   return result;
 }
-zerorate_result WRAP(save)(zerorate_node* self, int64_t utc_s, uint8_t* record,
-                           size_t capacity) {
+zerorate_result WRAP(save)(zerorate_node* self, int64_t utc_s, uint8_t* record, size_t capacity) {
   zerorate_result result;
   MEASURE(save_, REAL(save)(self, utc_s, record, capacity));
   return result;

@@ -142,10 +142,11 @@ struct Icm42688 {
 
   static constexpr std::uint8_t kIdentity = 0x75;
   static constexpr std::array kConfigured{
-      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x4C, 0xF0}, ConfiguredBits{0x4D, 0xC0}, ConfiguredBits{0x14, 0x07},
-      ConfiguredBits{0x64, 0x10}, ConfiguredBits{0x65, 0x7F}, ConfiguredBits{0x52, 0x0F},
-      ConfiguredBits{0x5F, 0x7F}, ConfiguredBits{0x60, 0xFF}, ConfiguredBits{0x61, 0x0F},
-      ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};
+      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x4C, 0xF0}, ConfiguredBits{0x4D, 0xC0},
+      ConfiguredBits{0x14, 0x07}, ConfiguredBits{0x64, 0x10}, ConfiguredBits{0x65, 0x7F},
+      ConfiguredBits{0x52, 0x0F}, ConfiguredBits{0x5F, 0x7F}, ConfiguredBits{0x60, 0xFF},
+      ConfiguredBits{0x61, 0x0F}, ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x4F, 0xEF},
+      ConfiguredBits{0x4E, 0x3F}};
   static constexpr core::Duration kStartTime = core::Duration::milliseconds(1);
   /// 60 ms and three samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(90);

@@ -216,8 +216,7 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
       "  zerorate-campaign --gain --document FILE.md          what the extended models are worth\n"
       "  zerorate-campaign --write-run 17 recording.csv       one recording, for a look");
   app.add_option("--runs", options.runs, "recordings; a round has 34")->capture_default_str();
-  app.add_option("--nats", options.blind.nats,
-                 "loss of the best base model to each effect [nats]")
+  app.add_option("--nats", options.blind.nats, "loss of the best base model to each effect [nats]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", options.blind.seed, "seed of everything that is drawn")

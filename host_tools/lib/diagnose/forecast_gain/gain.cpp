@@ -65,7 +65,8 @@ double ie_deviation(const std::vector<ScoredDrive>& drives,
 double coverage95(const std::vector<ScoredDrive>& drives, const std::vector<std::size_t>& indices) {
   double covered = 0.0;
   for (const std::size_t i : indices) {
-    if (std::abs(drives[i].integrated_rad) <= statistics::kHalfWidth95 * drives[i].sigma_rad) covered += 1.0;
+    if (std::abs(drives[i].integrated_rad) <= statistics::kHalfWidth95 * drives[i].sigma_rad)
+      covered += 1.0;
   }
   return covered / static_cast<double>(indices.size());
 }
