@@ -46,7 +46,6 @@ struct Chatter {
 
 int first_disagreement(const Chatter& chatter) {
   LoopRig rig;
-  rig.params.model.white_variance_rad2_s2 = 2.5e-7F;
   rig.sigma_rad_s = 5e-4F;
   rig.start();
   rig.samples(6000);
