@@ -42,12 +42,12 @@ core::HypothesesOf<Shape> hypotheses() {
 template <core::ModelShape Shape>
 const app::NodeParams<Shape>& params() {
   static const app::NodeParams<Shape> params{
-      .modes = core::compose(kTick, core::Start::stationary,
-                             zerorate::testing::flicker_like<4>(kTick, 0.5)),
-      .white_variance_rad2_s2 = 1e-6F,
-      .turn_on_variance_rad2_s2 = 1e-8F,
-      .sample_period = core::Duration::milliseconds(10),
-      .hypotheses = hypotheses<Shape>()};
+      .model = {.modes = core::compose(kTick, core::Start::stationary,
+                                       zerorate::testing::flicker_like<4>(kTick, 0.5)),
+                .white_variance_rad2_s2 = 1e-6F,
+                .turn_on_variance_rad2_s2 = 1e-8F,
+                .sample_period = core::Duration::milliseconds(10),
+                .hypotheses = hypotheses<Shape>()}};
   return params;
 }
 

@@ -136,9 +136,9 @@ constinit SomePin data_ready;
 constinit SomeOdometer odometer;
 constinit SomeSpi spi;
 constinit SomeSink sink;
-constexpr Node::Params kParams{.modes = {.tick = kTick},
-                               .white_variance_rad2_s2 = 1e-6F,
-                               .sample_period = core::Duration::milliseconds(10),
+constexpr Node::Params kParams{.model = {.modes = {.tick = kTick},
+                                         .white_variance_rad2_s2 = 1e-6F,
+                                         .sample_period = core::Duration::milliseconds(10)},
                                .standstill = {.hold_back = core::Duration::milliseconds(200)}};
 void exercise_node() {
   // Made on the first call: a board has run its clocks by then.

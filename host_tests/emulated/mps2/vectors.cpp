@@ -188,8 +188,8 @@ std::uint32_t node_frames() {
                              app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
   const float sigma = sigma_rad_s;
   static Node::Params params;
-  params = {.white_variance_rad2_s2 = 2.4e-7F,
-            .sample_period = core::Duration::nanoseconds(9'615'385),
+  params = {.model = {.white_variance_rad2_s2 = 2.4e-7F,
+                      .sample_period = core::Duration::nanoseconds(9'615'385)},
             .standstill = {.hold_back = core::Duration::milliseconds(200)}};
   core::FlickerDecades<4> flicker;
   flicker.time_constant_s = {0.1F, 1.0F, 10.0F, 100.0F};

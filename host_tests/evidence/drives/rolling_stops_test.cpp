@@ -66,14 +66,14 @@ Published run(const Drive& drive, const char* model, core::StandstillSource sour
   const core::Duration tick = std::max(period, core::Duration::milliseconds(500));
   const auto noise = model::make_node_model<kShape>(model::find_model(model), period, tick);
   const Node::Params params{
-      .modes = noise.modes,
-      .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-      .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
-      .gate = noise.gate,
-      .samples = noise.samples,
-      .sample_period = period,
-      .standstill = {.source = source},
-      .hypotheses = noise.hypotheses};
+      .model = {.modes = noise.modes,
+                .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+                .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
+                .gate = noise.gate,
+                .samples = noise.samples,
+                .sample_period = period,
+                .hypotheses = noise.hypotheses},
+      .standstill = {.source = source}};
   Node node{params};
   Published published;
   double counted = drive.odometer_pulses.front();

@@ -32,13 +32,13 @@ FaultyNode::Params node_params() {
   model::SensorModel sensor = lsm6dso();
   sensor.turn_on = model::TurnOn{.sigma_rad_s = 0.01 * kDps};
   const auto noise = model::make_node_model<kFaultyShape>(sensor, period, tick);
-  return {.modes = noise.modes,
-          .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-          .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
-          .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
-          .gate = {.threshold_sigma = 5.0F, .longest_knock_ticks = 20},
-          .sample_period = period,
-          .hypotheses = noise.hypotheses};
+  return {.model = {.modes = noise.modes,
+                    .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+                    .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
+                    .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
+                    .gate = {.threshold_sigma = 5.0F, .longest_knock_ticks = 20},
+                    .sample_period = period,
+                    .hypotheses = noise.hypotheses}};
 }
 
 /// Looks at every message of a drive.

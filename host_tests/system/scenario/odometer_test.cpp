@@ -100,11 +100,11 @@ Harm on_a_turntable(const Turntable& setting) {
   const auto noise = model::make_node_model<kTurntableShape>(model::find_model("adis16405"), period,
                                                              std::max(tick, period));
   const TurntableNode::Params params{
-      .modes = noise.modes,
-      .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-      .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
-      .sample_period = period,
-      .hypotheses = noise.hypotheses};
+      .model = {.modes = noise.modes,
+                .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+                .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
+                .sample_period = period,
+                .hypotheses = noise.hypotheses}};
   TurntableNode node{params};
   constexpr double kRadPerDegree = std::numbers::pi / 180.0;
   constexpr std::array<double, 3> kBias_dps{1.0, -0.4, 0.2};

@@ -56,8 +56,8 @@ template <std::size_t R>
   }
   const double arw = sensor.arw_dps_rt_s * kRadPerDeg;
   typename app::GyroNode<core::ModelShape{.decaying = R}>::Params params{
-      .white_variance_rad2_s2 = static_cast<float>(arw * arw / kSlowPeriod_s),
-      .sample_period = kPeriod,
+      .model = {.white_variance_rad2_s2 = static_cast<float>(arw * arw / kSlowPeriod_s),
+                .sample_period = kPeriod},
       .learns_white_noise = false};  // the model is the sensor
   if constexpr (R == 6) {
     params.model.modes = core::compose(kPeriod, core::Start::stationary, lags);

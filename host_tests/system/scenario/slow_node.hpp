@@ -22,12 +22,12 @@ template <core::ModelShape Shape>
 [[nodiscard]] app::NodeParams<Shape> slow_params(const model::SensorModel& model) {
   const auto period = core::Duration::milliseconds(500);
   const auto noise = model::make_node_model<Shape>(model, period, period);
-  return {.modes = noise.modes,
-          .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
-          .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
-          .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
-          .sample_period = period,
-          .hypotheses = noise.hypotheses};
+  return {.model = {.modes = noise.modes,
+                    .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
+                    .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
+                    .turn_on_variance_rad2_s2 = noise.turn_on_variance_rad2_s2,
+                    .sample_period = period,
+                    .hypotheses = noise.hypotheses}};
 }
 
 /// Three axes of a gyro, each with noise of its own.

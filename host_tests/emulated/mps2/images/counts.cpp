@@ -176,9 +176,9 @@ void count_front_end() {
 }
 
 using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
-constexpr Node::Params kParams{.modes = kModes,
-                               .white_variance_rad2_s2 = kWhiteVariance,
-                               .sample_period = kSamplePeriod,
+constexpr Node::Params kParams{.model = {.modes = kModes,
+                                         .white_variance_rad2_s2 = kWhiteVariance,
+                                         .sample_period = kSamplePeriod},
                                .standstill = {.hold_back = core::Duration::milliseconds(500)}};
 constinit Node node{kParams};
 
