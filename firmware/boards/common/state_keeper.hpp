@@ -35,7 +35,7 @@ class StateKeeper {
 
   /// Call after every turn of the main loop.
   /// @return whether the flash was away for longer than a sample takes
-  bool poll(const Node& node, core::Instant now) {
+  bool poll(Node& node, core::Instant now) {
     if (medium_.is_saving()) {
       (void)medium_.save_page();
       return false;
@@ -47,7 +47,8 @@ class StateKeeper {
       was_still_ = is_prepared_ = true;
       return is_needed && medium_.prepare();
     }
-    if (was_still_ && motion == core::Motion::moving) {
+    // Only once the last ticks of the stop are learnt: then saving is a short call.
+    if (was_still_ && motion == core::Motion::moving && !node.has_work()) {
       was_still_ = false;
       if (node.measured_ticks() != saved_ticks_ && now >= next_at_) save(node, now);
     }
@@ -55,7 +56,7 @@ class StateKeeper {
   }
 
  private:
-  [[gnu::noinline]] void save(const Node& node, core::Instant now) {
+  [[gnu::noinline]] void save(Node& node, core::Instant now) {
     next_at_ = now + kShortestPause;
     saved_ticks_ = node.measured_ticks();
     is_prepared_ = false;
