@@ -60,6 +60,7 @@ struct Learnt {
       (void)node.step({.time = core::Instant::from_ns(ms * 1'000'000),
                        .rate = {core::rad_per_s(noise), core::rad_per_s(-noise), {}}});
     }
+    node.finish_work();  // a record changes nothing then
   }
   Node node;
 };
@@ -99,7 +100,7 @@ Record forged(Record record, FuzzedDataProvider& input) {
 template <core::ModelShape Shape>
 void take_up(FuzzedDataProvider& input) {
   using Node = app::GyroNode<Shape>;
-  static const Learnt<Node> learnt{params<Shape>()};
+  static Learnt<Node> learnt{params<Shape>()};
   const app::Snapshot<Node> snapshot{params<Shape>(), kSensor};
   const app::SnapshotTime saved{.session = {'a'}, .utc_s = input.ConsumeIntegral<std::int64_t>()};
   app::SnapshotTime now{.session = {input.ConsumeBool() ? 'a' : 'b'}, .utc_s = std::nullopt};
