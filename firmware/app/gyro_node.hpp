@@ -204,12 +204,14 @@ class GyroNode {
   using Rates = std::array<float, kAxes>;
 
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
+  static constexpr std::int32_t kAtOnce = 0;     ///< pace where a tick has a single sample
 
   /// Cost units a sample that do the work of a tick before the next one begins.
   [[nodiscard]] static constexpr std::int32_t pace_of(const Params& params) {
     const auto samples =
         static_cast<std::uint32_t>(std::clamp(params.model.modes.tick / params.model.sample_period,
                                               std::int64_t{1}, std::int64_t{0xFFFF}));
+    if (samples == 1) return kAtOnce;
     const std::uint32_t cost = Ticks::Costs::of_tick(params.published != Predictor::kalman);
     return static_cast<std::int32_t>((cost + samples - 1) / samples);
   }
@@ -263,6 +265,10 @@ class GyroNode {
   /// Does the share of a sample, more where several ticks wait and the call stays short. A step
   /// that costs more than the share is paid by the samples that follow.
   constexpr void work() {
+    if (pace_ == kAtOnce) {
+      while (learning_.confirmed() > 0) (void)ticks_.learn_at_once(learning_.take_confirmed());
+      return ticks_.finish();
+    }
     const auto waiting = static_cast<std::int32_t>(std::max(learning_.confirmed(), std::size_t{1}));
     credit_ += std::max(pace_, std::min(pace_ * waiting, kShortCall));
     while (credit_ > 0 && has_work()) credit_ -= static_cast<std::int32_t>(one_step());

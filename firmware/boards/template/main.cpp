@@ -26,8 +26,9 @@ class Keeper {
       (void)kSnapshot.restore_filters(node, std::span{record_}.first(*size), {});
     }
   }
-  void poll(const Node& node) {
+  void poll(Node& node) {
     const bool stands = node.motion() == core::Motion::still;
+    if (stood_ && !stands && node.has_work()) return;  // until the stop is learnt
     if (stood_ && !stands && node.predictors().has_learnt()) {
       kSnapshot.write_filters(node, {}, record_);
       (void)memory_.save(record_);

@@ -283,6 +283,7 @@ typedef struct zerorate_node {
 /** 1 s to settle, half a second held back, the Kalman predictor, sensor 0. */
 zerorate_config zerorate_default_config(void);
 
+#ifndef DOXYGEN
 /* The name that is linked tells the size of an instance. */
 #define ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c) \
   name##_##a##_##d##_##r##_##t##_##h##_##q##_##m##_##c
@@ -291,6 +292,7 @@ zerorate_config zerorate_default_config(void);
   ZERORATE_JOINED(zerorate_init, ZERORATE_AXES, ZERORATE_DECAYING_MODES, ZERORATE_ROTATING_MODES, \
                   ZERORATE_TEMPERATURE, ZERORATE_HYPOTHESES, ZERORATE_HELD_TICKS,                 \
                   ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN)
+#endif
 
 /**
  * Begins anew. The model and the configuration are copied.

@@ -21,7 +21,8 @@ class RegularPulses {
   void until(core::Instant at, bool moving, std::vector<core::Instant>& pulses) {
     if (moving) {
       const core::Instant first = was_moving_ ? newest_ + interval_ : at;
-      if (!was_moving_) pulses.push_back(at);  // a single pulse would be taken for creeping
+      // A single pulse would be taken for creeping, two at one time for a contact that bounces.
+      if (!was_moving_) pulses.push_back(at - core::Duration::milliseconds(25));
       for (core::Instant pulse = first; pulse <= at; pulse = pulse + interval_) {
         // A hole in the recording needs no pulses of its own: the newest one is what counts.
         if (at - pulse > core::Duration::seconds(1)) pulse = at - core::Duration::seconds(1);

@@ -70,20 +70,21 @@ class StopJudge {
  public:
   /// Called before the node's first sample of the stop.
   void begin_stop(const Node& node) {
-    before_.emplace(node.params());
-    before_->restore(node.state());
-    before_->finish_work();
+    copy_learnt(node, before_);
     first_tick_.reset();
   }
   /// After each sample.
   void take(const Node& node) {
-    if (!before_ || first_tick_ || node.measured_ticks() == before_->measured_ticks()) return;
+    if (!before_ || first_tick_ || node.measured_ticks() <= before_->measured_ticks()) return;
     first_tick_ = node.measured_ticks() - 1;
   }
   /// After the drive that follows the stop, or at the end: what the stop measured is the
   /// calibration mean.
-  void end_stop(const Node& node, core::Instant start, ReplayResult& result) const {
+  void end_stop(const Node& running, core::Instant start, ReplayResult& result) const {
     if (!before_ || !first_tick_) return;
+    std::optional<Node> learnt;
+    copy_learnt(running, learnt);
+    const Node& node = *learnt;
     const core::Duration tick = node.params().model.modes.tick;
     const core::Instant from = start + tick * std::int64_t{*first_tick_};
     const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
@@ -104,6 +105,13 @@ class StopJudge {
   }
 
  private:
+  /// Copies the node with all that is certain learnt, wherever in the work of a tick it is.
+  static void copy_learnt(const Node& running, std::optional<Node>& copy) {
+    copy.emplace(running.params());
+    copy->restore(running.state());
+    copy->finish_work();
+  }
+
   std::optional<Node> before_;               ///< node before the stop
   std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
 };
