@@ -145,14 +145,15 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   const auto sigma = [&](std::size_t row) {
     return double{replayed.messages[row].axes[2].sigma.in(core::rad_per_s)};
   };
-  // The gate waits for 5 s, the hold-back and the tick take another second.
+  // The gate waits for 5 s, the hold-back and the tick take another second, and what is learnt shows
+  // in the message a tick later.
   EXPECT_LT(error(kJump + 45), -0.9 * kSize);
   EXPECT_TRUE(replayed.messages[kJump + 45].health.measurement_rejected);
   EXPECT_GT(sigma(kJump + 55), 0.8 * kSize);  // the interval admits it by then
   std::size_t reacquired = kJump;
   while (std::abs(error(reacquired)) > 0.1 * kSize) ++reacquired;
   RecordProperty("reacquired_after_ms", static_cast<int>(100 * (reacquired - kJump)));
-  EXPECT_LE(reacquired, kJump + 70);
+  EXPECT_LE(reacquired, kJump + 75);
   EXPECT_FALSE(replayed.messages[kJump + 80].health.measurement_rejected);
   // The judge of the calm doubts it for 5 s of its own before the gate does.
   const Replayed calm = replay_file(path, calm_of(gated_model()));
