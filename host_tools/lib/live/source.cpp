@@ -218,6 +218,15 @@ namespace {
 
 using nlohmann::json;
 
+/// A whole number. A fraction or what exceeds 64 bits is as wrong as a word.
+template <class Integer>
+Integer read_integer(const json& number) {
+  if (!number.is_number_integer() || !std::in_range<Integer>(number.get<std::int64_t>())) {
+    throw json::other_error::create(503, "no whole number of this size", &number);
+  }
+  return number.get<Integer>();
+}
+
 void read_rates(const json& rates, app::RateMessage& message,
                 core::AngularRate app::AxisRate::*member, float where_null_dps) {
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
@@ -241,15 +250,15 @@ void read_inputs(const json& line, app::RateMessage& message) {
     if (core::is_finite(figure)) message.temperature = core::Temperature::from_degc(figure);
   }
   if (const json pulses = line.value("odometer_pulses", json{}); !pulses.is_null()) {
-    if (!pulses.is_number_unsigned()) throw json::other_error::create(503, "no count", &pulses);
-    message.odometer_pulses = pulses.get<std::uint32_t>();
+    message.odometer_pulses = read_integer<std::uint32_t>(pulses);
   }
 }
 
 wire::NumberedMessage read_message(const json& line) {
-  wire::NumberedMessage numbered{.sequence = line.at("sequence"), .message = {}};
+  wire::NumberedMessage numbered{.sequence = read_integer<std::uint32_t>(line.at("sequence")),
+                                 .message = {}};
   app::RateMessage& message = numbered.message;
-  message.time = core::Instant::from_ns(line.at("time_ns"));
+  message.time = core::Instant::from_ns(read_integer<std::int64_t>(line.at("time_ns")));
   message.motion = read_motion(line.at("motion"));
   read_rates(line.at("rate_dps"), message, &app::AxisRate::corrected, 0.0F);
   read_rates(line.at("measured_dps"), message, &app::AxisRate::measured, 0.0F);
@@ -257,7 +266,7 @@ wire::NumberedMessage read_message(const json& line) {
   read_rates(line.at("sigma_dps"), message, &app::AxisRate::sigma,
              std::numeric_limits<float>::infinity());
   const json& calm = line.at("calm_percent");
-  if (!calm.is_null()) message.calm_percent = calm;
+  if (!calm.is_null()) message.calm_percent = read_integer<std::uint8_t>(calm);
   read_inputs(line, message);
   constexpr std::size_t kFirstBits = 11;  // every line has them; nodes of before lack the others
   for (std::size_t i = 0; i < wire::kHealthBits.size(); ++i) {
