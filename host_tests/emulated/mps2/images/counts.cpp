@@ -175,7 +175,7 @@ void count_front_end() {
   emulated::write_line("averaged_sample_of_three_axes", mean_hundredths(1040, prepare, one));
 }
 
-using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 8, .average_levels = 8}>;
+using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_levels = 8}>;
 constexpr Node::Params kParams{.model = {.modes = kModes,
                                          .white_variance_rad2_s2 = kWhiteVariance,
                                          .sample_period = kSamplePeriod},
