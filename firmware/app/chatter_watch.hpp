@@ -18,8 +18,9 @@ namespace zerorate::app {
 ///
 /// Windows of five seconds are judged. In a quiet one the variance of each axis is at most 1.5
 /// times that of the white noise: 500 samples show it to 6 %, and the learnt white noise is known
-/// to 9 %. Two quiet windows with pulses are chatter. A gyro louder than 0.1 deg/s a sample cannot
-/// tell, nor one whose noise was not learnt at a stop.
+/// to 9 %. Its mean is the bias, within 0.25 deg/s: a steady turn is a drive. Two quiet windows
+/// with pulses are chatter. A gyro louder than 0.1 deg/s a sample cannot tell, nor one whose noise
+/// was not learnt at a stop.
 class ChatterWatch {
  public:
   static constexpr std::size_t kAxes = 3;
@@ -27,10 +28,12 @@ class ChatterWatch {
   constexpr void pulse() { ++pulses_; }
 
   /// Takes each sample in turn.
-  /// @param white_rad2_s2  function of an axis: variance of the white noise of a sample; asked for
-  ///   at the end of a window
-  template <class White>
-  constexpr void take(const drivers::GyroSample& sample, bool is_calibrated, White white_rad2_s2) {
+  /// @param bias_rad_s, white_rad2_s2  functions of an axis: its bias, and the variance of the
+  /// white
+  ///   noise of a sample; asked for at the end of a window
+  template <class Bias, class White>
+  constexpr void take(const drivers::GyroSample& sample, bool is_calibrated, Bias bias_rad_s,
+                      White white_rad2_s2) {
     if (samples_ == 0) begin_window(sample);
     ++samples_;
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -40,7 +43,7 @@ class ChatterWatch {
     }
     if (sample.time - began_at_ < kWindow) return;
     const bool is_quiet = is_calibrated && pulses_ > 0 && samples_ >= kFewestSamples &&
-                          shows_noise_alone(white_rad2_s2);
+                          shows_noise_alone(bias_rad_s, white_rad2_s2);
     chatters_ = is_quiet && was_quiet_;
     was_quiet_ = is_quiet;
     samples_ = 0;
@@ -60,8 +63,9 @@ class ChatterWatch {
     squares_ = {};
   }
 
-  template <class White>
-  [[nodiscard]] constexpr bool shows_noise_alone(White white_rad2_s2) const {
+  template <class Bias, class White>
+  [[nodiscard]] constexpr bool shows_noise_alone(Bias bias_rad_s, White white_rad2_s2) const {
+    constexpr float kTurn_rad_s = 0.25F * core::kRadPerDeg;
     constexpr float kLoudest_rad_s = 0.1F * core::kRadPerDeg;
     constexpr float kMost = 1.5F;
     const float samples = core::to_float(samples_);
@@ -69,6 +73,8 @@ class ChatterWatch {
       const float white = white_rad2_s2(i);
       const float mean = sum_[i] / samples;
       const float variance = squares_[i] / samples - mean * mean;
+      const float turn = first_rad_s_[i] + mean - bias_rad_s(i);
+      if (turn * turn > kTurn_rad_s * kTurn_rad_s) return false;
       if (white > kLoudest_rad_s * kLoudest_rad_s || variance > kMost * white) return false;
     }
     return true;

@@ -168,8 +168,10 @@ class NodeLoop {
       temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
       message.health.sample_rate_off = sample_rate_.is_off();
-      chatter_.take(sample, message.health.calibrated,
-                    [&](std::size_t axis) { return node_.white_variance_rad2_s2(axis); });
+      chatter_.take(
+          sample, message.health.calibrated,
+          [&](std::size_t axis) { return message.axes[axis].bias.in(core::rad_per_s); },
+          [&](std::size_t axis) { return node_.white_variance_rad2_s2(axis); });
       message.health.odometer_disagreement |= chatter_.chatters();
       publish(message, now);
       ++counters_.samples;

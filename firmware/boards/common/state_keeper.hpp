@@ -47,8 +47,7 @@ class StateKeeper {
       was_still_ = is_prepared_ = true;
       return is_needed && medium_.prepare();
     }
-    // Only once the last ticks of the stop are learnt: then saving is a short call.
-    if (was_still_ && motion == core::Motion::moving && !node.has_work()) {
+    if (was_still_ && motion == core::Motion::moving) {
       was_still_ = false;
       if (node.measured_ticks() != saved_ticks_ && now >= next_at_) save(node, now);
     }
