@@ -145,8 +145,8 @@ TEST(ReplayWhoseBiasJumps, ReacquiresItAfterTheLongestKnock) {
   const auto sigma = [&](std::size_t row) {
     return double{replayed.messages[row].axes[2].sigma.in(core::rad_per_s)};
   };
-  // The gate waits for 5 s, the hold-back and the tick take another second, and what is learnt shows
-  // in the message a tick later.
+  // The gate waits for 5 s, the hold-back and the tick take another second, and what is learnt
+  // shows in the message a tick later.
   EXPECT_LT(error(kJump + 45), -0.9 * kSize);
   EXPECT_TRUE(replayed.messages[kJump + 45].health.measurement_rejected);
   EXPECT_GT(sigma(kJump + 55), 0.8 * kSize);  // the interval admits it by then

@@ -70,7 +70,7 @@ class StopJudge {
  public:
   /// Called before the node's first sample of the stop.
   void begin_stop(const Node& node) {
-    copy_learnt(node, before_);
+    (void)copy_learnt(node, before_);
     first_tick_.reset();
   }
   /// After each sample.
@@ -82,9 +82,8 @@ class StopJudge {
   /// calibration mean.
   void end_stop(const Node& running, core::Instant start, ReplayResult& result) const {
     if (!before_ || !first_tick_) return;
-    std::optional<Node> learnt;
-    copy_learnt(running, learnt);
-    const Node& node = *learnt;
+    std::optional<Node> copy;
+    const Node& node = copy_learnt(running, copy);
     const core::Duration tick = node.params().model.modes.tick;
     const core::Instant from = start + tick * std::int64_t{*first_tick_};
     const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
@@ -106,12 +105,12 @@ class StopJudge {
 
  private:
   /// Copies the node with all that is certain learnt, wherever in the work of a tick it is.
-  static void copy_learnt(const Node& running, std::optional<Node>& copy) {
+  static const Node& copy_learnt(const Node& running, std::optional<Node>& copy) {
     copy.emplace(running.params());
     copy->restore(running.state());
     copy->finish_work();
+    return *copy;
   }
-
   std::optional<Node> before_;               ///< node before the stop
   std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
 };
@@ -157,12 +156,12 @@ class Run {
       stops_.end_stop(node_, kStart, result_);
     }
     if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts());
+    node_.finish_work();
     if (has_news()) tell_learnt(row.time_ns);
     result_.loop = feed.counters();
     result_.findings = reader_.findings();
     if (true_drives_) result_.true_drives = true_drives_->finish();
   }
-
   Node& node() { return replayed_.node(); }
   static constexpr core::Instant start() { return kStart; }
 
@@ -179,9 +178,7 @@ class Run {
   void take(const recording::Row& row, bool moving, const app::RateMessage& message) {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
-    if (message.motion != core::Motion::still && !node_.has_work() && has_news()) {
-      tell_learnt(row.time_ns);
-    }
+    if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
     stops_.take(node_);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
@@ -222,7 +219,6 @@ class Run {
     }
     return rates;
   }
-
   [[nodiscard]] std::array<float, kAxes> last_stop_means() const {
     std::array<float, kAxes> means;
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -233,9 +229,9 @@ class Run {
 
   /// Whether the node has learnt something that was not reported yet.
   [[nodiscard]] bool has_news() const {
-    return replayed_.params().model.hypotheses.count > 0 && node_.measured_ticks() != told_ticks_;
+    return replayed_.params().model.hypotheses.count > 0 && !node_.has_work() &&
+           node_.measured_ticks() != told_ticks_;
   }
-
   void tell_learnt(std::int64_t time_ns) {
     told_ticks_ = node_.measured_ticks();
     LearntNoises& learnt = result_.learnt.emplace();
@@ -263,13 +259,11 @@ class Run {
       }
     }
   }
-
   /// Rate over the Earth, with the bias still in it.
   [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
     return double{message.axes[axis].measured.in(core::rad_per_s)} -
            double{replayed_.params().earth.vertical_rad_s[axis]};
   }
-
   void predict_biases() {
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
