@@ -11,6 +11,10 @@
 
 namespace zerorate::core {
 
+/// Places of a line beside the ticks of the hold-back: two ticks that wait to be learnt, the tick
+/// being closed, and one to spare.
+inline constexpr std::int64_t kPlacesOfWork = 4;
+
 /// First in, first out, at most `Capacity` items in fixed memory. The oldest items are confirmed:
 /// nothing can discard them any more, and they wait to be taken. The others are held back.
 /// @tparam Item has a member `Instant end`, the time of its newest sample; items arrive in order

@@ -103,11 +103,6 @@ class Standstill {
   /// Time after which a measurement may already belong to the drive whose pulse came at `at`; for
   /// HoldBackLine::discard_after().
   [[nodiscard]] constexpr Instant discard_after(Instant at) const { return at - params_.hold_back; }
-  /// Time until which a measurement is calibration data, if no pulse is known by `now`; for
-  /// HoldBackLine::release_until().
-  [[nodiscard]] constexpr Instant release_until(Instant now) const {
-    return now - params_.hold_back;
-  }
 
  private:
   static constexpr Duration kLongestBounce = Duration::milliseconds(20);

@@ -209,9 +209,6 @@ class StopLearning {
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
-  /// Places for two ticks that wait to be learnt, the tick being closed, and one to spare.
-  static constexpr std::int64_t kPlacesOfWork = 4;
-
   /// Wait of a tick until nothing can speak against it any more: neither a late pulse nor motion
   /// that the two windows after it show, as far as there is room.
   static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {

@@ -218,8 +218,8 @@ class NodeLoop {
   }
 
   /// Verifies all of the configuration at once, before a start sets it anew: a chip that lost it
-  /// was without power, and comes back with another bias. While the chip does not answer, nobody
-  /// knows.
+  /// was without power, and comes back with another bias. While the chip does not answer, that
+  /// is unknown.
   constexpr void look_for_lost_power(core::Instant now) {
     constexpr int kMostEntries = 16;  // rate of any driver
     for (int i = 0; i < kMostEntries; ++i) {
@@ -319,7 +319,7 @@ class NodeLoop {
   TemperatureWatch temperature_watch_;
   ChatterWatch chatter_;
   bool running_ = false;
-  bool has_run_ = false;  ///< since its newest start; its configuration tells of lost power
+  bool has_run_ = false;  ///< since its newest start; a lost configuration shows lost power
   core::Duration slept_;  ///< pauses that the node was told of
   std::optional<core::Instant> polled_at_;
   std::optional<core::Instant> driven_at_;  ///< newest poll with pulses

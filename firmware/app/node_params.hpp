@@ -13,6 +13,7 @@
 #include "core/model/node_model.hpp"
 #include "core/monitor/odometer_check.hpp"
 #include "core/noise/model_shape.hpp"
+#include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
 
 namespace zerorate::app {
@@ -89,9 +90,6 @@ struct NodeCapacity {
 inline constexpr NodeCapacity kFilterAlone{
     .axes = 1, .runs_moving_average = false, .runs_calibration_mean = false};
 
-/// Places of the hold-back line beside the ticks of the hold-back.
-inline constexpr std::int64_t kLeastHeldTicks = 4;
-
 /// Whether a node of this capacity can be built from these parameters.
 template <ModelShape Shape>
 [[nodiscard]] constexpr core::Result<void, ParamsError> check(const NodeParams<Shape>& params,
@@ -115,9 +113,7 @@ template <ModelShape Shape>
       params.standstill.slowest < kZero) {
     return Unexpected{ParamsError::negative_time};
   }
-  // The line holds every tick that has not ended a hold-back ago, two that wait to be learnt, and
-  // the one being closed.
-  if (params.standstill.hold_back / params.model.modes.tick + kLeastHeldTicks >
+  if (params.standstill.hold_back / params.model.modes.tick + core::kPlacesOfWork >
       static_cast<std::int64_t>(capacity.held_ticks)) {
     return Unexpected{ParamsError::hold_back_too_long};
   }

@@ -28,6 +28,9 @@ class TickForecast {
 
   /// Bias that a predictor expects at the end of the tick being filled.
   [[nodiscard]] constexpr float bias_rad_s(Predictor which, std::size_t axis) const {
+    if (which == Predictor::calibration_mean) {  // A mean is the same at any time, without a span.
+      return ticks_.predictors().bias_rad_s(which, axis, {ticks_.lead(), ticks_.lead()});
+    }
     return with_lead(
         [&](const Lead& lead) { return ticks_.predictors().bias_rad_s(which, axis, lead); });
   }

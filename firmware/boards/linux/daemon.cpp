@@ -102,7 +102,7 @@ class Run {
   }
 
   [[nodiscard]] const std::string& name() const { return configuration_.name; }
-  /// Record of what the node knows; after finish().
+  /// Record of what the node has learnt; after finish().
   [[nodiscard]] std::vector<std::uint8_t> learnt() const { return service_->record(); }
 
   [[nodiscard]] Sources sources() const {

@@ -71,7 +71,7 @@ class NodeService {
   /// After the measuring thread has ended: publishes what waits, and saves.
   void finish();
 
-  /// Record of what the node knows; after finish().
+  /// Record of what the node has learnt; after finish().
   [[nodiscard]] std::vector<std::uint8_t> record() const;
 
   [[nodiscard]] const MessageQueue& queue() const { return queue_; }

@@ -57,8 +57,8 @@ class Odometer {
 /// The pulses of a schedule if there is one, else of the recording's odometer or still column.
 /// @param sample_period the nominal one; scheduled and still-flag pulses come at least that often
 /// @param is_needed false: the gyro alone decides what is rest, pulses serve the scores and may be
-/// missing Throws std::invalid_argument if the motion of the vehicle is needed and no column gives
-/// it.
+///   missing
+/// Throws std::invalid_argument if the motion of the vehicle is needed and no column gives it.
 [[nodiscard]] std::unique_ptr<Odometer> make_odometer(const recording::Columns& columns,
                                                       const std::optional<ScheduleParams>& schedule,
                                                       core::Instant start,

@@ -10,6 +10,7 @@
 
 #include "host_tools/lib/identify/minimise.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/half_width.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -27,7 +28,6 @@ constexpr double kRoom = 7.0;
 /// Distance from the ends of its range that a search for d keeps, so that the logit stays finite;
 /// less than that of kOrderLimit.
 constexpr double kEdge = 0.006;
-constexpr double kNormal95 = 1.959963984540054;
 /// 1 % point of chi squared with one degree of freedom.
 constexpr double kContradiction = 6.634896601021213;
 
@@ -78,8 +78,9 @@ IntervalEstimate known(double value) {
 
 IntervalEstimate order_from(double order, double error_of_logit) {
   const double logit = logit_of(order);
-  return {order, order_slope(order) * error_of_logit, order_of(logit - kNormal95 * error_of_logit),
-          order_of(logit + kNormal95 * error_of_logit)};
+  return {order, order_slope(order) * error_of_logit,
+          order_of(logit - statistics::kHalfWidth95 * error_of_logit),
+          order_of(logit + statistics::kHalfWidth95 * error_of_logit)};
 }
 
 /// White noise and flicker noise, as they are fitted.
@@ -310,8 +311,8 @@ Maximum choose_order(const Fitter& fitter, const Peak& prior,
 
 IntervalEstimate IntervalEstimate::of_logarithm(double x, double standard_error) {
   const double value = std::exp(x);
-  return {value, value * standard_error, std::exp(x - kNormal95 * standard_error),
-          std::exp(x + kNormal95 * standard_error)};
+  return {value, value * standard_error, std::exp(x - statistics::kHalfWidth95 * standard_error),
+          std::exp(x + statistics::kHalfWidth95 * standard_error)};
 }
 
 double p_value_at_edge(double likelihood_ratio) {
