@@ -55,6 +55,26 @@ PROGRAM = """
     add  sp, #16
     bx   lr
 """
+# 4 by start, and 40 by the second branch, which only a table leads to.
+SWITCH = """
+    function start
+    push {lr}
+    cmp  r0, #1
+    bhi  2f
+    ldr  r3, =table
+    lsls r0, r0, #2
+    ldr  r3, [r3, r0]
+    mov  pc, r3
+1:  pop  {pc}
+2:  pop  {pc}
+3:  sub  sp, #40
+    add  sp, #40
+    pop  {pc}
+    .ltorg
+    .section .rodata
+    .balign 4
+table:
+"""
 
 
 class StackDepth(unittest.TestCase):
@@ -82,6 +102,15 @@ class StackDepth(unittest.TestCase):
         done = self.gate(PROGRAM, 4023)
         self.assertEqual(done.returncode, 1)
         self.assertIn("4024 bytes do not fit into 4023", done.stderr)
+
+    def test_follows_the_branches_of_a_switch(self):
+        program = f"{SWITCH}    .word 1b, 3b\n"
+        done = self.gate(program, 100)
+        self.assertIn("stack: 44 bytes at most", done.stdout)
+
+    def test_refuses_a_jump_without_a_table(self):
+        done = self.gate("function start\n mov pc, r3\n", 100)
+        self.assertIn("mov pc, r3", done.stderr)
 
     def test_refuses_recursion(self):
         done = self.gate("function start\n push {lr}\n bl again\n function again\n push {lr}\n bl start\n pop {pc}\n", 100)

@@ -4,8 +4,8 @@
 usage: stack_depth.py --objdump OBJDUMP --nm NM [--interrupts NAME,NAME...]... IMAGE
 
 Follows every instruction of the linked image from start() on, libgcc and assembly included: pushes, moves
-of the stack pointer, calls. Recursion, calls through pointers and a stack pointer that depends on data
-cannot be followed and are refused. Each --interrupts names handlers of one priority, one of which may
+of the stack pointer, calls, the jump tables of a switch. Recursion, calls through pointers and a stack pointer
+that depends on data cannot be followed and are refused. Each --interrupts names handlers of one priority, one of which may
 interrupt the program and, once, the handlers of the priorities named before.
 The image reserves what lies between its symbols stack_limit and stack_top.
 """
@@ -22,6 +22,8 @@ EXCEPTION_FRAME = 32 + 4
 INSTRUCTION = re.compile(r"^ *([0-9a-f]+):\t[0-9a-f ]+?\s*\t(\S+)\s*(.*)$")
 LABEL = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 BRANCH_TARGET = re.compile(r"^([0-9a-f]+) <")
+INDEXED = re.compile(r"^\[(r\d+), (r\d+)\]$")
+CONTENTS = re.compile(r"^ ([0-9a-f]+) ((?:[0-9a-f]+ ){1,4}) ")
 CONDITIONAL = re.compile(r"^b(eq|ne|cs|cc|hs|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)(\.n|\.w)?$")
 
 
@@ -33,7 +35,7 @@ class Image:
     def __init__(self, objdump, path):
         listing = subprocess.run([objdump, "-d", "-j", ".text", "-j", ".data", path], check=True,
                                  capture_output=True, text=True).stdout
-        self.names, self.code, self.words = {}, {}, {}
+        self.names, self.code = {}, {}
         previous = None
         for line in listing.splitlines():
             if label := LABEL.match(line):
@@ -45,12 +47,21 @@ class Image:
             address = int(found[1], 16)
             operands = re.split(r"\s*[;@]", found[3])[0].strip()
             if found[2] == ".word":
-                self.words[address] = int(operands, 16)
                 continue
             self.code[address] = (found[2], operands, found[3])
             if previous is not None and previous not in self.next_of:
                 self.next_of[previous] = address
             previous = address
+        self.words = dict(self.contents(objdump, path))
+
+    @staticmethod
+    def contents(objdump, path):
+        """(address, word) of all that is loaded."""
+        listing = subprocess.run([objdump, "-s", path], check=True, capture_output=True, text=True).stdout
+        for line in listing.splitlines():
+            if row := CONTENTS.match(line):
+                for i, word in enumerate(word for word in row[2].split() if len(word) == 8):
+                    yield int(row[1], 16) + 4 * i, int.from_bytes(bytes.fromhex(word), "little")
 
     @cached_property
     def next_of(self):
@@ -62,6 +73,16 @@ class Image:
                 return address
         raise Unprovable(f"no function {name}")
 
+    def function_end(self, entry):
+        return min((address for address in self.names if address > entry), default=max(self.code) + 1)
+
+    def jump_table(self, entry, table):
+        """Branches of a switch: words that follow each other as long as they lead into the function."""
+        end = self.function_end(entry)
+        while entry <= (target := self.words.get(table, 0) & ~1) < end:
+            yield target
+            table += 4
+
 
 def registers_in(operands):
     """How many registers a list like {r4, r5-r7, lr} holds."""
@@ -70,6 +91,10 @@ def registers_in(operands):
         first, _, last = part.strip().partition("-")
         count += int(last[1:]) - int(first[1:]) + 1 if last else 1
     return count
+
+
+class JumpTable(int):
+    """Address of a table that one word was taken from."""
 
 
 class Depths:
@@ -157,7 +182,10 @@ class Depths:
 
     def learn(self, mnemonic, parts, text, constants):
         target, value = parts[0], None
-        if mnemonic == "ldr" and (literal := re.search(r"[@;] \(([0-9a-f]+)", text)):
+        if mnemonic == "ldr" and (indexed := INDEXED.match(", ".join(parts[1:]))):
+            base = constants.get(indexed[1])
+            value = None if base is None else JumpTable(base)
+        elif mnemonic == "ldr" and (literal := re.search(r"[@;] \(([0-9a-f]+)", text)):
             value = self.image.words.get(int(literal[1], 16))
         elif mnemonic == "movs" and parts[-1].startswith("#"):
             value = int(parts[-1][1:])
@@ -190,6 +218,12 @@ class Depths:
             if callee is None:
                 raise self.unprovable(entry, address, f"bx {operands}")
             return callee & ~1, [], False
+        if mnemonic == "mov" and operands.startswith("pc"):
+            table = constants.get(operands.split(",")[1].strip())
+            branches = list(self.image.jump_table(entry, table)) if isinstance(table, JumpTable) else []
+            if not branches:
+                raise self.unprovable(entry, address, f"mov {operands}")
+            return None, branches, False
         if mnemonic == "blx":
             raise self.unprovable(entry, address, f"blx {operands}")
         ends = mnemonic in ("bx", "udf", "bkpt") or mnemonic == "pop" and "pc" in operands

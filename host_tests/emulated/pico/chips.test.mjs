@@ -55,8 +55,8 @@ for (const chip of CHIPS) {
 
   if (!chip.upset) continue;
   test(`${name} on ${bus}: settings that an upset changed are noticed and set again`, () => withRig(chip, (rig) => {
-    rig.board.at(3e6, () => rig.chip.upset(...chip.upset));
-    rig.board.run(8e6);
+    rig.board.at(4e6, () => rig.chip.upset(...chip.upset));
+    rig.board.run(9e6);
     const status = statuses(rig.frames).at(-1);
     assert.equal(status.configurations_lost, 1);
     assert.equal(status.starts, 2);

@@ -4,6 +4,7 @@ import { rates, statuses } from './frames.mjs';
 import { Rig } from './rig.mjs';
 
 const CALIBRATED = 1, SATURATED = 8, ODOMETER_FAULT = 32, SENSOR_FAULT = 64;
+const TURN_ON_RAD_S = 0.1 * Math.PI / 180;
 const last = (frames) => frames.at(-1);
 const lastStatus = (rig) => last(statuses(rig.frames));
 const between = (rig, from_us, to_us) => rates(rig.frames).filter(
@@ -119,17 +120,18 @@ test('a line that is too slow loses whole messages, never parts, and says how ma
   assert.ok(between(rig, 4e6, 5e6).length > 100, 'it recovers');
 });
 
-test('a chip that loses its supply is found, started again, and keeps its bias', () => {
+test('a chip that loses its supply is started again, less certain by the turn-on', () => {
   const rig = new Rig();
   rig.measureForEver([10, 20, 30]);
-  rig.board.at(3e6, () => rig.chip.reset());
-  rig.board.run(5.1e6);
+  rig.board.at(4e6, () => rig.chip.reset());
+  rig.board.run(6.1e6);
   const status = lastStatus(rig);
   assert.equal(status.configurations_lost, 1);
   assert.equal(status.starts, 2);
   const after = last(rates(rig.frames));
   assert.equal(after.health, CALIBRATED);
   assert.equal(after.axes[0].corrected, 0);
+  assert.ok(after.axes[0].sigma > TURN_ON_RAD_S && after.axes[0].sigma < 1.1 * TURN_ON_RAD_S);
 });
 
 test('an axis at full scale is marked', () => {

@@ -26,11 +26,9 @@ export function provenStack(name = 'zerorate-pico') {
   return Number(/^stack: (\d+) bytes at most/.exec(done.stdout)[1]);
 }
 
-// Bytes that the image uses at most in some seconds of standstill and a pulse, while every new depth of the
-// program is interrupted by both handlers of low priority, and every new depth of these by the third.
-export function worstStack(name = 'zerorate-pico', until_us = 5e6) {
-  const rig = new Rig({ name });
-  const { board } = rig;
+// Every new depth of the program is interrupted by both handlers of low priority, and every new depth of these
+// by the third.
+function interruptAtWorst(board) {
   const { core } = board.mcu;
   const deepest = { program: Infinity, handler: Infinity };
   const open = [];
@@ -44,11 +42,22 @@ export function worstStack(name = 'zerorate-pico', until_us = 5e6) {
     deepest[level] = core.SP;
     pend(level === 'program' ? LOW_PRIORITY : HIGH_PRIORITY);
   };
-  rig.measureForEver([100, -200, 300]);
-  board.run(until_us - 1e6);
-  rig.pulse();
-  board.run(until_us);
-  return board.stackUsed;
+}
+
+// Bytes that the image uses at most in two runs of some seconds of standstill and a pulse: of a new board, and of one
+// that finds what the first had saved.
+export function worstStack(name = 'zerorate-pico') {
+  const stackOf = (state) => {
+    const rig = new Rig({ name, state });
+    interruptAtWorst(rig.board);
+    rig.measureForEver([100, -200, 300]);
+    rig.board.run(4e6);
+    rig.pulse();
+    rig.board.run(5e6);
+    return { used: rig.board.stackUsed, state: rig.board.flash.state };
+  };
+  const first = stackOf();
+  return Math.max(first.used, stackOf(first.state).used);
 }
 
 // Instructions from one conversion of the gyro to the next: everything the processor does meanwhile,
@@ -156,8 +165,8 @@ ${[...figures].map(([row, values]) => `| ${row} | ${values.join(' | ')} |`).join
 The images may take 48 and 64 KiB of flash, and 8 and 24 KiB of RAM. A sample period, 9.6 ms, has 1.2 million cycles at
 125 MHz; an instruction of the Cortex-M0+ takes one or two, and more where it waits for the flash, which the emulator
 does not model. The proved bound of the stack follows every call of the linked image (\`toolchains/gates/stack_depth.py\`),
-and it is reached: with an interrupt of each priority at every new depth of the stack, the image uses exactly as much, and
-so does one that publishes the moving average (\`footprint.test.mjs\`). The largest sample period is one in which a stop ends
+and it is reached: with an interrupt of each priority at every new depth of the stack, the image uses exactly as much
+(\`footprint.test.mjs\`). The largest sample period is one in which a stop ends
 and what was learnt is written to the flash. Counts of single calls are means over four seconds of standstill, with all
 that is called and without interrupts; what a tick of the predictors takes is in [instructions](instructions.md).
 `;

@@ -86,8 +86,9 @@ void write_physical(const RecordingSetting& setting, const Part& effect,
   for (std::size_t k = 0; k < kSamples; ++k) {
     const double turn = is_driving(k) ? 0.2 * std::sin(0.01 * static_cast<double>(k)) : 0.0;
     const double rest = signal.rate_rad_s[k] + setting.slow_rad_s[k] + setting.bias_rad_s;
+    const auto rate = static_cast<float>(rest + turn);
     writer.write({.time_ns = static_cast<std::int64_t>(k) * 100'000'000,
-                  .rate_rad_s = {0.0F, 0.0F, static_cast<float>(rest + turn)},
+                  .rate_rad_s = {rate, rate, rate},  // an axis without noise counts as frozen
                   .still = !is_driving(k)});
   }
   writer.finish();
