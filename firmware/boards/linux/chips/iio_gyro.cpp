@@ -188,7 +188,8 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
 core::Result<void, drivers::DriverError> IioGyro::verify_next() {
   // The attributes are the driver's own memory; once a second is often enough.
   const auto interval = static_cast<std::size_t>(std::ceil(settings_.rate_hz));
-  if (!device_) return failed(hal::BusError::not_present, told_);
+  if (!device_ && !was_removed_) return {};  // opened again by start()
+  if (!device_) return drivers::refused(DriverErrorCode::configuration_lost, 0);
   if (++calls_of_verify_ % interval != 0) return {};
   try {
     if (device_->verify_next()) return {};
@@ -217,6 +218,7 @@ core::Unexpected<drivers::DriverError> IioGyro::failed(const KernelFileError& er
 core::Unexpected<drivers::DriverError> IioGyro::failed(hal::BusError bus, std::string told) {
   told_ = std::move(told);
   device_.reset();
+  was_removed_ = bus == hal::BusError::not_present;
   return drivers::bus_failed(bus, 0);
 }
 

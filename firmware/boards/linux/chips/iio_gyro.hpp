@@ -74,6 +74,7 @@ class IioGyro final : public DeviceGyro {
 
   std::string told_;
   int error_number_ = 0;
+  bool was_removed_ = false;  ///< the device went away; its driver resets the chip when it returns
 };
 
 }  // namespace zerorate::linux_node

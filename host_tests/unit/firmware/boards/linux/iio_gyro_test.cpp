@@ -334,6 +334,8 @@ TEST(IioGyroOfTheKernel, TellsThatItWasUnboundWhileItRan) {
   EXPECT_EQ(rig.gyro->reason(gone.error().code).told,
             rig.made.places().nodes + "/iio:device0: No such device (was the device unplugged?)");
   EXPECT_EQ(rig.gyro->descriptor(), -1) << "nothing to wait for";
+  EXPECT_EQ(rig.gyro->verify_next().error().code, DriverErrorCode::configuration_lost)
+      << "its driver resets the chip when it comes back";
   rig.nodes.read_error = 0;
   ASSERT_EQ(rig.start_message(), "");
   rig.made.send(rig.now, {2, 2, 2});
