@@ -106,7 +106,7 @@ class KalmanBank {
   ///   change since the level that its scales rest on
   constexpr Innovations observe(const Rates& rates_rad_s, float white_variance) {
     Innovations innovations{};
-    if (!compare(rates_rad_s, white_variance, innovations)) return innovations;
+    if (!compare(rates_rad_s, white_variance, false, innovations)) return innovations;
     for (std::size_t m = 0; m < count(); ++m) learn(m, rates_rad_s, white_variance, innovations);
     conclude();
     for (std::size_t i = 0; i < Axes; ++i) weigh(i);
@@ -115,14 +115,21 @@ class KalmanBank {
 
   /// Compares a measurement with the forecast, and decides whether the filters are to learn it.
   /// A first measurement is taken up here.
+  /// @param has_jumped whether the level is known to have changed: then it is learnt anew
   /// @return true if learn(), conclude() and weigh() are to follow
-  constexpr bool compare(const Rates& rates_rad_s, float white_variance, Innovations& innovations) {
+  constexpr bool compare(const Rates& rates_rad_s, float white_variance, bool has_jumped,
+                         Innovations& innovations) {
     innovations = {};
     for (const float rate_rad_s : rates_rad_s) {
       if (!is_measurement(rate_rad_s, white_variance)) return false;
     }
     if (state_.is_measured()) {
       innovations = innovations_of(rates_rad_s, white_variance);
+      if (has_jumped && state_.is_confirmed()) {
+        count_rejected(false, innovations);
+        inflate_variance(largest_square(innovations));
+        return true;
+      }
       const bool is_outlier = is_outlier_to_gate(innovations);
       // One of the two is wrong, and nobody knows which: the newer one must be confirmed now.
       const bool is_replaced = is_outlier && !state_.is_confirmed();
@@ -264,22 +271,31 @@ class KalmanBank {
 
   /// Keeps account of what the gate makes of a measurement; false where it is to be learnt from.
   constexpr bool is_knock(bool is_outlier, Innovations& innovations) {
-    const Gate& gate = coefficients_->gate;
-    const bool is_knock = is_outlier && state_.rejected < gate.longest_knock_ticks;
-    state_.rejected = is_knock ? static_cast<std::uint16_t>(state_.rejected + 1) : std::uint16_t{0};
-    float largest = 0.0F;
-    for (std::size_t i = 0; i < Axes; ++i) {
-      const float square = innovations[i].residual_rad_s * innovations[i].residual_rad_s;
-      largest = std::max(largest, square);
-      innovations[i].accepted = !is_knock;
-      innovations[i].rejected = is_knock;
-      state_.axes[i].rejection_variance = is_knock ? gate.doubt(square, state_.rejected) : 0.0F;
-    }
+    const bool is_knock = is_outlier && state_.rejected < coefficients_->gate.longest_knock_ticks;
+    count_rejected(is_knock, innovations);
     if (is_outlier && !is_knock) {  // it was a jump of this size
+      const float largest = largest_square(innovations);
       inflate_variance(largest);
       for (Innovation& innovation : innovations) innovation.variance_rad2_s2 += largest;
     }
     return is_knock;
+  }
+  constexpr void count_rejected(bool is_knock, Innovations& innovations) {
+    state_.rejected = is_knock ? static_cast<std::uint16_t>(state_.rejected + 1) : std::uint16_t{0};
+    for (std::size_t i = 0; i < Axes; ++i) {
+      const float square = innovations[i].residual_rad_s * innovations[i].residual_rad_s;
+      innovations[i].accepted = !is_knock;
+      innovations[i].rejected = is_knock;
+      state_.axes[i].rejection_variance =
+          is_knock ? coefficients_->gate.doubt(square, state_.rejected) : 0.0F;
+    }
+  }
+  [[nodiscard]] static constexpr float largest_square(const Innovations& innovations) {
+    float largest = 0.0F;
+    for (const Innovation& one : innovations) {
+      largest = std::max(largest, one.residual_rad_s * one.residual_rad_s);
+    }
+    return largest;
   }
 
   const Coefficients* coefficients_;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
@@ -21,12 +22,12 @@ struct OdometerCheckParams {
   /// smaller values detect slower turns. Never below six standard deviations of the difference of
   /// a window from the level. Default 0.25 deg/s; infinite: no turn is ever noticed.
   float turn_rad_s = 0.25F * kRadPerDeg;
-  /// A rate that has stayed changed for so long, or for four times as long as the one before it,
-  /// is a bias that jumped, and is learnt. Longer than any turn that the odometer may miss.
-  /// Default 2 min.
+  /// Longest time before a changed level is accepted as a bias that jumped, and is learnt. Longer
+  /// than any turn that the odometer may miss. Default 2 min.
   Duration longest_turn = Duration::seconds(120);
-  /// Shortest time before a changed level is accepted; used as it is where a stop begins away
-  /// from the predicted bias. Default 5 s.
+  /// Time before a level is accepted that lies five standard deviations from the predicted bias.
+  /// One that is twice as far takes 16 times as long, up to `longest_turn`; a nearer one takes as
+  /// long. Default 5 s.
   Duration longest_bend = Duration::seconds(5);
   /// No vehicle drives for so long without any rotation that exceeds the noise. Default 2 min; 0:
   /// pulses are never doubted for that.
@@ -44,7 +45,13 @@ struct OdometerCheckParams {
 ///
 /// The level matters only where a stop begins: far from the predicted bias, or before there is one
 /// from the stop before, it is either a bias that has changed, or the wire broke in a bend. Nothing
-/// is refused for that; it must last a while.
+/// is refused for that; it must last a while, the longer the less likely it is by the prediction.
+///
+/// Two explanations are held meanwhile: the trusted level of before, and the level that is doubted.
+/// A pulse decides nothing between them, so a level that is doubted at departure stays doubted in
+/// the drive. The next stops decide: a second at the trusted level, or enough time at the doubted
+/// one, over several stops if they agree. A level that was accepted may still have been a turn:
+/// what returns to the level of before is believed at once.
 ///
 /// A window lasts half a second, and until half of its nominal samples have come: where samples are
 /// lost, or the sensor is slower than its nominal rate, it is judged by those that came. That of a
@@ -61,15 +68,25 @@ class OdometerCheck {
 
   using Params = OdometerCheckParams;
   struct State {
-    Rates level_rad_s{};             ///< recent level of the rate; while moving, the newest sample
-    Rates trusted_rad_s{};           ///< level before the last change, if there was one
-    TickWindow<Axes> window;         ///< window being filled
-    std::uint16_t steady_ticks = 0;  ///< ticks since the level changed
-    std::uint16_t needed_ticks = 0;  ///< ticks until a changed level is believed
+    Rates level_rad_s{};              ///< recent level of the rate; while moving, the newest sample
+    Rates trusted_rad_s{};            ///< level before the last change, if there was one
+    Rates doubted_rad_s{};            ///< level that was doubted at departure
+    Rates former_rad_s{};             ///< trusted level before one that was doubted was accepted
+    TickWindow<Axes> window;          ///< window being filled
+    std::uint16_t steady_ticks = 0;   ///< ticks since the level changed
+    std::uint16_t needed_ticks = 0;   ///< ticks until a changed level is believed
+    std::uint16_t doubted_ticks = 0;  ///< ticks at the doubted level, over several stops
+    std::uint16_t doubted_needed_ticks = 0;  ///< ticks until it is believed
+    std::uint8_t far_ticks = 0;      ///< newest ticks that were calm and far from the prediction
     std::uint8_t bounced_ticks = 0;  ///< ticks until the newest bounce is forgotten
     bool stands = false;             ///< the level is that of a stop
     bool turns = false;              ///< a rotation without pulses
     bool has_trusted = false;        ///< without a trusted level none counts as changed
+    bool is_doubted = false;         ///< there is a doubted level
+    bool has_former = false;         ///< there is a former level
+    bool changed_in_stop = false;    ///< the level changed since the stop began, and is not back
+    bool is_new = false;             ///< a level that no stop before had
+    bool has_jumped = false;         ///< a level was accepted that no prediction explains
 
     constexpr bool operator==(const State&) const = default;
   };
@@ -95,9 +112,12 @@ class OdometerCheck {
   constexpr void restore(const State& state) { state_ = state; }
   /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
-    return are_bools(state.stands, state.turns, state.has_trusted) &&
+    return are_bools(state.stands, state.turns, state.has_trusted, state.is_doubted,
+                     state.has_former, state.is_new, state.has_jumped) &&
            are_plausible(state.level_rad_s) && are_plausible(state.trusted_rad_s) &&
-           TickWindow<Axes>::is_possible(state.window) && state.steady_ticks < kNever;
+           are_plausible(state.doubted_rad_s) && are_plausible(state.former_rad_s) &&
+           TickWindow<Axes>::is_possible(state.window) && state.steady_ticks < kNever &&
+           state.doubted_ticks < kNever;
   }
 
   /// The variance of one sample is known better now.
@@ -108,40 +128,54 @@ class OdometerCheck {
 
   /// A rotation without pulses: what is measured is no bias.
   [[nodiscard]] constexpr bool turns() const { return state_.turns; }
-  /// Anything at all contradicts the odometer.
+  /// A doubted level has lasted long enough to be learnt.
+  [[nodiscard]] constexpr bool is_accepted() const {
+    return state_.is_doubted && state_.doubted_ticks >= state_.doubted_needed_ticks;
+  }
+  /// Whether the level jumped since this was asked before.
+  [[nodiscard]] constexpr bool take_jump() { return std::exchange(state_.has_jumped, false); }
+  /// Anything at all contradicts the odometer, or the newest departure left two explanations.
   [[nodiscard]] constexpr bool disagrees() const {
-    return state_.turns || state_.bounced_ticks > 0 ||
+    return state_.turns || state_.is_doubted || state_.bounced_ticks > 0 ||
            (!state_.stands && state_.steady_ticks >= longest_straight_);
   }
 
   /// @param since the pulse before; any other sign or none: out of order, ignored
   constexpr void pulse(Duration since) {
-    state_.turns = false;
+    if (state_.stands) depart();
     if (since > Duration{} && since < shortest_pulse_) state_.bounced_ticks = bounced_;
   }
 
   /// A tick begins while the vehicle moves.
   constexpr void on_driving_tick(const Rates& sample_rad_s) {
     count_down();
-    if (state_.stands && !state_.turns) trust(state_.level_rad_s);
-    if (state_.stands || !is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
-      restart_level(sample_rad_s);
-    } else {
+    if (state_.stands) depart();
+    if (is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
       age_level(1);
+    } else {
+      restart_level(sample_rad_s);
     }
     clear_window();
-    state_.stands = false;
   }
 
   /// A tick of standstill is over.
   /// @param samples in it, at least one
   /// @param predicted_rad_s the bias, or nullptr if none is known
+  /// @param variance_rad2_s2 variance of that prediction
   constexpr void on_standing_tick(const Rates& mean_rad_s, std::uint32_t samples,
-                                  const Rates* predicted_rad_s) {
+                                  const Rates* predicted_rad_s, float variance_rad2_s2) {
     count_down();
     state_.window.add(mean_rad_s, samples);
     if (state_.window.ticks < window_ || state_.window.samples < fewest_samples_) return;
-    judge(window(), predicted_rad_s);
+    judge(window(), {predicted_rad_s, variance_rad2_s2});
+  }
+  /// Takes the verdict of CalmJudge about that tick: whether it is far from the prediction.
+  constexpr void take_verdict(bool is_far) {
+    if (!is_far) {
+      state_.far_ticks = 0;
+    } else if (state_.far_ticks < 0xFF) {
+      ++state_.far_ticks;
+    }
   }
 
  private:
@@ -151,6 +185,10 @@ class OdometerCheck {
   static constexpr Duration kMemory =
       Duration::seconds(15);  ///< memory of the level: a bias drifts
   static constexpr std::uint16_t kNever = 0xFFFF;
+  /// Standard deviations that a level is accepted at after `longest_bend`.
+  static constexpr float kFar = 5.0F;
+  /// Square of the part of the least turn by which the same level may differ from stop to stop.
+  static constexpr float kSameLevel2 = 0.25F * 0.25F;
   // Six standard deviations of a difference are no noise, four may be, once in a while.
   static constexpr float kSixSigma2 = 6.0F * 6.0F;
   static constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
@@ -161,18 +199,29 @@ class OdometerCheck {
     if (!(duration > Duration{}) || ticks >= kNever) return kNever;
     return ticks > 0 ? static_cast<std::uint16_t>(ticks) : std::uint16_t{1};
   }
-  static constexpr std::uint16_t clamp_ticks(std::uint16_t least, std::uint32_t ticks,
-                                             std::uint16_t most) {
-    if (ticks >= most) return most;
-    return ticks < least ? least : static_cast<std::uint16_t>(ticks);
-  }
-
   static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
     for (std::size_t i = 0; i < Axes; ++i) {
       const float change = a[i] - b[i];
       if (change * change > limit_rad2_s2) return false;
     }
     return true;
+  }
+
+  /// The bias by the predictor, if there is one.
+  struct Predicted {
+    const Rates* rate_rad_s = nullptr;
+    float variance_rad2_s2 = 0.0F;
+  };
+
+  /// The vehicle drives off. What was doubted stays doubted.
+  constexpr void depart() {
+    const bool is_far = state_.turns || state_.far_ticks > 0;
+    if (!is_far && !state_.is_doubted) trust(state_.level_rad_s);
+    if (is_far && state_.steady_ticks >= back_) doubt_level();
+    state_.turns = false;
+    state_.far_ticks = 0;
+    state_.stands = false;
+    restart_level(state_.level_rad_s);
   }
 
   constexpr void trust(const Rates& level) {
@@ -208,26 +257,49 @@ class OdometerCheck {
   }
   /// Compares a window with the level, unless it is too loud to tell the least turn, shows no
   /// larger one, and may go on.
-  [[gnu::noinline]] constexpr void judge(const Window& closed, const Rates* predicted) {
+  [[gnu::noinline]] constexpr void judge(const Window& closed, const Predicted& predicted) {
     const float noise = closed.noise_against(level_ticks());
     const float limit = std::max(least_turn_rad2_s2_, noise);
-    if (!state_.stands) return begin_stop(closed.mean_rad_s, limit, predicted);
+    if (!state_.stands) return begin_stop(closed, noise, predicted);
     if (!is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
-      start_change(closed.mean_rad_s);
+      start_change(closed, predicted);
     } else if (noise <= least_turn_rad2_s2_ || state_.window.ticks >= longest_window_) {
       clear_window();
-      track_level(closed);
+      track_level(closed, predicted);
     }
   }
-  constexpr void begin_stop(const Rates& mean, float limit, const Rates* predicted) {
-    restart_level(mean);
+  constexpr void begin_stop(const Window& first, float noise, const Predicted& predicted) {
+    restart_level(first.mean_rad_s);
     state_.stands = true;
-    if (predicted != nullptr) trust(*predicted);
-    state_.turns = !is_near_trusted(mean, limit);
-    state_.needed_ticks = longest_bend_;
+    if (predicted.rate_rad_s != nullptr) trust(*predicted.rate_rad_s);
+    state_.turns = !is_near_trusted(first.mean_rad_s, std::max(least_turn_rad2_s2_, noise));
+    state_.is_new = state_.turns;
+    state_.needed_ticks = ticks_of_evidence(first, predicted);
+    const float same = std::max(kSameLevel2 * least_turn_rad2_s2_, noise);
+    if (!state_.is_doubted || !is_near(first.mean_rad_s, state_.doubted_rad_s, same)) return;
+    state_.level_rad_s = state_.doubted_rad_s;
+    state_.steady_ticks = state_.doubted_ticks;
+    state_.needed_ticks = state_.doubted_needed_ticks;
+    state_.is_new = false;
+  }
+  /// Ticks until a level is believed: with the fourth power of its distance from the prediction, as
+  /// the bias has heavier tails than a normal distribution, but no turn is as rare.
+  [[nodiscard]] constexpr std::uint16_t ticks_of_evidence(const Window& level,
+                                                          const Predicted& predicted) const {
+    if (predicted.rate_rad_s == nullptr) return longest_bend_;
+    float farthest = 0.0F;
+    for (std::size_t i = 0; i < Axes; ++i) {
+      const float change = level.mean_rad_s[i] - (*predicted.rate_rad_s)[i];
+      farthest = std::max(farthest, change * change);
+    }
+    const float variance = predicted.variance_rad2_s2 + level.white_of_tick / level.ticks;
+    const float surprise = farthest / (kFar * kFar * variance);
+    const float ticks = static_cast<float>(longest_bend_) * surprise * surprise;
+    if (!(ticks < static_cast<float>(longest_turn_))) return longest_turn_;
+    return std::max(longest_bend_, static_cast<std::uint16_t>(ticks));
   }
 
-  constexpr void track_level(const Window& closed) {
+  constexpr void track_level(const Window& closed, const Predicted& predicted) {
     const float share = closed.ticks / (level_ticks() + closed.ticks);
     for (std::size_t i = 0; i < Axes; ++i) {
       state_.level_rad_s[i] += share * (closed.mean_rad_s[i] - state_.level_rad_s[i]);
@@ -236,17 +308,56 @@ class OdometerCheck {
     // A turn that just exceeds the limit must not end by chance: the way back is half as far.
     const float limit =
         std::max(0.25F * least_turn_rad2_s2_, kSixSigma2 * closed.white_of_tick / level_ticks());
-    const bool is_back = state_.steady_ticks >= back_ && is_near_trusted(state_.level_rad_s, limit);
-    if (is_back || state_.steady_ticks >= state_.needed_ticks) state_.turns = false;
+    if (state_.turns || state_.is_doubted) decide(predicted, limit);
+  }
+  /// Whether one of the two explanations is to be believed now.
+  constexpr void decide(const Predicted& predicted, float limit_rad2_s2) {
+    const auto is_at = [&](const Rates& explained) {
+      return state_.steady_ticks >= back_ && is_near(state_.level_rad_s, explained, limit_rad2_s2);
+    };
+    const bool is_back = state_.has_trusted && is_at(state_.trusted_rad_s);
+    const bool is_former = state_.has_former && is_at(state_.former_rad_s);
+    const bool is_predicted = predicted.rate_rad_s == nullptr || is_at(*predicted.rate_rad_s);
+    if (is_back) state_.turns = false;
+    if (is_back || is_former) state_.is_new = false;
+    if (is_former) state_.needed_ticks = back_;
+    const bool is_settled = !state_.turns && !state_.is_new && state_.far_ticks == 0;
+    if (is_predicted && is_settled) state_.is_doubted = false;
+    if ((state_.turns || state_.is_doubted) && state_.steady_ticks >= state_.needed_ticks) {
+      accept_level();
+    }
+  }
+  /// The doubted level is learnt. It stays in doubt until the predictor has learnt it and another
+  /// stop has confirmed it: a long turn looks the same within one stop.
+  constexpr void accept_level() {
+    if (!is_accepted()) {
+      state_.former_rad_s = state_.trusted_rad_s;
+      state_.has_former = state_.has_trusted;
+      state_.has_jumped = true;
+    }
+    state_.turns = false;
+    doubt_level();
+  }
+  constexpr void doubt_level() {
+    state_.is_doubted = true;
+    state_.doubted_rad_s = state_.level_rad_s;
+    state_.doubted_ticks = state_.steady_ticks;
+    state_.doubted_needed_ticks = state_.needed_ticks;
   }
 
-  constexpr void start_change(const Rates& mean) {
+  constexpr void start_change(const Window& changed, const Predicted& predicted) {
     if (!state_.turns) {
       state_.turns = true;
+      state_.is_new = true;
+      state_.doubted_ticks = 0;
       trust(state_.level_rad_s);
-      state_.needed_ticks = clamp_ticks(longest_bend_, 4U * state_.steady_ticks, longest_turn_);
+      // Four times the age of the level before: one that was new itself is soon given up.
+      const std::uint32_t four_times = 4U * std::uint32_t{state_.steady_ticks};
+      const auto by_age =
+          static_cast<std::uint16_t>(std::min(four_times, std::uint32_t{longest_turn_}));
+      state_.needed_ticks = std::max(by_age, ticks_of_evidence(changed, predicted));
     }
-    restart_level(mean);
+    restart_level(changed.mean_rad_s);
   }
 
   constexpr void restart_level(const Rates& rate) {

@@ -30,7 +30,8 @@ namespace zerorate::core {
 ///
 /// Without an odometer there are no pulses, and CalmJudge alone decides.
 ///
-/// @tparam Item a TickMean<Axes> with a member `bool begins_stop`, and what else belongs to a
+/// @tparam Item a TickMean<Axes> with members `bool begins_stop` and `bool has_jumped`, and what
+/// else belongs to a
 ///   measurement
 /// @tparam Capacity number of ticks that are held at most
 template <class Item, std::size_t Axes, std::size_t Capacity>
@@ -99,7 +100,7 @@ class StopLearning {
            state.held.is_possible([&](const Item& item, const Item* before) {
              return TickAverage<Axes>::is_possible(state.average, item, state.newest_sample) &&
                     (before == nullptr || (before->tick < item.tick && before->end < item.end)) &&
-                    is_bool(item.begins_stop) && is_possible_item(item);
+                    are_bools(item.begins_stop, item.has_jumped) && is_possible_item(item);
            });
   }
 
@@ -149,10 +150,11 @@ class StopLearning {
                             Measurement measurement) {
     if (average_.is_empty()) return;
     const Item closed = measurement(average_.close());
-    odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s);
-    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2, white);
+    odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s,
+                               variance_rad2_s2);
+    const Calm calm = judge(closed, predicted_rad_s, variance_rad2_s2, white);
+    odometer_.take_verdict(calm == Calm::far);
     odometer_.set_white_noise(white.upper_variance_rad2_s2());
-    const Calm calm = asks_gyro_ ? judged : Calm::calm;
     if (odometer_.turns()) {
       held_.discard_held();
     } else if (calm == Calm::calm) {
@@ -209,6 +211,13 @@ class StopLearning {
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
+  /// A level that has lasted over several stops is believed, however far it is.
+  constexpr Calm judge(const Item& closed, const Rates* predicted_rad_s, float variance_rad2_s2,
+                       White& white) {
+    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2, white);
+    if (!asks_gyro_ || (judged == Calm::far && odometer_.is_accepted())) return Calm::calm;
+    return judged;
+  }
   /// Wait of a tick until nothing can speak against it any more: neither a late pulse nor motion
   /// that the two windows after it show, as far as there is room.
   static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {
@@ -221,6 +230,7 @@ class StopLearning {
     held_.confirm_until(certain, [&](Item& item) {
       item.begins_stop = !stop_is_open_;
       stop_is_open_ = true;
+      item.has_jumped = odometer_.take_jump();
     });
   }
 

@@ -136,14 +136,21 @@ class AxisPredictors {
     return are_possible;
   }
 
-  // A measurement passes these in turn: begin_stop() if it is the first of a stop, bank().advance()
-  // for each hypothesis, compare(), and where that is true learn() for each hypothesis and
-  // conclude(), bank().weigh() for each axis; at the end observe_rest().
+  // A measurement passes these in turn: begin(), bank().advance() for each hypothesis, compare(),
+  // and where that is true learn() for each hypothesis and conclude(), bank().weigh() for each
+  // axis; at the end observe_rest().
 
+  /// @param tick its circumstances, as in compare(): whether it begins a stop or a level that
+  /// jumped
+  constexpr void begin(const auto& tick) {
+    if (tick.begins_stop) {
+      ++stops_;
+      if constexpr (kLearns) drive_scale_.end_stop(kalman_.state());
+    }
+    if (tick.begins_stop || tick.has_jumped) begin_averages();
+  }
   /// Predictors without memory across stops start again.
-  constexpr void begin_stop() {
-    ++stops_;
-    if constexpr (kLearns) drive_scale_.end_stop(kalman_.state());
+  constexpr void begin_averages() {
     for (Axis& axis : axes_) {
       axis.moving_average.begin_stop();
       axis.calibration_mean.begin_stop();
@@ -151,14 +158,14 @@ class AxisPredictors {
   }
   /// The bank compares the measurement with its forecast.
   /// @return true if it is to learn it
-  constexpr bool compare(Measurement& measurement, bool begins_stop) {
+  constexpr bool compare(Measurement& measurement, const auto& tick) {
     if constexpr (kLearns) {
       stops_ *= coefficients_.hypotheses->kept;
-      if (begins_stop && learns() && has_learnt()) {
+      if (tick.begins_stop && learns() && has_learnt()) {
         drive_scale_.begin_stop(kalman_.state());
       }
     }
-    return kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank,
+    return kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank, tick.has_jumped,
                            measurement.innovations);
   }
   constexpr void learn(std::size_t m, const Measurement& measurement) {
@@ -303,10 +310,7 @@ class AxisPredictors {
       kalman_.restart_transients();
       kalman_.inflate_variance(turn_on_variance_rad2_s2);
     }
-    for (Axis& axis : axes_) {
-      axis.moving_average.begin_stop();
-      axis.calibration_mean.begin_stop();
-    }
+    begin_averages();
   }
 
  private:

@@ -55,6 +55,7 @@ class TickNode {
   /// A measurement: the mean of a tick at standstill, with its circumstances.
   struct Tick : core::TickMean<kAxes> {
     bool begins_stop = false;  ///< first measurement of a stop
+    bool has_jumped = false;   ///< first one of a level that was doubted, and is accepted
     [[no_unique_address]] TickTemperature temperature;
     [[no_unique_address]] typename Screening::Squares squares;
 
@@ -177,7 +178,7 @@ class TickNode {
   constexpr void end_stop() { screening_.end_stop(); }
   /// Measurement of the tick that is over, from the mean of its samples.
   [[nodiscard]] constexpr Tick measurement(const core::TickMean<kAxes>& mean) const {
-    return {mean, false, temperature_.tick(), screening_.squares()};
+    return {mean, false, false, temperature_.tick(), screening_.squares()};
   }
 
   /// Begins to learn from a tick. It shows in the prediction of the next tick that begins.
@@ -191,7 +192,7 @@ class TickNode {
     white_.advance(ticks);
     white_.observe(tick);
     prepare_measurement();
-    if (tick.begins_stop) predictors_.begin_stop();
+    predictors_.begin(tick);
     work_.span.ticks = ticks;
     go_to(Stage::span);
     if (ticks != 1) return;
@@ -220,8 +221,7 @@ class TickNode {
       case Stage::advance:
         return step_advance();
       case Stage::compare:
-        go_to(predictors_.compare(work_.measurement, work_.tick.begins_stop) ? Stage::learn
-                                                                             : Stage::rest);
+        go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn : Stage::rest);
         return Costs::kComparison;
       case Stage::learn:
         predictors_.learn(work_.item, work_.measurement);

@@ -84,7 +84,8 @@ struct TickWork {
                                         IsPossibleTick is_possible_tick) {
     const auto number = std::bit_cast<std::uint8_t>(work.stage);
     return number <= static_cast<std::uint8_t>(TickStage::predict) && work.item < most_items &&
-           core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop) &&
+           core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop,
+                           work.tick.has_jumped) &&
            core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
            core::are_plausible(work.tick.rate_rad_s) && is_possible_tick(work.tick) &&
            is_possible_span(work.span);

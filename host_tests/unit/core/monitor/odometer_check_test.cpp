@@ -16,6 +16,8 @@ constexpr Duration kTick = Duration::milliseconds(500);
 constexpr Duration kSamplePeriod = Duration::milliseconds(10);
 constexpr std::uint32_t kSamples = 50;  ///< samples of a full tick
 constexpr float kSigmaRadS = 1e-3F;     ///< noise of a sample: 0.008 deg/s for a tick
+/// Variance of a prediction: 0.006 deg/s.
+constexpr float kVariance = 1e-8F;
 constexpr Rates kBias{12.0F * kRadPerDeg, -0.3F * kRadPerDeg, 0.1F * kRadPerDeg};
 
 /// About z, on top of the bias.
@@ -28,13 +30,13 @@ Check make_check(const OdometerCheckParams& params = {}, Duration tick = kTick) 
 }
 
 void stand(Check& check, const Rates& mean, int ticks, const Rates* predicted = nullptr) {
-  for (int i = 0; i < ticks; ++i) check.on_standing_tick(mean, kSamples, predicted);
+  for (int i = 0; i < ticks; ++i) check.on_standing_tick(mean, kSamples, predicted, kVariance);
 }
 
 /// Ticks until turns() is as wanted, 1000 if it never is.
-int ticks_until(Check& check, const Rates& mean, bool turns) {
+int ticks_until(Check& check, const Rates& mean, bool turns, const Rates* predicted = &kBias) {
   for (int ticks = 1; ticks < 1000; ++ticks) {
-    check.on_standing_tick(mean, kSamples, &kBias);
+    check.on_standing_tick(mean, kSamples, predicted, kVariance);
     if (check.turns() == turns) return ticks;
   }
   return 1000;
@@ -74,11 +76,30 @@ TEST(OdometerCheckWithoutPulses, AcceptsAJumpAfterTwoMinutes) {
 TEST(OdometerCheckWhoseLevelWasNew, BelievesTheNextOneSooner) {
   Check check = make_check();
   stand(check, turning(11.0F), 1);  // the first sample meant nothing
-  EXPECT_EQ(ticks_until(check, kBias, true), 1);
-  EXPECT_EQ(ticks_until(check, kBias, false), 10);
+  EXPECT_EQ(ticks_until(check, kBias, true, nullptr), 1);
+  EXPECT_EQ(ticks_until(check, kBias, false, nullptr), 10);
   stand(check, kBias, 10);
-  EXPECT_EQ(ticks_until(check, turning(1.0F), true), 1);
-  EXPECT_EQ(ticks_until(check, turning(1.0F), false), 80);
+  EXPECT_EQ(ticks_until(check, turning(1.0F), true, nullptr), 1);
+  EXPECT_EQ(ticks_until(check, turning(1.0F), false, nullptr), 80);
+}
+
+// A car that inches round a kerb a moment after it stopped, below what its speed signal shows.
+TEST(OdometerCheckInAShortStop, NeedsTwoMinutesForATurn) {
+  Check check = make_check();
+  check.on_driving_tick(kBias);
+  stand(check, kBias, 5, &kBias);
+  EXPECT_EQ(ticks_until(check, turning(4.0F), true), 1);
+  EXPECT_EQ(ticks_until(check, turning(4.0F), false), 240);
+}
+
+TEST(OdometerCheckThatAcceptedATurn, ReturnsToTheLevelOfBefore) {
+  Check check = make_check();
+  stand(check, kBias, 100);
+  EXPECT_EQ(ticks_until(check, turning(3.0F), true), 1);
+  EXPECT_EQ(ticks_until(check, turning(3.0F), false), 240);
+  const Rates learnt = turning(3.0F);
+  EXPECT_EQ(ticks_until(check, kBias, true, &learnt), 1);
+  EXPECT_EQ(ticks_until(check, kBias, false, &learnt), 2);
 }
 
 TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
@@ -95,14 +116,97 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsAtAFarRate) {
   check.on_driving_tick(kBias);
   stand(check, turning(1.3F), 1, &kBias);
   EXPECT_TRUE(check.disagrees());
-  EXPECT_EQ(ticks_until(check, turning(1.3F), false), 10);  // 5 s: nothing is refused for its level
-  check.on_driving_tick(kBias);
-  stand(check, turning(0.2F), 1, &kBias);
+  EXPECT_EQ(ticks_until(check, turning(1.3F), false), 240);  // nothing is refused for its level
+  const Rates learnt = turning(1.3F);
+  stand(check, learnt, 100, &learnt);
+  EXPECT_TRUE(check.disagrees());  // a long turn looks the same
+  check.on_driving_tick(learnt);
+  stand(check, learnt, 3, &learnt);
+  EXPECT_FALSE(check.disagrees());
+  check.on_driving_tick(learnt);
+  stand(check, turning(1.5F), 1, &learnt);
   EXPECT_FALSE(check.disagrees());
   Check fresh = make_check();  // a node that has learnt nothing yet
   fresh.on_driving_tick(kBias);
   stand(fresh, turning(50.0F), 1);
   EXPECT_FALSE(fresh.disagrees());
+}
+
+// Twice five standard deviations of the prediction: 16 times five seconds.
+TEST(OdometerCheckAtTheStartOfAStop, WaitsTheLongerTheLessLikely) {
+  constexpr float kSigma = 0.13F * kRadPerDeg;
+  Check check = make_check();
+  check.on_driving_tick(kBias);
+  int ticks = 0;
+  do {
+    check.on_standing_tick(turning(1.3F), kSamples, &kBias, kSigma * kSigma);
+    ++ticks;
+  } while (check.turns() && ticks < 1000);
+  EXPECT_NEAR(ticks, 161, 3);
+}
+
+/// A drive of a minute. Whether the check disagrees all the time.
+bool disagrees_in_a_drive(Check& check) {
+  check.pulse(Duration::seconds(20));
+  bool disagrees = true;
+  for (int tick = 0; tick < 120; ++tick) {
+    check.on_driving_tick(turning(10.0F * static_cast<float>(tick % 7)));
+    check.pulse(Duration::milliseconds(100));
+    disagrees = disagrees && check.disagrees();
+  }
+  return disagrees;
+}
+Check doubting_at_departure() {
+  Check check = make_check();
+  stand(check, kBias, 100, &kBias);
+  stand(check, turning(0.5F), 60, &kBias);
+  return check;
+}
+
+TEST(OdometerCheckInDoubt, AgreesOnceAStopConfirmsTheBias) {
+  Check check = doubting_at_departure();
+  EXPECT_TRUE(disagrees_in_a_drive(check));
+  stand(check, kBias, 2, &kBias);
+  EXPECT_TRUE(check.disagrees());
+  stand(check, kBias, 2, &kBias);
+  EXPECT_FALSE(check.disagrees());
+}
+
+TEST(OdometerCheckInDoubt, AddsUpTheStopsThatAgree) {
+  Check check = doubting_at_departure();
+  int stops = 0;
+  do {
+    EXPECT_TRUE(disagrees_in_a_drive(check));
+    stand(check, turning(0.5F), 4, &kBias);  // 3 s less the settle time
+    ++stops;
+  } while (check.turns() && stops < 1000);
+  EXPECT_NEAR(stops, (240 - 60) / 3, 2);  // the first tick of each stop is its level
+  EXPECT_TRUE(check.take_jump());
+  EXPECT_TRUE(disagrees_in_a_drive(check)) << "the stop was too short to learn from";
+  const Rates learnt = turning(0.5F);
+  stand(check, learnt, 4, &learnt);
+  EXPECT_FALSE(check.disagrees());
+  EXPECT_FALSE(check.take_jump());
+}
+
+TEST(OdometerCheckInDoubt, CountsAnotherLevelForItself) {
+  Check check = doubting_at_departure();
+  EXPECT_TRUE(disagrees_in_a_drive(check));
+  stand(check, turning(1.0F), 200, &kBias);
+  EXPECT_TRUE(check.turns());
+  stand(check, turning(1.0F), 50, &kBias);
+  EXPECT_FALSE(check.turns());
+}
+
+TEST(OdometerCheckGivenAFarLevel, DoubtsItAtDeparture) {
+  Check check = make_check();
+  stand(check, kBias, 100, &kBias);
+  for (int tick = 0; tick < 10; ++tick) {
+    stand(check, turning(0.1F), 1, &kBias);
+    check.take_verdict(true);
+    EXPECT_FALSE(check.disagrees());
+  }
+  EXPECT_TRUE(disagrees_in_a_drive(check));
 }
 
 // The wire breaks in a bend before anything has been learnt.
@@ -120,7 +224,7 @@ TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBefore) {
 TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {
   Check check = make_check();
   stand(check, kBias, 20);
-  stand(check, turning(5.0F), 4);
+  for (const float dps : {1.0F, 3.0F, 5.0F, 8.0F}) stand(check, turning(dps), 1);
   check.pulse(Duration::seconds(2));
   EXPECT_FALSE(check.disagrees());
 }
@@ -171,7 +275,7 @@ TEST(OdometerCheckInAShakingVehicle, JudgesByQuietWindows) {
             std::sqrt(2.0F) * 2.0F * std::sin(2.0F * 3.14159265F * 0.225F * static_cast<float>(k));
       }
       check.on_standing_tick(turning(sum / static_cast<float>(samples)),
-                             static_cast<std::uint32_t>(samples), &kBias);
+                             static_cast<std::uint32_t>(samples), &kBias, kVariance);
       ASSERT_FALSE(check.disagrees()) << tick_ms << " ms, tick " << tick;
     }
   }
@@ -180,9 +284,9 @@ TEST(OdometerCheckInAShakingVehicle, JudgesByQuietWindows) {
 TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
   for (const std::uint32_t samples : {38U, 36U, 26U, 25U}) {  // a full tick has 50
     Check check = make_check();
-    for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias);
+    for (int tick = 0; tick < 40; ++tick) check.on_standing_tick(kBias, samples, &kBias, kVariance);
     EXPECT_FALSE(check.disagrees()) << samples;
-    check.on_standing_tick(turning(5.0F), samples, &kBias);
+    check.on_standing_tick(turning(5.0F), samples, &kBias, kVariance);
     EXPECT_TRUE(check.turns()) << samples;
   }
 }
@@ -190,11 +294,11 @@ TEST(OdometerCheckGivenFewerSamples, JudgesByThoseThatCame) {
 TEST(OdometerCheckGivenATickThatLacksSamples, WaitsForHalfAWindow) {
   Check check = make_check();
   stand(check, kBias, 20);
-  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias, kVariance);
   EXPECT_FALSE(check.disagrees());
-  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias, kVariance);
   EXPECT_FALSE(check.disagrees());
-  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias);
+  check.on_standing_tick(turning(5.0F), kSamples / 5, &kBias, kVariance);
   EXPECT_TRUE(check.turns());
 }
 
@@ -207,7 +311,7 @@ TEST(OdometerCheckWhoseTickIsASample, HasTheLimitOfAWindow) {
     const auto samples = static_cast<std::uint32_t>(tick_ms / 10);
     const auto run = [&](float dps, int ms) {
       for (int tick = 0; tick < ms / tick_ms; ++tick) {
-        check.on_standing_tick(turning(dps), samples, &kBias);
+        check.on_standing_tick(turning(dps), samples, &kBias, kVariance);
       }
     };
     run(0.0F, 20'000);
@@ -228,11 +332,11 @@ TEST(OdometerCheckWhoseTickIsLongerThanABend, AcceptsTwoTicks) {
   constexpr Duration kLong = Duration::seconds(10);
   Check check{{}, kLong, kSamplePeriod, kSigmaRadS * kSigmaRadS};
   constexpr std::uint32_t kMany = 1000;
-  for (int tick = 0; tick < 10; ++tick) check.on_standing_tick(kBias, kMany, &kBias);
+  for (int tick = 0; tick < 10; ++tick) check.on_standing_tick(kBias, kMany, &kBias, kVariance);
   check.on_driving_tick(kBias);
-  check.on_standing_tick(turning(0.5F), kMany, &kBias);
+  check.on_standing_tick(turning(0.5F), kMany, nullptr, 0.0F);
   EXPECT_TRUE(check.turns());
-  check.on_standing_tick(turning(0.5F), kMany, &kBias);
+  check.on_standing_tick(turning(0.5F), kMany, nullptr, 0.0F);
   EXPECT_FALSE(check.turns());
 }
 
@@ -265,7 +369,7 @@ TEST(OdometerCheckOfALoudSensor, IsSilentInStopsAtRest) {
   for (int stop = 0; stop < 10'000; ++stop) {
     for (int tick = 0; tick < 20; ++tick) check.on_driving_tick(measured(of_sample));
     for (int tick = 0; tick < 40; ++tick) {
-      check.on_standing_tick(measured(of_tick), kOfTick, &kBias);
+      check.on_standing_tick(measured(of_tick), kOfTick, &kBias, kVariance);
       ASSERT_FALSE(check.turns()) << "stop " << stop << ", tick " << tick;
     }
   }

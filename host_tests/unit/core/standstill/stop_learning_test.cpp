@@ -14,6 +14,7 @@ namespace {
 
 struct Tick : TickMean<3> {
   bool begins_stop = false;
+  bool has_jumped = false;
   constexpr bool operator==(const Tick&) const = default;
 };
 using Learning = StopLearning<Tick, 3, 16>;
