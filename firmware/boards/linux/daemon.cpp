@@ -91,6 +91,7 @@ class Run {
   }
 
   void start() {
+    update_metrics();  // who asks before the first second is over gets them, too
     thread_.emplace(
         configuration_.real_time.priority, [this] { service_->measure(); },
         [this] { hardware_->wake(); }, log_);
