@@ -47,7 +47,7 @@ class StateKeeper {
       was_still_ = is_prepared_ = true;
       return is_needed && medium_.prepare();
     }
-    // What the stop taught is learnt first, with the samples of a tick at most: no call is long.
+    // The work of the stop comes first, with the samples of a tick at most: no call is long.
     if (was_still_ && motion == core::Motion::moving && !node.has_work()) {
       was_still_ = false;
       if (node.measured_ticks() != saved_ticks_ && now >= next_at_) save(node, now);
