@@ -194,7 +194,7 @@ hal::linux_os::Descriptor stream_socket() {
                                            "socket");
 }
 
-/// A client that never ends its question: nothing comes from it, or a byte a second.
+/// A client that never ends its question.
 class Dribbler {
  public:
   explicit Dribbler(const Page& page) {
@@ -212,19 +212,24 @@ class Dribbler {
 
 TEST(PageOfANode, IsNotHeldUpByClientsThatDoNotEndTheirQuestions) {
   const Page page{"127.0.0.1", 0};
-  const std::string url = page.url().substr(0, page.url().size() - 1);
   std::deque<Dribbler> dribblers;
-  for (int second = 0; second < 2; ++second) {
-    for (const Dribbler& dribbler : dribblers) dribbler.say("a");
-    for (int i = 0; i < 24; ++i) dribblers.emplace_back(page);
-    const auto begin = std::chrono::steady_clock::now();
-    httplib::Client client{url};
-    client.set_read_timeout(std::chrono::seconds{10});
-    const auto answer = client.Get("/");
-    ASSERT_TRUE(answer);
-    EXPECT_EQ(answer->status, 200);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds{3});
-  }
+  for (int i = 0; i < 24; ++i) dribblers.emplace_back(page);
+  std::atomic<bool> is_over = false;
+  std::thread dribbling{[&] {
+    while (!is_over) {
+      for (const Dribbler& dribbler : dribblers) (void)dribbler.say("a");
+      std::this_thread::sleep_for(milliseconds{100});
+    }
+  }};
+  const auto begin = std::chrono::steady_clock::now();
+  httplib::Client client{page.url().substr(0, page.url().size() - 1)};
+  client.set_read_timeout(std::chrono::seconds{10});
+  const auto answer = client.Get("/");
+  is_over = true;
+  dribbling.join();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds{5});
 }
 
 /// A browser that takes the beginning of an event and then nothing more.
