@@ -91,7 +91,7 @@ class LatestEdge {
   std::optional<core::Instant> take_edge() {
     std::optional<core::Instant> latest;
     std::array<core::Instant, 16> stamps{};
-    // As many as the kernel keeps of a line at most: one that floats has always one more.
+    // The kernel keeps no more edges of a line; one that floats has always one more.
     constexpr int kMostBatches = 64;
     for (int i = 0; i < kMostBatches; ++i) {
       const auto batch = input_->read_pulses(stamps);
