@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include "core/standstill/hold_back_line.hpp"
+#include "core/standstill/standstill.hpp"
 #include "firmware/model/node_model.hpp"
 #include "firmware/model/source_headers.hpp"
 
@@ -95,6 +97,31 @@ std::string size_guard(std::string_view size, std::size_t needed) {
          " or more\"\n#endif\n";
 }
 
+/// Places of the hold-back line that a node with the default hold-back needs.
+std::int64_t places_needed(core::Duration filter_tick) {
+  return core::Standstill::Params{}.hold_back / filter_tick + core::kPlacesOfWork;
+}
+
+/// Refusal of a filter rate whose ticks find no place in the line.
+/// @param capacity  what the firmware names the number of places
+void require_places(core::Duration filter_tick, std::int64_t held_ticks,
+                    const std::string& capacity) {
+  constexpr core::Duration kHoldBack = core::Standstill::Params{}.hold_back;
+  const std::int64_t needed = places_needed(filter_tick);
+  if (needed <= held_ticks) return;
+  const std::int64_t slowest_refused = held_ticks - core::kPlacesOfWork + 1;
+  const std::string most =
+      slowest_refused > 0
+          ? "lower the filter rate (--filter-rate) below " +
+                rate_of(core::Duration::nanoseconds(kHoldBack.ns() / slowest_refused)) + ", or "
+          : std::string{};
+  throw std::invalid_argument(
+      "a filter of " + rate_of(filter_tick) + " needs " + std::to_string(needed) +
+      " places for the ticks that the default configuration holds back, and the firmware has " +
+      std::to_string(held_ticks) + ": " + most + "compile it with " + capacity + " of " +
+      std::to_string(needed) + " and export with --held-ticks " + std::to_string(needed));
+}
+
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
 std::string hypotheses(const core::HypothesesOf<kCApiShape>& all, std::size_t decaying) {
   if (all.count == 0) return {};
@@ -117,7 +144,8 @@ std::string hypotheses(const core::HypothesesOf<kCApiShape>& all, std::size_t de
 }  // namespace
 
 std::string format_c_header(const SensorModel& model, core::Duration sample_period,
-                            core::Duration filter_tick, std::string_view name) {
+                            core::Duration filter_tick, std::string_view name,
+                            std::int64_t held_ticks) {
   if (!is_identifier(name) || is_keyword(name)) {
     throw std::invalid_argument(
         "the name \"" + std::string{name} +
@@ -136,6 +164,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
         "\" describes single samples (outliers, motion_contamination, variable_noise or "
         "saturation); the C interface takes none of these tables");
   }
+  require_places(filter_tick, held_ticks, "ZERORATE_HELD_TICKS");
+  const std::int64_t places = places_needed(filter_tick);
   const std::string constant{name};
   std::string guard = constant + "_H";
   std::transform(guard.begin(), guard.end(), guard.begin(), [](char c) {
@@ -154,6 +184,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          size_guard("ZERORATE_DECAYING_MODES", decaying) +
          size_guard("ZERORATE_ROTATING_MODES", rotating) +
          size_guard("ZERORATE_TEMPERATURE", node.temperature.is_on() ? 1 : 0) +
+         size_guard("ZERORATE_HELD_TICKS",
+                    places > kCApiHeldTicks ? static_cast<std::size_t>(places) : 0) +
          "\n// clang-format off\n"
          "static const zerorate_model " +
          constant + " = {\n" + field("sample_period_ns", sample_period) +
@@ -261,8 +293,9 @@ std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& a
 }  // namespace
 
 std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
-                              core::Duration filter_tick) {
+                              core::Duration filter_tick, std::int64_t held_ticks) {
   auto node = make_full_node_model(model, sample_period, filter_tick);
+  require_places(filter_tick, held_ticks, "NodeCapacity::held_ticks");
   const auto [decaying, rotating] = move_active_to_front(node);
   const bool is_stationary = node.modes.start == core::Start::stationary;
   return "/// @file\n"

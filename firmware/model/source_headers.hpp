@@ -24,18 +24,26 @@ inline constexpr core::ModelShape kCApiShape{
     .temperature_weights = core::TemperatureDrift::kWeights,
     .hypotheses = kMostHypotheses};
 
+/// Places of the hold-back line behind the C interface and in a node, as they are by default.
+inline constexpr std::int64_t kCApiHeldTicks = 16;
+inline constexpr std::int64_t kNodeHeldTicks = 64;
+
 /// A header that defines `static const zerorate_model NAME`. Every number is the shortest decimal
 /// from which the compiler makes the same bits.
-/// Throws what make_node_model() throws, and std::invalid_argument where `name` is no identifier.
+/// Throws what make_node_model() throws, and std::invalid_argument where `name` is no identifier
+/// or the default hold-back needs more than `held_ticks` places, which zerorate_init() refuses.
 [[nodiscard]] std::string format_c_header(const SensorModel& model, core::Duration sample_period,
-                                          core::Duration filter_tick, std::string_view name);
+                                          core::Duration filter_tick, std::string_view name,
+                                          std::int64_t held_ticks = kCApiHeldTicks);
 
 /// A header that defines the constants of namespace zerorate::exported: `kModelShape` and
 /// `kNodeParams`, an app::NodeParams with exactly the modes that the model needs and the default
-/// times of standstill. Every number is the shortest
-/// decimal from which the compiler makes the same bits. Throws what make_full_node_model() throws.
+/// times of standstill. Every number is the shortest decimal from which the compiler makes the
+/// same bits. Throws what make_full_node_model() throws, and std::invalid_argument where the
+/// default hold-back needs more than `held_ticks` places, which a node refuses.
 [[nodiscard]] std::string format_cpp_header(const SensorModel& model, core::Duration sample_period,
-                                            core::Duration filter_tick);
+                                            core::Duration filter_tick,
+                                            std::int64_t held_ticks = kNodeHeldTicks);
 
 /// The shortest decimal from which a compiler makes the same bits. The value must be finite.
 [[nodiscard]] inline std::string literal(float value) {
@@ -49,15 +57,17 @@ inline constexpr core::ModelShape kCApiShape{
   return "{" + literal(value.re) + ", " + literal(value.im) + "}";
 }
 
-/// For a comment: the rates that a model was exported for, in whole millihertz.
+/// Rate of what comes once a period, in whole millihertz.
+[[nodiscard]] inline std::string rate_of(core::Duration period) {
+  constexpr std::int64_t kMilliseconds = 1'000'000'000'000;
+  const std::int64_t millihertz = (kMilliseconds + period.ns() / 2) / period.ns();
+  std::string fraction = std::to_string(millihertz % 1000 + 1000).substr(1);
+  return std::to_string(millihertz / 1000) + "." + fraction + " Hz";
+}
+
+/// For a comment: the rates that a model was exported for.
 [[nodiscard]] inline std::string rates(core::Duration sample_period, core::Duration filter_tick) {
-  const auto hertz = [](core::Duration period) {
-    constexpr std::int64_t kMilliseconds = 1'000'000'000'000;
-    const std::int64_t millihertz = (kMilliseconds + period.ns() / 2) / period.ns();
-    std::string fraction = std::to_string(millihertz % 1000 + 1000).substr(1);
-    return std::to_string(millihertz / 1000) + "." + fraction + " Hz";
-  };
-  return hertz(sample_period) + " samples and " + hertz(filter_tick) + " ticks of the filter";
+  return rate_of(sample_period) + " samples and " + rate_of(filter_tick) + " ticks of the filter";
 }
 
 /// For a comment: a name cannot end it and go on as source.

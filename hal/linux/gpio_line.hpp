@@ -91,12 +91,15 @@ class LatestEdge {
   std::optional<core::Instant> take_edge() {
     std::optional<core::Instant> latest;
     std::array<core::Instant, 16> stamps{};
-    for (;;) {
+    // The kernel keeps no more edges of a line; one that floats has always one more.
+    constexpr int kMostBatches = 64;
+    for (int i = 0; i < kMostBatches; ++i) {
       const auto batch = input_->read_pulses(stamps);
       if (!batch || batch->count == 0) return latest;
       latest = stamps[batch->count - 1];
       if (batch->count < stamps.size()) return latest;
     }
+    return latest;
   }
 
  private:

@@ -109,9 +109,11 @@ inline constexpr std::uint32_t kInputEnable = bit(6);
 
 /// 2.3.1.7: single-cycle I/O.
 namespace sio {
+inline constexpr ReadOnly<0xD000'0004> kIn;
 inline constexpr WriteOnly<0xD000'0014> kOutSet;
 inline constexpr WriteOnly<0xD000'0018> kOutClear;
 inline constexpr WriteOnly<0xD000'0024> kOutEnableSet;
+inline constexpr WriteOnly<0xD000'0028> kOutEnableClear;
 }  // namespace sio
 
 /// 4.6.5: the timer, 64 bits of microseconds.

@@ -108,6 +108,14 @@ class StackDepth(unittest.TestCase):
         done = self.gate(program, 100)
         self.assertIn("stack: 44 bytes at most", done.stdout)
 
+    def test_follows_a_switch_whose_table_is_kept_on_the_stack(self):
+        spilled = SWITCH.replace("push {lr}", "push {r1, lr}").replace("pop  {pc}", "pop  {r1, pc}").replace(
+            "    lsls r0", "    str  r3, [sp]\n    movs r3, #0\n    ldr  r3, [sp]\n    lsls r0")
+        done = self.gate(f"{spilled}    .word 1b, 3b\n", 100)
+        self.assertIn("stack: 48 bytes at most", done.stdout)
+        lost = spilled.replace("movs r3, #0", "str  r0, [sp]")
+        self.assertIn("mov pc, r3", self.gate(f"{lost}    .word 1b, 3b\n", 100).stderr)
+
     def test_refuses_a_jump_without_a_table(self):
         done = self.gate("function start\n mov pc, r3\n", 100)
         self.assertIn("mov pc, r3", done.stderr)

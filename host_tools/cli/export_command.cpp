@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -23,6 +24,7 @@ struct ExportFlags {
   double sample_rate_hz = 0.0;
   double filter_rate_hz = 2.0;
   std::optional<int> hypotheses;
+  std::optional<std::int64_t> held_ticks;
   std::string output = "-";
 };
 
@@ -43,8 +45,11 @@ ExitCode run_export(const ExportFlags& flags) {
   }
   const core::Duration sample = period_of(flags.sample_rate_hz, "--sample-rate");
   const core::Duration tick = period_of(flags.filter_rate_hz, "--filter-rate");
-  write_text(flags.output, flags.c ? model::format_c_header(model, sample, tick, flags.name)
-                                   : model::format_cpp_header(model, sample, tick));
+  const auto held_ticks =
+      flags.held_ticks.value_or(flags.c ? model::kCApiHeldTicks : model::kNodeHeldTicks);
+  write_text(flags.output, flags.c
+                               ? model::format_c_header(model, sample, tick, flags.name, held_ticks)
+                               : model::format_cpp_header(model, sample, tick, held_ticks));
   return success;
 }
 
@@ -73,6 +78,11 @@ Command add_export(CLI::App& app) {
                    "instead of those of the model; 1: the node takes the model at its word, and is "
                    "small")
       ->check(CLI::IsMember({1, 4, 12}));
+  command
+      ->add_option("--held-ticks", flags->held_ticks,
+                   "places of the firmware for ticks that are held back (default: 16 with --c, 64 "
+                   "with --cpp); a filter rate that needs more is refused")
+      ->check(CLI::Range(1, 1'000'000));
   command->add_option("-o,--output", flags->output, "file to write; - is the standard output")
       ->capture_default_str();
   command->footer(

@@ -23,6 +23,7 @@ INSTRUCTION = re.compile(r"^ *([0-9a-f]+):\t[0-9a-f ]+?\s*\t(\S+)\s*(.*)$")
 LABEL = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 BRANCH_TARGET = re.compile(r"^([0-9a-f]+) <")
 INDEXED = re.compile(r"^\[(r\d+), (r\d+)\]$")
+ON_STACK = re.compile(r"^\[sp(?:, #(\d+))?\]$")
 CONTENTS = re.compile(r"^ ([0-9a-f]+) ((?:[0-9a-f]+ ){1,4}) ")
 CONDITIONAL = re.compile(r"^b(eq|ne|cs|cc|hs|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)(\.n|\.w)?$")
 
@@ -177,12 +178,18 @@ class Depths:
             return depth
         if mnemonic in ("mov", "msr") and parts[0] in ("sp", "MSP"):
             raise self.unprovable(entry, address, f"{mnemonic} {operands}")
-        self.learn(mnemonic, parts, text, constants)
+        self.learn(mnemonic, parts, text, constants, depth)
         return depth
 
-    def learn(self, mnemonic, parts, text, constants):
+    def learn(self, mnemonic, parts, text, constants, depth):
         target, value = parts[0], None
-        if mnemonic == "ldr" and (indexed := INDEXED.match(", ".join(parts[1:]))):
+        on_stack = ON_STACK.match(", ".join(parts[1:]))
+        place = depth - int(on_stack[1] or 0) if on_stack else None  # a word by its distance from the entry's stack
+        if mnemonic == "str" and on_stack:
+            target, value = place, constants.get(target)
+        elif mnemonic == "ldr" and on_stack:
+            value = constants.get(place)
+        elif mnemonic == "ldr" and (indexed := INDEXED.match(", ".join(parts[1:]))):
             base = constants.get(indexed[1])
             value = None if base is None else JumpTable(base)
         elif mnemonic == "ldr" and (literal := re.search(r"[@;] \(([0-9a-f]+)", text)):

@@ -129,7 +129,7 @@ void read_real_time(StrictTable& table, RealTimeSettings& real_time) {
 
 CanSettings read_can(StrictTable& table) {
   CanSettings can{
-      .interface = *table.text("interface", Presence::required),
+      .interface = *name_at(table, "interface", Presence::required),
       .id = static_cast<std::uint16_t>(
           table.integer("id", kCanId, Presence::optional).value_or(wire::kDefaultCanId))};
   at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(can.interface); });

@@ -53,7 +53,7 @@ void pass_over(StrictTable& table, std::span<const std::string_view> keys) {
 }
 
 void read_chip(StrictTable& table, GyroSettings& gyro) {
-  gyro.chip = *table.text("chip", Presence::required);
+  gyro.chip = *name_at(table, "chip", Presence::required);
   if (gyro.is_simulated() || find_chip(gyro.chip) != nullptr) return;
   std::vector<std::string_view> names{kSimulatedChip};
   for (const ChipDescription& chip : chips()) names.push_back(chip.name);
@@ -214,7 +214,7 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
 CanSignal read_signal(StrictTable& table) {
   static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
   CanSignal signal{
-      .interface = *table.text("interface", Presence::required),
+      .interface = *name_at(table, "interface", Presence::required),
       .id = static_cast<std::uint32_t>(*table.integer("id", kSignalId, Presence::required)),
       .start_bit =
           static_cast<unsigned>(*table.integer("start_bit", kStartBit, Presence::required)),
@@ -269,14 +269,14 @@ void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& 
 
 UdpSettings read_udp(StrictTable& table) {
   UdpSettings udp{
-      .address = *table.text("address", Presence::required),
+      .address = *name_at(table, "address", Presence::required),
       .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
   at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
   return udp;
 }
 
 std::string read_socket_path(StrictTable& table, std::string_view key) {
-  std::string path = *table.text(key, Presence::required);
+  std::string path = *name_at(table, key, Presence::required);
   at_key(table, key, [&] { (void)hal::linux_os::unix_address(path); });
   return path;
 }

@@ -2,6 +2,7 @@
 /// Parts of reading the configuration that its tables have in common.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -22,12 +23,20 @@ inline constexpr toml_file::Rule kSeconds{[](double x) { return x >= 0.0 && x <=
   return core::Duration::nanoseconds(std::llround(seconds * 1e9));
 }
 
-/// A path or a name: text that is not empty.
+/// A path or a name: text that is not empty and has no control characters, with which it would
+/// make lines of its own in logs.
 [[nodiscard]] inline std::optional<std::string> name_at(toml_file::StrictTable& table,
                                                         std::string_view key,
                                                         toml_file::Presence presence) {
   auto name = table.text(key, presence);
   if (name && name->empty()) table.fail_at(key, "expected text that is not empty");
+  const auto is_control = [](char character) {
+    const auto byte = static_cast<unsigned char>(character);
+    return byte < 0x20 || byte == 0x7F;
+  };
+  if (name && std::ranges::any_of(*name, is_control)) {
+    table.fail_at(key, "expected text without line breaks and other control characters");
+  }
   return name;
 }
 

@@ -91,6 +91,7 @@ class Run {
   }
 
   void start() {
+    update_metrics();  // for readers before the first second is over
     thread_.emplace(
         configuration_.real_time.priority, [this] { service_->measure(); },
         [this] { hardware_->wake(); }, log_);

@@ -158,3 +158,15 @@ test('a main loop that stops is reset by the watchdog, not before two seconds', 
   rig.board.run(hung_at + 2.1e6, () => rig.board.watchdogBites > 0);
   assert.equal(rig.board.watchdogBites, 1);
 });
+
+test('a chip that holds the data line of I2C low is clocked until it lets go', () => {
+  for (const clocks of [1, 9]) {
+    const rig = new Rig({ name: 'zerorate-pico-i2c', bus: 'i2c' });
+    rig.measureForEver([10, 20, 30]);
+    rig.board.at(2e6, () => rig.port.holdData(clocks));
+    rig.board.run(4e6);
+    const status = lastStatus(rig);
+    assert.ok(status.read_errors >= 1 && status.read_errors <= 3, `${status.read_errors} reads failed`);
+    assert.ok(between(rig, 2.5e6, 4e6).length > 140, 'it goes on');
+  }
+});

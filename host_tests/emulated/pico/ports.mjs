@@ -76,11 +76,30 @@ export class I2cPort {
     const i2c = mcu.i2c[0];
     const BIT_NS = 1e9 / 400e3;
     const SDA_HOLD = 0x7c; // of no consequence here, and unknown to rp2040js
+    const ENABLE = 0x6c;
     const write = i2c.writeUint32.bind(i2c);
-    i2c.writeUint32 = (offset, value) => { if (offset !== SDA_HOLD) write(offset, value); };
+    i2c.writeUint32 = (offset, value) => {
+      if (offset === ENABLE && value === 0 && this.isWaiting) { // it gives its START up, and empties its FIFOs
+        this.isWaiting = i2c.busy = false;
+        i2c.state = 0;
+        i2c.txFIFO.reset();
+        i2c.rxFIFO.reset();
+      }
+      if (offset !== SDA_HOLD) write(offset, value);
+    };
+    this.clocksUntilLetGo = 0;
+    this.isWaiting = false; // for the data line, which must be high for a START
+    this.dataPin = mcu.gpio[data];
+    for (const pin of [data, clock]) mcu.gpio[pin].setInputValue(true);
+    mcu.gpio[clock].addListener((state, before) => {
+      if (before !== GPIOPinState.Low || state === GPIOPinState.Low || this.clocksUntilLetGo === 0) return;
+      if (--this.clocksUntilLetGo === 0) this.dataPin.setInputValue(true);
+    });
     let register = 0, isFirst = true;
     const after = (bits, action) => mcu.clock.createAlarm(action).schedule(bits * BIT_NS);
     i2c.onStart = () => {
+      this.isWaiting = this.clocksUntilLetGo > 0;
+      if (this.isWaiting) return;
       for (const pin of [data, clock]) {
         const gpio = mcu.gpio[pin];
         if (gpio.functionSelect !== 3) board.violation(`I2C0: GPIO${pin} is not connected`);
@@ -108,5 +127,10 @@ export class I2cPort {
       after(9, () => i2c.completeRead(value));
     };
     i2c.onStop = () => after(1, () => i2c.completeStop());
+  }
+  // The chip was cut off while it sent: it holds the data line low, until so many clocks have come.
+  holdData(clocks) {
+    this.clocksUntilLetGo = clocks;
+    this.dataPin.setInputValue(false);
   }
 }

@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from zerorated_test import LIMIT_S, ZERORATED, Node
+from zerorated_test import LIMIT_S, REPOSITORY, ZERORATED, Node
 
 
 class LogAndFiles(Node):
@@ -33,6 +33,12 @@ class LogAndFiles(Node):
         errors = self.stop()
         self.assertIn(f"sink json:{folder}/rate: No such file or directory", errors)
         self.assertIn(f"sink json:{folder}/rate: takes messages again", errors)
+
+    def test_is_started_again_however_often_it_could_not_be(self):
+        unit = (REPOSITORY / "firmware/boards/linux/zerorated.service").read_text(encoding="ascii")
+        head, _, service = unit.partition("[Service]")
+        self.assertIn("\nStartLimitIntervalSec=0\n", head)
+        self.assertIn("\nRestart=on-failure\n", service)
 
     def wait_for(self, condition):
         end = time.monotonic() + 3 * LIMIT_S

@@ -140,6 +140,15 @@ class Outputs(unittest.TestCase):
             self.assertEqual((run.returncode, run.stderr), (0, ""))
             self.assertIn("For 100.000 Hz samples", run.stdout)
 
+    def test_a_header_that_the_default_configuration_refuses_is_not_written(self):
+        for language, rate, places in (("--c", "50", "29"), ("--cpp", "200", "104")):
+            export = ["export", "lsm6dso", language, "--sample-rate", "208", "--filter-rate", rate]
+            run = self.run_zerorate(*export)
+            self.assertEqual((run.returncode, run.stdout), (2, ""))
+            self.assertIn(f"--held-ticks {places}", run.stderr)
+            run = self.run_zerorate(*export, "--held-ticks", places)
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+
     def test_a_model_that_exhausts_stack_or_memory_is_refused(self):
         deep = self.folder / "deep.toml"
         deep.write_text(f"[a{'.a' * 200_000}]\n")

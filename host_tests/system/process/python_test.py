@@ -6,10 +6,13 @@ usage: python_test.py ZERORATE FOLDER_OF_THE_PACKAGE NOTEBOOK [unittest argument
 
 import csv
 import json
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 ZERORATE = sys.argv.pop(1)
@@ -134,6 +137,81 @@ class Package(unittest.TestCase):
         for result in results:
             self.assertIn("<table>", result._repr_html_())
             self.assertTrue(result.plot().has_data())
+
+    def test_refuses_figures_that_make_no_sense(self):
+        nan, inf = float("nan"), float("inf")
+        rate = np.random.default_rng(1).normal(size=1000)
+        for points in (nan, inf, -inf, -1.0, 0.0, 1e9):
+            with self.assertRaisesRegex(ValueError, "points_per_decade"):
+                zerorate.allan_deviation(rate, 1.0, points_per_decade=points)
+        for period in (nan, inf, -1.0, 0.0):
+            with self.assertRaisesRegex(ValueError, "sample_period_s"):
+                zerorate.allan_deviation(rate, period)
+            with self.assertRaisesRegex(ValueError, "sample_period_s"):
+                zerorate.Node("lsm6dso", sample_period_s=period).replay_recording(self.recording)
+        for holdout in (nan, -1.0, 0.0, 1.0):
+            with self.assertRaisesRegex(ValueError, "holdout"):
+                zerorate.diagnose(self.recording, holdout=holdout)
+
+    def test_refuses_times_and_counts_that_are_no_whole_numbers(self):
+        seconds = self.recording.time_s
+        for time in (seconds, seconds.astype(np.float32), seconds.astype(str), seconds * np.nan):
+            with self.assertRaisesRegex(TypeError, "whole nanoseconds"):
+                zerorate.Node("lsm6dso").replay(time, self.recording.rate_rad_s)
+            with self.assertRaisesRegex(TypeError, "whole nanoseconds"):
+                zerorate.characterize(zerorate.Recording(time, self.recording.rate_rad_s))
+        with self.assertRaisesRegex(TypeError, "counts"):
+            zerorate.Node("lsm6dso").replay(self.recording.time_ns, self.recording.rate_rad_s, odometer_pulses=seconds)
+
+    def test_takes_paths_that_are_no_utf8(self):
+        path = os.fsencode(self.folder) + b"/r\xffst.csv"
+        shutil.copy(self.path, path)
+        model = os.fsencode(self.folder) + b"/m\xffdel.toml"
+        zerorate.model("lsm6dso").save(os.fsdecode(model))
+        for name in (path, os.fsdecode(path), pathlib.Path(os.fsdecode(path))):
+            recording = zerorate.read(name)
+            self.assertEqual((recording.name, len(recording.time_ns)), ("r\ufffdst.csv", 6000))
+            self.assertEqual(zerorate.characterize(name).json["recording"], "r\ufffdst.csv")
+        self.assertIn("schema", zerorate.model(os.fsdecode(model)).toml)
+        zerorate.Node(os.fsdecode(model)).replay_recording(recording)
+
+    def test_a_node_tells_why_its_rate_may_be_wrong(self):
+        rows = 2400
+        time_ns = np.arange(rows) * 100_000_000
+        rate = np.random.default_rng(2).normal(0.0, 1e-3, (rows, 3))
+        rate[1200:, 2] += 0.2  # turns, and no pulse comes
+        result = zerorate.Node("lsm6dso").replay(time_ns, rate, odometer_pulses=np.zeros(rows, int))
+        self.assertFalse(result.odometer_disagreement[:1200].any())
+        self.assertTrue(result.odometer_disagreement[1200:].any())
+        self.assertFalse(result.saturated.any() or result.temperature_missing.any())
+        model = zerorate.model("lsm6dso").toml
+        follows = model + "\n[temperature]\nreference_degc = 25.0\nslope_sigma_dps_per_degc = 0.01\n"
+        limited = model + "\n[saturation]\nlower_dps = -10.0\nupper_dps = 10.0\n"
+        still = np.ones(rows, bool)
+        result = zerorate.Node(zerorate.Model("follows", follows)).replay(time_ns, rate, still=still)
+        self.assertTrue(result.temperature_missing.all())
+        result = zerorate.Node(zerorate.Model("limited", limited)).replay(time_ns, rate, still=still)
+        self.assertTrue(result.saturated[1300:].any())
+
+    def test_a_node_shared_by_threads_takes_one_call_at_a_time(self):
+        rows = 20_000
+        node = zerorate.Node("lsm6dso", sample_period_s=0.01)
+        rate = np.random.default_rng(3).normal(0.0, 1e-3, (rows, 3))
+        time_ns, still = np.arange(rows) * 10_000_000, np.arange(rows) // 3000 % 2 == 0
+        node.replay(time_ns[:100], rate[:100], still=still[:100])
+        results, turns = [], 0
+        threads = [threading.Thread(target=lambda part=part: results.append(
+            node.replay(time_ns + part * 10**12, rate, still=still))) for part in range(1, 5)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            turns += 1  # what Python does meanwhile
+        self.assertEqual(len(results), 4)
+        self.assertGreater(turns, 1000)
+        for result in results:
+            self.assertTrue(np.isfinite(result.bias_rad_s).all())
+            # A call is taken whole: all of its samples, or none, are older than those of another.
+            self.assertIn(np.count_nonzero(result.has_rate), (0, rows))
 
     def test_errors_are_exceptions_with_the_sentence_of_the_command_line(self):
         with self.assertRaisesRegex(zerorate.RecordingError, "expected"):

@@ -283,10 +283,20 @@ class Zerorated(Node):
         return run.stderr
 
     def test_escapes_the_names_of_sinks_in_its_metrics(self):
-        self.add_json_sink(f'{self.folder}/a\\"b\\nc')
+        self.add_json_sink(f'{self.folder}/a\\"b\\\\c')
         self.start()
-        self.notification()
-        self.assertIn(f'zerorate_sink_sent_total{{sink="json:{self.folder}/a\\"b\\nc"}} ', self.metrics())
+        self.assertIn(f'zerorate_sink_sent_total{{sink="json:{self.folder}/a\\"b\\\\c"}} ', self.metrics())
+        self.stop()
+
+    def test_refuses_paths_that_would_make_lines_of_the_log(self):
+        self.add_json_sink(f"{self.folder}/rate\\nzerorated: all is well")
+        refusal = self.refusal()
+        self.assertIn('"file" in [sink]: expected text without line breaks', refusal)
+        self.assertNotIn("all is well", refusal)
+
+    def test_serves_its_metrics_from_the_start(self):
+        self.start()
+        self.assertIn("\nzerorate_gyro_running 0\n", self.metrics())
         self.stop()
 
     def test_gives_whole_lines_of_metrics_where_there_are_too_many(self):

@@ -1,5 +1,6 @@
 // Ten thousand short drives in which any call to the hardware may go wrong: bus, odometer,
-// data-ready, storage, power. Nothing crashes, nothing that is no number is published, and a node
+// data-ready, storage, power; in which the chip may freeze, lose samples and round, and the machine
+// may sleep. Nothing crashes, nothing that is no number is published, and a node
 // with the status healthy has a bias error as small as its interval states.
 
 #include <gtest/gtest.h>
@@ -17,12 +18,16 @@ namespace {
 
 using hal::testing::Fault;
 
+/// Change of the bias by an interruption of the supply, standard deviation.
+constexpr double kTurnOn_rad_s = 0.01 * kDps;
+
 /// Outcome of one drive.
 struct Outcome {
   std::uint64_t messages = 0;
   std::uint64_t healthy = 0;
   std::uint64_t no_numbers = 0;  ///< messages with a rate, and a figure in it that is none
   double worst_sigmas = 0.0;     ///< largest error of a bias that was called healthy
+  double worst_s = 0.0;          ///< time of it
   std::uint64_t restarts_with_memory = 0;
 };
 
@@ -30,7 +35,7 @@ FaultyNode::Params node_params() {
   const auto period = core::Duration::nanoseconds(std::llround(kLsm6dsoPeriod_s * 1e9));
   const auto tick = core::Duration::milliseconds(500);
   model::SensorModel sensor = lsm6dso();
-  sensor.turn_on = model::TurnOn{.sigma_rad_s = 0.01 * kDps};
+  sensor.turn_on = model::TurnOn{.sigma_rad_s = kTurnOn_rad_s};
   const auto noise = model::make_node_model<kFaultyShape>(sensor, period, tick);
   return {.model = {.modes = noise.modes,
                     .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
@@ -66,7 +71,10 @@ class Judge {
       if (!is_number) ++outcome_.no_numbers;
       if (!is_healthy) continue;
       const double error = double{bias} - double{rows_[row_].bias_rad_s[axis]};
-      outcome_.worst_sigmas = std::max(outcome_.worst_sigmas, std::abs(error) / double{sigma});
+      const double sigmas = std::abs(error) / double{sigma};
+      if (sigmas <= outcome_.worst_sigmas) continue;
+      outcome_.worst_sigmas = sigmas;
+      outcome_.worst_s = static_cast<double>(rows_[row_].row.time_ns) * 1e-9;
     }
   }
 
@@ -78,11 +86,19 @@ class Judge {
 
 class Drive {
  public:
-  explicit Drive(std::uint64_t number) : random_(number), rows_(random_drive(random_)) {
+  explicit Drive(std::uint64_t number)
+      : random_(number), chip_random_(~number), rows_(random_drive(random_)) {
     smooth_biases(rows_);
     draw_bus_faults();
     draw_wire_faults();
+    chip_faults_ =
+        random_chip_faults(chip_random_, static_cast<double>(rows_.back().row.time_ns) * 1e-9);
+    // A program that begins anew has not seen the noise of axes that are frozen already.
+    if (chip_faults_.frozen.length_s > 0.0) wires_.restart_s = ChipFaults::kNever;
   }
+
+  /// Faults of the chip that are still to come.
+  [[nodiscard]] const ChipFaults& chip_faults() const { return chip_faults_; }
 
   Outcome run() {
     for (row_ = 0; row_ < rows_.size(); ++row_) {
@@ -93,8 +109,9 @@ class Drive {
       storage_.set_error(wires_.storage_error.is_on(time_s) ? std::optional{hal::StorageError::full}
                                                             : std::nullopt);
       clock_.advance_to(core::Instant::from_ns(rows_[row_].row.time_ns));
+      suspend_and_cut(time_s);
       count_pulses(time_s);
-      measure();
+      measure(time_s);
       judge_.go_to(row_);
       loop_->poll();
     }
@@ -105,8 +122,7 @@ class Drive {
   using Device = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
   using Bus = hal::testing::FaultInjector<Device>;
   using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<Bus>>;
-  using Loop =
-      app::NodeLoop<FaultyNode, Gyro, FaultyOdometer, FaultyPin, hal::sim::SimulatedClock, Judge>;
+  using Loop = app::NodeLoop<FaultyNode, Gyro, FaultyOdometer, FaultyPin, SleepingClock, Judge>;
 
   static const FaultyNode::Params& params() {
     static const FaultyNode::Params params = node_params();
@@ -143,7 +159,23 @@ class Drive {
       odometer_.wheel().pulse(clock_.now() - core::Duration::microseconds(2000 - 100 * edge));
     }
   }
-  void measure() {
+  void suspend_and_cut(double time_s) {
+    if (time_s >= chip_faults_.suspend_s) {
+      chip_faults_.suspend_s = ChipFaults::kNever;
+      sleeping_.sleep(core::Duration::nanoseconds(std::llround(chip_faults_.slept_s * 1e9)));
+    }
+    if (time_s < chip_faults_.power_cut_s) return;
+    chip_faults_.power_cut_s = ChipFaults::kNever;
+    chip_.cycle_power();
+    std::normal_distribution<float> change{0.0F, static_cast<float>(kTurnOn_rad_s)};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float by_rad_s = change(chip_random_);
+      for (std::size_t row = row_; row < rows_.size(); ++row) {
+        rows_[row].bias_rad_s[axis] += by_rad_s;
+      }
+    }
+  }
+  void measure(double time_s) {
     std::array<core::AngularRate, 3> rate{};
     const double sigma = simulate::kScenarioArwDpsRtS * kDps / std::sqrt(kLsm6dsoPeriod_s);
     std::normal_distribution<double> white{0.0, sigma};
@@ -152,7 +184,22 @@ class Drive {
           core::rad_per_s(rows_[row_].true_rate_rad_s[axis] + rows_[row_].bias_rad_s[axis] +
                           static_cast<float>(white(random_)));
     }
+    if (chip_faults_.half_rate.is_on(time_s) && row_ % 2 == 1) return;
+    distort(rate, time_s);
     chip_.measure(rate, core::Temperature::from_degc(25.0F));
+  }
+  void distort(std::array<core::AngularRate, 3>& rate, double time_s) {
+    const auto step_rad_s = static_cast<float>(chip_faults_.rounding_dps * kDps);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (step_rad_s > 0.0F) {
+        const float steps = rate[axis].in(core::rad_per_s) / step_rad_s;
+        rate[axis] = core::rad_per_s(std::round(steps) * step_rad_s);
+      }
+      const bool is_frozen =
+          chip_faults_.frozen.is_on(time_s) && (chip_faults_.frozen_axes >> axis & 1U) != 0;
+      if (is_frozen) rate[axis] = given_[axis];
+      given_[axis] = rate[axis];
+    }
   }
 
   /// The program ends with a save, and another one begins; the chip kept its power.
@@ -169,16 +216,20 @@ class Drive {
       if (resumed) judge_.count_restart_with_memory();
     }
     gyro_.emplace(drivers::SpiRegisters{bus_}, kSettings);
-    loop_.emplace(*node_, *gyro_, odometer_, ready_, clock_, judge_);
+    loop_.emplace(*node_, *gyro_, odometer_, ready_, sleeping_, judge_);
   }
 
   static constexpr drivers::lsm6dso::Settings kSettings{
       .rate = drivers::lsm6dso::OutputDataRate::hz_104, .mode = drivers::lsm6dso::Mode::data_ready};
 
   Random random_;
+  Random chip_random_;
   std::vector<simulate::ScenarioRow> rows_;
   WireFaults wires_;
+  ChipFaults chip_faults_;
+  std::array<core::AngularRate, 3> given_{};  ///< newest conversion
   hal::sim::SimulatedClock clock_;
+  SleepingClock sleeping_{clock_};
   hal::sim::SimulatedLsm6dso chip_{clock_};
   Device device_{chip_};
   Bus bus_{device_};
@@ -188,7 +239,7 @@ class Drive {
   Judge judge_{rows_};
   std::optional<FaultyNode> node_{std::in_place, params()};
   std::optional<Gyro> gyro_{std::in_place, drivers::SpiRegisters{bus_}, kSettings};
-  std::optional<Loop> loop_{std::in_place, *node_, *gyro_, odometer_, ready_, clock_, judge_};
+  std::optional<Loop> loop_{std::in_place, *node_, *gyro_, odometer_, ready_, sleeping_, judge_};
   std::size_t row_ = 0;
 };
 
@@ -217,8 +268,8 @@ void expect_honest_health(std::size_t drives) {
     sum.restarts_with_memory += one.restarts_with_memory;
     if (one.worst_sigmas <= 5.0) continue;
     ++wrong;
-    std::printf("drive %zu: healthy, and off by %.1f standard deviations\n", i + 1,
-                one.worst_sigmas);
+    std::printf("drive %zu: healthy, and off by %.1f standard deviations at %.1f s%s\n", i + 1,
+                one.worst_sigmas, one.worst_s, describe(Drive{i + 1}.chip_faults()).c_str());
   }
   std::printf("%zu drives, %llu messages, %.1f %% of them healthy, %llu restarts with memory\n",
               outcomes.size(), static_cast<unsigned long long>(sum.messages),

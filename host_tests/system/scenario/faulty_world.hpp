@@ -11,6 +11,7 @@
 #include <optional>
 #include <random>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "drivers/common/register_access.hpp"
@@ -61,6 +62,79 @@ struct WireFaults {
   Episode data_ready_dead;   ///< no edge arrives
   Episode storage_error;     ///< nothing can be saved
   double restart_s = std::numeric_limits<double>::infinity();  ///< the program starts anew
+};
+
+/// Faults of the chip and of the machine.
+struct ChipFaults {
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  Episode frozen;               ///< axes give the number that they gave before
+  unsigned frozen_axes = 0;     ///< a bit for each of them
+  Episode half_rate;            ///< each second conversion is missing
+  double rounding_dps = 0.0;    ///< step of the numbers, larger than that of the chip
+  double power_cut_s = kNever;  ///< the chip is without power, and its bias changes
+  double suspend_s = kNever;    ///< the machine sleeps, and its clock stands still
+  double slept_s = 0.0;
+};
+
+/// Two limits of the node are left out (docs/reference/scenarios.md): steps of 0.095 deg/s, three
+/// and a half standard deviations of a sample, and more; and axes that freeze before their noise
+/// was seen at rest.
+[[nodiscard]] inline ChipFaults random_chip_faults(Random& random, double end_s) {
+  constexpr double kChipStep_dps = 0.00875;
+  constexpr unsigned kMostChipSteps = 7;
+  constexpr double kLongestFirstStop_s = 12.0;
+  ChipFaults faults;
+  const auto draw = [&](Episode& episode, double earliest_s) {
+    if (happens(random, 0.9)) return;
+    episode = {.from_s = uniform(random, earliest_s, end_s),
+               .length_s = uniform(random, 0.1, 20.0)};
+  };
+  draw(faults.frozen, kLongestFirstStop_s);
+  draw(faults.half_rate, 0.0);
+  faults.frozen_axes = static_cast<unsigned>(1 + random() % 7);
+  if (happens(random, 0.1)) {
+    faults.rounding_dps = kChipStep_dps * static_cast<double>(2 + random() % (kMostChipSteps - 1));
+  }
+  if (happens(random, 0.1)) faults.power_cut_s = uniform(random, 0.0, end_s);
+  if (happens(random, 0.1)) {
+    faults.suspend_s = uniform(random, 0.0, end_s);
+    faults.slept_s = std::exp(uniform(random, 0.0, 10.0));  // up to six hours
+    if (happens(random, 0.5)) faults.power_cut_s = faults.suspend_s;
+  }
+  return faults;
+}
+
+[[nodiscard]] inline std::string describe(const ChipFaults& faults) {
+  std::string text;
+  const auto add = [&](bool is_there, const std::string& words) {
+    if (is_there) text += "; " + words;
+  };
+  const auto seconds = [](double time_s) { return std::to_string(time_s) + " s"; };
+  const auto during = [&](const Episode& episode) {
+    return " from " + seconds(episode.from_s) + " for " + seconds(episode.length_s);
+  };
+  add(faults.frozen.length_s > 0.0,
+      "axes " + std::to_string(faults.frozen_axes) + " frozen" + during(faults.frozen));
+  add(faults.half_rate.length_s > 0.0, "half rate" + during(faults.half_rate));
+  add(faults.rounding_dps > 0.0, "rounded to " + std::to_string(faults.rounding_dps) + " deg/s");
+  add(faults.power_cut_s < ChipFaults::kNever, "power cut at " + seconds(faults.power_cut_s));
+  add(faults.suspend_s < ChipFaults::kNever,
+      "asleep at " + seconds(faults.suspend_s) + " for " + seconds(faults.slept_s));
+  return text;
+}
+
+/// A clock that stands still while the machine sleeps, and says for how long it slept.
+class SleepingClock {
+ public:
+  explicit SleepingClock(const hal::sim::SimulatedClock& clock) : clock_(&clock) {}
+  [[nodiscard]] core::Instant now() const { return clock_->now(); }
+  [[nodiscard]] core::Duration slept() const { return slept_; }
+  void sleep(core::Duration time) { slept_ = slept_ + time; }
+
+ private:
+  const hal::sim::SimulatedClock* clock_;
+  core::Duration slept_;
 };
 
 /// Passes a PulseInput on, or fails.

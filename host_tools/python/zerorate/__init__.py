@@ -13,7 +13,6 @@ line prints: both call the same libraries.
 
 import json
 import os
-import pathlib
 from typing import Optional, Union
 
 import numpy as np
@@ -40,8 +39,8 @@ def read(path: Union[str, "os.PathLike[str]"], *, columns: str = "", units: str 
     `columns`, `units` and `delimiter` are those of the command line, for files of other formats:
     `columns="t=stamp,gx=wx,gy=wy,gz=wz", units="time=ns,rate=radps"`. Raises RecordingError.
     """
-    arrays = _native.Source(os.fspath(path), columns, units, delimiter).read()
-    return Recording(name=pathlib.Path(path).name, **arrays)
+    arrays = _native.Source(os.fsencode(path), columns, units, delimiter).read()
+    return Recording(name=_words(os.path.basename(os.fspath(path))), **arrays)
 
 
 def catalogue() -> list[str]:
@@ -51,7 +50,7 @@ def catalogue() -> list[str]:
 
 def model(name: ModelOrName) -> Model:
     """A model of the catalogue or of a file. Raises ModelError, ValueError, OSError."""
-    return Model(os.fspath(name), _native.model_text(_text_of(name)))
+    return Model(_words(os.fspath(name)), _native.model_text(_text_of(name)))
 
 
 def allan_deviation(rate: np.ndarray, sample_period_s: float, *, points_per_decade: float = 16.0) -> AllanDeviation:
@@ -110,8 +109,7 @@ class Node:
     def replay(self, time_ns: np.ndarray, rate_rad_s: np.ndarray, *, temperature_degc: Optional[np.ndarray] = None,
                still: Optional[np.ndarray] = None, odometer_pulses: Optional[np.ndarray] = None) -> Corrected:
         """Takes n samples: times, n by 3 rates (n by 1 of a single axis) and what decides about rest, one element a sample."""
-        if np.asarray(time_ns).dtype.kind not in "iu":
-            raise TypeError("time_ns: expected whole nanoseconds (integers); seconds * 1e9, rounded")
+        _require_whole_numbers(time_ns, odometer_pulses)
         arrays = self._node.replay(time_ns, rate_rad_s, temperature_degc, still, odometer_pulses)
         return Corrected(time_ns=np.asarray(time_ns), **arrays)
 
@@ -134,12 +132,25 @@ def _options(model_or_name: ModelOrName, learns_noise: bool, still_from: str,
     return options
 
 
-def _text_of(model_or_name: ModelOrName) -> str:
-    return model_or_name.toml if isinstance(model_or_name, Model) else os.fspath(model_or_name)
+def _text_of(model_or_name: ModelOrName) -> "str | bytes":
+    return model_or_name.toml if isinstance(model_or_name, Model) else os.fsencode(model_or_name)
+
+
+def _words(name: "str | bytes") -> str:
+    """A name for results; what is no UTF-8 is replaced."""
+    return os.fsencode(name).decode("utf-8", "replace")
+
+
+def _require_whole_numbers(time_ns: np.ndarray, odometer_pulses: Optional[np.ndarray]) -> None:
+    """Refuses what would be cut to whole numbers: seconds would all become 0 or 1."""
+    if np.asarray(time_ns).dtype.kind not in "iu":
+        raise TypeError("time_ns: expected whole nanoseconds (integers); seconds * 1e9, rounded")
+    if odometer_pulses is not None and np.asarray(odometer_pulses).dtype.kind not in "iu":
+        raise TypeError("odometer_pulses: expected counts (integers)")
 
 
 def _source_of(recording: PathOrRecording) -> "tuple[_native.Source, str]":
     if isinstance(recording, Recording):
-        return _native.Source.of_arrays(**recording.arrays()), recording.name
-    path = os.fspath(recording)
-    return _native.Source(path), pathlib.Path(path).name
+        _require_whole_numbers(recording.time_ns, recording.odometer_pulses)
+        return _native.Source.of_arrays(**recording.arrays()), _words(recording.name)
+    return _native.Source(os.fsencode(recording)), _words(os.path.basename(os.fspath(recording)))

@@ -52,7 +52,9 @@ int MetricsEndpoint::write_file() const {
 }
 
 void MetricsEndpoint::serve() const {
-  for (;;) {
+  // Not all that there are: under a flood there is always one more.
+  constexpr int kMostReaders = 16;
+  for (int i = 0; i < kMostReaders; ++i) {
     const Descriptor reader{
         accept4(listener_->descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
     if (!reader.is_open()) return;

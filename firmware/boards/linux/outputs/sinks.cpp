@@ -165,12 +165,24 @@ class CanSink final : public Sink {
   }
 
   /// The controller takes no part in the bus after too many errors. The kernel tells it by error
-  /// frames, and says to write() all the same that it has taken the frame.
+  /// frames, and says to write() all the same that it has taken the frame. An interface that was
+  /// set down and up again takes part without a frame that says so: the error ENETDOWN, which the
+  /// kernel gives once and before frames that are older, is the only trace.
   void take_states() {
-    can_frame frame{};
-    while (recv(socket_.get(), &frame, sizeof frame, MSG_DONTWAIT) == sizeof frame) {
-      is_bus_off_ = is_bus_off_after(frame.can_id, is_bus_off_);
+    constexpr int kMostFrames = 64;
+    bool was_down = false;
+    for (int i = 0; i < kMostFrames; ++i) {
+      can_frame frame{};
+      const ssize_t size = recv(socket_.get(), &frame, sizeof frame, MSG_DONTWAIT);
+      if (size == sizeof frame) {
+        is_bus_off_ = is_bus_off_after(frame.can_id, is_bus_off_);
+      } else if (size < 0 && errno == ENETDOWN) {
+        was_down = true;
+      } else {
+        break;
+      }
     }
+    if (was_down) is_bus_off_ = false;
   }
 
   bool send(const wire::NumberedMessage& message) override {

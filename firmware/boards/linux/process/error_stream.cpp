@@ -10,8 +10,7 @@
 
 namespace zerorate::linux_node {
 
-void ErrorStream::write_line(std::string_view line) {
-  const core::Instant now = hal::linux_os::KernelClock::now();
+void ErrorStream::write_line(std::string_view line, core::Instant now) {
   std::string text{line};
   if (Recent* const known = find(line)) {
     if (now - known->at < kOncePer) {

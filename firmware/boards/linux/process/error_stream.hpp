@@ -22,7 +22,7 @@ class ErrorStream {
   explicit ErrorStream(int descriptor = STDERR_FILENO) : descriptor_(descriptor) {}
 
   /// @param line  without a newline at its end; what is beyond 4000 bytes is cut off
-  void write_line(std::string_view line);
+  void write_line(std::string_view line, core::Instant now = hal::linux_os::KernelClock::now());
   /// Lines that nobody took.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 

@@ -20,6 +20,8 @@ constexpr auto kTick = core::Duration::milliseconds(500);
 // The PC and the vehicle agree on what a model may hold, though neither room includes the other.
 static_assert(kCApiShape.decaying == ZERORATE_DECAYING_MODES);
 static_assert(kCApiShape.rotating == ZERORATE_ROTATING_MODES);
+static_assert(kCApiHeldTicks == ZERORATE_HELD_TICKS);
+static_assert(kNodeHeldTicks == app::NodeCapacity{}.held_ticks);
 
 TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
   std::ifstream file(ZERORATE_REPOSITORY "/firmware/c_api/examples/front_gyro.h");
@@ -65,6 +67,60 @@ TEST(CHeaderOfAModelWithALine, HasItsRotatingMode) {
   EXPECT_NE(text.find(".rotating = {"), std::string::npos);
   EXPECT_NE(text.find("ZERORATE_UNKNOWN_VARIANCE"), std::string::npos);
   EXPECT_NE(text.find("no end  / of a comment"), std::string::npos);
+}
+
+/// Whether a header for a filter rate is written.
+template <class Format>
+bool is_exported(Format format) {
+  try {
+    (void)format();
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+TEST(CHeaderOfAnyFilterRate, IsWrittenWhereTheDefaultTakesIt) {
+  static zerorate_node node;
+  for (int rate_hz = 1; rate_hz <= 110; ++rate_hz) {
+    zerorate_model model = front_gyro;
+    model.tick_ns = 1'000'000'000 / rate_hz;
+    const auto tick = core::Duration::nanoseconds(model.tick_ns);
+    EXPECT_EQ(zerorate_init(&node, &model, nullptr) == ZERORATE_OK, is_exported([&] {
+                return format_c_header(find_model("lsm6dso"), kSamplePeriod, tick, "fast");
+              }))
+        << rate_hz;
+  }
+}
+
+TEST(HeaderOfAnyFilterRate, IsWrittenWhereANodeTakesIt) {
+  for (int rate_hz = 1; rate_hz <= 210; ++rate_hz) {
+    app::NodeParams<exported::kModelShape> params = exported::kNodeParams;
+    params.model.sample_period = core::Duration::milliseconds(5);
+    const auto tick = core::Duration::nanoseconds(1'000'000'000 / rate_hz);
+    params.model.modes.tick = tick;
+    EXPECT_EQ(app::check(params, app::NodeCapacity{}).has_value(), is_exported([&] {
+                return format_cpp_header(find_model("lsm6dso"), core::Duration::milliseconds(5),
+                                         tick);
+              }))
+        << rate_hz;
+  }
+}
+
+TEST(CHeaderOfAFastFilter, NamesThePlacesAndTheRateThatFits) {
+  const auto tick = core::Duration::milliseconds(20);
+  try {
+    (void)format_c_header(find_model("lsm6dso"), kSamplePeriod, tick, "fast");
+    FAIL() << "written";
+  } catch (const std::invalid_argument& error) {
+    const std::string reason = error.what();
+    for (const char* part :
+         {"50.000 Hz", "below 26.000 Hz", "ZERORATE_HELD_TICKS of 29", "--held-ticks 29"}) {
+      EXPECT_NE(reason.find(part), std::string::npos) << reason;
+    }
+  }
+  const std::string text = format_c_header(find_model("lsm6dso"), kSamplePeriod, tick, "fast", 29);
+  EXPECT_NE(text.find("#if ZERORATE_HELD_TICKS < 29\n#error"), std::string::npos);
 }
 
 TEST(CHeaderWithANameThatIsNone, IsRefused) {

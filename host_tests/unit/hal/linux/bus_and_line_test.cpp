@@ -321,6 +321,19 @@ TEST(LatestEdgeOfManyEdges, IsTheNewestOnce) {
   EXPECT_EQ(pin.take_edge(), std::nullopt);
 }
 
+TEST(LatestEdgeOfALineThatFloats, EndsThoughEdgesNeverDo) {
+  struct Floating {
+    std::int64_t edges = 0;
+    core::Result<PulseBatch, BusError> read_pulses(std::span<core::Instant> stamps) {
+      for (core::Instant& stamp : stamps) stamp = at_ms(static_cast<int>(++edges));
+      return PulseBatch{.count = stamps.size()};
+    }
+  } line;
+  LatestEdge pin{line};
+  EXPECT_EQ(pin.take_edge(), at_ms(1024));
+  EXPECT_EQ(pin.take_edge(), at_ms(2048));
+}
+
 TEST(LatestEdgeOfALineThatFails, IsNone) {
   struct Failing {
     core::Result<PulseBatch, BusError> read_pulses(std::span<core::Instant>) {

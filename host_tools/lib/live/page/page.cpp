@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <httplib.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -34,8 +36,8 @@ using std::chrono::seconds;
 /// Requests at a time: the streams, and a few that fetch the page.
 constexpr std::size_t kWorkers = Page::kMostViewers + 4;
 constexpr seconds kPatience{2};  // with a browser that does not take what it is given
-/// Patience with one that does not go on with its question. No browser pauses within one.
-constexpr std::chrono::milliseconds kPatienceWithQuestions{500};
+/// Patience with a question, from the connection to its end. Browsers send it at once.
+constexpr std::chrono::milliseconds kPatienceWithQuestions{1000};
 
 /// Forbids every load from elsewhere.
 constexpr std::string_view kContentPolicy =
@@ -102,6 +104,40 @@ class Workers final : public httplib::ThreadPool {
 
  private:
   std::counting_semaphore<kWorkers> free_{kWorkers};
+};
+
+/// Connection to a client, whose question ends in time or is not answered. The limits of httplib
+/// hold for each byte, so that a client which sends one now and then would keep its thread for
+/// ever.
+class Connection final : public httplib::Stream {
+ public:
+  explicit Connection(int socket) : socket_(socket) {}
+
+  bool is_readable() const override {
+    return waits(POLLIN, std::chrono::ceil<std::chrono::milliseconds>(
+                             ends_at_ - std::chrono::steady_clock::now()));
+  }
+  bool is_writable() const override { return waits(POLLOUT, kPatience); }
+  ssize_t read(char* bytes, std::size_t size) override {
+    return is_readable() ? recv(socket_, bytes, size, 0) : -1;
+  }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    return is_writable() ? send(socket_, bytes, size, MSG_NOSIGNAL) : -1;
+  }
+  void get_remote_ip_and_port(std::string& /*address*/, int& /*port*/) const override {}
+  void get_local_ip_and_port(std::string& /*address*/, int& /*port*/) const override {}
+  socket_t socket() const override { return socket_; }
+
+ private:
+  /// @return whether the socket is ready before the time is over
+  bool waits(short events, std::chrono::milliseconds time) const {
+    pollfd ready{.fd = socket_, .events = events, .revents = 0};
+    return time.count() > 0 && poll(&ready, 1, static_cast<int>(time.count())) == 1;
+  }
+
+  int socket_;
+  std::chrono::steady_clock::time_point ends_at_ =
+      std::chrono::steady_clock::now() + kPatienceWithQuestions;
 };
 
 /// A rate in the unit; null where it is none.
@@ -185,8 +221,6 @@ class Page::Server {
  public:
   Server(const std::string& address, std::uint16_t port) {
     http_.new_task_queue = [] { return new Workers; };  // owned by the server
-    http_.set_keep_alive_max_count(1);                  // a thread waits for nobody's next request
-    http_.set_read_timeout(kPatienceWithQuestions);
     http_.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
       if (is_for_this_machine(request)) return httplib::Server::HandlerResponse::Unhandled;
       response.status = 403;
@@ -252,6 +286,19 @@ class Page::Server {
   }
 
  private:
+  /// A server of one question a connection.
+  class Http final : public httplib::Server {
+   private:
+    bool process_and_close_socket(socket_t socket) override {
+      Connection connection{socket};
+      bool is_closed = false;
+      const bool is_answered = process_request(connection, true, is_closed, nullptr);
+      (void)shutdown(socket, SHUT_RDWR);
+      (void)close(socket);
+      return is_answered;
+    }
+  };
+
   /// Events sent to a browser.
   struct Viewer {
     std::uint64_t version = 0;
@@ -302,7 +349,7 @@ class Page::Server {
     return message;
   }
 
-  httplib::Server http_;
+  Http http_;
   int port_ = -1;
   std::atomic<std::size_t> viewers_ = 0;
   std::atomic<bool> has_ended_ = false;

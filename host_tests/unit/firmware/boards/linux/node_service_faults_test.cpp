@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "hal/linux/i2c_dev.hpp"
 #include "host_tests/unit/firmware/boards/linux/service_rig.hpp"
 
 namespace zerorate::linux_node {
@@ -31,6 +33,33 @@ TEST(NodeServiceWhoseGyroIsUnpluggedForFiveSeconds, Recovers) {
   EXPECT_TRUE(rig.latest().has_rate());
   EXPECT_NEAR(rig.latest().axes[1].corrected.in(core::deg_per_s), 0.0F, 1e-2F);
   EXPECT_EQ(rig.service->status().counters.starts, 2U);
+}
+
+/// Each transaction takes as long as the bus of Linux waits for a data line that is stuck.
+TEST(NodeServiceWhoseBusBlocks, TellsTheSilenceFourTimesASecond) {
+  ServiceRig rig;
+  rig.run(520);
+  auto& faults = rig.hardware.rig.faults;
+  faults.inject(
+      {.first = faults.calls(), .calls = Fault::kForEver, .error = hal::BusError::timeout});
+  const core::Duration blocks = core::Duration::milliseconds(10) *
+                                static_cast<std::int64_t>(hal::linux_os::I2cDevBus<>::kTimeLimit);
+  std::size_t seen = faults.calls();
+  std::uint32_t told = rig.service->latest()->sequence;
+  core::Instant told_at = rig.hardware.now();
+  core::Duration longest;
+  const core::Instant end = told_at + core::Duration::seconds(30);
+  while (rig.hardware.now() < end) {
+    rig.service->measure();
+    for (; seen < faults.calls(); ++seen) rig.hardware.rig.clock.advance(blocks);
+    rig.service->publish_waiting();
+    if (rig.service->latest()->sequence == told) continue;
+    EXPECT_TRUE(rig.latest().health.sensor_fault);
+    told = rig.service->latest()->sequence;
+    longest = std::max(longest, rig.hardware.now() - told_at);
+    told_at = rig.hardware.now();
+  }
+  EXPECT_LE(longest, core::Duration::milliseconds(400));
 }
 
 TEST(NodeServiceWhoseOdometerFails, NeverClaimsStandstillMeanwhile) {

@@ -204,6 +204,25 @@ TEST(ErrorStream, DropsLinesThatNobodyTakesAndTellsHowMany) {
             "zerorated: 2 lines of this log were lost\nzerorated: third\n");
 }
 
+TEST(ErrorStream, TellsALineThatRepeatsItselfOnceAMinute) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC), 0);
+  const Descriptor reader{ends[0]};
+  const Descriptor writer{ends[1]};
+  ErrorStream stream{writer.get()};
+  for (int second = 0; second <= 60; ++second) {
+    const auto now = core::Instant::from_ns(0) + core::Duration::seconds(second);
+    stream.write_line("fails", now);
+    if (second == 30) stream.write_line("other", now);
+  }
+  std::array<char, 4096> read_back{};
+  const ssize_t size = read(reader.get(), read_back.data(), read_back.size());
+  ASSERT_GT(size, 0);
+  EXPECT_EQ((std::string_view{read_back.data(), static_cast<std::size_t>(size)}),
+            "zerorated: fails\nzerorated: other\nzerorated: fails (59 times more meanwhile)\n");
+  EXPECT_EQ(stream.lost(), 0U);
+}
+
 TEST(ErrorStreamThatIsClosed, IsNoError) {
   ErrorStream stream{-1};
   stream.write_line("line");

@@ -182,18 +182,63 @@ TEST(PageOfANode, EndsWhileSomebodyLooks) {
   EXPECT_EQ(viewer.take().size(), 1U);
 }
 
+void connect_to(const Page& page, const hal::linux_os::Descriptor& socket) {
+  const std::string& url = page.url();
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  const hal::linux_os::SocketAddress address = hal::linux_os::udp_address("127.0.0.1", port);
+  EXPECT_EQ(connect(socket.get(), address.get(), address.size), 0);
+}
+
+hal::linux_os::Descriptor stream_socket() {
+  return hal::linux_os::checked_descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0),
+                                           "socket");
+}
+
+/// A client that never ends its question.
+class Dribbler {
+ public:
+  explicit Dribbler(const Page& page) {
+    connect_to(page, socket_);
+    say("GET / HTTP/1.1\r\nX: ");
+  }
+  /// @return whether the connection is still open
+  bool say(std::string_view words) const {
+    return send(socket_.get(), words.data(), words.size(), MSG_NOSIGNAL) >= 0;
+  }
+
+ private:
+  hal::linux_os::Descriptor socket_ = stream_socket();
+};
+
+TEST(PageOfANode, IsNotHeldUpByClientsThatDoNotEndTheirQuestions) {
+  const Page page{"127.0.0.1", 0};
+  std::deque<Dribbler> dribblers;
+  for (int i = 0; i < 24; ++i) dribblers.emplace_back(page);
+  std::atomic<bool> is_over = false;
+  std::thread dribbling{[&] {
+    while (!is_over) {
+      for (const Dribbler& dribbler : dribblers) (void)dribbler.say("a");
+      std::this_thread::sleep_for(milliseconds{100});
+    }
+  }};
+  const auto begin = std::chrono::steady_clock::now();
+  httplib::Client client{page.url().substr(0, page.url().size() - 1)};
+  client.set_read_timeout(std::chrono::seconds{10});
+  const auto answer = client.Get("/");
+  is_over = true;
+  dribbling.join();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds{5});
+}
+
 /// A browser that takes the beginning of an event and then nothing more.
 class Sleeper {
  public:
-  explicit Sleeper(const Page& page)
-      : socket_(hal::linux_os::checked_descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0),
-                                                  "socket")) {
+  explicit Sleeper(const Page& page) {
     const int few_bytes = 1024;
     EXPECT_EQ(setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &few_bytes, sizeof few_bytes), 0);
-    const std::string& url = page.url();
-    const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-    const hal::linux_os::SocketAddress address = hal::linux_os::udp_address("127.0.0.1", port);
-    EXPECT_EQ(connect(socket_.get(), address.get(), address.size), 0);
+    connect_to(page, socket_);
     constexpr std::string_view kRequest = "GET /events HTTP/1.1\r\nHost: x\r\n\r\n";
     EXPECT_EQ(send(socket_.get(), kRequest.data(), kRequest.size(), 0),
               static_cast<ssize_t>(kRequest.size()));
@@ -206,7 +251,7 @@ class Sleeper {
   }
 
  private:
-  hal::linux_os::Descriptor socket_;
+  hal::linux_os::Descriptor socket_ = stream_socket();
 };
 
 TEST(PageOfANode, IsNotHeldUpByASlowViewer) {
