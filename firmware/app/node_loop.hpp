@@ -96,6 +96,7 @@ class NodeLoop {
   /// The two clocks are not read at one instant.
   static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
   static constexpr core::Duration kFarStamp = core::Duration::seconds(1);
+  static constexpr core::Duration kLongAgo = core::Duration::seconds(3600);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void run(core::Instant now, std::optional<core::Instant> edge) {
@@ -179,11 +180,8 @@ class NodeLoop {
     }
     return frozen;
   }
-  /// A vehicle that only counts as moving is not known to drive.
-  [[nodiscard]] constexpr SampleWatch::Vehicle vehicle(core::Instant now) const {
-    if (node_.motion() == core::Motion::still) return SampleWatch::Vehicle::stands;
-    const bool is_driven = driven_at_ && now - *driven_at_ < core::Duration::seconds(1);
-    return is_driven ? SampleWatch::Vehicle::drives : SampleWatch::Vehicle::unknown;
+  [[nodiscard]] constexpr VehicleState vehicle(core::Instant now) const {
+    return vehicle_state(node_.motion(), driven_at_ ? now - *driven_at_ : kLongAgo);
   }
 
   /// A gyro that answers without measuring is started again, with its reset.
@@ -314,7 +312,7 @@ class NodeLoop {
   Clock& clock_;
   Sink& sink_;
   LoopCounters counters_;
-  SampleWatch watch_;
+  SampleWatch<> watch_;
   RateWatch sample_rate_;
   TemperatureWatch temperature_watch_;
   ChatterWatch chatter_;
