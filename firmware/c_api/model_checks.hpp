@@ -1,5 +1,5 @@
 /// @file
-/// Whether what a caller hands over in C can be a model.
+/// Whether what a caller hands over in C can be a model, a configuration or a measurement.
 #pragma once
 
 #include <algorithm>
@@ -90,6 +90,28 @@ inline constexpr float kLargestDrift = 1e3F;
   constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
   return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns}) <=
          kLongest_ns;
+}
+
+/// Enumerations of C hold any number.
+[[nodiscard]] inline bool are_sound_choices(const zerorate_config& config) {
+  return config.predictor >= ZERORATE_KALMAN && config.predictor <= ZERORATE_CALIBRATION_MEAN &&
+         config.standstill >= ZERORATE_BY_ODOMETER &&
+         config.standstill <= ZERORATE_BY_ODOMETER_ALONE;
+}
+[[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
+  constexpr float kPole_deg = 90.0F;
+  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
+         (config.up_axis == 0 ||
+          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
+}
+[[nodiscard]] inline bool is_sound(const zerorate_config& config) {
+  return are_sound_choices(config) && is_sound_place(config);
+}
+
+/// What is measured is left to the node, which flags it.
+[[nodiscard]] inline bool is_sound(const zerorate_measurement& measured) {
+  return core::is_in_range(core::Instant::from_ns(measured.time_ns)) &&
+         (measured.saturated_axes >> ZERORATE_AXES) == 0;
 }
 
 }  // namespace zerorate::c_api

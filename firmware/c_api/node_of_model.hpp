@@ -79,17 +79,10 @@ template <core::ModelShape Shape>
       return app::Predictor::moving_average;
     case ZERORATE_CALIBRATION_MEAN:
       return app::Predictor::calibration_mean;
-    case ZERORATE_KALMAN:
+    default:
       break;
   }
   return app::Predictor::kalman;
-}
-
-[[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
-  constexpr float kPole_deg = 90.0F;
-  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
-         (config.up_axis == 0 ||
-          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
 }
 
 [[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
@@ -106,7 +99,7 @@ template <core::ModelShape Shape>
       return core::StandstillSource::gyro;
     case ZERORATE_BY_ODOMETER_ALONE:
       return core::StandstillSource::odometer_alone;
-    case ZERORATE_BY_ODOMETER:
+    default:
       break;
   }
   return core::StandstillSource::odometer;

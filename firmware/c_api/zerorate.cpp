@@ -44,6 +44,7 @@ struct Instance {
 };
 static_assert(sizeof(Instance) <= sizeof(zerorate_node));
 static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");
+static_assert(sizeof(zerorate_config::standstill) == 4 && sizeof(zerorate_rate::motion) == 4);
 static_assert(ZERORATE_AXES >= 1 && ZERORATE_AXES <= 3);
 static_assert(ZERORATE_DECAYING_MODES >= 1 && ZERORATE_ROTATING_MODES >= 0);
 static_assert(alignof(Instance) <=
@@ -141,6 +142,11 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
   return ZERORATE_SNAPSHOT_NOT_USABLE;
 }
 
+zerorate_result result_of(app::ParamsError error) {
+  if (error == app::ParamsError::predictor_not_run) return ZERORATE_BAD_ARGUMENT;
+  return ZERORATE_BAD_TIMES;
+}
+
 app::SnapshotTime snapshot_time(std::int64_t utc_s) {
   app::SnapshotTime time;
   if (utc_s != ZERORATE_NO_CLOCK) time.utc_s = utc_s;
@@ -173,9 +179,11 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
   if (!c_api::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
   if (!c_api::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
-  if (!c_api::is_sound_place(chosen)) return ZERORATE_BAD_ARGUMENT;
+  if (!c_api::is_sound(chosen)) return ZERORATE_BAD_ARGUMENT;
   const c_api::Node::Params params = c_api::params_of(*model, chosen);
-  if (!c_api::Node::check(params)) return ZERORATE_BAD_TIMES;
+  if (const auto checked = c_api::Node::check(params); !checked) {
+    return c_api::result_of(checked.error());
+  }
   new (self) c_api::Instance{params, chosen.sensor_id};
   return ZERORATE_OK;
 }
@@ -212,7 +220,7 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
   if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
+  if (!c_api::is_sound(*measured)) return ZERORATE_BAD_ARGUMENT;
   const core::GyroSample sample = c_api::sample_of(*measured);
   const app::RateMessage message = instance->node.step(sample);
   if (message.has_rate()) {
@@ -225,7 +233,7 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
 
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error) {
-  if (axis >= c_api::Node::kAxes || error == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (axis >= c_api::Node::kAxes || samples == 0 || error == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   const auto& params = instance->params;
@@ -276,6 +284,7 @@ zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8
   if (instance->has_sample) return ZERORATE_TOO_LATE;
   const auto resumed = instance->snapshot.restore_filters(instance->node, std::span{record, size},
                                                           c_api::snapshot_time(utc_s));
-  return resumed ? ZERORATE_OK : c_api::result_of(resumed.error());
+  if (!resumed) return c_api::result_of(resumed.error());
+  return ZERORATE_OK;
 }
 // NOLINTEND(readability-identifier-naming)

@@ -109,15 +109,19 @@ class Workshop:
         self.expected = self.bits_of_the_library()
 
     def bits_of_the_library(self):
-        library = next(self.build.rglob("libzerorate.a"), None)
-        require(library, f"no libzerorate.a in {self.build}")
-        program = self.work / "reference"
-        run("gcc", "-std=c11", "-O1", f"-I{self.repository}/firmware/c_api/include", "-I.", "super_loop.c", "board.c", library,
-            "-o", program, folder=self.work / "app")
-        printed = run(program)
+        printed = self.play_on_the_library("reference")
         require(printed.endswith("end\n") and "heading" in printed and printed.count("\n") == 103,
                 f"the library itself: {printed}")
         return printed
+
+    def play_on_the_library(self, name, *flags):
+        """What this machine's library prints for a program that is compiled with other flags."""
+        library = next(self.build.rglob("libzerorate.a"), None)
+        require(library, f"no libzerorate.a in {self.build}")
+        program = self.work / name
+        run("gcc", "-std=c11", "-O1", *flags, f"-I{self.repository}/firmware/c_api/include", "-I.", "super_loop.c", "board.c",
+            library, "-o", program, folder=self.work / "app")
+        return run(program)
 
     def project(self, name):
         """A copy of a project of this folder."""
@@ -213,6 +217,7 @@ def find_package(shop):
 
 def makefile(shop):
     given = f"ZERORATE={shop.repository}"
+    shop.compare("program with -fshort-enums", shop.play_on_the_library("short_enums", "-fshort-enums"))
     for level in ("-Os", "-O3"):  # whose defaults contract to fused multiply-add
         folder = shop.make(f"makefile-m4f{level}", given, "CROSS=arm-none-eabi-", f"CPU={CORTEX['m4f'][0]}",
                            f"LINK={ARM_LINK}", f"OPTIMISATION={level}")

@@ -110,10 +110,15 @@ extern "C" {
 /** For zerorate_model: what the bias changes by while the power is off is not known. */
 #define ZERORATE_UNKNOWN_VARIANCE (-1.0F)
 
-typedef enum zerorate_result {
+/** @name Enumerations
+ * Of 32 bits, whatever -fshort-enums makes of an enumeration on either side.
+ * @{
+ */
+typedef int32_t zerorate_result;
+enum {
   ZERORATE_OK = 0,
   ZERORATE_NOT_INITIALISED, /**< zerorate_init() has not succeeded, or the instance was moved */
-  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, an axis beyond the third, an impossible time */
+  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, a value out of its range, an impossible time */
   ZERORATE_BAD_MODEL, /**< a figure of the model is not a number, above 1e6, or out of its range */
   ZERORATE_BAD_TIMES, /**< a time of the model or the configuration is not to be used: not
                          positive, longer than an hour, or not fitting the others */
@@ -125,26 +130,30 @@ typedef enum zerorate_result {
   ZERORATE_SNAPSHOT_VERSION,   /**< another version's */
   ZERORATE_SNAPSHOT_SENSOR,    /**< another sensor's */
   ZERORATE_SNAPSHOT_NOT_USABLE /**< the model does not say what switching on changes */
-} zerorate_result;
+};
 
-typedef enum zerorate_predictor {
+typedef int32_t zerorate_predictor;
+enum {
   ZERORATE_KALMAN = 0,      /**< one state a decade of 1/f noise */
   ZERORATE_MOVING_AVERAGE,  /**< the last samples of a stop, as many as the coming lead asks for */
   ZERORATE_CALIBRATION_MEAN /**< the plain mean of the last stop */
-} zerorate_predictor;
+};
 
-typedef enum zerorate_motion {
+typedef int32_t zerorate_motion;
+enum {
   ZERORATE_MOVING = 0, /**< it moved less than the settle time ago */
   ZERORATE_SETTLING,   /**< still, but not yet for so long that it counts */
   ZERORATE_STILL       /**< samples are being learnt from */
-} zerorate_motion;
+};
 
 /** What tells that the vehicle stands. */
-typedef enum zerorate_standstill {
+typedef int32_t zerorate_standstill;
+enum {
   ZERORATE_BY_ODOMETER = 0,  /**< no pulse, or its own word, and no motion of the gyro */
   ZERORATE_BY_GYRO,          /**< the calm of the gyro alone: pulses are not looked at */
   ZERORATE_BY_ODOMETER_ALONE /**< no pulse, or its own word, whatever the gyro shows */
-} zerorate_standstill;
+};
+/** @} */
 
 typedef struct zerorate_complex {
   float re;
@@ -241,7 +250,8 @@ typedef struct zerorate_measurement {
   float rate_rad_s[ZERORATE_AXES];
   float temperature_degc; /**< of the sensor, if has_temperature */
   bool has_temperature;
-  uint8_t saturated_axes; /**< bit i: axis i is at full scale, and the sample is not learnt from */
+  uint8_t saturated_axes; /**< bit i: axis i is at full scale, and the sample is not learnt from;
+                             bits of axes that there are not are refused */
 } zerorate_measurement;
 
 typedef struct zerorate_rate {
@@ -329,7 +339,8 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
 
 /**
  * The heading error that the bias causes over the coming samples, if the vehicle drives off now.
- * @param samples how many, at the model's sample period; not beyond the times of the clock
+ * @param samples how many, at the model's sample period: one or more, and not beyond the times of
+ * the clock; counted in whole ticks of the filter
  * @return ZERORATE_NOTHING_LEARNT before the first standstill, ZERORATE_BAD_ARGUMENT
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
