@@ -47,7 +47,7 @@ class RateWatch {
   [[nodiscard]] constexpr float samples_per_second() const { return samples_per_second_; }
 
  private:
-  core::Instant begin_;  ///< of the present window
+  core::Instant begin_;  ///< begin of the present window
   std::uint32_t samples_ = 0;
   float samples_per_second_ = 0.0F;
   bool has_begun_ = false;

@@ -98,7 +98,7 @@ class SampleWatch {
     float lowest = 0.0F;    ///< sum of the present window at rest
     float highest = 0.0F;
     float least_span = kUnknown;  ///< sum of all windows at rest
-    std::uint8_t changes = 0;     ///< in the present window
+    std::uint8_t changes = 0;     ///< changes in the present window
     bool is_saturated = false;    ///< the newest sample
   };
 
