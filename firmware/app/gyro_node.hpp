@@ -161,6 +161,11 @@ class GyroNode {
   }
 
   [[nodiscard]] constexpr core::Motion motion() const { return learning_.motion(); }
+  [[nodiscard]] constexpr bool has_sample() const { return learning_.has_sample(); }
+  /// Time of the newest sample that was taken; the clock's zero before there is one.
+  [[nodiscard]] constexpr core::Instant newest_sample() const { return learning_.newest_sample(); }
+  /// Whether a sample of this time is not refused for it.
+  [[nodiscard]] constexpr bool can_take(core::Instant at) const { return learning_.can_take(at); }
   /// The filter's tick of the newest sample, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return learning_.tick(); }
   /// Ticks up to and with the newest one that has been learnt from.

@@ -9,6 +9,7 @@
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
+#include "core/standstill/odometer_traits.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/c_api/include/zerorate.h"
 #include "firmware/c_api/model_checks.hpp"
@@ -105,6 +106,15 @@ template <core::ModelShape Shape>
   return core::StandstillSource::odometer;
 }
 
+[[nodiscard]] inline core::Standstill::Params standstill_of(const zerorate_config& config) {
+  const core::OdometerTraits odometer{
+      .dead_band_mps = config.odometer_dead_band_mps,
+      .latency = core::Duration::nanoseconds(config.odometer_latency_ns)};
+  return core::adapted_to(odometer, {.settle = core::Duration::nanoseconds(config.settle_ns),
+                                     .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
+                                     .source = source_of(config.standstill)});
+}
+
 [[nodiscard]] inline Node::Params params_of(const zerorate_model& model,
                                             const zerorate_config& config) {
   const bool is_known = model.turn_on_variance_rad2_s2 >= 0.0F;
@@ -129,9 +139,7 @@ template <core::ModelShape Shape>
     .hypotheses = hypotheses_of<kShape>(model)
   };
   return {.model = noise,
-          .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
-                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
-                         .source = source_of(config.standstill)},
+          .standstill = standstill_of(config),
           .earth = earth_of(config),
           .published = predictor_of(config.predictor)};
 }

@@ -22,37 +22,20 @@
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
+#include "firmware/c_api/instance.hpp"
 #include "firmware/c_api/model_checks.hpp"
 #include "firmware/c_api/node_of_model.hpp"
 
 namespace zerorate::c_api {
 namespace {
 
-using Snapshot = app::Snapshot<Node>;
-
-/// Content of the caller's storage.
-struct Instance {
-  Instance(const Node::Params& given, std::uint32_t sensor_id)
-      : params(given), node(params), snapshot(params, sensor_id) {}
-
-  const Instance* self = this;  ///< says that the storage was initialised, and not moved since
-  Node::Params params;
-  Node node;
-  Snapshot snapshot;
-  core::Instant newest_sample;
-  bool has_sample = false;
-};
-static_assert(sizeof(Instance) <= sizeof(zerorate_node));
-static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");
 static_assert(sizeof(zerorate_config::standstill) == 4 && sizeof(zerorate_rate::motion) == 4);
 static_assert(ZERORATE_AXES >= 1 && ZERORATE_AXES <= 3);
 static_assert(ZERORATE_DECAYING_MODES >= 1 && ZERORATE_ROTATING_MODES >= 0);
-static_assert(alignof(Instance) <=
-              alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
 static_assert(Snapshot::kBytesOfFilters == ZERORATE_SNAPSHOT_BYTES);
 static_assert(Node::kAxes == ZERORATE_AXES);
 static_assert(app::RateMessage::kNoCalm == ZERORATE_NO_CALM);
-static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
+static_assert(RestWord::kNoLimit == core::Duration::nanoseconds(ZERORATE_SILENCE_IS_REST));
 
 /// False where a cast made the storage of memory that a processor cannot read as one.
 bool is_aligned(const zerorate_node* storage) {
@@ -63,7 +46,7 @@ bool is_aligned(const zerorate_node* storage) {
 const Instance* instance_in(const zerorate_node* storage) {
   if (storage == nullptr || !is_aligned(storage)) return nullptr;
   const auto* instance = std::launder(reinterpret_cast<const Instance*>(storage));
-  return instance->self == instance ? instance : nullptr;
+  return instance->is_here() ? instance : nullptr;
 }
 Instance* instance_in(zerorate_node* storage) {
   const Instance* instance = instance_in(static_cast<const zerorate_node*>(storage));
@@ -165,6 +148,9 @@ zerorate_config zerorate_default_config() {
   const core::Standstill::Params standstill;
   return {.settle_ns = standstill.settle.ns(),
           .hold_back_ns = standstill.hold_back.ns(),
+          .word_timeout_ns = core::Duration::seconds(1).ns(),
+          .odometer_latency_ns = 0,
+          .odometer_dead_band_mps = 0.0F,
           .predictor = ZERORATE_KALMAN,
           .sensor_id = 0,
           .standstill = ZERORATE_BY_ODOMETER,
@@ -184,7 +170,7 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
   if (const auto checked = c_api::Node::check(params); !checked) {
     return c_api::result_of(checked.error());
   }
-  new (self) c_api::Instance{params, chosen.sensor_id};
+  new (self) c_api::Instance{params, chosen};
   return ZERORATE_OK;
 }
 
@@ -192,7 +178,7 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node.pulse(core::Instant::from_ns(time_ns));
+  instance->pulse(core::Instant::from_ns(time_ns));
   return ZERORATE_OK;
 }
 
@@ -200,19 +186,16 @@ zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node.report_odometer_fault(core::Instant::from_ns(now_ns));
+  instance->node().report_odometer_fault(core::Instant::from_ns(now_ns));
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
-  // Two pulses: a single one would be read as a slow wheel and lengthen the silence that is
-  // required.
-  if (!stands) {
-    (void)zerorate_pulse(self, time_ns);
-    return zerorate_pulse(self, time_ns);
-  }
-  if (instance_in(self) == nullptr) return ZERORATE_NOT_INITIALISED;
-  return c_api::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
+  instance->hear(core::Instant::from_ns(time_ns), stands);
+  return ZERORATE_OK;
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
@@ -221,13 +204,7 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_sound(*measured)) return ZERORATE_BAD_ARGUMENT;
-  const core::GyroSample sample = c_api::sample_of(*measured);
-  const app::RateMessage message = instance->node.step(sample);
-  if (message.has_rate()) {
-    instance->newest_sample = sample.time;
-    instance->has_sample = true;
-  }
-  *rate = c_api::rate_of(message);
+  *rate = c_api::rate_of(instance->take(c_api::sample_of(*measured)));
   return ZERORATE_OK;
 }
 
@@ -236,11 +213,11 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
   if (axis >= c_api::Node::kAxes || samples == 0 || error == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  const auto& params = instance->params;
-  const core::Instant from = instance->newest_sample;
+  const auto& params = instance->node().params();
+  const core::Instant from = instance->node().newest_sample();
   if (samples > (core::kLatestTime - from) / params.model.sample_period)
     return ZERORATE_BAD_ARGUMENT;
-  const auto heading = instance->node.predict_heading(
+  const auto heading = instance->node().predict_heading(
       params.published, axis, from, from + params.model.sample_period * std::int64_t{samples});
   if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;
   *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
@@ -252,7 +229,7 @@ zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axi
   if (axis >= c_api::Node::kAxes || learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  const app::LearntNoise noise = instance->node.predictors().learnt_noise(axis);
+  const app::LearntNoise noise = instance->node().predictors().learnt_noise(axis);
   const auto figure = [](const app::LearntFigure& one) {
     return zerorate_figure{.value = one.value, .sigma = one.sigma};
   };
@@ -269,9 +246,9 @@ zerorate_result zerorate_save(zerorate_node* self, int64_t utc_s, uint8_t* recor
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
-  if (!instance->node.predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
-  instance->snapshot.write_filters(
-      instance->node, c_api::snapshot_time(utc_s),
+  if (!instance->node().predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
+  instance->snapshot().write_filters(
+      instance->node(), c_api::snapshot_time(utc_s),
       std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});
   return ZERORATE_OK;
 }
@@ -281,9 +258,9 @@ zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8
   if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (instance->has_sample) return ZERORATE_TOO_LATE;
-  const auto resumed = instance->snapshot.restore_filters(instance->node, std::span{record, size},
-                                                          c_api::snapshot_time(utc_s));
+  if (instance->node().has_sample()) return ZERORATE_TOO_LATE;
+  const auto resumed = instance->snapshot().restore_filters(
+      instance->node(), std::span{record, size}, c_api::snapshot_time(utc_s));
   if (!resumed) return c_api::result_of(resumed.error());
   return ZERORATE_OK;
 }

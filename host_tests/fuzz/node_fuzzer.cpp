@@ -165,8 +165,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider input(data, size);
   const zerorate_model model = some_model(input);
   zerorate_config config = zerorate_default_config();
-  config.predictor =
-      input.PickValueInArray({ZERORATE_KALMAN, ZERORATE_MOVING_AVERAGE, ZERORATE_CALIBRATION_MEAN});
+  config.predictor = input.ConsumeIntegralInRange<std::int32_t>(-1, 3);
+  config.word_timeout_ns = input.PickValueInArray<std::int64_t>(
+      {0, 1, 1'000'000'000, 3'600'000'000'000, ZERORATE_SILENCE_IS_REST});
   zerorate_node node{};
   if (zerorate_init(&node, &model, &config) != ZERORATE_OK) return 0;
   std::int64_t now_ns = 0;

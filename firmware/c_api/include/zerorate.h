@@ -105,6 +105,8 @@ extern "C" {
    (ZERORATE_LEARNS * (12 + (12 * ZERORATE_AXES * ZERORATE_HYPOTHESES))))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
+/** For zerorate_config: there are pulses alone, and no pulse means that the vehicle stands. */
+#define ZERORATE_SILENCE_IS_REST INT64_MAX
 /** For zerorate_rate: no stop has been judged yet. */
 #define ZERORATE_NO_CALM 255
 /** For zerorate_model: what the bias changes by while the power is off is not known. */
@@ -220,8 +222,12 @@ typedef struct zerorate_model {
 } zerorate_model;
 
 typedef struct zerorate_config {
-  int64_t settle_ns;            /**< after the last motion nothing counts for so long */
-  int64_t hold_back_ns;         /**< nor until it is so old and still no motion has followed */
+  int64_t settle_ns;       /**< after the last motion nothing counts for so long */
+  int64_t hold_back_ns;    /**< nor until it is so old and still no motion has followed */
+  int64_t word_timeout_ns; /**< a word of rest counts for so long; or ZERORATE_SILENCE_IS_REST */
+  int64_t odometer_latency_ns;  /**< from the motion to its pulse or word: held back longer by it */
+  float odometer_dead_band_mps; /**< speed below which the odometer says nothing, 0 to 10: held back
+                                   a second longer for each m/s */
   zerorate_predictor predictor; /**< whose bias corrects the rate */
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
   zerorate_standstill standstill;
@@ -232,12 +238,12 @@ typedef struct zerorate_config {
 
 /** Every flag is an alarm except `calibrated`. */
 typedef struct zerorate_health {
-  bool calibrated;            /**< a bias was measured, and borne out for a second after it */
-  bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
-  bool time_refused;          /**< not after the sample before: no rate */
-  bool saturated;             /**< an axis at full scale: the rate is a lower bound */
-  bool model_inconsistent;    /**< no hypothesis, or not the model, explains the innovations */
-  bool odometer_fault;        /**< pulses were lost since the last sample */
+  bool calibrated;         /**< a bias was measured, and borne out for a second after it */
+  bool sample_refused;     /**< not finite, or beyond 1e6 rad/s: no rate */
+  bool time_refused;       /**< not after the sample before: no rate */
+  bool saturated;          /**< an axis at full scale: the rate is a lower bound */
+  bool model_inconsistent; /**< no hypothesis, or not the model, explains the innovations */
+  bool odometer_fault;     /**< pulses were lost since the last sample, or no word comes any more */
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
@@ -290,7 +296,10 @@ typedef struct zerorate_node {
   ZERORATE_ALIGNED uint8_t opaque[ZERORATE_INSTANCE_BYTES];
 } zerorate_node;
 
-/** 1 s to settle, half a second held back, the Kalman predictor, sensor 0. */
+/**
+ * 1 s to settle, half a second held back, a word of rest counts for 1 s, the Kalman predictor,
+ * sensor 0. For an odometer that gives pulses alone: `word_timeout_ns = ZERORATE_SILENCE_IS_REST`.
+ */
 zerorate_config zerorate_default_config(void);
 
 #ifndef DOXYGEN
@@ -314,6 +323,8 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
 
 /**
  * An odometer pulse; before the sample that is not older. Pulses may come late and out of order.
+ * Where pulses are all there is, the configuration says so: without ZERORATE_SILENCE_IS_REST a stop
+ * needs zerorate_zero_velocity().
  */
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 
@@ -324,8 +335,10 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns);
 
 /**
- * The vehicle's own word that it stands, instead of pulses: call it before every sample, or as
- * often as the word is renewed; at least once a settle time while it moves.
+ * The vehicle's own word on whether it stands: call it as often as the word is renewed, whatever it
+ * says. A word of rest counts for `word_timeout_ns`, one of motion until the next word. Without a
+ * word the vehicle counts as moving, and after `word_timeout_ns` each rate has `odometer_fault`: a
+ * bus that is dead is no standstill.
  */
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
 
