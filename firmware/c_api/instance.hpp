@@ -32,15 +32,30 @@ class Instance {
   [[nodiscard]] Node& node() { return node_; }
   [[nodiscard]] Snapshot snapshot() const { return {params_, sensor_id_}; }
 
+  /// Whether a stamp is so far behind the newest sample that its clock wrapped, was set, or is
+  /// another one.
+  [[nodiscard]] bool is_far_back(core::Instant at) const {
+    constexpr core::Duration kLatest = core::Duration::seconds(1);
+    return node_.has_sample() &&
+           node_.newest_sample() - at > params_.standstill.hold_back + kLatest;
+  }
+
   void pulse(core::Instant at) {
     word_.hear(at, false);
+    if (is_far_back(at)) return report_odometer_fault(at);
     node_.pulse(at);
   }
   /// Two pulses for a word of motion: a single one would be read as a slow wheel and lengthen the
   /// silence that is required.
   void hear(core::Instant at, bool stands) {
     word_.hear(at, stands);
-    if (!stands) move(at);
+    if (stands) return;
+    if (is_far_back(at)) return report_odometer_fault(at);
+    move(at);
+  }
+  /// At the newest sample where the stamp is of another clock: the stop is over by either.
+  void report_odometer_fault(core::Instant at) {
+    node_.report_odometer_fault(is_far_back(at) ? node_.newest_sample() : at);
   }
 
   app::RateMessage take(const core::GyroSample& sample) {

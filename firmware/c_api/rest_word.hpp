@@ -46,7 +46,7 @@ class RestWord {
   static constexpr core::Duration kLatest = core::Duration::seconds(1);
 
   core::Duration limit_;
-  core::Instant at_;  ///< of the newest word; before it, of the first sample
+  core::Instant at_;  ///< time of the newest word; before it, of the first sample
   bool has_started_ = false;
   bool stands_ = false;
 };

@@ -80,6 +80,20 @@ core::GyroSample sample_of(const zerorate_measurement& measured) {
   return sample;
 }
 
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// Answer where nothing is known of a rate.
+zerorate_rate no_rate() {
+  zerorate_rate rate{};
+  rate.calm_percent = ZERORATE_NO_CALM;
+  for (std::size_t i = 0; i < Node::kAxes; ++i) {
+    rate.corrected_rad_s[i] = kNone;
+    rate.bias_rad_s[i] = kNone;
+    rate.sigma_rad_s[i] = std::numeric_limits<float>::infinity();
+  }
+  return rate;
+}
+
 zerorate_rate rate_of(const app::RateMessage& message) {
   zerorate_rate rate{.time_ns = message.time.ns(),
                      .motion = motion_of(message.motion),
@@ -98,11 +112,17 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                      .sigma_rad_s = {},
                      .calm_percent = message.calm_percent};
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    rate.corrected_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
+    rate.corrected_rad_s[i] =
+        message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
     rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
     rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
   }
   return rate;
+}
+
+zerorate_result result_of(const app::Health& health) {
+  if (health.time_refused) return ZERORATE_TIME_REFUSED;
+  return health.sample_refused ? ZERORATE_SAMPLE_REFUSED : ZERORATE_OK;
 }
 
 zerorate_result result_of(app::SnapshotRefusal refusal) {
@@ -144,6 +164,30 @@ app::SnapshotTime snapshot_time(std::int64_t utc_s) {
 using namespace zerorate;
 using c_api::instance_in;
 
+namespace {
+
+/// Hands a stamp over, and says where its clock went back.
+template <class HandOver>
+zerorate_result stamp(zerorate_node* self, std::int64_t time_ns, HandOver hand_over) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
+  const core::Instant at = core::Instant::from_ns(time_ns);
+  hand_over(*instance, at);
+  return instance->is_far_back(at) ? ZERORATE_CLOCK_WENT_BACK : ZERORATE_OK;
+}
+
+zerorate_result take_sample(c_api::Instance& instance, const zerorate_measurement& measured,
+                            zerorate_rate& rate) {
+  const core::GyroSample sample = c_api::sample_of(measured);
+  const bool went_back = instance.is_far_back(sample.time);
+  const app::RateMessage message = instance.take(sample);
+  rate = c_api::rate_of(message);
+  return went_back ? ZERORATE_CLOCK_WENT_BACK : c_api::result_of(message.health);
+}
+
+}  // namespace
+
 zerorate_config zerorate_default_config() {
   const core::Standstill::Params standstill;
   return {.settle_ns = standstill.settle.ns(),
@@ -175,37 +219,27 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
 }
 
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->pulse(core::Instant::from_ns(time_ns));
-  return ZERORATE_OK;
+  return stamp(self, time_ns, [](auto& instance, core::Instant at) { instance.pulse(at); });
 }
 
 zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns) {
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node().report_odometer_fault(core::Instant::from_ns(now_ns));
-  return ZERORATE_OK;
+  return stamp(self, now_ns,
+               [](auto& instance, core::Instant now) { instance.report_odometer_fault(now); });
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->hear(core::Instant::from_ns(time_ns), stands);
-  return ZERORATE_OK;
+  return stamp(self, time_ns, [=](auto& instance, core::Instant at) { instance.hear(at, stands); });
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate) {
-  if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  *rate = c_api::no_rate();
+  if (measured == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (!c_api::is_sound(*measured)) return ZERORATE_BAD_ARGUMENT;
-  *rate = c_api::rate_of(instance->take(c_api::sample_of(*measured)));
-  return ZERORATE_OK;
+  return take_sample(*instance, *measured, *rate);
 }
 
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,

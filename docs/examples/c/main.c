@@ -1,5 +1,4 @@
-/* Ten minutes of a gyro that lies still, and what the node makes of them: docs/examples/library in
- * C. */
+/* Ten minutes of a gyro that lies still, and what the node makes of them: docs/examples/library in C. */
 
 #include <stdint.h>
 #include <stdio.h>
@@ -16,9 +15,7 @@ static const zerorate_model kModel = {
     .is_stationary = true,
     .white_variance_rad2_s2 = 2.4e-7F,
     .turn_on_variance_rad2_s2 = ZERORATE_UNKNOWN_VARIANCE,
-    .decaying = {{.one_minus_phi = 0.0951626F,
-                  .noise_variance = 7.25e-11F,
-                  .initial_variance = 4e-10F}},
+    .decaying = {{.one_minus_phi = 0.0951626F, .noise_variance = 7.25e-11F, .initial_variance = 4e-10F}},
 };
 
 static zerorate_node gyro;
@@ -26,7 +23,7 @@ static zerorate_node gyro;
 int main(void) {
   zerorate_rate newest = {0};
   zerorate_config config = zerorate_default_config();
-  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST; /* of an odometer that gives pulses alone */
+  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST; /* the odometer gives pulses alone */
   if (zerorate_init(&gyro, &kModel, &config) != ZERORATE_OK) {
     return 2;
   }

@@ -30,7 +30,7 @@ zerorate_result heading_step(heading* self, const zerorate_measurement* measured
   if (result == ZERORATE_OK) {
     result = zerorate_sample(&self->gyro, measured, &rate);
   }
-  if ((result == ZERORATE_OK) && !rate.health.sample_refused && !rate.health.time_refused) {
+  if (result == ZERORATE_OK) {
     integrate(self, &rate, stands);
   }
   return result;

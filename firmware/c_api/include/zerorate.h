@@ -125,13 +125,17 @@ enum {
   ZERORATE_BAD_TIMES, /**< a time of the model or the configuration is not to be used: not
                          positive, longer than an hour, or not fitting the others */
   ZERORATE_BUFFER_TOO_SMALL,
-  ZERORATE_TOO_LATE,           /**< zerorate_restore() after the first sample */
-  ZERORATE_NOTHING_LEARNT,     /**< there has been no standstill yet */
-  ZERORATE_SNAPSHOT_NOT_OURS,  /**< another size, or not our mark */
-  ZERORATE_SNAPSHOT_DAMAGED,   /**< its checksum is wrong */
-  ZERORATE_SNAPSHOT_VERSION,   /**< another version's */
-  ZERORATE_SNAPSHOT_SENSOR,    /**< another sensor's */
-  ZERORATE_SNAPSHOT_NOT_USABLE /**< the model does not say what switching on changes */
+  ZERORATE_TOO_LATE,            /**< zerorate_restore() after the first sample */
+  ZERORATE_NOTHING_LEARNT,      /**< there has been no standstill yet */
+  ZERORATE_SNAPSHOT_NOT_OURS,   /**< another size, or not our mark */
+  ZERORATE_SNAPSHOT_DAMAGED,    /**< its checksum is wrong */
+  ZERORATE_SNAPSHOT_VERSION,    /**< another version's */
+  ZERORATE_SNAPSHOT_SENSOR,     /**< another sensor's */
+  ZERORATE_SNAPSHOT_NOT_USABLE, /**< the model does not say what switching on changes */
+  ZERORATE_SAMPLE_REFUSED,      /**< a rate that is not finite, or beyond 1e6 rad/s */
+  ZERORATE_TIME_REFUSED,        /**< a sample that is not newer than the one before */
+  ZERORATE_CLOCK_WENT_BACK      /**< a stamp more than a second and the hold-back before the newest
+                                   sample:      the clock wrapped, was set, or is another one */
 };
 
 typedef int32_t zerorate_predictor;
@@ -264,7 +268,7 @@ typedef struct zerorate_rate {
   int64_t time_ns;
   zerorate_motion motion;
   zerorate_health health;
-  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias */
+  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias; NaN where there is no rate */
   float bias_rad_s[ZERORATE_AXES];
   float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
   uint8_t
@@ -343,9 +347,10 @@ zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
 
 /**
- * One sample. Samples come in the order of their stamps; one that is not newer than the one before,
- * or not finite, is flagged in the rate's health and changes nothing. A gap needs no call.
- * @param rate the answer; with a refused sample the rates are those of no sample
+ * One sample. Samples come in the order of their stamps, and a gap needs no call. A sample that is
+ * refused changes nothing.
+ * @param rate the answer; whatever the result is but ZERORATE_OK, its corrected rates are NaN
+ * @return ZERORATE_SAMPLE_REFUSED, ZERORATE_TIME_REFUSED, ZERORATE_CLOCK_WENT_BACK
  */
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate);

@@ -5,6 +5,7 @@
 
 #include "firmware/c_api/examples/error_state_filter.hpp"
 #include "firmware/c_api/examples/heading.h"
+#include "firmware/c_api/examples/wide_clock.h"
 #include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
 
 namespace zerorate::c_api {
@@ -65,6 +66,17 @@ TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   EXPECT_LT(std::abs(double{filter.heading_rad()} - kTrueHeading_rad), 4.0 * sigma_rad + 3e-4);
   EXPECT_NEAR(filter.bias_rad_s(), testing::kBias[2], 4.0F * std::sqrt(filter.covariance()(1, 1)));
   EXPECT_LT(sigma_rad, 0.02);
+}
+
+/// A counter of microseconds, read every 50 ms over its wrap.
+TEST(WideClock, GoesOnWhereTheCounterWraps) {
+  wide_clock clock{};
+  constexpr std::int64_t kPeriod_us = 50'000;
+  std::int64_t us = 0;
+  for (int i = 0; i < 200'000; ++i, us += kPeriod_us) {
+    ASSERT_EQ(wide_clock_ns(&clock, static_cast<std::uint32_t>(us), 1000), us * 1000);
+  }
+  EXPECT_GT(us, std::int64_t{1} << 33);
 }
 
 // Calculation by hand: both variances 1, the measurement's 1, so that half of the residual is

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -164,6 +165,7 @@ TEST(CInterfaceBeforeInit, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_report_odometer_fault(&node, 0), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_zero_velocity(&node, 0, true), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_NOT_INITIALISED);
+  EXPECT_TRUE(std::isnan(rate.corrected_rad_s[0]));
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, &heading), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_save(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_restore(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
@@ -186,6 +188,7 @@ TEST(CInterfaceWithNullPointers, RefusesThem) {
   const zerorate_measurement measured{};
   EXPECT_EQ(zerorate_init(nullptr, &front_gyro, nullptr), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_sample(&node, nullptr, &rate), ZERORATE_BAD_ARGUMENT);
+  EXPECT_TRUE(std::isnan(rate.corrected_rad_s[0]));
   EXPECT_EQ(zerorate_sample(&node, &measured, nullptr), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_predict_heading(&node, 3, 100, &heading), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, nullptr), ZERORATE_BAD_ARGUMENT);
@@ -236,12 +239,15 @@ TEST(CInterfaceWithBadSamples, FlagsThemAndChangesNothing) {
 
   zerorate_measurement broken = moment(kStopSamples + 1).measured;
   broken.rate_rad_s[1] = kNan;
-  EXPECT_EQ(zerorate_sample(&node, &broken, &rate), ZERORATE_OK);
+  EXPECT_EQ(zerorate_sample(&node, &broken, &rate), ZERORATE_SAMPLE_REFUSED);
   EXPECT_TRUE(rate.health.sample_refused);
   EXPECT_EQ(rate.bias_rad_s[0], bias);
+  for (const float corrected : rate.corrected_rad_s) EXPECT_TRUE(std::isnan(corrected));
 
-  EXPECT_EQ(zerorate_sample(&node, &last.measured, &rate), ZERORATE_OK);
+  EXPECT_EQ(zerorate_sample(&node, &last.measured, &rate), ZERORATE_TIME_REFUSED);
   EXPECT_TRUE(rate.health.time_refused);
+  EXPECT_EQ(rate.bias_rad_s[0], bias);
+  for (const float corrected : rate.corrected_rad_s) EXPECT_TRUE(std::isnan(corrected));
 
   zerorate_measurement saturated = moment(kStopSamples + 1).measured;
   saturated.saturated_axes = 4;

@@ -1,4 +1,4 @@
-// What the vehicle says of its motion in C: words that end, come late, or are of another clock.
+// Words of the vehicle in C that end, come late, or are of another clock.
 
 #include <gtest/gtest.h>
 
@@ -116,7 +116,9 @@ TEST(CInterfaceWithAWordOfAnotherClock, TakesItForNone) {
     vehicle.k = 60 * kSecond;
     zerorate_rate rate{};
     for (std::int64_t i = 0; i < 30 * kSecond; ++i) {
-      (void)zerorate_zero_velocity(&vehicle.node, vehicle.now_ns() + offset_ns, true);
+      const zerorate_result said =
+          zerorate_zero_velocity(&vehicle.node, vehicle.now_ns() + offset_ns, true);
+      ASSERT_EQ(said, i > 0 && offset_ns < 0 ? ZERORATE_CLOCK_WENT_BACK : ZERORATE_OK) << i;
       rate = vehicle.sample(kCurve_rad_s);
     }
     EXPECT_FALSE(rate.health.calibrated) << offset_ns;
@@ -157,6 +159,36 @@ TEST(CInterfaceByTheGyroAlone, AsksForNoWord) {
   for (std::int64_t i = 0; i < kStopSamples; ++i) rate = vehicle.sample();
   EXPECT_TRUE(rate.health.calibrated);
   EXPECT_FALSE(rate.health.odometer_fault);
+}
+
+/// Microseconds of 32 bits: 4,295 s.
+TEST(CInterfaceWhoseClockWraps, SaysSoAndGivesNoRate) {
+  constexpr std::int64_t kWrap_ns = (std::int64_t{1} << 32) * 1000;
+  Vehicle vehicle;
+  vehicle.k = kWrap_ns / kPeriod_ns - kStopSamples;
+  const zerorate_rate before = vehicle.stand(kStopSamples);
+  ASSERT_TRUE(before.health.calibrated);
+  zerorate_measurement wrapped = moment(vehicle.k).measured;
+  wrapped.time_ns -= kWrap_ns;
+  zerorate_rate rate{};
+  EXPECT_EQ(zerorate_sample(&vehicle.node, &wrapped, &rate), ZERORATE_CLOCK_WENT_BACK);
+  EXPECT_TRUE(rate.health.time_refused);
+  EXPECT_TRUE(std::isnan(rate.corrected_rad_s[2]));
+  EXPECT_EQ(zerorate_zero_velocity(&vehicle.node, 0, true), ZERORATE_CLOCK_WENT_BACK);
+  EXPECT_EQ(zerorate_report_odometer_fault(&vehicle.node, 0), ZERORATE_CLOCK_WENT_BACK);
+}
+
+/// Pulses stamped by another clock than the samples.
+TEST(CInterfaceWhosePulsesAreOfAnotherClock, CountsThemAsMotion) {
+  Vehicle vehicle{pulses_alone()};
+  vehicle.k = 60 * kSecond;
+  for (std::int64_t i = 0; i < kStopSamples; ++i) vehicle.sample();
+  for (std::int64_t i = 0; i < 60 * kSecond; ++i) {
+    ASSERT_EQ(zerorate_pulse(&vehicle.node, i), ZERORATE_CLOCK_WENT_BACK);
+    const zerorate_rate rate = vehicle.sample(kCurve_rad_s);
+    ASSERT_TRUE(rate.health.odometer_fault);
+    ASSERT_NEAR(rate.bias_rad_s[2], kBias[2], 4.0F * rate.sigma_rad_s[2]) << i;
+  }
 }
 
 /// Samples from the first word of rest until they are learnt from.
