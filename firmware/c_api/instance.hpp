@@ -8,6 +8,8 @@
 
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
+#include "firmware/app/rate_watch.hpp"
+#include "firmware/app/sample_watch.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "firmware/c_api/include/zerorate.h"
 #include "firmware/c_api/node_of_model.hpp"
@@ -17,14 +19,18 @@ namespace zerorate::c_api {
 
 using Snapshot = app::Snapshot<Node>;
 
-/// A node with what is around it in a program in C: the word of the vehicle. One thread.
+/// A node with what is around it in a program in C, where there is no NodeLoop: the word of the
+/// vehicle and the watches of the samples. One thread.
 class Instance {
  public:
   Instance(const Node::Params& given, const zerorate_config& config)
       : params_(given),
         node_(params_),
         word_(core::Duration::nanoseconds(config.word_timeout_ns)),
-        sensor_id_(config.sensor_id) {}
+        watch_(given.model.white_variance_rad2_s2, given.model.sample_period),
+        sensor_id_(config.sensor_id) {
+    watch_.set_step(core::rad_per_s(config.count_rad_s));
+  }
 
   /// Whether the storage was initialised, and not moved since.
   [[nodiscard]] bool is_here() const { return self_ == this; }
@@ -42,16 +48,13 @@ class Instance {
 
   void pulse(core::Instant at) {
     word_.hear(at, false);
-    if (is_far_back(at)) return report_odometer_fault(at);
-    node_.pulse(at);
+    move(at, 1);
   }
   /// Two pulses for a word of motion: a single one would be read as a slow wheel and lengthen the
   /// silence that is required.
   void hear(core::Instant at, bool stands) {
     word_.hear(at, stands);
-    if (stands) return;
-    if (is_far_back(at)) return report_odometer_fault(at);
-    move(at);
+    if (!stands) move(at, 2);
   }
   /// At the newest sample where the stamp is of another clock: the stop is over by either.
   void report_odometer_fault(core::Instant at) {
@@ -59,28 +62,45 @@ class Instance {
   }
 
   app::RateMessage take(const core::GyroSample& sample) {
-    if (node_.can_take(sample.time)) follow_word(sample.time);
-    return node_.step(sample);
+    const bool is_frozen = node_.can_take(sample) && watch(sample) != 0;
+    app::RateMessage message =
+        is_frozen ? node_.step_without_sample(sample.time) : node_.step(sample);
+    message.health.sample_rate_off = sample_rate_.is_off();
+    return message;
   }
 
  private:
-  void move(core::Instant at) {
-    node_.pulse(at);
-    node_.pulse(at);
+  /// Not inlined, as those below: they are called at several places, and a node counts bytes of
+  /// program and stack.
+  [[gnu::noinline]] void move(core::Instant at, int pulses) {
+    if (is_far_back(at)) return report_odometer_fault(at);
+    for (int i = 0; i < pulses; ++i) node_.pulse(at);
   }
   /// A sample that no word of rest covers is one of motion.
-  void follow_word(core::Instant now) {
+  [[gnu::noinline]] void follow_word(core::Instant now) {
     if (params_.standstill.source == core::StandstillSource::gyro) return;
     word_.start(now);
     const RestWord::Verdict verdict = word_.at(now);
-    if (verdict == RestWord::Verdict::motion) move(now);
-    if (verdict == RestWord::Verdict::silence) node_.report_odometer_fault(now);
+    if (verdict == RestWord::Verdict::motion) move(now, 2);
+    if (verdict == RestWord::Verdict::silence) report_odometer_fault(now);
+  }
+  /// Looks at a sample before the node takes it.
+  /// @return axes that are at fault, one bit each
+  [[gnu::noinline]] std::uint8_t watch(const core::GyroSample& sample) {
+    follow_word(sample.time);
+    sample_rate_.take(sample.time, 1, params_.model.sample_period);
+    const auto vehicle = app::vehicle_state(node_.motion(), word_.since_driven(sample.time));
+    const std::uint8_t at_fault = watch_.take(sample, vehicle);
+    if (at_fault != 0) node_.discard_stop(sample.time);
+    return at_fault;
   }
 
   const Instance* self_ = this;
   Node::Params params_;
   Node node_;
   RestWord word_;
+  app::RateWatch sample_rate_;
+  app::SampleWatch<ZERORATE_AXES> watch_;
   std::uint32_t sensor_id_;
 };
 static_assert(sizeof(Instance) <= sizeof(zerorate_node));

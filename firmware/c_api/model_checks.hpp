@@ -114,7 +114,7 @@ inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
   constexpr float kFastestDeadBand_mps = 10.0F;
   return are_sound_choices(config) && is_sound_place(config) &&
          config.odometer_dead_band_mps >= 0.0F &&
-         config.odometer_dead_band_mps <= kFastestDeadBand_mps;
+         config.odometer_dead_band_mps <= kFastestDeadBand_mps && is_magnitude(config.count_rad_s);
 }
 
 /// Time and mask alone: the node flags rates that cannot be.

@@ -33,6 +33,7 @@ class RestWord {
     at_ = at;
     has_started_ = true;
     stands_ = stands;
+    drives_ = !stands;
   }
 
   [[nodiscard]] constexpr Verdict at(core::Instant now) const {
@@ -42,13 +43,19 @@ class RestWord {
     return stands_ ? Verdict::rest : Verdict::motion;
   }
 
+  /// Time since the newest word, if that was one of motion; else a long time.
+  [[nodiscard]] constexpr core::Duration since_driven(core::Instant now) const {
+    return drives_ ? now - at_ : core::Duration::seconds(3600);
+  }
+
  private:
   static constexpr core::Duration kLatest = core::Duration::seconds(1);
 
   core::Duration limit_;
   core::Instant at_;  ///< time of the newest word; before it, of the first sample
   bool has_started_ = false;
-  bool stands_ = false;
+  bool stands_ = false;  ///< rest by the newest word
+  bool drives_ = false;  ///< motion by the newest word; without a word neither
 };
 
 }  // namespace zerorate::c_api

@@ -106,7 +106,9 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .measurement_rejected = message.health.measurement_rejected,
                                 .temperature_missing = message.health.temperature_missing,
                                 .odometer_disagreement = message.health.odometer_disagreement,
-                                .odometer_dead_band = message.health.odometer_dead_band},
+                                .odometer_dead_band = message.health.odometer_dead_band,
+                                .sensor_fault = message.health.sensor_fault,
+                                .sample_rate_off = message.health.sample_rate_off},
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
                      .sigma_rad_s = {},
@@ -122,6 +124,7 @@ zerorate_rate rate_of(const app::RateMessage& message) {
 
 zerorate_result result_of(const app::Health& health) {
   if (health.time_refused) return ZERORATE_TIME_REFUSED;
+  if (health.sensor_fault) return ZERORATE_SENSOR_FAULT;
   return health.sample_refused ? ZERORATE_SAMPLE_REFUSED : ZERORATE_OK;
 }
 
@@ -195,6 +198,7 @@ zerorate_config zerorate_default_config() {
           .word_timeout_ns = core::Duration::seconds(1).ns(),
           .odometer_latency_ns = 0,
           .odometer_dead_band_mps = 0.0F,
+          .count_rad_s = 0.0F,
           .predictor = ZERORATE_KALMAN,
           .sensor_id = 0,
           .standstill = ZERORATE_BY_ODOMETER,

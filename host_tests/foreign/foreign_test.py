@@ -221,7 +221,7 @@ def makefile(shop):
         require("vsqrt" in listing, "no square root in the library")
         require(not re.search(r"vf[nm]?ma|vfms", listing), "fused multiply-add in the library")
         wanted = set(re.findall(r"U (\S+)", run("arm-none-eabi-nm", "-u", folder / "zerorate.o")))
-        require(wanted <= {"memcpy", "memset", "memmove", "__aeabi_ldivmod", "__aeabi_f2lz", "_ZN8zerorate4core16assertion_failedEPKci"},
+        require(wanted <= {"memcpy", "memset", "memmove", "__aeabi_ldivmod", "_ZN8zerorate4core16assertion_failedEPKci"},
                 f"wanted of others: {wanted}")
     source = shop.repository / "firmware/c_api/zerorate.cpp"
     for flag in ("-ffast-math", "-Ofast", "-ffinite-math-only", "-fassociative-math -fno-signed-zeros -fno-trapping-math"):

@@ -90,7 +90,7 @@ extern "C" {
 #define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (752 + (126 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (780 + (162 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
@@ -133,9 +133,10 @@ enum {
   ZERORATE_SNAPSHOT_SENSOR,     /**< another sensor's */
   ZERORATE_SNAPSHOT_NOT_USABLE, /**< the model does not say what switching on changes */
   ZERORATE_SAMPLE_REFUSED,      /**< a rate that is not finite, or beyond 1e6 rad/s */
-  ZERORATE_TIME_REFUSED,        /**< a sample that is not newer than the one before */
-  ZERORATE_CLOCK_WENT_BACK      /**< a stamp more than a second and the hold-back before the newest
-                                   sample:      the clock wrapped, was set, or is another one */
+  ZERORATE_SENSOR_FAULT, /**< an axis no longer measures: it is frozen, at full scale, or a ramp */
+  ZERORATE_TIME_REFUSED, /**< a sample that is not newer than the one before */
+  ZERORATE_CLOCK_WENT_BACK /**< a stamp further behind the newest sample than a second and the
+                              hold-back: the clock wrapped, was set, or is another one */
 };
 
 typedef int32_t zerorate_predictor;
@@ -232,6 +233,8 @@ typedef struct zerorate_config {
   int64_t odometer_latency_ns;  /**< from the motion to its pulse or word: held back longer by it */
   float odometer_dead_band_mps; /**< speed below which the odometer says nothing, 0 to 10: held back
                                    a second longer for each m/s */
+  float count_rad_s; /**< rate of one count of the converter, by which a frozen axis is found; 0:
+                        not known, the least difference of two samples stands for it */
   zerorate_predictor predictor; /**< whose bias corrects the rate */
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
   zerorate_standstill standstill;
@@ -252,6 +255,8 @@ typedef struct zerorate_health {
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
   bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
+  bool sensor_fault;       /**< an axis no longer measures: no rate, and nothing is learnt */
+  bool sample_rate_off; /**< samples come at another rate than the model's, by a quarter and more */
 } zerorate_health;
 
 /** One sample of the sensor. */
@@ -350,7 +355,8 @@ zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, boo
  * One sample. Samples come in the order of their stamps, and a gap needs no call. A sample that is
  * refused changes nothing.
  * @param rate the answer; whatever the result is but ZERORATE_OK, its corrected rates are NaN
- * @return ZERORATE_SAMPLE_REFUSED, ZERORATE_TIME_REFUSED, ZERORATE_CLOCK_WENT_BACK
+ * @return ZERORATE_SAMPLE_REFUSED, ZERORATE_TIME_REFUSED, ZERORATE_CLOCK_WENT_BACK,
+ * ZERORATE_SENSOR_FAULT
  */
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate);
