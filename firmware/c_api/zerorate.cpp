@@ -186,7 +186,8 @@ zerorate_result take_sample(c_api::Instance& instance, const zerorate_measuremen
   const bool went_back = instance.is_far_back(sample.time);
   const app::RateMessage message = instance.take(sample);
   rate = c_api::rate_of(message);
-  return went_back ? ZERORATE_CLOCK_WENT_BACK : c_api::result_of(message.health);
+  if (went_back) return ZERORATE_CLOCK_WENT_BACK;
+  return c_api::result_of(message.health);
 }
 
 }  // namespace
