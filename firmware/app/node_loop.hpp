@@ -144,14 +144,15 @@ class NodeLoop {
     // A pin that works will tell of the next sample too; read before it did, the sample would carry
     // the time of this loop. If no edge comes, the samples are looked for without.
     const bool is_stamped = edge && !gyro_.is_batched();
-    if (is_stamped) next_edge_by_ = *edge + gyro_.sample_period() * 2;
+    const core::Duration period = gyro_.sample_period();
+    if (is_stamped) next_edge_by_ = *edge + period * 2;
     const core::Instant stamp = is_stamped ? *edge : now;
     std::array<core::GyroSample, Batch> samples{};
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
       if (*count > 0) sampled_at_ = now;
-      sample_rate_.take(now, static_cast<std::uint32_t>(*count), gyro_.sample_period());
+      sample_rate_.take(now, static_cast<std::uint32_t>(*count), period);
       if (const auto frozen = take(std::span{samples}.first(*count), now); frozen != 0) {
         return fail_to_read({.code = drivers::DriverErrorCode::frozen, .reg = frozen}, now);
       }
