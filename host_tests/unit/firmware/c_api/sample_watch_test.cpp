@@ -11,7 +11,6 @@
 namespace zerorate::c_api {
 namespace {
 
-using testing::feed;
 using testing::kBias;
 using testing::kDriveSamples;
 using testing::kStopSamples;
