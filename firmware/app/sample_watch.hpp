@@ -102,6 +102,9 @@ class SampleWatch {
     bool is_saturated = false;    ///< the newest sample
   };
 
+  /// The k-th of the axes besides i.
+  static constexpr std::size_t other(std::size_t i, std::size_t k) { return k < i ? k : k + 1; }
+
   [[gnu::noinline]] constexpr void compare(Axis& axis, const Rates& rates, std::size_t i,
                                            bool is_saturated) {
     const float difference = rates[i] - axis.newest;
@@ -114,8 +117,7 @@ class SampleWatch {
       axis.alike += axis.alike < std::numeric_limits<std::uint32_t>::max() ? 1U : 0U;
     } else {
       axis.alike = 1;
-      std::copy_n(rates.begin(), i, axis.others_at_begin.begin());
-      std::copy(rates.begin() + i + 1, rates.end(), axis.others_at_begin.begin() + i);
+      for (std::size_t k = 0; k + 1 < Axes; ++k) axis.others_at_begin[k] = rates[other(i, k)];
     }
     if (!is_first) {
       axis.difference = difference;
@@ -200,7 +202,7 @@ class SampleWatch {
     if (!(step_ < kUnknown)) return false;
     float product = 1.0F;
     for (std::size_t k = 0; k + 1 < Axes; ++k) {
-      const float now = axes_[k < i ? k : k + 1].newest;
+      const float now = axes_[other(i, k)].newest;
       product *= 1.0F + magnitude(now - axes_[i].others_at_begin[k]) / step_;
     }
     return product > kSquaredSteps;
