@@ -27,15 +27,15 @@ struct OdometerTraits {
 /// is enough.
 [[nodiscard]] constexpr Standstill::Params adapted_to(const OdometerTraits& odometer,
                                                       Standstill::Params params) {
-  constexpr float kNanosecondsPerMps = 1e9F;
+  constexpr float kFastest_mps = 2000.0F;
   params.hold_back = params.hold_back + odometer.latency;
   if (!is_finite_positive(odometer.dead_band_mps)) return params;
+  // 32 bits: the conversion to 64 brings double precision into the program of a Cortex-M0+.
+  const float microseconds = std::min(odometer.dead_band_mps, kFastest_mps) * 1e6F;
   params.hold_back =
-      params.hold_back +
-      Duration::nanoseconds(static_cast<std::int64_t>(odometer.dead_band_mps * kNanosecondsPerMps));
+      params.hold_back + Duration::microseconds(static_cast<std::int32_t>(microseconds));
   if (is_finite_positive(odometer.metres_per_pulse)) {
-    const float silence_ns =
-        2.0F * odometer.metres_per_pulse / odometer.dead_band_mps * kNanosecondsPerMps;
+    const float silence_ns = 2.0F * odometer.metres_per_pulse / odometer.dead_band_mps * 1e9F;
     constexpr float kLongest_ns = 1e18F;
     params.slowest = std::min(
         params.slowest,

@@ -125,6 +125,7 @@ class StopLearning {
   }
 
   [[nodiscard]] constexpr bool has_sample() const { return has_sample_; }
+  [[nodiscard]] constexpr Instant newest_sample() const { return newest_sample_; }
   /// False for a time that is not after the newest sample, or that no tick can be given.
   [[nodiscard]] constexpr bool can_take(Instant at) const {
     return !(has_sample_ && at <= newest_sample_) && average_.can_take(at);

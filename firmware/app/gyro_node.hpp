@@ -96,14 +96,20 @@ class GyroNode {
     ticks_.end_stop();
   }
 
+  /// The newest samples were none of the vehicle's rate: the stop is over, and no tick that is held
+  /// back is learnt.
+  constexpr void discard_stop(core::Instant now) {
+    learning_.interrupt(now);
+    ticks_.end_stop();
+  }
+
   /// Time passed that the stamps of the samples do not contain, or the gyro was without power. The
   /// stop is over; the bias is aged by that time, and by what the power changes it by. A long call
   /// with many hypotheses.
   /// @param slept time that the clock does not count; zero where it went on
   constexpr void report_pause(core::Instant now, core::Duration slept, bool has_lost_power) {
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 30U;
-    learning_.interrupt(now);
-    ticks_.end_stop();
+    discard_stop(now);
     finish_work();
     const std::int64_t ticks =
         std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
@@ -114,7 +120,7 @@ class GyroNode {
   /// than the one before, or not finite, is refused with a flag and changes nothing.
   constexpr RateMessage step(const core::GyroSample& sample) {
     RateMessage message{.time = sample.time};
-    const bool refused = is_refused(sample, message.health);
+    const bool refused = refuse(sample, message.health);
     if (!refused) take_in(sample);
 
     message.motion = motion();
@@ -161,6 +167,14 @@ class GyroNode {
   }
 
   [[nodiscard]] constexpr core::Motion motion() const { return learning_.motion(); }
+  [[nodiscard]] constexpr bool has_sample() const { return learning_.has_sample(); }
+  /// Time of the newest sample that was taken; the clock's zero before there is one.
+  [[nodiscard]] constexpr core::Instant newest_sample() const { return learning_.newest_sample(); }
+  /// Whether step() takes a sample.
+  [[nodiscard]] constexpr bool can_take(const core::GyroSample& sample) const {
+    Health health;
+    return !refuse(sample, health);
+  }
   /// The filter's tick of the newest sample, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return learning_.tick(); }
   /// Ticks up to and with the newest one that has been learnt from.
@@ -225,7 +239,7 @@ class GyroNode {
     return rates;
   }
 
-  [[nodiscard]] constexpr bool is_refused(const core::GyroSample& sample, Health& health) const {
+  [[nodiscard]] constexpr bool refuse(const core::GyroSample& sample, Health& health) const {
     health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
     health.time_refused = !learning_.can_take(sample.time);
     return health.sample_refused || health.time_refused;

@@ -96,6 +96,7 @@ class NodeLoop {
   /// The two clocks are not read at one instant.
   static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
   static constexpr core::Duration kFarStamp = core::Duration::seconds(1);
+  static constexpr core::Duration kLongAgo = core::Duration::seconds(3600);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void run(core::Instant now, std::optional<core::Instant> edge) {
@@ -143,14 +144,15 @@ class NodeLoop {
     // A pin that works will tell of the next sample too; read before it did, the sample would carry
     // the time of this loop. If no edge comes, the samples are looked for without.
     const bool is_stamped = edge && !gyro_.is_batched();
-    if (is_stamped) next_edge_by_ = *edge + gyro_.sample_period() * 2;
+    const core::Duration period = gyro_.sample_period();
+    if (is_stamped) next_edge_by_ = *edge + period * 2;
     const core::Instant stamp = is_stamped ? *edge : now;
     std::array<core::GyroSample, Batch> samples{};
     for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
       const auto count = gyro_.read(stamp, samples);
       if (!count) return fail_to_read(count.error(), now);
       if (*count > 0) sampled_at_ = now;
-      sample_rate_.take(now, static_cast<std::uint32_t>(*count), gyro_.sample_period());
+      sample_rate_.take(now, static_cast<std::uint32_t>(*count), period);
       if (const auto frozen = take(std::span{samples}.first(*count), now); frozen != 0) {
         return fail_to_read({.code = drivers::DriverErrorCode::frozen, .reg = frozen}, now);
       }
@@ -179,11 +181,8 @@ class NodeLoop {
     }
     return frozen;
   }
-  /// A vehicle that only counts as moving is not known to drive.
-  [[nodiscard]] constexpr SampleWatch::Vehicle vehicle(core::Instant now) const {
-    if (node_.motion() == core::Motion::still) return SampleWatch::Vehicle::stands;
-    const bool is_driven = driven_at_ && now - *driven_at_ < core::Duration::seconds(1);
-    return is_driven ? SampleWatch::Vehicle::drives : SampleWatch::Vehicle::unknown;
+  [[nodiscard]] constexpr VehicleState vehicle(core::Instant now) const {
+    return vehicle_state(node_.motion(), driven_at_ ? now - *driven_at_ : kLongAgo);
   }
 
   /// A gyro that answers without measuring is started again, with its reset.
@@ -314,7 +313,7 @@ class NodeLoop {
   Clock& clock_;
   Sink& sink_;
   LoopCounters counters_;
-  SampleWatch watch_;
+  SampleWatch<> watch_;
   RateWatch sample_rate_;
   TemperatureWatch temperature_watch_;
   ChatterWatch chatter_;

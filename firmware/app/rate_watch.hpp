@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
@@ -18,20 +17,21 @@ namespace zerorate::app {
 class RateWatch {
  public:
   /// The gyro was started: the next sample begins a window.
-  constexpr void restart() { begin_.reset(); }
+  constexpr void restart() { has_begun_ = false; }
 
   /// Takes the samples of one reading.
   /// @param period  nominal
   constexpr void take(core::Instant now, std::uint32_t samples, core::Duration period) {
-    if (!begin_) {
+    if (!has_begun_) {
       if (samples == 0) return;
+      has_begun_ = true;
       begin_ = now;  // these samples are older than the window
       samples_ = 0;
       return;
     }
     samples_ += samples;
     const core::Duration window = std::max(core::Duration::seconds(4), period * 16);
-    const core::Duration elapsed = now - *begin_;
+    const core::Duration elapsed = now - begin_;
     if (elapsed < window) return;
     const std::int64_t nominal = elapsed / period;
     const std::int64_t counted = samples_;
@@ -47,9 +47,10 @@ class RateWatch {
   [[nodiscard]] constexpr float samples_per_second() const { return samples_per_second_; }
 
  private:
-  std::optional<core::Instant> begin_;
+  core::Instant begin_;  ///< begin of the present window
   std::uint32_t samples_ = 0;
   float samples_per_second_ = 0.0F;
+  bool has_begun_ = false;
   bool is_off_ = false;
 };
 

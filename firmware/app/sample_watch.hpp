@@ -11,9 +11,21 @@
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
-#include "drivers/common/gyro_source.hpp"
+#include "core/samples/gyro_sample.hpp"
+#include "core/standstill/standstill.hpp"
 
 namespace zerorate::app {
+
+/// State of the vehicle by the odometer; unknown where there is none or where it fails.
+enum class VehicleState : std::uint8_t { unknown, stands, drives };
+
+/// A vehicle that only counts as moving is not known to drive.
+/// @param since_driven  time since the newest pulse
+[[nodiscard]] constexpr VehicleState vehicle_state(core::Motion motion,
+                                                   core::Duration since_driven) {
+  if (motion == core::Motion::still) return VehicleState::stands;
+  return since_driven < core::Duration::seconds(1) ? VehicleState::drives : VehicleState::unknown;
+}
 
 /// Finds axes whose samples repeat themselves: at any rate, at full scale, at zero, or as a ramp of
 /// equal steps. docs/design/sample-watch.md says what distinguishes them from quiet ones.
@@ -29,13 +41,10 @@ namespace zerorate::app {
 /// - The axis is at full scale for ten seconds.
 ///
 /// No heap, one thread. Some 30 floating-point operations a sample, all of them cheap.
+/// @tparam Axes  watched axes, the first of a sample; 36 bytes each
+template <std::size_t Axes = 3>
 class SampleWatch {
  public:
-  static constexpr std::size_t kAxes = 3;
-
-  /// State by the odometer; unknown where there is none or where it fails.
-  enum class Vehicle : std::uint8_t { unknown, stands, drives };
-
   /// @param white_variance_rad2_s2  of a sample, by the model
   /// @param sample_period  nominal
   constexpr SampleWatch(float white_variance_rad2_s2, core::Duration sample_period)
@@ -47,49 +56,57 @@ class SampleWatch {
   /// it.
   constexpr void set_step(core::AngularRate step) {
     const float known = step.in(core::rad_per_s);
-    if (known > 0.0F) step_ = known;
+    if (!(known > 0.0F)) return;
+    step_ = known;
+    step_is_known_ = true;
   }
 
   /// Takes each sample in turn. An axis at fault stays so, over restarts of the chip too, until its
   /// samples no longer repeat themselves.
   /// @return bit i: axis i is at fault
   /// Not inlined, as its parts: a board counts bytes.
-  [[gnu::noinline]] constexpr std::uint8_t take(const drivers::GyroSample& sample,
-                                                Vehicle vehicle) {
-    std::array<float, kAxes> rates{};
-    for (std::size_t i = 0; i < kAxes; ++i) rates[i] = sample.rate[i].in(core::rad_per_s);
-    for (std::size_t i = 0; i < kAxes; ++i) {
+  [[gnu::noinline]] constexpr std::uint8_t take(const core::GyroSample& sample,
+                                                VehicleState vehicle) {
+    Rates rates{};
+    for (std::size_t i = 0; i < Axes; ++i) rates[i] = sample.rate[i].in(core::rad_per_s);
+    for (std::size_t i = 0; i < Axes; ++i) {
       const bool is_saturated = ((sample.saturated_axes >> i) & 1U) != 0;
       compare(axes_[i], rates, i, is_saturated);
     }
-    const bool stands = vehicle == Vehicle::stands;
+    const bool stands = vehicle == VehicleState::stands;
     for (Axis& axis : axes_) watch_rest(axis, stands);
-    in_window_ = stands ? (in_window_ + 1) % kWindow : 0;
+    in_window_ = stands ? static_cast<std::uint8_t>((in_window_ + 1U) % kWindow) : std::uint8_t{0};
     std::uint8_t at_fault = 0;
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < Axes; ++i) {
       if (is_at_fault(i, vehicle)) at_fault |= static_cast<std::uint8_t>(1U << i);
     }
     return at_fault;
   }
 
  private:
-  static constexpr std::uint32_t kWindow = 128;  ///< samples
+  using Rates = std::array<float, Axes>;
+
+  static constexpr std::uint8_t kWindow = 128;  ///< samples
   static constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
   struct Axis {
     float newest = 0.0F;
-    float difference = 0.0F;              ///< from the sample before
-    std::uint32_t alike = 0;              ///< samples of the present repetition
-    bool is_saturated = false;            ///< the newest sample
-    std::array<float, kAxes> at_begin{};  ///< rates of all axes when the repetition began
-    float lowest = 0.0F;                  ///< sum of the present window at rest
+    float difference = 0.0F;  ///< from the sample before
+    std::uint32_t alike = 0;  ///< samples of the present repetition
+    std::array<float, Axes - 1>
+        others_at_begin{};  ///< rates of the other axes when the repetition began
+    float lowest = 0.0F;    ///< sum of the present window at rest
     float highest = 0.0F;
-    std::uint32_t changes = 0;
     float least_span = kUnknown;  ///< sum of all windows at rest
+    std::uint8_t changes = 0;     ///< changes in the present window
+    bool is_saturated = false;    ///< the newest sample
   };
 
-  [[gnu::noinline]] constexpr void compare(Axis& axis, const std::array<float, kAxes>& rates,
-                                           std::size_t i, bool is_saturated) {
+  /// The k-th of the axes besides i.
+  static constexpr std::size_t other(std::size_t i, std::size_t k) { return k < i ? k : k + 1; }
+
+  [[gnu::noinline]] constexpr void compare(Axis& axis, const Rates& rates, std::size_t i,
+                                           bool is_saturated) {
     const float difference = rates[i] - axis.newest;
     // Counts times the rate of one count: three roundings.
     const float rounding = 2e-6F * (magnitude(rates[i]) + magnitude(axis.newest));
@@ -100,13 +117,13 @@ class SampleWatch {
       axis.alike += axis.alike < std::numeric_limits<std::uint32_t>::max() ? 1U : 0U;
     } else {
       axis.alike = 1;
-      axis.at_begin = rates;
+      for (std::size_t k = 0; k + 1 < Axes; ++k) axis.others_at_begin[k] = rates[other(i, k)];
     }
     if (!is_first) {
       axis.difference = difference;
       if (magnitude(difference) > rounding) {
         ++axis.changes;
-        if (!is_saturated) least_difference_ = std::min(least_difference_, magnitude(difference));
+        if (!is_saturated && !step_is_known_) step_ = std::min(step_, magnitude(difference));
       }
     }
     axis.newest = rates[i];
@@ -125,19 +142,20 @@ class SampleWatch {
     }
     axis.lowest = std::min(axis.lowest, axis.newest);
     axis.highest = std::max(axis.highest, axis.newest);
-    const bool is_full = stands && in_window_ + 1 == kWindow;
+    const bool is_full = stands && in_window_ + 1U == kWindow;
     if (is_full && axis.changes >= kFewestChanges) {
       axis.least_span = std::min(axis.least_span, axis.highest - axis.lowest);
     }
   }
 
-  [[gnu::noinline]] [[nodiscard]] constexpr bool is_at_fault(std::size_t i, Vehicle vehicle) const {
+  [[gnu::noinline]] [[nodiscard]] constexpr bool is_at_fault(std::size_t i,
+                                                             VehicleState vehicle) const {
     constexpr std::uint32_t kLong_s = 10;
     const Axis& axis = axes_[i];
     if (axis.alike < per_second_) return false;
     if (axis.is_saturated) return axis.alike >= kLong_s * per_second_;
     return axis.alike >= longest_by_noise(i) || have_others_turned(i) ||
-           (vehicle == Vehicle::drives && do_all_repeat(kLong_s * per_second_));
+           (vehicle == VehicleState::drives && do_all_repeat(kLong_s * per_second_));
   }
 
   /// Samples in a row that noise makes alike once in 10^12, where the rate lies in the middle
@@ -159,16 +177,15 @@ class SampleWatch {
   [[nodiscard]] constexpr std::uint32_t longest_by_noise(std::size_t i) const {
     constexpr std::uint32_t kUnseen_s = 10;
     constexpr float kSpanInSigmas = 6.0F;  // changes of a window: 5.2 is expected
-    const float step = step_ > 0.0F ? step_ : least_difference_;
     // The flips between two counts at their border have this variance without any noise.
-    const float of_flips = 0.25F * step * step;
+    const float of_flips = 0.25F * step_ * step_;
     const float by_model = 0.5F * core::square_root(std::max(white_variance_ - of_flips, 0.0F));
     const float span = span_at_rest(i);
     const bool is_seen = span < kUnknown;
-    const float sigma = is_seen ? std::min(by_model, (span - step) / kSpanInSigmas) : by_model;
+    const float sigma = is_seen ? std::min(by_model, (span - step_) / kSpanInSigmas) : by_model;
     std::uint32_t longest = std::numeric_limits<std::uint32_t>::max();
     for (const Longest& entry : kLongest) {
-      if (sigma >= entry.sigma_in_steps * step) longest = entry.samples;
+      if (sigma >= entry.sigma_in_steps * step_) longest = entry.samples;
     }
     return is_seen ? longest : std::max(longest, kUnseen_s * per_second_);
   }
@@ -182,12 +199,11 @@ class SampleWatch {
 
   [[nodiscard]] constexpr bool have_others_turned(std::size_t i) const {
     constexpr float kSquaredSteps = 1024.0F;
-    const float step = step_ > 0.0F ? step_ : least_difference_;
-    if (!(step < kUnknown)) return false;
+    if (!(step_ < kUnknown)) return false;
     float product = 1.0F;
-    for (std::size_t other = 0; other < kAxes; ++other) {
-      if (other == i) continue;
-      product *= 1.0F + magnitude(axes_[other].newest - axes_[i].at_begin[other]) / step;
+    for (std::size_t k = 0; k + 1 < Axes; ++k) {
+      const float now = axes_[other(i, k)].newest;
+      product *= 1.0F + magnitude(now - axes_[i].others_at_begin[k]) / step_;
     }
     return product > kSquaredSteps;
   }
@@ -200,10 +216,10 @@ class SampleWatch {
 
   float white_variance_;
   std::uint32_t per_second_;
-  float step_ = 0.0F;
-  float least_difference_ = kUnknown;
-  std::uint32_t in_window_ = 0;
-  std::array<Axis, kAxes> axes_{};
+  float step_ = kUnknown;  ///< rate of one count; unknown: the least difference so far
+  std::array<Axis, Axes> axes_{};
+  std::uint8_t in_window_ = 0;
+  bool step_is_known_ = false;
 };
 
 }  // namespace zerorate::app

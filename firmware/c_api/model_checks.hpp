@@ -1,5 +1,5 @@
 /// @file
-/// Whether what a caller hands over in C can be a model.
+/// Whether what a caller hands over in C can be a model, a configuration or a measurement.
 #pragma once
 
 #include <algorithm>
@@ -84,12 +84,43 @@ inline constexpr float kLargestDrift = 1e3F;
          is_sound(model.temperature) && are_sound_hypotheses(model);
 }
 
-/// Upper limits only: the node checks that times are positive and fit each other.
+inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
+/// Silence counts for ever, or a word for a time: none at all would be forgotten rather than meant.
+[[nodiscard]] inline bool is_sound_timeout(std::int64_t timeout_ns) {
+  return timeout_ns == ZERORATE_SILENCE_IS_REST || (timeout_ns > 0 && timeout_ns <= kLongest_ns);
+}
+/// Upper limits of the others: the node checks that times are positive and fit each other.
 [[nodiscard]] inline bool are_sound_times(const zerorate_model& model,
                                           const zerorate_config& config) {
-  constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
-  return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns}) <=
-         kLongest_ns;
+  return std::max({model.sample_period_ns, model.tick_ns, config.settle_ns, config.hold_back_ns,
+                   config.odometer_latency_ns}) <= kLongest_ns &&
+         config.hold_back_ns >= 0 && config.odometer_latency_ns >= 0 &&
+         is_sound_timeout(config.word_timeout_ns);
+}
+
+/// Enumerations of C hold any number.
+[[nodiscard]] inline bool are_sound_choices(const zerorate_config& config) {
+  return config.predictor >= ZERORATE_KALMAN && config.predictor <= ZERORATE_CALIBRATION_MEAN &&
+         config.standstill >= ZERORATE_BY_ODOMETER &&
+         config.standstill <= ZERORATE_BY_ODOMETER_ALONE;
+}
+[[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
+  constexpr float kPole_deg = 90.0F;
+  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
+         (config.up_axis == 0 ||
+          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
+}
+[[nodiscard]] inline bool is_sound(const zerorate_config& config) {
+  constexpr float kFastestDeadBand_mps = 10.0F;
+  return are_sound_choices(config) && is_sound_place(config) &&
+         config.odometer_dead_band_mps >= 0.0F &&
+         config.odometer_dead_band_mps <= kFastestDeadBand_mps && is_magnitude(config.count_rad_s);
+}
+
+/// Time and mask alone: the node flags rates that cannot be.
+[[nodiscard]] inline bool is_sound(const zerorate_measurement& measured) {
+  return core::is_in_range(core::Instant::from_ns(measured.time_ns)) &&
+         (measured.saturated_axes >> ZERORATE_AXES) == 0;
 }
 
 }  // namespace zerorate::c_api

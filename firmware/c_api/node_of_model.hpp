@@ -9,6 +9,7 @@
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
+#include "core/standstill/odometer_traits.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/c_api/include/zerorate.h"
 #include "firmware/c_api/model_checks.hpp"
@@ -79,17 +80,10 @@ template <core::ModelShape Shape>
       return app::Predictor::moving_average;
     case ZERORATE_CALIBRATION_MEAN:
       return app::Predictor::calibration_mean;
-    case ZERORATE_KALMAN:
+    default:
       break;
   }
   return app::Predictor::kalman;
-}
-
-[[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
-  constexpr float kPole_deg = 90.0F;
-  return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
-         (config.up_axis == 0 ||
-          (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
 }
 
 [[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
@@ -106,10 +100,19 @@ template <core::ModelShape Shape>
       return core::StandstillSource::gyro;
     case ZERORATE_BY_ODOMETER_ALONE:
       return core::StandstillSource::odometer_alone;
-    case ZERORATE_BY_ODOMETER:
+    default:
       break;
   }
   return core::StandstillSource::odometer;
+}
+
+[[nodiscard]] inline core::Standstill::Params standstill_of(const zerorate_config& config) {
+  const core::OdometerTraits odometer{
+      .dead_band_mps = config.odometer_dead_band_mps,
+      .latency = core::Duration::nanoseconds(config.odometer_latency_ns)};
+  return core::adapted_to(odometer, {.settle = core::Duration::nanoseconds(config.settle_ns),
+                                     .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
+                                     .source = source_of(config.standstill)});
 }
 
 [[nodiscard]] inline Node::Params params_of(const zerorate_model& model,
@@ -136,9 +139,7 @@ template <core::ModelShape Shape>
     .hypotheses = hypotheses_of<kShape>(model)
   };
   return {.model = noise,
-          .standstill = {.settle = core::Duration::nanoseconds(config.settle_ns),
-                         .hold_back = core::Duration::nanoseconds(config.hold_back_ns),
-                         .source = source_of(config.standstill)},
+          .standstill = standstill_of(config),
           .earth = earth_of(config),
           .published = predictor_of(config.predictor)};
 }

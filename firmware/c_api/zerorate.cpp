@@ -22,36 +22,20 @@
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
+#include "firmware/c_api/instance.hpp"
 #include "firmware/c_api/model_checks.hpp"
 #include "firmware/c_api/node_of_model.hpp"
 
 namespace zerorate::c_api {
 namespace {
 
-using Snapshot = app::Snapshot<Node>;
-
-/// Content of the caller's storage.
-struct Instance {
-  Instance(const Node::Params& given, std::uint32_t sensor_id)
-      : params(given), node(params), snapshot(params, sensor_id) {}
-
-  const Instance* self = this;  ///< says that the storage was initialised, and not moved since
-  Node::Params params;
-  Node node;
-  Snapshot snapshot;
-  core::Instant newest_sample;
-  bool has_sample = false;
-};
-static_assert(sizeof(Instance) <= sizeof(zerorate_node));
-static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");
+static_assert(sizeof(zerorate_config::standstill) == 4 && sizeof(zerorate_rate::motion) == 4);
 static_assert(ZERORATE_AXES >= 1 && ZERORATE_AXES <= 3);
 static_assert(ZERORATE_DECAYING_MODES >= 1 && ZERORATE_ROTATING_MODES >= 0);
-static_assert(alignof(Instance) <=
-              alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
 static_assert(Snapshot::kBytesOfFilters == ZERORATE_SNAPSHOT_BYTES);
 static_assert(Node::kAxes == ZERORATE_AXES);
 static_assert(app::RateMessage::kNoCalm == ZERORATE_NO_CALM);
-static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
+static_assert(RestWord::kNoLimit == core::Duration::nanoseconds(ZERORATE_SILENCE_IS_REST));
 
 /// False where a cast made the storage of memory that a processor cannot read as one.
 bool is_aligned(const zerorate_node* storage) {
@@ -62,7 +46,7 @@ bool is_aligned(const zerorate_node* storage) {
 const Instance* instance_in(const zerorate_node* storage) {
   if (storage == nullptr || !is_aligned(storage)) return nullptr;
   const auto* instance = std::launder(reinterpret_cast<const Instance*>(storage));
-  return instance->self == instance ? instance : nullptr;
+  return instance->is_here() ? instance : nullptr;
 }
 Instance* instance_in(zerorate_node* storage) {
   const Instance* instance = instance_in(static_cast<const zerorate_node*>(storage));
@@ -96,6 +80,20 @@ core::GyroSample sample_of(const zerorate_measurement& measured) {
   return sample;
 }
 
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// Answer where nothing is known of a rate.
+zerorate_rate no_rate() {
+  zerorate_rate rate{};
+  rate.calm_percent = ZERORATE_NO_CALM;
+  for (std::size_t i = 0; i < Node::kAxes; ++i) {
+    rate.corrected_rad_s[i] = kNone;
+    rate.bias_rad_s[i] = kNone;
+    rate.sigma_rad_s[i] = std::numeric_limits<float>::infinity();
+  }
+  return rate;
+}
+
 zerorate_rate rate_of(const app::RateMessage& message) {
   zerorate_rate rate{.time_ns = message.time.ns(),
                      .motion = motion_of(message.motion),
@@ -108,17 +106,26 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .measurement_rejected = message.health.measurement_rejected,
                                 .temperature_missing = message.health.temperature_missing,
                                 .odometer_disagreement = message.health.odometer_disagreement,
-                                .odometer_dead_band = message.health.odometer_dead_band},
+                                .odometer_dead_band = message.health.odometer_dead_band,
+                                .sensor_fault = message.health.sensor_fault,
+                                .sample_rate_off = message.health.sample_rate_off},
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
                      .sigma_rad_s = {},
                      .calm_percent = message.calm_percent};
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    rate.corrected_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
+    rate.corrected_rad_s[i] =
+        message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
     rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
     rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
   }
   return rate;
+}
+
+zerorate_result result_of(const app::Health& health) {
+  if (health.time_refused) return ZERORATE_TIME_REFUSED;
+  if (health.sensor_fault) return ZERORATE_SENSOR_FAULT;
+  return health.sample_refused ? ZERORATE_SAMPLE_REFUSED : ZERORATE_OK;
 }
 
 zerorate_result result_of(app::SnapshotRefusal refusal) {
@@ -141,6 +148,11 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
   return ZERORATE_SNAPSHOT_NOT_USABLE;
 }
 
+zerorate_result result_of(app::ParamsError error) {
+  if (error == app::ParamsError::predictor_not_run) return ZERORATE_BAD_ARGUMENT;
+  return ZERORATE_BAD_TIMES;
+}
+
 app::SnapshotTime snapshot_time(std::int64_t utc_s) {
   app::SnapshotTime time;
   if (utc_s != ZERORATE_NO_CLOCK) time.utc_s = utc_s;
@@ -155,10 +167,39 @@ app::SnapshotTime snapshot_time(std::int64_t utc_s) {
 using namespace zerorate;
 using c_api::instance_in;
 
+namespace {
+
+/// Hands a stamp over, and says where its clock went back.
+template <class HandOver>
+zerorate_result stamp(zerorate_node* self, std::int64_t time_ns, HandOver hand_over) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
+  const core::Instant at = core::Instant::from_ns(time_ns);
+  hand_over(*instance, at);
+  return instance->is_far_back(at) ? ZERORATE_CLOCK_WENT_BACK : ZERORATE_OK;
+}
+
+zerorate_result take_sample(c_api::Instance& instance, const zerorate_measurement& measured,
+                            zerorate_rate& rate) {
+  const core::GyroSample sample = c_api::sample_of(measured);
+  const bool went_back = instance.is_far_back(sample.time);
+  const app::RateMessage message = instance.take(sample);
+  rate = c_api::rate_of(message);
+  if (went_back) return ZERORATE_CLOCK_WENT_BACK;
+  return c_api::result_of(message.health);
+}
+
+}  // namespace
+
 zerorate_config zerorate_default_config() {
   const core::Standstill::Params standstill;
   return {.settle_ns = standstill.settle.ns(),
           .hold_back_ns = standstill.hold_back.ns(),
+          .word_timeout_ns = core::Duration::seconds(1).ns(),
+          .odometer_latency_ns = 0,
+          .odometer_dead_band_mps = 0.0F,
+          .count_rad_s = 0.0F,
           .predictor = ZERORATE_KALMAN,
           .sensor_id = 0,
           .standstill = ZERORATE_BY_ODOMETER,
@@ -173,66 +214,49 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
   if (!c_api::is_sound(*model)) return ZERORATE_BAD_MODEL;
   const zerorate_config chosen = config != nullptr ? *config : zerorate_default_config();
   if (!c_api::are_sound_times(*model, chosen)) return ZERORATE_BAD_TIMES;
-  if (!c_api::is_sound_place(chosen)) return ZERORATE_BAD_ARGUMENT;
+  if (!c_api::is_sound(chosen)) return ZERORATE_BAD_ARGUMENT;
   const c_api::Node::Params params = c_api::params_of(*model, chosen);
-  if (!c_api::Node::check(params)) return ZERORATE_BAD_TIMES;
-  new (self) c_api::Instance{params, chosen.sensor_id};
+  if (const auto checked = c_api::Node::check(params); !checked) {
+    return c_api::result_of(checked.error());
+  }
+  new (self) c_api::Instance{params, chosen};
   return ZERORATE_OK;
 }
 
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns) {
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(time_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node.pulse(core::Instant::from_ns(time_ns));
-  return ZERORATE_OK;
+  return stamp(self, time_ns, [](auto& instance, core::Instant at) { instance.pulse(at); });
 }
 
 zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns) {
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(now_ns)) return ZERORATE_BAD_ARGUMENT;
-  instance->node.report_odometer_fault(core::Instant::from_ns(now_ns));
-  return ZERORATE_OK;
+  return stamp(self, now_ns,
+               [](auto& instance, core::Instant now) { instance.report_odometer_fault(now); });
 }
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
-  // Two pulses: a single one would be read as a slow wheel and lengthen the silence that is
-  // required.
-  if (!stands) {
-    (void)zerorate_pulse(self, time_ns);
-    return zerorate_pulse(self, time_ns);
-  }
-  if (instance_in(self) == nullptr) return ZERORATE_NOT_INITIALISED;
-  return c_api::is_time(time_ns) ? ZERORATE_OK : ZERORATE_BAD_ARGUMENT;
+  return stamp(self, time_ns, [=](auto& instance, core::Instant at) { instance.hear(at, stands); });
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate) {
-  if (measured == nullptr || rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  *rate = c_api::no_rate();
+  if (measured == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_time(measured->time_ns)) return ZERORATE_BAD_ARGUMENT;
-  const core::GyroSample sample = c_api::sample_of(*measured);
-  const app::RateMessage message = instance->node.step(sample);
-  if (message.has_rate()) {
-    instance->newest_sample = sample.time;
-    instance->has_sample = true;
-  }
-  *rate = c_api::rate_of(message);
-  return ZERORATE_OK;
+  if (!c_api::is_sound(*measured)) return ZERORATE_BAD_ARGUMENT;
+  return take_sample(*instance, *measured, *rate);
 }
 
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error) {
-  if (axis >= c_api::Node::kAxes || error == nullptr) return ZERORATE_BAD_ARGUMENT;
+  if (axis >= c_api::Node::kAxes || samples == 0 || error == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  const auto& params = instance->params;
-  const core::Instant from = instance->newest_sample;
+  const auto& params = instance->node().params();
+  const core::Instant from = instance->node().newest_sample();
   if (samples > (core::kLatestTime - from) / params.model.sample_period)
     return ZERORATE_BAD_ARGUMENT;
-  const auto heading = instance->node.predict_heading(
+  const auto heading = instance->node().predict_heading(
       params.published, axis, from, from + params.model.sample_period * std::int64_t{samples});
   if (!heading.is_available()) return ZERORATE_NOTHING_LEARNT;
   *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
@@ -244,7 +268,7 @@ zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axi
   if (axis >= c_api::Node::kAxes || learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  const app::LearntNoise noise = instance->node.predictors().learnt_noise(axis);
+  const app::LearntNoise noise = instance->node().predictors().learnt_noise(axis);
   const auto figure = [](const app::LearntFigure& one) {
     return zerorate_figure{.value = one.value, .sigma = one.sigma};
   };
@@ -261,9 +285,9 @@ zerorate_result zerorate_save(zerorate_node* self, int64_t utc_s, uint8_t* recor
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
   if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
-  if (!instance->node.predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
-  instance->snapshot.write_filters(
-      instance->node, c_api::snapshot_time(utc_s),
+  if (!instance->node().predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
+  instance->snapshot().write_filters(
+      instance->node(), c_api::snapshot_time(utc_s),
       std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});
   return ZERORATE_OK;
 }
@@ -273,9 +297,10 @@ zerorate_result zerorate_restore(zerorate_node* self, int64_t utc_s, const uint8
   if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (instance->has_sample) return ZERORATE_TOO_LATE;
-  const auto resumed = instance->snapshot.restore_filters(instance->node, std::span{record, size},
-                                                          c_api::snapshot_time(utc_s));
-  return resumed ? ZERORATE_OK : c_api::result_of(resumed.error());
+  if (instance->node().has_sample()) return ZERORATE_TOO_LATE;
+  const auto resumed = instance->snapshot().restore_filters(
+      instance->node(), std::span{record, size}, c_api::snapshot_time(utc_s));
+  if (!resumed) return c_api::result_of(resumed.error());
+  return ZERORATE_OK;
 }
 // NOLINTEND(readability-identifier-naming)

@@ -108,13 +108,12 @@ class Workshop:
             self.environment |= {"CMAKE_CXX_COMPILER_LAUNCHER": "ccache", "LAUNCHER": "ccache"}
         self.expected = self.bits_of_the_library()
 
-    def bits_of_the_library(self):
+    def bits_of_the_library(self, *flags):
         library = next(self.build.rglob("libzerorate.a"), None)
         require(library, f"no libzerorate.a in {self.build}")
-        program = self.work / "reference"
-        run("gcc", "-std=c11", "-O1", f"-I{self.repository}/firmware/c_api/include", "-I.", "super_loop.c", "board.c", library,
-            "-o", program, folder=self.work / "app")
-        printed = run(program)
+        run("gcc", "-std=c11", "-O1", *flags, f"-I{self.repository}/firmware/c_api/include", "-I.", "super_loop.c", "board.c",
+            library, "-o", "reference", folder=self.work / "app")
+        printed = run(self.work / "app/reference")
         require(printed.endswith("end\n") and "heading" in printed and printed.count("\n") == 103,
                 f"the library itself: {printed}")
         return printed
@@ -213,6 +212,7 @@ def find_package(shop):
 
 def makefile(shop):
     given = f"ZERORATE={shop.repository}"
+    shop.compare("program with -fshort-enums", shop.bits_of_the_library("-fshort-enums"))
     for level in ("-Os", "-O3"):  # whose defaults contract to fused multiply-add
         folder = shop.make(f"makefile-m4f{level}", given, "CROSS=arm-none-eabi-", f"CPU={CORTEX['m4f'][0]}",
                            f"LINK={ARM_LINK}", f"OPTIMISATION={level}")

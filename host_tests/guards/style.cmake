@@ -23,12 +23,12 @@ if(ZERORATE_QUICK_TESTS)
   return()
 endif()
 
-# cppcheck's MISRA C:2012 addon over the C interface and its example in C. Three rules are deviated from:
+# cppcheck's MISRA C:2012 addon over the C interface and its example in C. Four rules are deviated from:
 # docs/reference/c-interface.md says why.
 
 set(misra_command cppcheck --std=c11 --language=c --addon=misra --enable=style --quiet --error-exitcode=1
     --suppress=unusedFunction --suppress=missingIncludeSystem
-    --suppress=misra-c2012-1.4 --suppress=misra-c2012-2.5 --suppress=misra-c2012-20.10)
+    --suppress=misra-c2012-1.4 --suppress=misra-c2012-2.4 --suppress=misra-c2012-2.5 --suppress=misra-c2012-20.10)
 add_test(NAME style.misra
   COMMAND ${misra_command} -I . -I firmware/c_api/include firmware/c_api/examples/heading.c
   WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")

@@ -81,9 +81,12 @@ static zerorate_result take_event(void) {
 
 zerorate_result super_loop(void) {
   uint32_t reported = 0U;
-  zerorate_result result = zerorate_init(&gyro, &front_gyro, NULL);
-  const size_t size = board_load(record, sizeof record);
+  zerorate_config config = zerorate_default_config();
+  zerorate_result result;
 
+  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST; /* this odometer gives pulses alone */
+  result = zerorate_init(&gyro, &front_gyro, &config);
+  const size_t size = board_load(record, sizeof record);
   if ((result == ZERORATE_OK) && (size > 0U)) {
     (void)zerorate_restore(&gyro, ZERORATE_NO_CLOCK, record,
                            size); /* refused: the node begins anew */

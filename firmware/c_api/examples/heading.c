@@ -2,6 +2,7 @@
 
 #define UP_AXIS 2U
 #define SECONDS_PER_NS 1.0e-9F
+#define LONGEST_GAP_NS 100000000 /* beyond it, nobody measured what was turned */
 
 zerorate_result heading_init(heading* self, const zerorate_model* model) {
   self->newest_ns = 0;
@@ -16,6 +17,9 @@ zerorate_result heading_init(heading* self, const zerorate_model* model) {
 static void integrate(heading* self, const zerorate_rate* rate, bool stands) {
   const int64_t elapsed_ns = rate->time_ns - self->newest_ns;
   const float dt_s = (float)elapsed_ns * SECONDS_PER_NS;
+  if (elapsed_ns > LONGEST_GAP_NS) {
+    self->has_sample = false;
+  }
   if (self->has_sample && !stands && rate->health.calibrated) {
     self->heading_rad += rate->corrected_rad_s[UP_AXIS] * dt_s;
     self->sigma_rad += rate->sigma_rad_s[UP_AXIS] * dt_s;
@@ -30,7 +34,7 @@ zerorate_result heading_step(heading* self, const zerorate_measurement* measured
   if (result == ZERORATE_OK) {
     result = zerorate_sample(&self->gyro, measured, &rate);
   }
-  if ((result == ZERORATE_OK) && !rate.health.sample_refused && !rate.health.time_refused) {
+  if (result == ZERORATE_OK) {
     integrate(self, &rate, stands);
   }
   return result;

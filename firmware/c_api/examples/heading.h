@@ -11,7 +11,10 @@
 extern "C" {
 #endif
 
-/** Heading about the vertical axis of one gyro. Static storage; nothing is allocated. */
+/**
+ * Heading about the vertical axis of one gyro, without what is turned while no rate comes. Static
+ * storage; nothing is allocated.
+ */
 typedef struct heading {
   zerorate_node gyro;
   int64_t newest_ns;

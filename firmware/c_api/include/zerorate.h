@@ -3,14 +3,33 @@
  * zerorate for vehicle firmware written in C: the bias of a gyro, learnt whenever the vehicle
  * stands (zero angular rate update), predicted with its error while it moves.
  *
- *     static zerorate_node gyro;               // no heap: the storage is yours
- *     zerorate_init(&gyro, &my_sensor, NULL);  // my_sensor: made by zerorate export --c
- *     zerorate_zero_velocity(&gyro, now_ns, wheels_are_still);  // or zerorate_pulse()
- *     zerorate_sample(&gyro, &measured, &rate);
- *     if (rate.health.calibrated) heading += rate.corrected_rad_s[2] * dt;
+ *     static zerorate_node gyro;  // no heap: the storage is yours
+ *     float heading_rad;
+ *     static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do not
+ *       static int64_t us;
+ *       us += (uint32_t)(micros() - (uint32_t)us);
+ *       return us * 1000;
+ *     }
+ *     void start_gyro(void) {  // my_sensor: made by zerorate export --c
+ *       (void)zerorate_init(&gyro, &my_sensor, NULL);
+ *     }
+ *     void take_word(bool wheels_are_still) {  // no word for a second: it counts as moving
+ *       (void)zerorate_zero_velocity(&gyro, now_ns(), wheels_are_still);
+ *     }
+ *     void take_sample(zerorate_measurement measured) {
+ *       static int64_t newest_ns;
+ *       zerorate_rate rate;
+ *       measured.time_ns = now_ns();
+ *       if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
+ *       const int64_t since_ns = rate.time_ns - newest_ns;
+ *       newest_ns = rate.time_ns;
+ *       if (!rate.health.calibrated || since_ns > 100000000) return;
+ *       heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
+ *     }
  *
- * Times are nanoseconds of one monotonic clock, from -73 to 146 years of its zero (anything else is
- * ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the sensor.
+ * Times are nanoseconds of one monotonic clock that does not wrap, from -73 to 146 years of its
+ * zero (anything else is ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the
+ * sensor. An odometer that gives pulses alone needs a configuration: ZERORATE_SILENCE_IS_REST.
  *
  * Rules:
  * - An instance is used by one context at a time; different instances are independent. An interrupt
@@ -21,8 +40,7 @@
  * - An instance is not copied or moved: after memcpy() every call answers
  *   ZERORATE_NOT_INITIALISED. Keep it in static storage that starts as zeros.
  *
- * Cost: zerorate_sample() some hundred instructions, and once a filter tick what the predictors
- * cost (docs/reference/footprint.md).
+ * Cost, and what each answer means: docs/reference/c-interface.md.
  */
 #ifndef ZERORATE_H
 #define ZERORATE_H
@@ -90,7 +108,7 @@ extern "C" {
 #define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (760 + (134 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (788 + (170 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
@@ -105,46 +123,57 @@ extern "C" {
    (ZERORATE_LEARNS * (12 + (12 * ZERORATE_AXES * ZERORATE_HYPOTHESES))))
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
 #define ZERORATE_NO_CLOCK INT64_MIN
+/** For zerorate_config: there are pulses alone, and no pulse means that the vehicle stands. */
+#define ZERORATE_SILENCE_IS_REST INT64_MAX
 /** For zerorate_rate: no stop has been judged yet. */
 #define ZERORATE_NO_CALM 255
 /** For zerorate_model: what the bias changes by while the power is off is not known. */
 #define ZERORATE_UNKNOWN_VARIANCE (-1.0F)
 
-typedef enum zerorate_result {
+/** Of 32 bits, as the other enumerations, whatever -fshort-enums makes of one on either side. */
+typedef int32_t zerorate_result;
+enum {
   ZERORATE_OK = 0,
   ZERORATE_NOT_INITIALISED, /**< zerorate_init() has not succeeded, or the instance was moved */
-  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, an axis beyond the third, an impossible time */
+  ZERORATE_BAD_ARGUMENT,    /**< a null pointer, a value out of its range, an impossible time */
   ZERORATE_BAD_MODEL, /**< a figure of the model is not a number, above 1e6, or out of its range */
-  ZERORATE_BAD_TIMES, /**< a time of the model or the configuration is not to be used: not
-                         positive, longer than an hour, or not fitting the others */
+  ZERORATE_BAD_TIMES, /**< a time is not positive, above an hour, or does not fit the others */
   ZERORATE_BUFFER_TOO_SMALL,
-  ZERORATE_TOO_LATE,           /**< zerorate_restore() after the first sample */
-  ZERORATE_NOTHING_LEARNT,     /**< there has been no standstill yet */
-  ZERORATE_SNAPSHOT_NOT_OURS,  /**< another size, or not our mark */
-  ZERORATE_SNAPSHOT_DAMAGED,   /**< its checksum is wrong */
-  ZERORATE_SNAPSHOT_VERSION,   /**< another version's */
-  ZERORATE_SNAPSHOT_SENSOR,    /**< another sensor's */
-  ZERORATE_SNAPSHOT_NOT_USABLE /**< the model does not say what switching on changes */
-} zerorate_result;
+  ZERORATE_TOO_LATE,            /**< zerorate_restore() after the first sample */
+  ZERORATE_NOTHING_LEARNT,      /**< there has been no standstill yet */
+  ZERORATE_SNAPSHOT_NOT_OURS,   /**< another size, or not our mark */
+  ZERORATE_SNAPSHOT_DAMAGED,    /**< its checksum is wrong */
+  ZERORATE_SNAPSHOT_VERSION,    /**< another version's */
+  ZERORATE_SNAPSHOT_SENSOR,     /**< another sensor's */
+  ZERORATE_SNAPSHOT_NOT_USABLE, /**< the model does not say what switching on changes */
+  ZERORATE_SAMPLE_REFUSED,      /**< a rate that is not finite, or beyond 1e6 rad/s */
+  ZERORATE_SENSOR_FAULT, /**< an axis no longer measures: it is frozen, at full scale, or a ramp */
+  ZERORATE_TIME_REFUSED, /**< a sample that is not newer than the one before */
+  ZERORATE_CLOCK_WENT_BACK /**< a stamp far behind the newest sample: its clock wrapped, or is
+                              another */
+};
 
-typedef enum zerorate_predictor {
+typedef int32_t zerorate_predictor;
+enum {
   ZERORATE_KALMAN = 0,      /**< one state a decade of 1/f noise */
   ZERORATE_MOVING_AVERAGE,  /**< the last samples of a stop, as many as the coming lead asks for */
   ZERORATE_CALIBRATION_MEAN /**< the plain mean of the last stop */
-} zerorate_predictor;
+};
 
-typedef enum zerorate_motion {
+typedef int32_t zerorate_motion;
+enum {
   ZERORATE_MOVING = 0, /**< it moved less than the settle time ago */
   ZERORATE_SETTLING,   /**< still, but not yet for so long that it counts */
   ZERORATE_STILL       /**< samples are being learnt from */
-} zerorate_motion;
+};
 
 /** What tells that the vehicle stands. */
-typedef enum zerorate_standstill {
+typedef int32_t zerorate_standstill;
+enum {
   ZERORATE_BY_ODOMETER = 0,  /**< no pulse, or its own word, and no motion of the gyro */
   ZERORATE_BY_GYRO,          /**< the calm of the gyro alone: pulses are not looked at */
   ZERORATE_BY_ODOMETER_ALONE /**< no pulse, or its own word, whatever the gyro shows */
-} zerorate_standstill;
+};
 
 typedef struct zerorate_complex {
   float re;
@@ -211,8 +240,12 @@ typedef struct zerorate_model {
 } zerorate_model;
 
 typedef struct zerorate_config {
-  int64_t settle_ns;            /**< after the last motion nothing counts for so long */
-  int64_t hold_back_ns;         /**< nor until it is so old and still no motion has followed */
+  int64_t settle_ns;       /**< after the last motion nothing counts for so long */
+  int64_t hold_back_ns;    /**< nor until it is so old and still no motion has followed */
+  int64_t word_timeout_ns; /**< a word of rest counts for so long; or ZERORATE_SILENCE_IS_REST */
+  int64_t odometer_latency_ns;  /**< from the motion to its pulse or word */
+  float odometer_dead_band_mps; /**< speed up to which the odometer is silent, 0 to 10 */
+  float count_rad_s; /**< rate of one count, by which a frozen axis is found; 0: not known */
   zerorate_predictor predictor; /**< whose bias corrects the rate */
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
   zerorate_standstill standstill;
@@ -223,16 +256,18 @@ typedef struct zerorate_config {
 
 /** Every flag is an alarm except `calibrated`. */
 typedef struct zerorate_health {
-  bool calibrated;            /**< a bias was measured, and borne out for a second after it */
-  bool sample_refused;        /**< not finite, or beyond 1e6 rad/s: no rate */
-  bool time_refused;          /**< not after the sample before: no rate */
-  bool saturated;             /**< an axis at full scale: the rate is a lower bound */
-  bool model_inconsistent;    /**< no hypothesis, or not the model, explains the innovations */
-  bool odometer_fault;        /**< pulses were lost since the last sample */
+  bool calibrated;         /**< a bias was measured, and borne out for a second after it */
+  bool sample_refused;     /**< not finite, or beyond 1e6 rad/s: no rate */
+  bool time_refused;       /**< not after the sample before: no rate */
+  bool saturated;          /**< an axis at full scale: the rate is a lower bound */
+  bool model_inconsistent; /**< no hypothesis, or not the model, explains the innovations */
+  bool odometer_fault;     /**< pulses were lost since the last sample, or no word comes any more */
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
   bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
+  bool sensor_fault;       /**< an axis no longer measures: no rate, and nothing is learnt */
+  bool sample_rate_off; /**< samples come at another rate than the model's, by a quarter and more */
 } zerorate_health;
 
 /** One sample of the sensor. */
@@ -241,18 +276,17 @@ typedef struct zerorate_measurement {
   float rate_rad_s[ZERORATE_AXES];
   float temperature_degc; /**< of the sensor, if has_temperature */
   bool has_temperature;
-  uint8_t saturated_axes; /**< bit i: axis i is at full scale, and the sample is not learnt from */
+  uint8_t saturated_axes; /**< bit i: axis i at full scale, not learnt from; others are refused */
 } zerorate_measurement;
 
 typedef struct zerorate_rate {
   int64_t time_ns;
   zerorate_motion motion;
   zerorate_health health;
-  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias */
+  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias; NaN where there is no rate */
   float bias_rad_s[ZERORATE_AXES];
   float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
-  uint8_t
-      calm_percent; /**< of the newest stop, learnt from; ZERORATE_NO_CALM before there was one */
+  uint8_t calm_percent;             /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
 } zerorate_rate;
 
 /** Heading error that the bias will cause, as far as it can be predicted. */
@@ -280,7 +314,7 @@ typedef struct zerorate_node {
   ZERORATE_ALIGNED uint8_t opaque[ZERORATE_INSTANCE_BYTES];
 } zerorate_node;
 
-/** 1 s to settle, half a second held back, the Kalman predictor, sensor 0. */
+/** 1 s to settle, 0.5 s held back, a word counts for 1 s, the Kalman predictor, sensor 0. */
 zerorate_config zerorate_default_config(void);
 
 #ifndef DOXYGEN
@@ -304,6 +338,7 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
 
 /**
  * An odometer pulse; before the sample that is not older. Pulses may come late and out of order.
+ * Without ZERORATE_SILENCE_IS_REST a stop needs zerorate_zero_velocity() all the same.
  */
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 
@@ -314,22 +349,25 @@ zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns);
 
 /**
- * The vehicle's own word that it stands, instead of pulses: call it before every sample, or as
- * often as the word is renewed; at least once a settle time while it moves.
+ * The vehicle's own word on whether it stands: call it as often as the word is renewed, whatever it
+ * says. A word of rest counts for `word_timeout_ns`, one of motion until the next word. Without a
+ * word the vehicle counts as moving, and after `word_timeout_ns` each rate has `odometer_fault`: a
+ * bus that is dead is no standstill.
  */
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
 
 /**
- * One sample. Samples come in the order of their stamps; one that is not newer than the one before,
- * or not finite, is flagged in the rate's health and changes nothing. A gap needs no call.
- * @param rate the answer; with a refused sample the rates are those of no sample
+ * One sample. Samples come in the order of their stamps, and a gap needs no call. A sample that is
+ * refused changes nothing.
+ * @param rate the answer; whatever the result is but ZERORATE_OK, its corrected rates are NaN
+ * @return ZERORATE_SAMPLE_REFUSED, _TIME_REFUSED, _CLOCK_WENT_BACK, _SENSOR_FAULT
  */
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate);
 
 /**
  * The heading error that the bias causes over the coming samples, if the vehicle drives off now.
- * @param samples how many, at the model's sample period; not beyond the times of the clock
+ * @param samples one or more, of the model's period, taken in whole ticks of the filter
  * @return ZERORATE_NOTHING_LEARNT before the first standstill, ZERORATE_BAD_ARGUMENT
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,

@@ -14,7 +14,7 @@ namespace zerorate::app {
 namespace {
 
 using core::Duration;
-using Vehicle = SampleWatch::Vehicle;
+using Vehicle = VehicleState;
 
 /// A gyro of three axes at 100 Hz, in deg/s.
 struct WatchedAxes {
@@ -26,13 +26,13 @@ struct WatchedAxes {
   Vehicle vehicle = Vehicle::stands;
   std::uint64_t seed = 1;
 
-  SampleWatch watch{
+  SampleWatch<> watch{
       static_cast<float>(model_sigma * model_sigma) * core::kRadPerDeg * core::kRadPerDeg,
       Duration::milliseconds(10)};
   std::int64_t count = 0;
 
   std::uint8_t sample() {
-    drivers::GyroSample sample;
+    core::GyroSample sample;
     for (std::size_t i = 0; i < 3; ++i) {
       const random::RandomStream noise{seed, i};
       const double rate = stuck.at(i).value_or(rates.at(i) + sigma * noise.normal(count));
@@ -125,7 +125,7 @@ TEST(SampleWatchOfARamp, FindsTheAxis) {
 TEST(SampleWatchOfAnAxisAtFullScale, FindsItAfterTenSeconds) {
   WatchedAxes gyro;
   ASSERT_FALSE(gyro.run(kMinute));
-  drivers::GyroSample sample;
+  core::GyroSample sample;
   int first = 0;
   for (int i = 0; i < 2000 && first == 0; ++i) {
     sample.rate = {core::deg_per_s(0.01F * static_cast<float>(i % 3)),
@@ -184,6 +184,24 @@ TEST(SampleWatchOfRatesWithoutSteps, FindsAFrozenAxisAndNoOther) {
   gyro.stuck[0] = 0.35;
   EXPECT_LT(gyro.run(kMinute).value_or(kMinute), 200);
   EXPECT_EQ(gyro.sample(), 0b001U);
+}
+
+TEST(SampleWatchOfOneAxis, FindsItFrozen) {
+  SampleWatch<1> watch{1e-6F, Duration::milliseconds(10)};
+  const random::RandomStream noise{1, 0};
+  core::GyroSample sample;
+  for (int i = 0; i < kMinute; ++i) {
+    sample.rate[0] = core::rad_per_s(1e-3F * static_cast<float>(noise.normal(i)));
+    ASSERT_EQ(watch.take(sample, Vehicle::stands), 0U) << i;
+  }
+  for (int i = 0; i < 100; ++i) (void)watch.take(sample, Vehicle::stands);
+  EXPECT_EQ(watch.take(sample, Vehicle::stands), 1U);
+}
+
+TEST(VehicleState, IsDrivingForASecondAfterAPulse) {
+  EXPECT_EQ(vehicle_state(core::Motion::still, Duration::seconds(9)), VehicleState::stands);
+  EXPECT_EQ(vehicle_state(core::Motion::moving, Duration::milliseconds(900)), VehicleState::drives);
+  EXPECT_EQ(vehicle_state(core::Motion::moving, Duration::seconds(9)), VehicleState::unknown);
 }
 
 }  // namespace

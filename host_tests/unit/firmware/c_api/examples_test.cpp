@@ -46,6 +46,20 @@ TEST(HeadingIntegrator, KeepsItsHeadingWithinItsSigma) {
   EXPECT_GT(std::abs(uncorrected_rad - kTrueHeading_rad), 1.0);
 }
 
+/// Nobody measured what was turned in a gap: the rate after it says nothing of it.
+TEST(HeadingIntegratorAfterAGap, AddsNothingForIt) {
+  heading integrator{};
+  ASSERT_EQ(heading_init(&integrator, &front_gyro), ZERORATE_OK);
+  for (std::int64_t k = 0; k < kStopSamples + 10; ++k) {
+    const Moment now = moment(k);
+    ASSERT_EQ(heading_step(&integrator, &now.measured, now.stands), ZERORATE_OK);
+  }
+  const float before_rad = integrator.heading_rad;
+  const Moment now = moment(kStopSamples + 1000);
+  ASSERT_EQ(heading_step(&integrator, &now.measured, now.stands), ZERORATE_OK);
+  EXPECT_EQ(integrator.heading_rad, before_rad);
+}
+
 /// Sums: the filter's variance of the heading error, and the error itself.
 TEST(ErrorStateFilter, TakesTheBiasAtEachStopAndKnowsItsError) {
   zerorate_node node;

@@ -79,6 +79,38 @@ TEST(CInterfaceAtAPlaceThatCannotBe, RefusesIt) {
   }
 }
 
+TEST(CInterfaceGivenAChoiceThatThereIsNot, RefusesIt) {
+  zerorate_node node;
+  for (const std::int32_t choice : {-1, 3, 9, 77, 256}) {
+    zerorate_config config = zerorate_default_config();
+    config.predictor = choice;
+    EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << choice;
+    config = zerorate_default_config();
+    config.standstill = choice;
+    EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << choice;
+  }
+  for (const std::int32_t choice : {0, 1, 2}) {
+    zerorate_config config = zerorate_default_config();
+    config.predictor = config.standstill = choice;
+    EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_OK) << choice;
+  }
+}
+
+TEST(CInterfaceToldOfAnAxisThatThereIsNot, RefusesTheSample) {
+  zerorate_node node;
+  ASSERT_EQ(zerorate_init(&node, &front_gyro, nullptr), ZERORATE_OK);
+  zerorate_rate rate{};
+  const zerorate_measurement measured{.saturated_axes = 1U << ZERORATE_AXES};
+  EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_BAD_ARGUMENT);
+}
+
+/// A compiler with -fshort-enums reads and writes the same bytes: test foreign.makefile.
+TEST(CInterfaceEnumerations, AreOf32Bits) {
+  static_assert(sizeof(zerorate_result) == 4 && sizeof(zerorate_predictor) == 4);
+  static_assert(sizeof(zerorate_motion) == 4 && sizeof(zerorate_standstill) == 4);
+  EXPECT_EQ(offsetof(zerorate_rate, health), 12U);
+}
+
 TEST(CInterfaceGivenAForgedRecord, RefusesItOrPublishesNumbers) {
   static zerorate_node learnt;
   ASSERT_EQ(zerorate_init(&learnt, &front_gyro, nullptr), ZERORATE_OK);
@@ -128,6 +160,7 @@ TEST(CInterfaceAskedForAHeadingBeyondItsClock, RefusesIt) {
   zerorate_heading_error error{};
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 1'000'000, &error), ZERORATE_NOTHING_LEARNT);
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 2'000'000, &error), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_predict_heading(&node, 0, 0, &error), ZERORATE_BAD_ARGUMENT);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -114,7 +115,9 @@ TEST(CInterfaceWithPulses, IsTheSameAsWithTheVehiclesWord) {
   zerorate_node told;
   zerorate_node counting;
   ASSERT_EQ(zerorate_init(&told, &front_gyro, nullptr), ZERORATE_OK);
-  ASSERT_EQ(zerorate_init(&counting, &front_gyro, nullptr), ZERORATE_OK);
+  zerorate_config pulses = zerorate_default_config();
+  pulses.word_timeout_ns = ZERORATE_SILENCE_IS_REST;
+  ASSERT_EQ(zerorate_init(&counting, &front_gyro, &pulses), ZERORATE_OK);
   for (std::int64_t k = 0; k < 2 * (kStopSamples + kDriveSamples); ++k) {
     const Moment now = moment(k);
     const zerorate_rate expected = feed(told, now);
@@ -162,6 +165,7 @@ TEST(CInterfaceBeforeInit, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_report_odometer_fault(&node, 0), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_zero_velocity(&node, 0, true), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_NOT_INITIALISED);
+  EXPECT_TRUE(std::isnan(rate.corrected_rad_s[0]));
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, &heading), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_save(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
   EXPECT_EQ(zerorate_restore(&node, 0, record.data(), record.size()), ZERORATE_NOT_INITIALISED);
@@ -184,6 +188,7 @@ TEST(CInterfaceWithNullPointers, RefusesThem) {
   const zerorate_measurement measured{};
   EXPECT_EQ(zerorate_init(nullptr, &front_gyro, nullptr), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_sample(&node, nullptr, &rate), ZERORATE_BAD_ARGUMENT);
+  EXPECT_TRUE(std::isnan(rate.corrected_rad_s[0]));
   EXPECT_EQ(zerorate_sample(&node, &measured, nullptr), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_predict_heading(&node, 3, 100, &heading), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_predict_heading(&node, 0, 100, nullptr), ZERORATE_BAD_ARGUMENT);
@@ -234,12 +239,15 @@ TEST(CInterfaceWithBadSamples, FlagsThemAndChangesNothing) {
 
   zerorate_measurement broken = moment(kStopSamples + 1).measured;
   broken.rate_rad_s[1] = kNan;
-  EXPECT_EQ(zerorate_sample(&node, &broken, &rate), ZERORATE_OK);
+  EXPECT_EQ(zerorate_sample(&node, &broken, &rate), ZERORATE_SAMPLE_REFUSED);
   EXPECT_TRUE(rate.health.sample_refused);
   EXPECT_EQ(rate.bias_rad_s[0], bias);
+  for (const float corrected : rate.corrected_rad_s) EXPECT_TRUE(std::isnan(corrected));
 
-  EXPECT_EQ(zerorate_sample(&node, &last.measured, &rate), ZERORATE_OK);
+  EXPECT_EQ(zerorate_sample(&node, &last.measured, &rate), ZERORATE_TIME_REFUSED);
   EXPECT_TRUE(rate.health.time_refused);
+  EXPECT_EQ(rate.bias_rad_s[0], bias);
+  for (const float corrected : rate.corrected_rad_s) EXPECT_TRUE(std::isnan(corrected));
 
   zerorate_measurement saturated = moment(kStopSamples + 1).measured;
   saturated.saturated_axes = 4;
