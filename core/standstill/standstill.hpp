@@ -61,6 +61,7 @@ class Standstill {
     constexpr bool operator==(const State&) const = default;
   };
 
+  /// @param params must outlive this
   constexpr explicit Standstill(const Params& params) : params_(params) {}
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -107,7 +108,7 @@ class Standstill {
  private:
   static constexpr Duration kLongestBounce = Duration::milliseconds(20);
 
-  Params params_;
+  const Params& params_;
   State state_;
 };
 

@@ -54,17 +54,17 @@ class StopLearning {
     constexpr bool operator==(const State&) const = default;
   };
 
+  /// @param standstill must outlive this
   /// @param white_variance_rad2_s2 of one sample
   constexpr StopLearning(const Standstill::Params& standstill, const OdometerCheckParams& odometer,
                          Duration tick, Duration sample_period, float white_variance_rad2_s2)
-      : half_sample_(sample_period / 2),
-        standstill_(standstill),
+      : standstill_(standstill),
         odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
         average_(tick, sample_period),
         calm_(standstill.source, odometer.longest_bend, tick),
         has_odometer_(standstill.source != StandstillSource::gyro),
         asks_gyro_(standstill.source != StandstillSource::odometer_alone),
-        wait_(longest_wait(standstill, tick) + half_sample_),
+        wait_(longest_wait(standstill, tick) + sample_period / 2),
         most_waiting_(static_cast<std::size_t>(
             std::min(wait_ / tick + 2, static_cast<std::int64_t>(Capacity) - 2))) {}
 
@@ -242,7 +242,6 @@ class StopLearning {
     stop_is_open_ = false;
   }
 
-  Duration half_sample_;
   Instant newest_sample_;
   bool has_sample_ = false;
   bool stop_is_open_ = false;

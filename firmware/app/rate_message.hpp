@@ -39,6 +39,12 @@ struct Health {
   /// are lost, or the chip is set otherwise. Rates are right; motion between samples is missed.
   bool sample_rate_off = false;
 
+  /// Whether the rate may be used with its interval: calibrated, and nothing puts either in doubt.
+  /// The other flags keep from learning, or widen the interval.
+  [[nodiscard]] constexpr bool is_usable() const {
+    return calibrated && !sample_refused && !time_refused && !saturated && !model_inconsistent &&
+           !sensor_fault && !measurement_rejected && !odometer_disagreement;
+  }
   constexpr bool operator==(const Health&) const = default;
 };
 

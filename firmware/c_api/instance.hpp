@@ -26,7 +26,8 @@ class Instance {
   Instance(const Node::Params& given, const zerorate_config& config)
       : params_(given),
         node_(params_),
-        word_(core::Duration::nanoseconds(config.word_timeout_ns)),
+        word_(core::Duration::nanoseconds(config.word_timeout_ns),
+              config.standstill == ZERORATE_BY_WORD),
         watch_(given.model.white_variance_rad2_s2, given.model.sample_period),
         sensor_id_(config.sensor_id) {
     watch_.set_step(core::rad_per_s(config.count_rad_s));
@@ -47,7 +48,7 @@ class Instance {
   }
 
   void pulse(core::Instant at) {
-    word_.hear(at, false);
+    word_.pulse(at);
     move(at, 1);
   }
   /// Two pulses for a word of motion: a single one would be read as a slow wheel and lengthen the

@@ -101,8 +101,7 @@ inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
 /// Enumerations of C hold any number.
 [[nodiscard]] inline bool are_sound_choices(const zerorate_config& config) {
   return config.predictor >= ZERORATE_KALMAN && config.predictor <= ZERORATE_CALIBRATION_MEAN &&
-         config.standstill >= ZERORATE_BY_ODOMETER &&
-         config.standstill <= ZERORATE_BY_ODOMETER_ALONE;
+         config.standstill >= ZERORATE_BY_ODOMETER && config.standstill <= ZERORATE_BY_WORD;
 }
 [[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
   constexpr float kPole_deg = 90.0F;

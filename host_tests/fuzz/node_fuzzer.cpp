@@ -168,7 +168,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   config.predictor = input.PickValueInArray<std::int32_t>(
       {ZERORATE_KALMAN, ZERORATE_MOVING_AVERAGE, ZERORATE_CALIBRATION_MEAN});
   // Chosen by the length, so that the other bytes of the corpus keep their meaning.
-  if (size % 8 != 7) config.word_timeout_ns = ZERORATE_SILENCE_IS_REST;
+  if (size % 8 == 7) config.standstill = ZERORATE_BY_WORD;
   zerorate_node node{};
   if (zerorate_init(&node, &model, &config) != ZERORATE_OK) return 0;
   std::int64_t now_ns = 0;

@@ -22,9 +22,7 @@ static zerorate_node gyro;
 
 int main(void) {
   zerorate_rate newest = {0};
-  zerorate_config config = zerorate_default_config();
-  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST; /* the odometer gives pulses alone */
-  if (zerorate_init(&gyro, &kModel, &config) != ZERORATE_OK) {
+  if (zerorate_init(&gyro, &kModel, NULL) != ZERORATE_OK) {
     return 2;
   }
   for (int i = 0; i < 60000; ++i) {

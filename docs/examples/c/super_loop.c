@@ -84,7 +84,6 @@ zerorate_result super_loop(void) {
   zerorate_config config = zerorate_default_config();
   zerorate_result result;
 
-  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST; /* this odometer gives pulses alone */
   result = zerorate_init(&gyro, &front_gyro, &config);
   const size_t size = board_load(record, sizeof record);
   if ((result == ZERORATE_OK) && (size > 0U)) {

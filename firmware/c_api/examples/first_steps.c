@@ -11,7 +11,9 @@ static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do
 }
 
 void start_gyro(void) {  // my_sensor: made by zerorate export --c
-  (void)zerorate_init(&gyro, &my_sensor, NULL);
+  zerorate_config config = zerorate_default_config();
+  config.standstill = ZERORATE_BY_WORD;
+  (void)zerorate_init(&gyro, &my_sensor, &config);
 }
 
 void take_word(bool wheels_are_still) {  // no word for a second: it counts as moving
@@ -25,6 +27,6 @@ void take_sample(zerorate_measurement measured) {
   if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
   const int64_t since_ns = rate.time_ns - newest_ns;
   newest_ns = rate.time_ns;
-  if (!rate.health.calibrated || since_ns > 100000000) return;
+  if (!rate.health.usable || since_ns > 100000000) return;
   heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
 }

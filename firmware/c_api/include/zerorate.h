@@ -11,7 +11,9 @@
  *       return us * 1000;
  *     }
  *     void start_gyro(void) {  // my_sensor: made by zerorate export --c
- *       (void)zerorate_init(&gyro, &my_sensor, NULL);
+ *       zerorate_config config = zerorate_default_config();
+ *       config.standstill = ZERORATE_BY_WORD;
+ *       (void)zerorate_init(&gyro, &my_sensor, &config);
  *     }
  *     void take_word(bool wheels_are_still) {  // no word for a second: it counts as moving
  *       (void)zerorate_zero_velocity(&gyro, now_ns(), wheels_are_still);
@@ -23,13 +25,13 @@
  *       if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
  *       const int64_t since_ns = rate.time_ns - newest_ns;
  *       newest_ns = rate.time_ns;
- *       if (!rate.health.calibrated || since_ns > 100000000) return;
+ *       if (!rate.health.usable || since_ns > 100000000) return;
  *       heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
  *     }
  *
  * Times are nanoseconds of one monotonic clock that does not wrap, from -73 to 146 years of its
  * zero (anything else is ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the
- * sensor. An odometer that gives pulses alone needs a configuration: ZERORATE_SILENCE_IS_REST.
+ * sensor. With an odometer that gives pulses, leave ZERORATE_BY_ODOMETER and call zerorate_pulse().
  *
  * Rules:
  * - An instance is used by one context at a time; different instances are independent. An interrupt
@@ -108,7 +110,7 @@ extern "C" {
 #define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (788 + (170 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (772 + (170 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
@@ -170,9 +172,10 @@ enum {
 /** What tells that the vehicle stands. */
 typedef int32_t zerorate_standstill;
 enum {
-  ZERORATE_BY_ODOMETER = 0,  /**< no pulse, or its own word, and no motion of the gyro */
-  ZERORATE_BY_GYRO,          /**< the calm of the gyro alone: pulses are not looked at */
-  ZERORATE_BY_ODOMETER_ALONE /**< no pulse, or its own word, whatever the gyro shows */
+  ZERORATE_BY_ODOMETER = 0,   /**< no pulse, or its own word, and no motion of the gyro */
+  ZERORATE_BY_GYRO,           /**< the calm of the gyro alone: pulses are not looked at */
+  ZERORATE_BY_ODOMETER_ALONE, /**< no pulse, or its own word, whatever the gyro shows */
+  ZERORATE_BY_WORD            /**< its own word, and no motion of the gyro: silence is motion */
 };
 
 typedef struct zerorate_complex {
@@ -254,7 +257,7 @@ typedef struct zerorate_config {
   float latitude_deg; /**< if up_axis is known; north positive */
 } zerorate_config;
 
-/** Every flag is an alarm except `calibrated`. */
+/** Every flag is an alarm except `calibrated` and `usable`. */
 typedef struct zerorate_health {
   bool calibrated;         /**< a bias was measured, and borne out for a second after it */
   bool sample_refused;     /**< not finite, or beyond 1e6 rad/s: no rate */
@@ -268,6 +271,7 @@ typedef struct zerorate_health {
   bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
   bool sensor_fault;       /**< an axis no longer measures: no rate, and nothing is learnt */
   bool sample_rate_off; /**< samples come at another rate than the model's, by a quarter and more */
+  bool usable;          /**< calibrated, and nothing above puts the rate or its interval in doubt */
 } zerorate_health;
 
 /** One sample of the sensor. */
@@ -338,27 +342,22 @@ zerorate_result zerorate_init(zerorate_node* self, const zerorate_model* model,
 
 /**
  * An odometer pulse; before the sample that is not older. Pulses may come late and out of order.
- * Without ZERORATE_SILENCE_IS_REST a stop needs zerorate_zero_velocity() all the same.
+ * After the first zerorate_zero_velocity(), or with ZERORATE_BY_WORD, a stop needs a word too.
  */
 zerorate_result zerorate_pulse(zerorate_node* self, int64_t time_ns);
 
-/**
- * The odometer input failed or dropped pulses: the vehicle moves, and nobody knows since when. The
- * next sample's health says so.
- */
+/** The odometer input failed or dropped pulses: the vehicle moves, and it is unknown since when. */
 zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_ns);
 
 /**
- * The vehicle's own word on whether it stands: call it as often as the word is renewed, whatever it
- * says. A word of rest counts for `word_timeout_ns`, one of motion until the next word. Without a
- * word the vehicle counts as moving, and after `word_timeout_ns` each rate has `odometer_fault`: a
- * bus that is dead is no standstill.
+ * The vehicle's own word on whether it stands, as often as it is renewed. A word of rest counts for
+ * `word_timeout_ns`, one of motion until the next. From the first word on, and with ZERORATE_BY_WORD
+ * from the start, silence is motion, and after `word_timeout_ns` each rate has `odometer_fault`.
  */
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
 
 /**
- * One sample. Samples come in the order of their stamps, and a gap needs no call. A sample that is
- * refused changes nothing.
+ * One sample, in the order of the stamps; a gap needs no call. One that is refused changes nothing.
  * @param rate the answer; whatever the result is but ZERORATE_OK, its corrected rates are NaN
  * @return ZERORATE_SAMPLE_REFUSED, _TIME_REFUSED, _CLOCK_WENT_BACK, _SENSOR_FAULT
  */

@@ -18,6 +18,7 @@ struct Tick : TickMean<3> {
   constexpr bool operator==(const Tick&) const = default;
 };
 using Learning = StopLearning<Tick, 3, 16>;
+constexpr Standstill::Params kStandstill{};
 using White = WhiteLevel<3>;
 
 constexpr Duration kTick = Duration::milliseconds(100);
@@ -29,7 +30,7 @@ Instant at_ms(std::int64_t ms) {
 
 /// One second to settle, half a second of hold-back, turns from 0.25 deg/s on; samples every 10 ms.
 struct Vehicle {
-  Learning learning{Standstill::Params{}, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
+  Learning learning{kStandstill, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
   std::vector<std::pair<std::uint32_t, bool>> learnt{};  ///< ticks, and whether each begins a stop
 
   White white{1e-12F, {}, kTick, true};
@@ -180,8 +181,8 @@ TEST(StopLearningOfASensorLouderThanItsModel, FindsNoTurnAtFirst) {
   std::mt19937_64 engine{7};
   std::normal_distribution<float> noise{0.0F, kLoud};
   for (int stop = 0; stop < 20'000; ++stop) {
-    Learning learning{Standstill::Params{}, OdometerCheckParams{}, Duration::milliseconds(500),
-                      kPeriod, kLoud * kLoud / 9.0F};
+    Learning learning{kStandstill, OdometerCheckParams{}, Duration::milliseconds(500), kPeriod,
+                      kLoud * kLoud / 9.0F};
     White white{kLoud * kLoud / 9.0F, {}, Duration::milliseconds(500), true};
     Instant at = at_ms(0);
     for (int sample = 0; sample < 80; ++sample, at = at + kPeriod) {

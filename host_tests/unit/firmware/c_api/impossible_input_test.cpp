@@ -86,7 +86,7 @@ TEST(CInterfaceGivenAChoiceThatThereIsNot, RefusesIt) {
     config.predictor = choice;
     EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << choice;
     config = zerorate_default_config();
-    config.standstill = choice;
+    config.standstill = choice == ZERORATE_BY_WORD ? ZERORATE_BY_WORD + 1 : choice;
     EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_BAD_ARGUMENT) << choice;
   }
   for (const std::int32_t choice : {0, 1, 2}) {

@@ -115,9 +115,7 @@ TEST(CInterfaceWithPulses, IsTheSameAsWithTheVehiclesWord) {
   zerorate_node told;
   zerorate_node counting;
   ASSERT_EQ(zerorate_init(&told, &front_gyro, nullptr), ZERORATE_OK);
-  zerorate_config pulses = zerorate_default_config();
-  pulses.word_timeout_ns = ZERORATE_SILENCE_IS_REST;
-  ASSERT_EQ(zerorate_init(&counting, &front_gyro, &pulses), ZERORATE_OK);
+  ASSERT_EQ(zerorate_init(&counting, &front_gyro, nullptr), ZERORATE_OK);
   for (std::int64_t k = 0; k < 2 * (kStopSamples + kDriveSamples); ++k) {
     const Moment now = moment(k);
     const zerorate_rate expected = feed(told, now);

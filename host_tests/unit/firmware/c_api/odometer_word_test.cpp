@@ -21,12 +21,18 @@ using testing::moment;
 constexpr float kCurve_rad_s = 0.3F;
 constexpr std::int64_t kSecond = 100;  // samples
 
+zerorate_config by_word() {
+  zerorate_config config = zerorate_default_config();
+  config.standstill = ZERORATE_BY_WORD;
+  return config;
+}
+
 /// Samples of one vehicle, with words as the test gives them.
 struct Vehicle {
   zerorate_node node{};
   std::int64_t k = 0;
 
-  explicit Vehicle(const zerorate_config& config = zerorate_default_config()) {
+  explicit Vehicle(const zerorate_config& config = by_word()) {
     EXPECT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_OK);
   }
   [[nodiscard]] std::int64_t now_ns() const { return k * kPeriod_ns; }
@@ -57,9 +63,7 @@ struct Vehicle {
 };
 
 zerorate_config pulses_alone() {
-  zerorate_config config = zerorate_default_config();
-  config.word_timeout_ns = ZERORATE_SILENCE_IS_REST;
-  return config;
+  return zerorate_default_config();
 }
 
 TEST(CInterfaceWithAWordTenTimesASecond, LearnsTheBias) {
@@ -80,6 +84,16 @@ TEST(CInterfaceWhoseBusDies, LearnsNothingOfACurve) {
     ASSERT_TRUE(rate.health.odometer_fault) << second;
     ASSERT_EQ(rate.motion, ZERORATE_MOVING) << second;
   }
+}
+
+// Where nothing was said of words, they are awaited from the first one on.
+TEST(CInterfaceWhoseWordsEnd, LearnsNothingOfACurve) {
+  Vehicle vehicle{zerorate_default_config()};
+  vehicle.stand(kStopSamples);
+  const zerorate_rate rate = vehicle.turn(120 * kSecond);
+  EXPECT_NEAR(rate.bias_rad_s[2], kBias[2], 4.0F * rate.sigma_rad_s[2]);
+  EXPECT_TRUE(rate.health.usable);
+  EXPECT_TRUE(rate.health.odometer_fault);
 }
 
 TEST(CInterfaceSwitchedOnWithADeadBus, LearnsNothingAndSaysSo) {
@@ -231,7 +245,7 @@ TEST(CInterfaceWithLimitsThatCannotBe, RefusesThem) {
 
 TEST(RestWordThatComesLate, DoesNotReplaceTheNewest) {
   const auto at = [](std::int64_t ms) { return core::Instant::from_ns(ms * 1'000'000); };
-  RestWord word{core::Duration::seconds(2)};
+  RestWord word{core::Duration::seconds(2), true};
   word.hear(at(5000), false);
   word.hear(at(4500), true);
   EXPECT_EQ(word.at(at(5000)), RestWord::Verdict::motion);
