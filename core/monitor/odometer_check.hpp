@@ -146,6 +146,14 @@ class OdometerCheck {
     if (since > Duration{} && since < shortest_pulse_) state_.bounced_ticks = bounced_;
   }
 
+  /// It is unknown since when the vehicle moves: the newest level was none of rest.
+  constexpr void interrupt() {
+    state_.turns = false;
+    state_.far_ticks = 0;
+    state_.stands = false;
+    restart_level(state_.level_rad_s);
+  }
+
   /// A tick begins while the vehicle moves.
   constexpr void on_driving_tick(const Rates& sample_rad_s) {
     count_down();
@@ -218,10 +226,7 @@ class OdometerCheck {
     const bool is_far = state_.turns || state_.far_ticks > 0;
     if (!is_far && !state_.is_doubted) trust(state_.level_rad_s);
     if (is_far && state_.steady_ticks >= back_) doubt_level();
-    state_.turns = false;
-    state_.far_ticks = 0;
-    state_.stands = false;
-    restart_level(state_.level_rad_s);
+    interrupt();
   }
 
   constexpr void trust(const Rates& level) {

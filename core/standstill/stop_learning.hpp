@@ -121,6 +121,7 @@ class StopLearning {
   /// Ends the stop, and discards what is held of it.
   constexpr void interrupt(Instant now) {
     held_.discard_held();
+    odometer_.interrupt();
     end_stop(now);
   }
 

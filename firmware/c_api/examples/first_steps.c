@@ -3,6 +3,7 @@
 
 static zerorate_node gyro;  // no heap: the storage is yours
 float heading_rad;
+bool is_trusted = true;
 
 static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do not
   static int64_t us;
@@ -27,6 +28,7 @@ void take_sample(zerorate_measurement measured) {
   if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
   const int64_t since_ns = rate.time_ns - newest_ns;
   newest_ns = rate.time_ns;
-  if (!rate.health.usable || since_ns > 100000000) return;
+  if (!rate.health.calibrated || since_ns > 100000000) return;
   heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
+  is_trusted = is_trusted && rate.health.usable;
 }

@@ -5,6 +5,7 @@
 #ifndef ZERORATE_EXAMPLE_FIRST_STEPS_H
 #define ZERORATE_EXAMPLE_FIRST_STEPS_H
 
+#include <stdbool.h>
 #include <zerorate.h>
 
 #ifdef __cplusplus
@@ -13,6 +14,7 @@ extern "C" {
 
 extern const zerorate_model my_sensor;
 extern float heading_rad;
+extern bool is_trusted;
 
 uint32_t micros(void); /* of the board: wraps after 71 minutes */
 

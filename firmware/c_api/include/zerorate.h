@@ -5,6 +5,7 @@
  *
  *     static zerorate_node gyro;  // no heap: the storage is yours
  *     float heading_rad;
+ *     bool is_trusted = true;
  *     static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do not
  *       static int64_t us;
  *       us += (uint32_t)(micros() - (uint32_t)us);
@@ -25,13 +26,13 @@
  *       if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
  *       const int64_t since_ns = rate.time_ns - newest_ns;
  *       newest_ns = rate.time_ns;
- *       if (!rate.health.usable || since_ns > 100000000) return;
+ *       if (!rate.health.calibrated || since_ns > 100000000) return;
  *       heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
+ *       is_trusted = is_trusted && rate.health.usable;
  *     }
  *
  * Times are nanoseconds of one monotonic clock that does not wrap, from -73 to 146 years of its
- * zero (anything else is ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the
- * sensor. With an odometer that gives pulses, leave ZERORATE_BY_ODOMETER and call zerorate_pulse().
+ * zero (else ZERORATE_BAD_ARGUMENT); rates are in rad/s, axes are x, y, z of the sensor.
  *
  * Rules:
  * - An instance is used by one context at a time; different instances are independent. An interrupt
