@@ -85,7 +85,6 @@ class OdometerCheck {
     bool is_doubted = false;         ///< there is a doubted level
     bool has_former = false;         ///< there is a former level
     bool changed_in_stop = false;    ///< the level changed since the stop began, and is not back
-    bool is_new = false;             ///< a level that no stop before had
     bool has_jumped = false;         ///< a level was accepted that no prediction explains
 
     constexpr bool operator==(const State&) const = default;
@@ -113,7 +112,7 @@ class OdometerCheck {
   /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return are_bools(state.stands, state.turns, state.has_trusted, state.is_doubted,
-                     state.has_former, state.is_new, state.has_jumped) &&
+                     state.has_former, state.has_jumped) &&
            are_plausible(state.level_rad_s) && are_plausible(state.trusted_rad_s) &&
            are_plausible(state.doubted_rad_s) && are_plausible(state.former_rad_s) &&
            TickWindow<Axes>::is_possible(state.window) && state.steady_ticks < kNever &&
@@ -278,14 +277,12 @@ class OdometerCheck {
     state_.stands = true;
     if (predicted.rate_rad_s != nullptr) trust(*predicted.rate_rad_s);
     state_.turns = !is_near_trusted(first.mean_rad_s, std::max(least_turn_rad2_s2_, noise));
-    state_.is_new = state_.turns;
     state_.needed_ticks = ticks_of_evidence(first, predicted);
     const float same = std::max(kSameLevel2 * least_turn_rad2_s2_, noise);
     if (!state_.is_doubted || !is_near(first.mean_rad_s, state_.doubted_rad_s, same)) return;
     state_.level_rad_s = state_.doubted_rad_s;
     state_.steady_ticks = state_.doubted_ticks;
     state_.needed_ticks = state_.doubted_needed_ticks;
-    state_.is_new = false;
   }
   /// Ticks until a level is believed: with the fourth power of its distance from the prediction, as
   /// the bias has heavier tails than a normal distribution, but no turn is as rare.
@@ -324,16 +321,14 @@ class OdometerCheck {
     const bool is_former = state_.has_former && is_at(state_.former_rad_s);
     const bool is_predicted = predicted.rate_rad_s == nullptr || is_at(*predicted.rate_rad_s);
     if (is_back) state_.turns = false;
-    if (is_back || is_former) state_.is_new = false;
     if (is_former) state_.needed_ticks = back_;
-    const bool is_settled = !state_.turns && !state_.is_new && state_.far_ticks == 0;
-    if (is_predicted && is_settled) state_.is_doubted = false;
+    if (is_predicted && !state_.turns && state_.far_ticks == 0) state_.is_doubted = false;
     if ((state_.turns || state_.is_doubted) && state_.steady_ticks >= state_.needed_ticks) {
       accept_level();
     }
   }
-  /// The doubted level is learnt. It stays in doubt until the predictor has learnt it and another
-  /// stop has confirmed it: a long turn looks the same within one stop.
+  /// The doubted level is the bias. It stays in doubt until the predictor has learnt it: the stop
+  /// may be too short for that.
   constexpr void accept_level() {
     if (!is_accepted()) {
       state_.former_rad_s = state_.trusted_rad_s;
@@ -353,7 +348,6 @@ class OdometerCheck {
   constexpr void start_change(const Window& changed, const Predicted& predicted) {
     if (!state_.turns) {
       state_.turns = true;
-      state_.is_new = true;
       state_.doubted_ticks = 0;
       trust(state_.level_rad_s);
       // Four times the age of the level before: one that was new itself is soon given up.

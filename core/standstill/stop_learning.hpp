@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/time.hpp"
 #include "core/monitor/odometer_check.hpp"
@@ -152,8 +153,10 @@ class StopLearning {
                             Measurement measurement) {
     if (average_.is_empty()) return;
     const Item closed = measurement(average_.close());
+    // Without an odometer no level was said to be rest, and none is less likely than another.
+    constexpr float kAnyLevel = std::numeric_limits<float>::infinity();
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s,
-                               variance_rad2_s2);
+                               has_odometer_ ? variance_rad2_s2 : kAnyLevel);
     const Calm calm = judge(closed, predicted_rad_s, variance_rad2_s2, white);
     odometer_.take_verdict(calm == Calm::far);
     odometer_.set_white_noise(white.upper_variance_rad2_s2());

@@ -64,10 +64,10 @@ TEST(BiasOf12Dps, IsAccepted) {
   EXPECT_TRUE(played.messages.back().health.model_inconsistent);  // 5 deg/s by [zero_rate]
 }
 
-TEST(ThermalBias, IsLearntWithinTheStop) {
+// Far beyond the prediction, it may be a turn as well; the stop is too short to decide it.
+TEST(ThermalBias, IsDoubtedUntilStopsHaveSettledIt) {
   const Played played = play("thermal-bias", gated());
-  EXPECT_FALSE(played.disagrees(680.0));
-  EXPECT_LT(played.worst_dps(700.0, 720.0), 0.02);
+  for (const double time_s : {665.0, 680.0, 719.0}) EXPECT_TRUE(played.disagrees(time_s)) << time_s;
 }
 
 TEST(ColdStart, IsCoveredByAModelThatKnowsOfIt) {
