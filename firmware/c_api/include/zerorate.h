@@ -352,8 +352,8 @@ zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_
 
 /**
  * The vehicle's own word on whether it stands, as often as it is renewed. A word of rest counts for
- * `word_timeout_ns`, one of motion until the next. From the first word on, and with ZERORATE_BY_WORD
- * from the start, silence is motion, and after `word_timeout_ns` each rate has `odometer_fault`.
+ * `word_timeout_ns`, one of motion until the next. From the first word on (ZERORATE_BY_WORD: from
+ * the start) silence is motion, and after `word_timeout_ns` each rate has `odometer_fault`.
  */
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
 
