@@ -220,7 +220,8 @@ class StopLearning {
   constexpr Calm judge(const Item& closed, const Rates* predicted_rad_s, float variance_rad2_s2,
                        White& white) {
     const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2, white);
-    if (!asks_gyro_ || (judged == Calm::far && odometer_.is_accepted())) return Calm::calm;
+    const bool is_settled = has_odometer_ && odometer_.is_accepted();
+    if (!asks_gyro_ || (judged == Calm::far && is_settled)) return Calm::calm;
     return judged;
   }
   /// Wait of a tick until nothing can speak against it any more: neither a late pulse nor motion
@@ -235,7 +236,7 @@ class StopLearning {
     held_.confirm_until(certain, [&](Item& item) {
       item.begins_stop = !stop_is_open_;
       stop_is_open_ = true;
-      item.has_jumped = odometer_.take_jump();
+      item.has_jumped = has_odometer_ && odometer_.take_jump();
     });
   }
 
