@@ -19,6 +19,7 @@ struct Tick : TickMean<3> {
 };
 using Learning = StopLearning<Tick, 3, 16>;
 constexpr Standstill::Params kStandstill{};
+constexpr Standstill::Params kGyroAlone{.source = StandstillSource::gyro};
 using White = WhiteLevel<3>;
 
 constexpr Duration kTick = Duration::milliseconds(100);
@@ -136,8 +137,7 @@ TEST(StopLearningOnMotionInsideAStop, LearnsBeforeAndAfterIt) {
 }
 
 TEST(StopLearningWithoutAnOdometer, IsMovingWhileTheGyroIsNotCalm) {
-  Vehicle vehicle{.learning = {Standstill::Params{.source = StandstillSource::gyro},
-                               OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F}};
+  Vehicle vehicle{.learning = {kGyroAlone, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F}};
   std::int64_t ms = 0;
   const auto run_until = [&](std::int64_t end_ms, float swing_rad_s) {
     for (; ms < end_ms; ms += 10) {
