@@ -178,7 +178,7 @@ TEST(OdometerCheckInDoubt, AddsUpTheStopsThatAgree) {
     stand(check, turning(0.5F), 4, &kBias);  // 3 s less the settle time
     ++stops;
   } while (check.turns() && stops < 1000);
-  EXPECT_NEAR(stops, 60, 2);  // of 240 ticks, 60 in the first and 3 in each: one is its level
+  EXPECT_NEAR(stops, 60, 2);  // 240 ticks, less 60, three a stop
   EXPECT_TRUE(check.take_jump());
   EXPECT_TRUE(disagrees_in_a_drive(check)) << "the stop was too short to learn from";
   const Rates learnt = turning(0.5F);
