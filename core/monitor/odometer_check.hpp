@@ -50,8 +50,8 @@ struct OdometerCheckParams {
 /// Two explanations are held meanwhile: the trusted level of before, and the level that is doubted.
 /// A pulse decides nothing between them, so a level that is doubted at departure stays doubted in
 /// the drive. The next stops decide: a second at the trusted level, or enough time at the doubted
-/// one, over several stops if they agree. A level that was accepted may still have been a turn:
-/// what returns to the level of before is believed at once.
+/// one, over several stops if they agree. A level that was accepted may still have been a turn: a
+/// return to the level of before is accepted at once.
 ///
 /// A window lasts half a second, and until half of its nominal samples have come: where samples are
 /// lost, or the sensor is slower than its nominal rate, it is judged by those that came. That of a
@@ -84,7 +84,6 @@ class OdometerCheck {
     bool has_trusted = false;        ///< without a trusted level none counts as changed
     bool is_doubted = false;         ///< there is a doubted level
     bool has_former = false;         ///< there is a former level
-    bool changed_in_stop = false;    ///< the level changed since the stop began, and is not back
     bool has_jumped = false;         ///< a level was accepted that no prediction explains
 
     constexpr bool operator==(const State&) const = default;
@@ -192,8 +191,6 @@ class OdometerCheck {
   static constexpr Duration kMemory =
       Duration::seconds(15);  ///< memory of the level: a bias drifts
   static constexpr std::uint16_t kNever = 0xFFFF;
-  /// Standard deviations that a level is accepted at after `longest_bend`.
-  static constexpr float kFar = 5.0F;
   /// Square of the part of the least turn by which the same level may differ from stop to stop.
   static constexpr float kSameLevel2 = 0.25F * 0.25F;
   // Six standard deviations of a difference are no noise, four may be, once in a while.
@@ -295,7 +292,7 @@ class OdometerCheck {
       farthest = std::max(farthest, change * change);
     }
     const float variance = predicted.variance_rad2_s2 + level.white_of_tick / level.ticks;
-    const float surprise = farthest / (kFar * kFar * variance);
+    const float surprise = farthest / (kFarSigmas * kFarSigmas * variance);
     const float ticks = static_cast<float>(longest_bend_) * surprise * surprise;
     if (!(ticks < static_cast<float>(longest_turn_))) return longest_turn_;
     return std::max(longest_bend_, static_cast<std::uint16_t>(ticks));

@@ -12,6 +12,9 @@
 
 namespace zerorate::core {
 
+/// Standard deviations by which a rate at rest misses its prediction before it is doubted.
+inline constexpr float kFarSigmas = 5.0F;
+
 /// Largest window that eight bits count, at least one tick.
 [[nodiscard]] constexpr std::uint8_t ticks_in_u8(Duration length, Duration tick) {
   return static_cast<std::uint8_t>(std::clamp(length / tick, std::int64_t{1}, std::int64_t{0xFF}));

@@ -119,7 +119,8 @@ class CalmJudge {
     if (state_.window.ticks == window_ticks_) close_window(white);
     if (!state_.is_calm) return Calm::moved;
     const float limit =
-        kFar * kFar * (variance_rad2_s2 + white.shown_rad2_s2() / static_cast<float>(tick.samples));
+        kFarSigmas * kFarSigmas *
+        (variance_rad2_s2 + white.shown_rad2_s2() / static_cast<float>(tick.samples));
     const bool is_doubted = predicted_rad_s != nullptr && state_.calm_windows < needed_windows_ &&
                             is_far(tick.rate_rad_s, *predicted_rad_s, limit);
     return is_doubted ? Calm::far : Calm::calm;
@@ -134,8 +135,6 @@ class CalmJudge {
   /// Sum of the ratios over three axes that is motion: six standard deviations on one of them. Half
   /// and twice as much change the heading error by less than 3 % (docs/adr/0017).
   static constexpr float kMotion = 100.0F * static_cast<float>(Axes) / 3.0F;
-  /// Standard deviations by which a prediction is missed before it is doubted.
-  static constexpr float kFar = 5.0F;
   /// Least number of samples in a window whose differences show the noise of its mean.
   static constexpr float kFewestSamples = 4.0F;
   /// Share of the noise of the mean, as the differences explain it, that the level is at least.

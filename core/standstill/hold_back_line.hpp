@@ -14,6 +14,10 @@ namespace zerorate::core {
 /// Places of a line beside the ticks of the hold-back: two ticks that wait to be learnt, the tick
 /// being closed, and one to spare.
 inline constexpr std::int64_t kPlacesOfWork = 4;
+/// Places of a line that a hold-back of this length needs.
+[[nodiscard]] constexpr std::int64_t places_needed(Duration hold_back, Duration tick) {
+  return hold_back / tick + kPlacesOfWork;
+}
 
 /// First in, first out, at most `Capacity` items in fixed memory. The oldest items are confirmed:
 /// nothing can discard them any more, and they wait to be taken. The others are held back.

@@ -32,8 +32,7 @@ namespace zerorate::core {
 /// Without an odometer there are no pulses, and CalmJudge alone decides.
 ///
 /// @tparam Item a TickMean<Axes> with members `bool begins_stop` and `bool has_jumped`, and what
-/// else belongs to a
-///   measurement
+///   else belongs to a measurement
 /// @tparam Capacity number of ticks that are held at most
 template <class Item, std::size_t Axes, std::size_t Capacity>
 class StopLearning {

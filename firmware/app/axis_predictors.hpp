@@ -140,8 +140,7 @@ class AxisPredictors {
   // and where that is true learn() for each hypothesis and conclude(), bank().weigh() for each
   // axis; at the end observe_rest().
 
-  /// @param tick its circumstances, as in compare(): whether it begins a stop or a level that
-  /// jumped
+  /// @param tick whether it begins a stop, or a level that jumped; as in compare()
   constexpr void begin(const auto& tick) {
     if (tick.begins_stop) {
       ++stops_;

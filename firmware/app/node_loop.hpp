@@ -96,7 +96,6 @@ class NodeLoop {
   /// The two clocks are not read at one instant.
   static constexpr core::Duration kShortestSleep = core::Duration::milliseconds(100);
   static constexpr core::Duration kFarStamp = core::Duration::seconds(1);
-  static constexpr core::Duration kLongAgo = core::Duration::seconds(3600);
   static constexpr core::Duration kLongestWithoutData = core::Duration::seconds(1);
 
   constexpr void run(core::Instant now, std::optional<core::Instant> edge) {
@@ -182,7 +181,7 @@ class NodeLoop {
     return frozen;
   }
   [[nodiscard]] constexpr VehicleState vehicle(core::Instant now) const {
-    return vehicle_state(node_.motion(), driven_at_ ? now - *driven_at_ : kLongAgo);
+    return vehicle_state(node_.motion(), driven_at_, now);
   }
 
   /// A gyro that answers without measuring is started again, with its reset.

@@ -113,7 +113,7 @@ template <ModelShape Shape>
       params.standstill.slowest < kZero) {
     return Unexpected{ParamsError::negative_time};
   }
-  if (params.standstill.hold_back / params.model.modes.tick + core::kPlacesOfWork >
+  if (core::places_needed(params.standstill.hold_back, params.model.modes.tick) >
       static_cast<std::int64_t>(capacity.held_ticks)) {
     return Unexpected{ParamsError::hold_back_too_long};
   }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
@@ -20,11 +21,13 @@ namespace zerorate::app {
 enum class VehicleState : std::uint8_t { unknown, stands, drives };
 
 /// A vehicle that only counts as moving is not known to drive.
-/// @param since_driven  time since the newest pulse
+/// @param driven_at  newest pulse
 [[nodiscard]] constexpr VehicleState vehicle_state(core::Motion motion,
-                                                   core::Duration since_driven) {
+                                                   const std::optional<core::Instant>& driven_at,
+                                                   core::Instant now) {
   if (motion == core::Motion::still) return VehicleState::stands;
-  return since_driven < core::Duration::seconds(1) ? VehicleState::drives : VehicleState::unknown;
+  const bool is_driven = driven_at && now - *driven_at < core::Duration::seconds(1);
+  return is_driven ? VehicleState::drives : VehicleState::unknown;
 }
 
 /// Finds axes whose samples repeat themselves: at any rate, at full scale, at zero, or as a ramp of

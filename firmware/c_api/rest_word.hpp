@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/time.hpp"
 
@@ -44,9 +45,9 @@ class RestWord {
     return stands_ ? Verdict::rest : Verdict::motion;
   }
 
-  /// Time since the newest word, if that was one of motion; else a long time.
-  [[nodiscard]] constexpr core::Duration since_driven(core::Instant now) const {
-    return drives_ ? now - at_ : core::Duration::seconds(3600);
+  /// Time of the newest word, if that was one of motion.
+  [[nodiscard]] constexpr std::optional<core::Instant> driven_at() const {
+    return drives_ ? std::optional{at_} : std::nullopt;
   }
 
  private:

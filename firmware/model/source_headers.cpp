@@ -99,7 +99,7 @@ std::string size_guard(std::string_view size, std::size_t needed) {
 
 /// Places of the hold-back line that a node with the default hold-back needs.
 std::int64_t places_needed(core::Duration filter_tick) {
-  return core::Standstill::Params{}.hold_back / filter_tick + core::kPlacesOfWork;
+  return core::places_needed(core::Standstill::Params{}.hold_back, filter_tick);
 }
 
 /// Refusal of a filter rate whose ticks find no place in the line.

@@ -4,9 +4,9 @@
 usage: stack_depth.py --objdump OBJDUMP --nm NM [--interrupts NAME,NAME...]... IMAGE
 
 Follows every instruction of the linked image from start() on, libgcc and assembly included: pushes, moves
-of the stack pointer, calls, the jump tables of a switch. Recursion, calls through pointers and a stack pointer
-that depends on data cannot be followed and are refused. Each --interrupts names handlers of one priority, one of which may
-interrupt the program and, once, the handlers of the priorities named before.
+of the stack pointer, calls, the jump tables of a switch. Recursion, calls through pointers and a stack
+pointer that depends on data cannot be followed and are refused. Each --interrupts names handlers of one
+priority, one of which may interrupt the program and, once, the handlers of the priorities named before.
 The image reserves what lies between its symbols stack_limit and stack_top.
 """
 
@@ -57,8 +57,9 @@ class Image:
 
     @staticmethod
     def contents(objdump, path):
-        """(address, word) of all that is loaded."""
-        listing = subprocess.run([objdump, "-s", path], check=True, capture_output=True, text=True).stdout
+        """(address, word) of code and constants."""
+        listing = subprocess.run([objdump, "-s", "-j", ".text", "-j", ".rodata", "-j", ".data", path], check=True,
+                                 capture_output=True, text=True).stdout
         for line in listing.splitlines():
             if row := CONTENTS.match(line):
                 for i, word in enumerate(word for word in row[2].split() if len(word) == 8):

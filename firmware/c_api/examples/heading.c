@@ -2,7 +2,7 @@
 
 #define UP_AXIS 2U
 #define SECONDS_PER_NS 1.0e-9F
-#define LONGEST_GAP_NS 100000000 /* beyond it, nobody measured what was turned */
+#define LONGEST_GAP_NS 100000000 /* what was turned in a longer one is unknown */
 
 zerorate_result heading_init(heading* self, const zerorate_model* model) {
   self->newest_ns = 0;

@@ -188,8 +188,10 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
 core::Result<void, drivers::DriverError> IioGyro::verify_next() {
   // The attributes are the driver's own memory; once a second is often enough.
   const auto interval = static_cast<std::size_t>(std::ceil(settings_.rate_hz));
-  if (!device_ && !was_removed_) return {};  // opened again by start()
-  if (!device_) return drivers::refused(DriverErrorCode::configuration_lost, 0);
+  if (!device_) {  // start() opens it again
+    if (was_removed_) return drivers::refused(DriverErrorCode::configuration_lost, 0);
+    return {};
+  }
   if (++calls_of_verify_ % interval != 0) return {};
   try {
     if (device_->verify_next()) return {};

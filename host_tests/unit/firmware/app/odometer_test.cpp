@@ -19,28 +19,30 @@ using testing::noisy_sample;
 constexpr float kBias = 0.01F;
 constexpr float kDps = 0.01745329F;
 
-/// Samples of a node's gyro, one after another every 10 ms.
+/// A node and the samples of its gyro, one after another every 10 ms.
 class Trip {
  public:
-  explicit Trip(Node& node) : node_(&node) {}
+  explicit Trip(const Node::Params& params = node_params()) : params_(params) {}
 
   /// Turns about x at this rate; the newest message.
   RateMessage go(std::int64_t ms, float turn_rad_s, bool pulses) {
     RateMessage message;
     for (const std::int64_t end_ms = now_ms_ + ms; now_ms_ < end_ms; now_ms_ += 10) {
-      if (pulses) node_->pulse(at_ms(now_ms_));
+      if (pulses) node_.pulse(at_ms(now_ms_));
       auto sample = noisy_sample(at_ms(now_ms_), kBias);
       sample.rate[0] = sample.rate[0] + core::rad_per_s(turn_rad_s);
-      message = node_->step(sample);
+      message = node_.step(sample);
       if (!message.health.odometer_disagreement) agreed_ms_ = now_ms_;
     }
     return message;
   }
   RateMessage stand(std::int64_t ms) { return go(ms, 0.0F, false); }
+  [[nodiscard]] Node& node() { return node_; }
   [[nodiscard]] std::int64_t agreed_ms() const { return agreed_ms_; }
 
  private:
-  Node* node_;
+  Node::Params params_;
+  Node node_{params_};
   std::int64_t now_ms_ = 0;
   std::int64_t agreed_ms_ = 0;
 };
@@ -50,9 +52,8 @@ float error_dps(const Node& node) {
 }
 
 TEST(GyroNodeWhoseOdometerIsDead, ReportsATurnAndDoesNotLearnIt) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   EXPECT_FALSE(trip.stand(60'000).health.odometer_disagreement);
   const std::uint32_t learnt = node.measured_ticks();
   const RateMessage turning = trip.go(60'000, kDps, false);
@@ -72,21 +73,18 @@ TEST(GyroNodeStartedInAFastTurn, IsNeverHealthy) {
   auto params = node_params();
   params.model.largest_bias_rad_s = 5.0F * kDps;
   for (const float turn_dps : {-8.0F, 5.5F, 20.0F}) {
-    Node node{params};
-    Trip trip{node};
+    Trip trip{params};
     for (int second = 0; second < 60; ++second) {
       const Health health = trip.go(1'000, turn_dps * kDps, false).health;
       EXPECT_TRUE(!health.calibrated || health.model_inconsistent) << turn_dps << ", " << second;
     }
   }
-  Node within{params};
-  EXPECT_FALSE(Trip{within}.go(60'000, 3.0F * kDps, false).health.model_inconsistent);
+  EXPECT_FALSE(Trip{params}.go(60'000, 3.0F * kDps, false).health.model_inconsistent);
 }
 
 TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   trip.stand(60'000);
   trip.go(20'000, 10.0F * kDps, true);
   for (int bend = 0; bend < 20; ++bend) {
@@ -97,9 +95,8 @@ TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
 }
 
 TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, AcceptsItIn2Minutes) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   trip.stand(60'000);
   trip.go(60'000, 10.0F * kDps, true);
   EXPECT_TRUE(trip.go(115'000, 1.3F * kDps, false).health.odometer_disagreement);
@@ -109,9 +106,8 @@ TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, AcceptsItIn2Minutes) {
 
 // The bias changes half a minute before the vehicle drives off.
 TEST(GyroNodeThatDoubtsAtDeparture, SaysSoUntilAStopSettlesIt) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   trip.stand(60'000);
   trip.go(30'000, 0.5F * kDps, false);
   for (int second = 0; second < 300; ++second) {
@@ -125,9 +121,8 @@ TEST(GyroNodeThatDoubtsAtDeparture, SaysSoUntilAStopSettlesIt) {
 
 // An automated vehicle turns on the spot for five minutes, and then stands.
 TEST(GyroNodeThatLearntATurn, ReturnsToTheBiasWithinSeconds) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   trip.stand(60'000);
   trip.go(300'000, 3.0F * kDps, false);
   EXPECT_NEAR(error_dps(node), 3.0F, 0.01F);
@@ -136,9 +131,8 @@ TEST(GyroNodeThatLearntATurn, ReturnsToTheBiasWithinSeconds) {
 }
 
 TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  const Node& node = trip.node();
   trip.stand(20'000);
   EXPECT_FALSE(trip.go(110'000, 0.0F, true).health.odometer_disagreement);
   EXPECT_TRUE(trip.go(60'000, 0.0F, true).health.odometer_disagreement);
@@ -151,9 +145,8 @@ TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
 constexpr std::int64_t kAhead_ms = 600'000;
 
 TEST(GyroNodeWithAPulseStampedAhead, ReportsItAndRecovers) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  Node& node = trip.node();
   trip.stand(20'000);
   const std::uint32_t learnt = node.measured_ticks();
   node.pulse(at_ms(20'000 + kAhead_ms));
@@ -170,9 +163,8 @@ TEST(GyroNodeWithAPulseStampedAhead, ReportsItAndRecovers) {
 }
 
 TEST(GyroNodeWithASampleStampedAhead, RefusesUntilItsTime) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  Node& node = trip.node();
   trip.stand(20'000);
   EXPECT_FALSE(node.step(noisy_sample(at_ms(20'000 + kAhead_ms), kBias)).health.time_refused);
   const std::uint32_t learnt = node.measured_ticks();
@@ -186,12 +178,11 @@ TEST(GyroNodeWithASampleStampedAhead, RefusesUntilItsTime) {
 }
 
 TEST(GyroNodeRestoredInATurnWithoutPulses, GoesOnAsTheOtherWould) {
-  const auto params = node_params();
-  Node node{params};
-  Trip trip{node};
+  Trip trip;
+  Node& node = trip.node();
   trip.stand(30'000);
   trip.go(5'000, kDps, false);
-  Node other{params};
+  Node other{node.params()};
   other.restore(node.state());
   for (std::int64_t ms = 35'000; ms < 45'000; ms += 10) {
     const auto sample = noisy_sample(at_ms(ms), kBias);

@@ -199,9 +199,13 @@ TEST(SampleWatchOfOneAxis, FindsItFrozen) {
 }
 
 TEST(VehicleState, IsDrivingForASecondAfterAPulse) {
-  EXPECT_EQ(vehicle_state(core::Motion::still, Duration::seconds(9)), VehicleState::stands);
-  EXPECT_EQ(vehicle_state(core::Motion::moving, Duration::milliseconds(900)), VehicleState::drives);
-  EXPECT_EQ(vehicle_state(core::Motion::moving, Duration::seconds(9)), VehicleState::unknown);
+  const core::Instant now = core::Instant::from_ns(60'000'000'000);
+  const core::Instant lately = now - Duration::milliseconds(900);
+  const core::Instant before = now - Duration::seconds(9);
+  EXPECT_EQ(vehicle_state(core::Motion::still, before, now), VehicleState::stands);
+  EXPECT_EQ(vehicle_state(core::Motion::moving, lately, now), VehicleState::drives);
+  EXPECT_EQ(vehicle_state(core::Motion::moving, before, now), VehicleState::unknown);
+  EXPECT_EQ(vehicle_state(core::Motion::moving, std::nullopt, now), VehicleState::unknown);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A program of its own: it replaces the calls to the kernel that open and use a socket of CAN,
-// which the kernel of the machine may lack.
+// A program of its own: it replaces the calls to the kernel that open and use a socket of CAN, as
+// the machine's own kernel may have no CAN.
 
 #include <gtest/gtest.h>
 #include <linux/can.h>
