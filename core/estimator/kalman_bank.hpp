@@ -123,24 +123,25 @@ class KalmanBank {
     for (const float rate_rad_s : rates_rad_s) {
       if (!is_measurement(rate_rad_s, white_variance)) return false;
     }
-    if (state_.is_measured()) {
-      innovations = innovations_of(rates_rad_s, white_variance);
-      if (has_jumped && state_.is_confirmed()) {
-        count_rejected(false, innovations);
-        inflate_variance(largest_square(innovations));
-        return true;
-      }
-      const bool is_outlier = is_outlier_to_gate(innovations);
-      // One of the two is wrong, and nobody knows which: the newer one must be confirmed now.
-      const bool is_replaced = is_outlier && !state_.is_confirmed();
-      if (!is_replaced) {
-        if (coefficients_->gate.is_on() && is_knock(is_outlier, innovations)) return false;
-        if (!state_.is_confirmed()) --state_.confirmations_left;
-        return true;
-      }
+    if (!state_.is_measured()) {
+      innovations = observe_first(rates_rad_s, white_variance);
+      return false;
     }
-    innovations = observe_first(rates_rad_s, white_variance);
-    return false;
+    innovations = innovations_of(rates_rad_s, white_variance);
+    if (has_jumped && state_.is_confirmed()) {
+      count_rejected(false, innovations);
+      inflate_variance(largest_square(innovations));
+      return true;
+    }
+    const bool is_outlier = is_outlier_to_gate(innovations);
+    // One of the two is wrong, and nobody knows which: the newer one must be confirmed now.
+    if (is_outlier && !state_.is_confirmed()) {
+      innovations = observe_first(rates_rad_s, white_variance);
+      return false;
+    }
+    if (coefficients_->gate.is_on() && is_knock(is_outlier, innovations)) return false;
+    if (!state_.is_confirmed()) --state_.confirmations_left;
+    return true;
   }
   /// The filter of one hypothesis learns.
   /// @param innovations of the mixture; where there is one hypothesis, its own

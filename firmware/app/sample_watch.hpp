@@ -122,13 +122,10 @@ class SampleWatch {
       axis.alike = 1;
       for (std::size_t k = 0; k + 1 < Axes; ++k) axis.others_at_begin[k] = rates[other(i, k)];
     }
-    if (!is_first) {
-      axis.difference = difference;
-      if (magnitude(difference) > rounding) {
-        ++axis.changes;
-        if (!is_saturated && !step_is_known_) step_ = std::min(step_, magnitude(difference));
-      }
-    }
+    if (!is_first) axis.difference = difference;
+    const bool changes = !is_first && magnitude(difference) > rounding;
+    if (changes) ++axis.changes;
+    if (changes && !is_saturated && !step_is_known_) step_ = std::min(step_, magnitude(difference));
     axis.newest = rates[i];
     axis.is_saturated = is_saturated;
   }
