@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/estimator/bank_state.hpp"
 #include "core/estimator/kalman_coefficients.hpp"
@@ -94,39 +95,8 @@ class BankForecast {
     return of(biases);
   }
 
-  /// Integrals of the biases over `drive`, which begins after the lead.
-  [[nodiscard]] constexpr std::array<HeadingPrediction, Axes> predict_heading(
-      const Lead& lead, const Transition& drive) const {
-    if (!state_.is_measured()) return {};
-    Mixtures sums{};
-    for (std::size_t m = 0; m < count(); ++m) add_integral(sums, m, lead.of(m), drive);
-    const auto ticks = static_cast<float>(drive.ticks);
-    const float tick_s = coefficients_.tick_s;
-    std::array<HeadingPrediction, Axes> headings{};
-    for (std::size_t i = 0; i < Axes; ++i) {
-      const typename State::Axis& x = state_.axes[i];
-      const float variance = sums[i].variance() + ticks * ticks * x.rejection_variance;
-      headings[i] = {(ticks * x.reference_rad_s + sums[i].mean()) * tick_s,
-                     variance * tick_s * tick_s};
-    }
-    return headings;
-  }
-
-  /// Unknown variance of the axis with the largest slope, so that no interval is too narrow.
-  [[nodiscard]] constexpr float largest_unknown_variance(std::size_t m,
-                                                         const Transition& span) const {
-    float largest = 0.0F;
-    if constexpr (Shape.temperature_weights > 0) {
-      for (std::size_t i = 0; i < Axes; ++i) {
-        const float scale = state_.mean_scale(m, i);
-        largest = std::max(largest, state_.filters[m].unknown_variance(span, i, scale) / scale);
-      }
-    }
-    return largest;
-  }
-
- private:
-  /// Adds the integral of hypothesis m: with L the lead and D ticks of drive,
+  /// Adds the integral of hypothesis m over `drive`, which begins after the lead, to the mixture.
+  /// With L the lead and D ticks of drive,
   ///
   ///     sum of the bias = D s + h'w + D n_s + G'n_w + n_D,   h = D g_L + F_L' G,
   ///
@@ -154,7 +124,46 @@ class BankForecast {
               ticks * ticks * (scale * constant + filter.unknown_variance(drive, i, scale)));
     }
   }
+  /// Answers of a mixture that the integrals of all hypotheses were added to.
+  /// @param drive_ticks D
+  [[nodiscard]] constexpr std::array<HeadingPrediction, Axes> integrals_of(
+      const Mixtures& sums, std::uint32_t drive_ticks) const {
+    std::array<HeadingPrediction, Axes> headings{};
+    if (!state_.is_measured()) return headings;
+    const auto ticks = static_cast<float>(drive_ticks);
+    const float tick_s = coefficients_.tick_s;
+    for (std::size_t i = 0; i < Axes; ++i) {
+      const typename State::Axis& x = state_.axes[i];
+      const float variance = sums[i].variance() + ticks * ticks * x.rejection_variance;
+      headings[i] = {(ticks * x.reference_rad_s + sums[i].mean()) * tick_s,
+                     variance * tick_s * tick_s};
+    }
+    return headings;
+  }
+  /// Integrals of the biases over `drive`, which begins after the lead.
+  [[nodiscard]] constexpr std::array<HeadingPrediction, Axes> predict_heading(
+      const Lead& lead, const Transition& drive) const {
+    Mixtures sums{};
+    for (std::size_t m = 0; m < count() && state_.is_measured(); ++m) {
+      add_integral(sums, m, lead.of(m), drive);
+    }
+    return integrals_of(sums, drive.ticks);
+  }
 
+  /// Unknown variance of the axis with the largest slope, so that no interval is too narrow.
+  [[nodiscard]] constexpr float largest_unknown_variance(std::size_t m,
+                                                         const Transition& span) const {
+    float largest = 0.0F;
+    if constexpr (Shape.temperature_weights > 0) {
+      for (std::size_t i = 0; i < Axes; ++i) {
+        const float scale = state_.mean_scale(m, i);
+        largest = std::max(largest, state_.filters[m].unknown_variance(span, i, scale) / scale);
+      }
+    }
+    return largest;
+  }
+
+ private:
   const Coefficients& coefficients_;
   const State& state_;
 };

@@ -6,6 +6,7 @@
 
 #include "core/base/time.hpp"
 #include "core/estimator/gate.hpp"
+#include "core/heading/turn_sum.hpp"
 #include "core/noise/hypotheses.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
@@ -29,6 +30,7 @@ struct NodeModel {
   /// Dependence on the temperature that the Kalman predictor starts from; off by default.
   [[no_unique_address]] TemperatureBlock<Shape.temperature_weights> temperature{};
   SampleModel samples{};   ///< model of single samples; off by default
+  MotionModel motion{};    ///< errors that rest does not show
   Duration sample_period;  ///< nominal; the stamps of the samples decide
   /// Slow noises that the sensor may have; none: the model is taken at its word.
   [[no_unique_address]] HypothesesOf<Shape> hypotheses{};

@@ -31,6 +31,7 @@
 #include "firmware/app/sample_screening.hpp"
 #include "firmware/app/tick_forecast.hpp"
 #include "firmware/app/tick_node.hpp"
+#include "firmware/app/turn_track.hpp"
 
 namespace zerorate::app {
 
@@ -51,6 +52,7 @@ class GyroNode {
   using TemperatureTrack = typename Ticks::TemperatureTrack;
   using TickTemperature = typename Ticks::TickTemperature;
   using Screening = typename Ticks::Screening;
+  using Turn = TurnTrack<Ticks>;
   using Learning = core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks>;
 
   /// Everything the node remembers; restored into a node with the same parameters it continues
@@ -58,6 +60,7 @@ class GyroNode {
   struct State {
     bool odometer_fault = false;  ///< not yet published
     std::int32_t credit = 0;      ///< cost units that may be spent; negative: spent in advance
+    typename Turn::State turn;
     typename Learning::State learning;
     typename Ticks::State ticks;
 
@@ -78,6 +81,7 @@ class GyroNode {
         learning_(params.standstill, params.odometer, params.model.modes.tick,
                   params.model.sample_period, params.model.white_variance_rad2_s2),
         ticks_(params),
+        turn_(params),
         pace_(pace_of(params)) {
     ZERORATE_ASSERT(check(params).has_value());
   }
@@ -110,6 +114,7 @@ class GyroNode {
   constexpr void report_pause(core::Instant now, core::Duration slept, bool has_lost_power) {
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 30U;
     discard_stop(now);
+    turn_.lose();
     finish_work();
     const std::int64_t ticks =
         std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
@@ -121,6 +126,7 @@ class GyroNode {
   constexpr RateMessage step(const core::GyroSample& sample) {
     RateMessage message{.time = sample.time};
     const bool refused = refuse(sample, message.health);
+    const core::Duration since_last = since_newest_sample(sample.time);
     if (!refused) take_in(sample);
 
     message.motion = motion();
@@ -128,6 +134,11 @@ class GyroNode {
     message.health.saturated =
         sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
     describe(message, refused ? Rate{} : sample.rate);
+    if (!refused) {
+      const bool is_waiting = learning_.confirmed() > 0 || ticks_.is_learning();
+      turn_.add(message, since_last, sample.saturated_axes, is_waiting, ticks_);
+    }
+    turn_.describe({}, message);
     return message;
   }
 
@@ -137,6 +148,7 @@ class GyroNode {
     RateMessage message{.time = now};
     message.health.sensor_fault = true;
     describe(message, {});
+    turn_.describe(since_newest_sample(now), message);
     return message;
   }
 
@@ -187,6 +199,7 @@ class GyroNode {
   [[nodiscard]] constexpr State state() const {
     return {.odometer_fault = odometer_fault_,
             .credit = credit_,
+            .turn = turn_.state(),
             .learning = learning_.state(),
             .ticks = ticks_.state()};
   }
@@ -194,6 +207,7 @@ class GyroNode {
   constexpr void restore(const State& state) {
     odometer_fault_ = state.odometer_fault;
     credit_ = state.credit;
+    turn_.restore(state.turn);
     ticks_.restore(state.ticks);
     learning_.restore(state.learning, ticks_.white());
   }
@@ -274,6 +288,7 @@ class GyroNode {
     learning_.enter_tick(at);
     ticks_.begin_tick(learning_.tick());
     ticks_.begin_samples();
+    turn_.close_tick(ticks_);
   }
 
   /// Does the share of a sample, more where several ticks wait and the call stays short. A step
@@ -319,9 +334,14 @@ class GyroNode {
     }
   }
 
+  [[nodiscard]] constexpr core::Duration since_newest_sample(core::Instant now) const {
+    return has_sample() ? now - newest_sample() : core::Duration{};
+  }
+
   const Params& params_;
   Learning learning_;
   Ticks ticks_;
+  Turn turn_;
   std::int32_t pace_;        ///< cost units of the work of a sample
   std::int32_t credit_ = 0;  ///< cost units that may be spent; negative: spent in advance
   bool odometer_fault_ = false;

@@ -5,6 +5,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/base/time.hpp"
@@ -57,6 +58,15 @@ struct AxisRate {
   constexpr bool operator==(const AxisRate&) const = default;
 };
 
+/// Angle that an axis has turned by since departure (see core::TurnSum).
+struct AxisTurn {
+  core::Angle angle;
+  /// Standard deviation of its error; infinite where no departure is known, and after full scale.
+  core::Angle sigma = core::rad(std::numeric_limits<float>::infinity());
+
+  constexpr bool operator==(const AxisTurn&) const = default;
+};
+
 struct RateMessage {
   static constexpr std::uint8_t kNoCalm = core::CalmShare::kNoPercent;
 
@@ -67,6 +77,8 @@ struct RateMessage {
   /// judged.
   std::uint8_t calm_percent = kNoCalm;
   std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
+  std::array<AxisTurn, 3> turn{};  ///< x, y, z, since departure
+  core::Duration turn_time;        ///< time that was summed since departure
   std::optional<core::Temperature>
       temperature;  ///< temperature of the sensor, where the chip gave one
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an

@@ -117,7 +117,7 @@ class Snapshot {
 
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
-  static constexpr std::uint16_t kLayout = 8;
+  static constexpr std::uint16_t kLayout = 9;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
   static constexpr std::size_t kBytesOfBiases = 4 * (Node::kAxes + 3);

@@ -14,6 +14,7 @@
 #include "core/samples/white_level.hpp"
 #include "core/temperature/temperature_track.hpp"
 #include "firmware/app/axis_predictors.hpp"
+#include "firmware/app/drive_integral.hpp"
 #include "firmware/app/node_params.hpp"
 #include "firmware/app/sample_screening.hpp"
 #include "firmware/app/tick_work.hpp"
@@ -30,6 +31,7 @@ namespace zerorate::app {
 ///     learn():   span, advance a hypothesis, compare, learn a hypothesis, conclude, weigh an axis,
 ///                moving average and calibration mean
 ///     predict(): lead, window of the average, predict a hypothesis
+///     drive:     variance of the integral over the drive so far, where it was asked for
 ///
 /// step() does one of them. Until the last one predicted() is the prediction before. The way of
 /// spreading the steps does not change what is computed (docs/adr/0020).
@@ -162,6 +164,9 @@ class TickNode {
     tick_ = tick;
     work_.is_stale = true;
   }
+  /// Question about the integral of the bias over the newest ticks, that of begin_tick() included,
+  /// to be asked before the steps of that tick; and its answer.
+  [[nodiscard]] constexpr DriveIntegral<kAxes>& drive() { return work_.drive; }
   /// The samples of that tick begin, which are screened by the newest prediction.
   constexpr void begin_samples() {
     screening_.begin_tick(predicted_, white_.model_level() * params_.model.white_variance_rad2_s2,
@@ -194,10 +199,10 @@ class TickNode {
     prepare_measurement();
     predictors_.begin(tick);
     work_.span.ticks = ticks;
-    go_to(Stage::span);
+    work_.go_to(Stage::span);
     if (ticks != 1) return;
     static_cast<core::TransitionOf<Shape>&>(work_.span) = one_tick_;
-    go_to(Stage::advance);
+    work_.go_to(Stage::advance);
   }
   [[nodiscard]] constexpr bool is_learning() const {
     return work_.stage != Stage::idle && work_.stage < Stage::lead;
@@ -213,37 +218,39 @@ class TickNode {
     switch (work_.stage) {
       case Stage::idle:
         if (!work_.is_stale) return 0;
-        go_to(Stage::lead);
+        work_.go_to(Stage::lead);
         return step_lead();
       case Stage::span:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return next(kPieces, Stage::advance, Costs::of_piece(work_.span.ticks));
+        return work_.next(kPieces, Stage::advance, Costs::of_piece(work_.span.ticks));
       case Stage::advance:
         return step_advance();
       case Stage::compare:
-        go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn : Stage::rest);
+        work_.go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn
+                                                                       : Stage::rest);
         return Costs::kComparison;
       case Stage::learn:
         predictors_.learn(work_.item, work_.measurement);
-        return next(count(), Stage::conclude, Costs::kLearning);
+        return work_.next(count(), Stage::conclude, Costs::kLearning);
       case Stage::conclude:
         predictors_.bank().conclude();
-        go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
+        work_.go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
         return Costs::kConclusion;
       case Stage::weigh:
         predictors_.bank().weigh(work_.item);
-        return next(kAxes, Stage::rest, Costs::kWeighing);
+        return work_.next(kAxes, Stage::rest, Costs::kWeighing);
       case Stage::rest:
         return step_rest();
       case Stage::lead:
         return step_lead();
       case Stage::window:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return next(kPieces, Stage::predict, Costs::of_piece(work_.span.ticks));
+        return work_.next(kPieces, Stage::predict, Costs::of_piece(work_.span.ticks));
       case Stage::predict:
         return step_predict();
+      default:
+        return DriveIntegralSteps<TickNode>{params_, predictors_, lead_, work_}.step();
     }
-    return 0;
   }
   /// Completes what was begun.
   constexpr void finish() {
@@ -290,16 +297,6 @@ class TickNode {
 
  private:
   [[nodiscard]] constexpr std::size_t count() const { return predictors_.bank().count(); }
-  constexpr void go_to(Stage stage) {
-    work_.stage = stage;
-    work_.item = 0;
-  }
-  /// Goes to the next item, or after `items` of them to the next stage.
-  constexpr std::uint32_t next(std::size_t items, Stage stage, std::uint32_t cost) {
-    if (++work_.item >= items) go_to(stage);
-    return cost;
-  }
-
   /// Variances of the white noise of the mean, and the unit that the bank's variances are to have.
   constexpr void prepare_measurement() {
     const core::NodeModel<Shape>& model = params_.model;
@@ -333,7 +330,7 @@ class TickNode {
       }
     }
     predictors_.bank().advance(m, work_.span);
-    (void)next(count(), Stage::compare, cost);
+    (void)work_.next(count(), Stage::compare, cost);
     if (work_.stage == Stage::compare) measured_ticks_ = work_.tick.tick + 1;
     return cost;
   }
@@ -342,7 +339,7 @@ class TickNode {
     if constexpr (Capacity.screens_samples) {
       white_.observe_squares(work_.tick.squares.rad2_s2, static_cast<float>(work_.tick.samples));
     }
-    go_to(Stage::idle);
+    work_.go_to(Stage::idle);
     return Costs::kRest;
   }
   /// Makes the lead piece by piece, unless it is one tick longer than it was.
@@ -366,20 +363,23 @@ class TickNode {
     temperature_.lead_over(lead_.ticks, lead_);
     work_.mixtures = {};
     work_.span.ticks = predictors_.window(params_.published, lead_);
-    go_to(work_.span.ticks > 0 ? Stage::window : Stage::predict);
+    work_.go_to(work_.span.ticks > 0 ? Stage::window : Stage::predict);
+  }
+  [[nodiscard]] constexpr Stage after_prediction() const {
+    return work_.drive.ticks > 0 ? Stage::drive : Stage::idle;
   }
   constexpr std::uint32_t step_predict() {
     if (params_.published != Predictor::kalman) {
       predicted_[work_.item] =
           predictors_.predict(params_.published, work_.item, lead_, work_.span);
-      return next(kAxes, Stage::idle, Costs::kPrediction);
+      return work_.next(kAxes, after_prediction(), Costs::kPrediction);
     }
     const auto forecast = predictors_.bank().forecast();
     forecast.add(work_.mixtures, work_.item, lead_);
     if (++work_.item == count()) {
       predicted_ = forecast.of(work_.mixtures);
       for (auto& one : predicted_) one.variance_rad2_s2 *= predictors_.drive_scale();
-      go_to(Stage::idle);
+      work_.go_to(after_prediction());
     }
     return Costs::kPrediction;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,9 @@ enum class TickStage : std::uint8_t {
   lead,      ///< piece of the span to the tick being filled
   window,    ///< piece of the span that an average covers
   predict,   ///< hypothesis: its forecast, or axis: that of an average
+  drive,     ///< piece of the span of the drive so far
+  approach,  ///< piece of the span from the newest measurement to the drive
+  integral,  ///< hypothesis, or axis of an average: variance of the integral over the drive
 };
 
 /// Costs of the steps in units of 5,000 instructions of a Cortex-M0+ with libgcc's floating point,
@@ -43,6 +47,7 @@ struct TickCosts {
   static constexpr std::uint32_t kRest = 6;
   static constexpr std::uint32_t kLead = 4;
   static constexpr std::uint32_t kPrediction = 1 + kStates * kStates / 30;
+  static constexpr std::uint32_t kIntegral = 2 * kPrediction;
   /// A piece of a span grows with the logarithm of its length.
   static constexpr std::uint32_t of_piece(std::uint32_t ticks) {
     return 1U + static_cast<std::uint32_t>(std::bit_width(ticks)) / 2U;
@@ -61,6 +66,16 @@ struct TickCosts {
   }
 };
 
+/// Question about the integral of the bias over the newest ticks, and its answer.
+template <std::size_t Axes>
+struct DriveIntegral {
+  std::uint32_t ticks = 0;  ///< number of ticks asked about; 0: nothing is asked
+  bool is_known = false;    ///< the answer is there, and was not taken
+  std::array<float, Axes> variance_rad2{};
+
+  constexpr bool operator==(const DriveIntegral&) const = default;
+};
+
 /// Work in progress: plain data, part of a node's state.
 /// @tparam Tick measurement of a TickNode  @tparam Predictors its AxisPredictors
 template <class Tick, class Predictors>
@@ -73,7 +88,19 @@ struct TickWork {
   Tick tick;                     ///< measurement that is being learnt
   typename Predictors::Measurement measurement;
   typename Predictors::Kalman::Forecast::Mixtures mixtures{};
-  typename Predictors::Transition span;  ///< since the measurement before, or of an average
+  typename Predictors::Transition span;  ///< since the measurement before, of an average or a drive
+  DriveIntegral<Predictors::kAxes> drive;
+
+  constexpr void go_to(TickStage next_stage) {
+    stage = next_stage;
+    item = 0;
+  }
+  /// Goes to the next item, or after `items` of them to the next stage.
+  /// @return the cost
+  constexpr std::uint32_t next(std::size_t items, TickStage next_stage, std::uint32_t cost) {
+    if (++item >= items) go_to(next_stage);
+    return cost;
+  }
 
   constexpr bool operator==(const TickWork&) const = default;
 
@@ -83,9 +110,9 @@ struct TickWork {
   [[nodiscard]] static bool is_possible(const TickWork& work, std::size_t most_items,
                                         IsPossibleTick is_possible_tick) {
     const auto number = std::bit_cast<std::uint8_t>(work.stage);
-    return number <= static_cast<std::uint8_t>(TickStage::predict) && work.item < most_items &&
+    return number <= static_cast<std::uint8_t>(TickStage::integral) && work.item < most_items &&
            core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop,
-                           work.tick.has_jumped) &&
+                           work.tick.has_jumped, work.drive.is_known) &&
            core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
            core::are_plausible(work.tick.rate_rad_s) && is_possible_tick(work.tick) &&
            is_possible_span(work.span);

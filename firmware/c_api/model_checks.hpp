@@ -60,6 +60,10 @@ inline constexpr float kLargestDrift = 1e3F;
          model.evidence_kept > 0.0F && model.evidence_kept <= 1.0F &&
          std::ranges::all_of(model.hypotheses, [](const auto& one) { return is_sound(one); });
 }
+[[nodiscard]] inline bool is_tolerance(float value) {
+  constexpr float kLargestTolerance = 0.2F;
+  return value >= 0.0F && value <= kLargestTolerance;
+}
 /// A model that follows the temperature is refused by a library that does not.
 [[nodiscard]] inline bool is_followed(const zerorate_temperature_drift& drift) {
   return ZERORATE_TEMPERATURE != 0 ||
@@ -80,6 +84,7 @@ inline constexpr float kLargestDrift = 1e3F;
          is_magnitude(model.measurement_floor_variance_rad2_s2) &&
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
+         is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
          is_magnitude(model.largest_bias_rad_s) && is_magnitude(model.gate_threshold_sigma) &&
          is_sound(model.temperature) && are_sound_hypotheses(model);
 }

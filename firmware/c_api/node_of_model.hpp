@@ -135,6 +135,9 @@ template <core::ModelShape Shape>
                     .curvature_sigma_rad_s_per_k2 = model.temperature.curvature_sigma_rad_s_per_k2,
                     .lag_s = model.temperature.lag_s},
 #endif
+    .motion = {.scale_factor = model.scale_factor_sigma > 0.0F ? model.scale_factor_sigma
+                                                               : core::MotionModel{}.scale_factor,
+               .asymmetry = model.asymmetry_sigma},
     .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
     .hypotheses = hypotheses_of<kShape>(model)
   };

@@ -90,6 +90,8 @@ zerorate_rate no_rate() {
     rate.corrected_rad_s[i] = kNone;
     rate.bias_rad_s[i] = kNone;
     rate.sigma_rad_s[i] = std::numeric_limits<float>::infinity();
+    rate.turn_rad[i] = kNone;
+    rate.turn_sigma_rad[i] = std::numeric_limits<float>::infinity();
   }
   return rate;
 }
@@ -113,12 +115,17 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
                      .sigma_rad_s = {},
+                     .turn_rad = {},
+                     .turn_sigma_rad = {},
+                     .turn_time_ns = message.turn_time.ns(),
                      .calm_percent = message.calm_percent};
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] =
         message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
     rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
     rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
+    rate.turn_rad[i] = message.turn[i].angle.in(core::rad);
+    rate.turn_sigma_rad[i] = message.turn[i].sigma.in(core::rad);
   }
   return rate;
 }

@@ -14,6 +14,8 @@ Quad si_per_unit(FileUnit unit) {
   using boost::math::constants::pi;
   Quad degree = pi<Quad>() / 180;
   switch (unit) {
+    case FileUnit::percent:
+      return Quad{1} / 100;
     case FileUnit::degree:
       return degree;
     case FileUnit::degree_per_hour:

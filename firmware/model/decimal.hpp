@@ -14,6 +14,7 @@ namespace zerorate::model {
 /// One unit of the text in SI.
 enum class FileUnit {
   si,                     ///< 1
+  percent,                ///< 1 / 100
   degree,                 ///< pi / 180
   degree_per_hour,        ///< pi / 180 / 3600
   degree_per_hour_floor,  ///< deg/h of Allan floor: pi / 180 / 3600 / sqrt(2 ln 2 / pi) of B

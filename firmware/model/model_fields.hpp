@@ -31,6 +31,10 @@ inline constexpr Rule kProbability{[](double x) { return x > 0.0 && x < 0.5; },
 inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
                                "a whole number from 1 to 8"};
 
+inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 0.2; },
+                                 "a tolerance from 0 to 20 %"};
+inline constexpr Rule kTilt{[](double x) { return x >= 0.0 && x <= 0.8; },
+                            "an angle from 0 to 45 deg"};
 inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || x == 12.0; },
                                   "1 (nothing is learnt), 4 or 12"};
 inline constexpr Rule kFactor{[](double x) { return x > 1.0 && x <= 1000.0; },
@@ -168,6 +172,20 @@ void visit_fields(auto& visitor, MaybeConst<ZeroRate> auto& zero_rate) {
   visitor.text("source", zero_rate.source, Presence::optional);
 }
 
+void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
+  visitor.number("sigma_percent", scale_factor.sigma, FileUnit::percent, kTolerance,
+                 Presence::required);
+  visitor.number("asymmetry_percent", scale_factor.asymmetry_sigma, FileUnit::percent, kTolerance,
+                 Presence::optional);
+  visitor.text("source", scale_factor.source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Mounting> auto& mounting) {
+  visitor.number("tilt_sigma_deg", mounting.tilt_sigma_rad, FileUnit::degree, kTilt,
+                 Presence::required);
+  visitor.text("source", mounting.source, Presence::optional);
+}
+
 void visit_fields(auto& visitor, MaybeConst<Learning> auto& learning) {
   visitor.number("hypotheses", learning.hypotheses, FileUnit::si, kHypotheses, Presence::optional);
   visitor.number("half_life_s", learning.half_life_s, FileUnit::si, kPositive, Presence::optional);
@@ -205,6 +223,8 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.table("gate", model.gate);
   visitor.table("turn_on", model.turn_on);
   visitor.table("zero_rate", model.zero_rate);
+  visitor.table("scale_factor", model.scale_factor);
+  visitor.table("mounting", model.mounting);
   visitor.table("learning", model.learning);
   visitor.table("prior", model.prior);
   visitor.table("node", model.node, Presence::optional);

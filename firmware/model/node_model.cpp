@@ -152,6 +152,14 @@ core::SampleModel samples_of(const SensorModel& model, double sample_s, double t
   return samples;
 }
 
+/// An axis that is askew measures the cosine of its tilt, as if its scale factor were smaller.
+core::MotionModel motion_model_of(const SensorModel& model) {
+  const ScaleFactor scale_factor = model.scale_factor.value_or(ScaleFactor{});
+  const double tilt = model.mounting.value_or(Mounting{}).tilt_sigma_rad;
+  return {.scale_factor = single(std::hypot(scale_factor.sigma, 1.0 - std::cos(tilt))),
+          .asymmetry = single(scale_factor.asymmetry_sigma)};
+}
+
 /// Variance of a quantizer's error that noise of standard deviation sigma does not average away:
 /// the mean error of a rate x is sum over k of step / (pi k) exp(-2 (pi k sigma / step)^2)
 /// sin(2 pi k x / step), here squared and averaged over x.
@@ -267,6 +275,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
     node.temperature = temperature_of(*model.temperature);
   }
   node.samples = samples_of(model, seconds(sample_period), tick_s);
+  node.motion = motion_model_of(model);
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");
   }

@@ -179,6 +179,25 @@ struct ZeroRate {
   bool operator==(const ZeroRate&) const = default;
 };
 
+/// Error of the scale factor, which rest does not show: a turn by 100 deg is measured as 101 deg.
+struct ScaleFactor {
+  double sigma = 0.01;           ///< relative standard deviation over the parts of a kind
+  double asymmetry_sigma = 0.0;  ///< half the difference between both senses of rotation
+  std::string source{};
+
+  bool operator==(const ScaleFactor&) const = default;
+};
+
+/// Mounting of the sensor in the vehicle.
+struct Mounting {
+  /// Standard deviation of the angle between the axis and the vertical; of a turn about the
+  /// vertical the axis measures the cosine.
+  double tilt_sigma_rad = 0.0;
+  std::string source{};
+
+  bool operator==(const Mounting&) const = default;
+};
+
 /// How a node learns the slow noise of its sensor, from the figures of the model.
 struct Learning {
   int hypotheses = 12;         ///< 12, 4 (of one order) or 1: the model is taken at its word
@@ -225,7 +244,9 @@ struct SensorModel {
   std::optional<Gate> gate;
   std::optional<TurnOn> turn_on;
   std::optional<ZeroRate> zero_rate{};
-  std::optional<Learning> learning;  ///< absent: the defaults
+  std::optional<ScaleFactor> scale_factor{};  ///< absent: the default tolerance
+  std::optional<Mounting> mounting{};         ///< absent: the axis is vertical
+  std::optional<Learning> learning;           ///< absent: the defaults
   std::optional<Prior> prior;
   Node node;
 

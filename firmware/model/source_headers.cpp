@@ -199,6 +199,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          (core::is_finite(node.largest_bias_rad_s)
               ? field("largest_bias_rad_s", node.largest_bias_rad_s)
               : std::string{}) +
+         field("scale_factor_sigma", node.motion.scale_factor) +
+         field("asymmetry_sigma", node.motion.asymmetry) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
@@ -341,6 +343,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +
+         "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
+         ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" +
          "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
          hypotheses_member(node.hypotheses, decaying) +
          "}};\n"

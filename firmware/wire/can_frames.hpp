@@ -29,13 +29,20 @@ inline constexpr std::size_t kCanFrames = 4;
 inline constexpr std::uint16_t kDefaultCanId = 0x200;
 /// Identifier of the frame of the inputs, from that of the status frame.
 inline constexpr std::uint16_t kCanInputsOffset = 4;
+/// Identifier of the turn of axis x, from that of the status frame; y and z follow.
+inline constexpr std::uint16_t kCanTurnOffset = 5;
+inline constexpr std::size_t kCanTurnFrames = 3;
 /// Greatest identifier of the status frame: the last frame must still have 11 bits.
-inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanInputsOffset;
+inline constexpr std::uint16_t kGreatestCanId = 0x7FF - (kCanTurnOffset + kCanTurnFrames - 1);
 /// Messages from one frame of the inputs to the next: they change slowly, and the bus is shared.
 inline constexpr std::uint32_t kCanInputsEvery = 16;
+/// Messages from the frames of the turn to the next: an angle is a sum, and misses nothing.
+inline constexpr std::uint32_t kCanTurnEvery = 4;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
 inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
+inline constexpr float kCanTurnLsbDeg = 1e-4F;
+inline constexpr float kCanTurnSigmaLsbDeg = 1e-3F;
 /// Content of a signal for which there is no value, or none that fits.
 inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
 inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
@@ -57,6 +64,16 @@ namespace detail {
 [[nodiscard]] constexpr std::uint16_t encode_can_sigma(core::AngularRate sigma) {
   std::int32_t lsb = 0;
   const bool fits = count_lsb(sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS, 65534.0F, lsb);
+  return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
+}
+[[nodiscard]] constexpr std::uint32_t encode_can_turn(core::Angle angle) {
+  std::int32_t lsb = 0;
+  const bool fits = count_lsb(angle.in(core::deg) / kCanTurnLsbDeg, 2147483000.0F, lsb);
+  return fits ? static_cast<std::uint32_t>(lsb) : kCanRateNotAvailable;
+}
+[[nodiscard]] constexpr std::uint16_t encode_can_turn_sigma(core::Angle sigma) {
+  std::int32_t lsb = 0;
+  const bool fits = count_lsb(sigma.in(core::deg) / kCanTurnSigmaLsbDeg, 65534.0F, lsb);
   return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
 }
 [[nodiscard]] constexpr std::uint16_t encode_can_temperature(
@@ -107,6 +124,24 @@ namespace detail {
                                     (message.health.sample_rate_off ? 4U : 0U)));
   out.put(message.calm_percent);
   return frame;
+}
+
+/// Frames of the turn of x, y and z since departure. Send them with every kCanTurnEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr std::array<CanFrame, kCanTurnFrames> encode_can_turn(
+    const app::RateMessage& message, std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  constexpr std::int64_t kLongest_s = 0xFFFF;
+  const std::int64_t time_s = message.turn_time / core::Duration::seconds(1);
+  std::array<CanFrame, kCanTurnFrames> frames{};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].id = static_cast<std::uint16_t>(id + kCanTurnOffset + i);
+    LittleEndianWriter out{frames[i].data};
+    out.put(detail::encode_can_turn(message.turn[i].angle));
+    out.put(detail::encode_can_turn_sigma(message.turn[i].sigma));
+    out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
+  }
+  return frames;
 }
 
 }  // namespace zerorate::wire

@@ -16,7 +16,8 @@
 
 namespace zerorate::wire {
 
-inline constexpr std::size_t kRateFrameBytes = 80;
+inline constexpr std::size_t kRateFrameBytes = 112;
+inline constexpr std::size_t kRateFrameBytesOfVersion2 = 80;
 inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
 using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
 
@@ -40,7 +41,7 @@ struct NumberedMessage {
 namespace detail {
 inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
 inline constexpr std::uint8_t kVersion = 1;      // version of the other frames
-inline constexpr std::uint8_t kRateVersion = 2;
+inline constexpr std::uint8_t kRateVersion = 3;
 inline constexpr std::size_t kChecksumBytes = 4;
 /// Bits of byte 3: which of the last two values the message has.
 inline constexpr unsigned kHasTemperature = 1U << 0U;
@@ -69,9 +70,30 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
   }
   if ((contents & kHasPulses) != 0) message.odometer_pulses = pulses;
 }
+constexpr void put_turn(LittleEndianWriter& out, const app::RateMessage& message) {
+  for (const app::AxisTurn& turn : message.turn) {
+    out.put(std::bit_cast<std::uint32_t>(turn.angle.in(core::rad)));
+    out.put(std::bit_cast<std::uint32_t>(turn.sigma.in(core::rad)));
+  }
+  out.put(static_cast<std::uint64_t>(message.turn_time.ns()));
+}
+constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
+  for (app::AxisTurn& turn : message.turn) {
+    turn.angle = core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
+    turn.sigma = core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
+  }
+  message.turn_time =
+      core::Duration::nanoseconds(static_cast<std::int64_t>(in.take<std::uint64_t>()));
+}
+/// Version of a frame of this length; 0: of none.
+[[nodiscard]] constexpr std::uint8_t version_of_length(std::size_t bytes) {
+  if (bytes == kRateFrameBytes) return kRateVersion;
+  if (bytes == kRateFrameBytesOfVersion2) return 2;
+  return bytes == kRateFrameBytesOfVersion1 ? 1 : 0;
+}
 }  // namespace detail
 
-/// Cost: 80 bytes of stack and their checksum; no heap.
+/// Cost: 112 bytes of stack and their checksum; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
                                                     const app::RateMessage& message) {
   RateFrame frame{};
@@ -90,6 +112,7 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
     }
   }
   detail::put_inputs(out, message);
+  detail::put_turn(out, message);
   out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
   return frame;
 }
@@ -97,15 +120,15 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
   return encode_rate_frame(numbered.sequence, numbered.message);
 }
 
-/// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses.
+/// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses,
+/// one of version 2 no turn.
 [[nodiscard]] constexpr core::Result<NumberedMessage, FrameError> decode_rate_frame(
     std::span<const std::uint8_t> bytes) {
   using core::Unexpected;
-  const bool is_version_1 = bytes.size() == kRateFrameBytesOfVersion1;
-  if (bytes.size() != kRateFrameBytes && !is_version_1) return Unexpected{FrameError::wrong_size};
+  const std::uint8_t version = detail::version_of_length(bytes.size());
+  if (version == 0) return Unexpected{FrameError::wrong_size};
   LittleEndianReader in{bytes};
   if (in.take<std::uint16_t>() != detail::kMagic) return Unexpected{FrameError::not_a_frame};
-  const unsigned version = is_version_1 ? 1U : detail::kRateVersion;
   if (in.take<std::uint8_t>() != version) return Unexpected{FrameError::unknown_version};
   const unsigned contents = in.take<std::uint8_t>();
   const std::size_t checked = bytes.size() - detail::kChecksumBytes;
@@ -128,7 +151,8 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
       *rate = detail::take_rate(in);
     }
   }
-  if (!is_version_1) detail::take_inputs(in, contents, message);
+  if (version > 1) detail::take_inputs(in, contents, message);
+  if (version > 2) detail::take_turn(in, message);
   return numbered;
 }
 

@@ -28,6 +28,8 @@ struct Messages {
   py::array_t<float> corrected;
   py::array_t<float> bias;
   py::array_t<float> sigma;
+  py::array_t<float> turn;
+  py::array_t<float> turn_sigma;
   py::array_t<bool> still;
   py::array_t<bool> calibrated;
   py::array_t<bool> has_rate;
@@ -40,6 +42,8 @@ struct Messages {
       : corrected({rows, axes}),
         bias({rows, axes}),
         sigma({rows, axes}),
+        turn({rows, axes}),
+        turn_sigma({rows, axes}),
         still(rows),
         calibrated(rows),
         has_rate(rows),
@@ -53,6 +57,8 @@ struct Messages {
     names["corrected_rad_s"] = corrected;
     names["bias_rad_s"] = bias;
     names["sigma_rad_s"] = sigma;
+    names["turn_rad"] = turn;
+    names["turn_sigma_rad"] = turn_sigma;
     names["still"] = still;
     names["calibrated"] = calibrated;
     names["has_rate"] = has_rate;
@@ -70,6 +76,8 @@ struct MessagePlaces {
   float* corrected;
   float* bias;
   float* sigma;
+  float* turn;
+  float* turn_sigma;
   bool* still;
   bool* calibrated;
   bool* has_rate;
@@ -83,6 +91,8 @@ struct MessagePlaces {
         corrected(messages.corrected.mutable_data()),
         bias(messages.bias.mutable_data()),
         sigma(messages.sigma.mutable_data()),
+        turn(messages.turn.mutable_data()),
+        turn_sigma(messages.turn_sigma.mutable_data()),
         still(messages.still.mutable_data()),
         calibrated(messages.calibrated.mutable_data()),
         has_rate(messages.has_rate.mutable_data()),
@@ -97,6 +107,8 @@ struct MessagePlaces {
       corrected[row * axes + i] = axis.corrected.in(core::rad_per_s);
       bias[row * axes + i] = axis.bias.in(core::rad_per_s);
       sigma[row * axes + i] = axis.sigma.in(core::rad_per_s);
+      turn[row * axes + i] = message.turn[i].angle.in(core::rad);
+      turn_sigma[row * axes + i] = message.turn[i].sigma.in(core::rad);
     }
     still[row] = message.motion == core::Motion::still;
     calibrated[row] = message.health.calibrated;

@@ -19,7 +19,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { FRAME_BYTES = 80, CHECKED_BYTES = 76, VERSION = 2 };
+enum { FRAME_BYTES = 112, CHECKED_BYTES = 108, VERSION = 3 };
 enum { HAS_TEMPERATURE = 0x01, HAS_PULSES = 0x02 };
 /* Health: a fault is reported in messages without a rate, which must not be taken for standstill. */
 enum { CALIBRATED = 0x001, NO_RATE = 0x002 | 0x004 | 0x040 };

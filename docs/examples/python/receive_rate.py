@@ -24,12 +24,13 @@ def decode(datagram):
     """The message as a dictionary, rates in deg/s; None for anything that is not a whole rate frame."""
     if datagram[:2] != b"ZR":
         return None  # such as the learnt frame, once a second
-    if datagram[2] != 2:
-        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 2")
-    if len(datagram) != 80 or struct.unpack_from("<I", datagram, 76)[0] != zlib.crc32(datagram[:76]):
+    if datagram[2] != 3:
+        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 3")
+    if len(datagram) != 112 or struct.unpack_from("<I", datagram, 108)[0] != zlib.crc32(datagram[:108]):
         return None
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
     temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
+    turns = [struct.unpack_from("<2f", datagram, 76 + 8 * axis) for axis in range(3)]
     axes = [struct.unpack_from("<4f", datagram, 20 + 16 * axis) for axis in range(3)]
     return {
         "sequence": number,
@@ -42,6 +43,10 @@ def decode(datagram):
         "rate_dps": None if health & NO_RATE else [math.degrees(axis[1]) for axis in axes],
         "bias_dps": [math.degrees(axis[2]) for axis in axes],
         "sigma_dps": [math.degrees(axis[3]) for axis in axes],
+        # Angle since the vehicle drove off, and its standard deviation: infinite where it is not known.
+        "turn_deg": [math.degrees(turn[0]) for turn in turns],
+        "turn_sigma_deg": [math.degrees(turn[1]) for turn in turns],
+        "turn_s": struct.unpack_from("<q", datagram, 100)[0] * 1e-9,
         "temperature_c": temperature_c if datagram[3] & 0x01 else None,
         "odometer_pulses": pulses if datagram[3] & 0x02 else None,
     }

@@ -2,8 +2,8 @@
 #include "firmware/c_api/examples/first_steps.h"
 
 static zerorate_node gyro;  // no heap: the storage is yours
-float heading_rad;
-bool is_trusted = true;
+float turn_rad;             // since the vehicle drove off, about z
+bool is_trusted;            // within 3 deg, with a probability of 95 %
 
 static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do not
   static int64_t us;
@@ -22,13 +22,9 @@ void take_word(bool wheels_are_still) {  // no word for a second: it counts as m
 }
 
 void take_sample(zerorate_measurement measured) {
-  static int64_t newest_ns;
   zerorate_rate rate;
   measured.time_ns = now_ns();
-  if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
-  const int64_t since_ns = rate.time_ns - newest_ns;
-  newest_ns = rate.time_ns;
-  if (!rate.health.calibrated || since_ns > 100000000) return;
-  heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
-  is_trusted = is_trusted && rate.health.usable;
+  is_trusted = zerorate_sample(&gyro, &measured, &rate) == ZERORATE_OK && rate.health.usable &&
+               1.96F * rate.turn_sigma_rad[2] < 0.052F;
+  if (is_trusted) turn_rad = rate.turn_rad[2];
 }

@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 extern const zerorate_model my_sensor;
-extern float heading_rad;
+extern float turn_rad;
 extern bool is_trusted;
 
 uint32_t micros(void); /* of the board: wraps after 71 minutes */

@@ -4,8 +4,8 @@
  * stands (zero angular rate update), predicted with its error while it moves.
  *
  *     static zerorate_node gyro;  // no heap: the storage is yours
- *     float heading_rad;
- *     bool is_trusted = true;
+ *     float turn_rad;             // since the vehicle drove off, about z
+ *     bool is_trusted;            // within 3 deg, with a probability of 95 %
  *     static int64_t now_ns(void) {  // a counter of 32 bits wraps, its differences do not
  *       static int64_t us;
  *       us += (uint32_t)(micros() - (uint32_t)us);
@@ -20,15 +20,11 @@
  *       (void)zerorate_zero_velocity(&gyro, now_ns(), wheels_are_still);
  *     }
  *     void take_sample(zerorate_measurement measured) {
- *       static int64_t newest_ns;
  *       zerorate_rate rate;
  *       measured.time_ns = now_ns();
- *       if (zerorate_sample(&gyro, &measured, &rate) != ZERORATE_OK) return;  // there is no rate
- *       const int64_t since_ns = rate.time_ns - newest_ns;
- *       newest_ns = rate.time_ns;
- *       if (!rate.health.calibrated || since_ns > 100000000) return;
- *       heading_rad += rate.corrected_rad_s[2] * 1e-9F * (float)since_ns;
- *       is_trusted = is_trusted && rate.health.usable;
+ *       is_trusted = zerorate_sample(&gyro, &measured, &rate) == ZERORATE_OK &&
+ *                    rate.health.usable && 1.96F * rate.turn_sigma_rad[2] < 0.052F;
+ *       if (is_trusted) turn_rad = rate.turn_rad[2];
  *     }
  *
  * Times are nanoseconds of one monotonic clock that does not wrap, from -73 to 146 years of its
@@ -111,7 +107,7 @@ extern "C" {
 #define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (772 + (170 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (868 + (210 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
@@ -152,8 +148,7 @@ enum {
   ZERORATE_SAMPLE_REFUSED,      /**< a rate that is not finite, or beyond 1e6 rad/s */
   ZERORATE_SENSOR_FAULT, /**< an axis no longer measures: it is frozen, at full scale, or a ramp */
   ZERORATE_TIME_REFUSED, /**< a sample that is not newer than the one before */
-  ZERORATE_CLOCK_WENT_BACK /**< a stamp far behind the newest sample: its clock wrapped, or is
-                              another */
+  ZERORATE_CLOCK_WENT_BACK /**< a stamp far behind the newest sample: its clock wrapped */
 };
 
 typedef int32_t zerorate_predictor;
@@ -231,6 +226,8 @@ typedef struct zerorate_model {
   float measurement_floor_variance_rad2_s2; /**< stays however many samples are averaged */
   float turn_on_variance_rad2_s2;           /**< or ZERORATE_UNKNOWN_VARIANCE */
   float largest_bias_rad_s; /**< by the chip's specification; a larger one is flagged. 0: unknown */
+  float scale_factor_sigma; /**< relative tolerance, of a tilted axis too, to 0.2. 0: 0.01 */
+  float asymmetry_sigma;    /**< of half the difference between both senses; 0: none */
   float gate_threshold_sigma; /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
@@ -290,8 +287,11 @@ typedef struct zerorate_rate {
   zerorate_health health;
   float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias; NaN where there is no rate */
   float bias_rad_s[ZERORATE_AXES];
-  float sigma_rad_s[ZERORATE_AXES]; /**< of the bias; infinite until measured */
-  uint8_t calm_percent;             /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
+  float sigma_rad_s[ZERORATE_AXES];    /**< of the bias; infinite until measured */
+  float turn_rad[ZERORATE_AXES];       /**< since the departure from the newest learnt stop */
+  float turn_sigma_rad[ZERORATE_AXES]; /**< infinite: no departure, or full scale since */
+  int64_t turn_time_ns;                /**< time that is summed since departure */
+  uint8_t calm_percent;                /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
 } zerorate_rate;
 
 /** Heading error that the bias will cause, as far as it can be predicted. */

@@ -36,7 +36,7 @@ while time.monotonic() < end:
 def rate_frame():
     """By docs/reference/rate-frame.md."""
     axis = struct.pack("<4f", 0.03, 0.01, 0.02, 1e-5)
-    body = struct.pack("<2sBBIqBBH", b"ZR", 2, 3, 1, 10**9, 2, 1, 0) + 3 * axis + struct.pack("<fI", 25.0, 7)
+    body = struct.pack("<2sBBIqBBH", b"ZR", 3, 3, 1, 10**9, 2, 1, 0) + 3 * axis + struct.pack("<fI6fq", 25.0, 7, *3 * (0.5, 0.01), 10**9)
     return body + struct.pack("<I", zlib.crc32(body))
 
 

@@ -34,8 +34,8 @@ def sealed(body):
 def rate_frame(sequence, rate_rad_s=0.01, health=CALIBRATED):
     """By docs/reference/rate-frame.md."""
     axis = struct.pack("<4f", rate_rad_s + 0.02, rate_rad_s, 0.02, 1e-5)
-    return sealed(struct.pack("<2sBBIqBBH", b"ZR", 2, 3, sequence, 10**9 * sequence, 2, health, 0) + 3 * axis +
-                  struct.pack("<fI", 25.0, 7))
+    return sealed(struct.pack("<2sBBIqBBH", b"ZR", 3, 3, sequence, 10**9 * sequence, 2, health, 0) + 3 * axis +
+                  struct.pack("<fI6fq", 25.0, 7, *3 * (0.5, 0.01), 10**9))
 
 
 def status_frame(samples):

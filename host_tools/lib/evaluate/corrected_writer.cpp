@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "core/base/numeric.hpp"
+
 namespace zerorate::evaluate {
 namespace {
 
@@ -18,9 +20,10 @@ CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t 
   fmt::format_to(out, "t_s");
   for (std::size_t i = 0; i < axis_count_; ++i) {
     const std::string axis = axis_count_ == 1 ? "rate" : fmt::format("g{}", "xyz"[i]);
-    fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps", axis);
+    fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps,{0}_turn_deg,{0}_turn_sigma_deg",
+                   axis);
   }
-  fmt::format_to(out, ",motion\n");
+  fmt::format_to(out, ",turn_s,motion\n");
 }
 
 void CorrectedWriter::write(const ReplayedSample& sample) {
@@ -31,15 +34,20 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
   for (std::size_t i = 0; i < axis_count_; ++i) {
     const app::AxisRate& axis = sample.message.axes[i];
     const bool has_bias = sample.message.health.calibrated;
-    const auto cell = [&](bool known, core::AngularRate rate) {
+    const auto cell = [&](bool known, float value) {
       text_.push_back(',');
-      if (known) fmt::format_to(out, "{:.7g}", rate.in(core::deg_per_s));
+      if (known) fmt::format_to(out, "{:.7g}", value);
     };
-    cell(sample.message.has_rate(), axis.corrected);
-    cell(has_bias, axis.bias);
-    cell(has_bias, axis.sigma);
+    cell(sample.message.has_rate(), axis.corrected.in(core::deg_per_s));
+    cell(has_bias, axis.bias.in(core::deg_per_s));
+    cell(has_bias, axis.sigma.in(core::deg_per_s));
+    const app::AxisTurn& turn = sample.message.turn[i];
+    const bool has_turn = core::is_finite(turn.sigma.in(core::deg));
+    cell(has_turn, turn.angle.in(core::deg));
+    cell(has_turn, turn.sigma.in(core::deg));
   }
-  fmt::format_to(out, ",{}\n", core::name(sample.message.motion));
+  fmt::format_to(out, ",{:.3f},{}\n", sample.message.turn_time.in_seconds(),
+                 core::name(sample.message.motion));
   if (text_.size() >= kFlushAt) flush();
 }
 

@@ -254,6 +254,18 @@ void read_inputs(const json& line, app::RateMessage& message) {
   }
 }
 
+/// Turn since departure; unknown in lines of older nodes.
+void read_turn(const json& line, app::RateMessage& message) {
+  if (!line.contains("turn_deg")) return;
+  for (std::size_t i = 0; i < message.turn.size(); ++i) {
+    const json& sigma = line.at("turn_sigma_deg").at(i);
+    if (sigma.is_null()) continue;
+    message.turn.at(i) = {.angle = core::deg(line.at("turn_deg").at(i).get<float>()),
+                          .sigma = core::deg(sigma.get<float>())};
+  }
+  message.turn_time = core::Duration::nanoseconds(std::llround(line.at("turn_s").get<double>() * 1e9));
+}
+
 wire::NumberedMessage read_message(const json& line) {
   wire::NumberedMessage numbered{.sequence = read_integer<std::uint32_t>(line.at("sequence")),
                                  .message = {}};
@@ -268,6 +280,7 @@ wire::NumberedMessage read_message(const json& line) {
   const json& calm = line.at("calm_percent");
   if (!calm.is_null()) message.calm_percent = read_integer<std::uint8_t>(calm);
   read_inputs(line, message);
+  read_turn(line, message);
   constexpr std::size_t kFirstBits = 11;  // every line has them; nodes of before lack the others
   for (std::size_t i = 0; i < wire::kHealthBits.size(); ++i) {
     const wire::HealthBit& bit = wire::kHealthBits.at(i);

@@ -19,6 +19,15 @@ std::string number(bool is_known, float value, int decimals) {
 struct Figures {
   std::string rate_dps, bias_dps, interval_dph;
 };
+
+/// Turn since departure with its 95 % interval.
+std::string turn_text(const app::AxisTurn& turn, bool is_present) {
+  const float sigma_deg = turn.sigma.in(core::deg);
+  if (!is_present || !core::is_finite(sigma_deg)) return "-";
+  return fmt::format("{:+.1f} +- {:.1f}", turn.angle.in(core::deg),
+                     sigma_deg * static_cast<float>(statistics::kHalfWidth95));
+}
+
 Figures figures_of(const app::RateMessage& message, const app::AxisRate& axis, bool is_present) {
   const bool is_calibrated = message.health.calibrated;
   const float sigma_dps = axis.sigma.in(core::deg_per_s);
@@ -88,13 +97,13 @@ std::string format_screen(const Tally& tally, std::string_view source,
                                 describe(tally.newest->message.health))) +
             "\n" + calm_line(tally.newest->message);
   }
-  text +=
-      fmt::format("{:3} {:>14} {:>13} {:>17}\n", "", "rate deg/s", "bias deg/s", "95 % +- deg/h");
+  text += fmt::format("{:3} {:>14} {:>13} {:>17} {:>20}\n", "", "rate deg/s", "bias deg/s",
+                      "95 % +- deg/h", "turn deg, 95 %");
   const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
     const Figures axis = figures_of(message, message.axes.at(i), is_heard);
-    text += fmt::format("{:3} {:>14} {:>13} {:>17}\n", "xyz"[i], axis.rate_dps, axis.bias_dps,
-                        axis.interval_dph);
+    text += fmt::format("{:3} {:>14} {:>13} {:>17} {:>20}\n", "xyz"[i], axis.rate_dps,
+                        axis.bias_dps, axis.interval_dph, turn_text(message.turn.at(i), is_heard));
   }
   text += format_learnt(tally);
   if (tally.status) text += format_counters(*tally.status);

@@ -38,6 +38,12 @@ class Line {
     add("]");
   }
 
+  void add_turn(const app::RateMessage& message) {
+    add_angles("turn_deg", message, &app::AxisTurn::angle);
+    add_angles("turn_sigma_deg", message, &app::AxisTurn::sigma);
+    add(",\"turn_s\":{}", message.turn_time.in_seconds());
+  }
+
   void add_inputs(const app::RateMessage& message) {
     if (message.temperature && core::is_finite(message.temperature->degc())) {
       add(",\"temperature_c\":{}", message.temperature->degc());
@@ -63,6 +69,21 @@ class Line {
   [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
 
  private:
+  void add_angles(std::string_view name, const app::RateMessage& message,
+                  core::Angle app::AxisTurn::*member) {
+    add(",\"{}\":", name);
+    char separator = '[';
+    for (const app::AxisTurn& turn : message.turn) {
+      const float angle = (turn.*member).in(core::deg);
+      if (core::is_finite(turn.sigma.in(core::deg)) && core::is_finite(angle)) {
+        add("{}{}", separator, angle);
+      } else {
+        add("{}null", separator);
+      }
+      separator = ',';
+    }
+    add("]");
+  }
   void add_figures(std::string_view name, const wire::LearntModel& learnt,
                    const wire::LearntQuantity& quantity, float app::LearntFigure::*member) {
     add(",\"{}\":", name);
@@ -92,6 +113,7 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
   line.add_rates("measured_dps", message, &app::AxisRate::measured, message.has_rate());
   line.add_rates("bias_dps", message, &app::AxisRate::bias, true);
   line.add_rates("sigma_dps", message, &app::AxisRate::sigma, true);
+  line.add_turn(message);
   if (message.calm_percent == app::RateMessage::kNoCalm) {
     line.add(",\"calm_percent\":null");
   } else {

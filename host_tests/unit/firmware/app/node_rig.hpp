@@ -95,4 +95,10 @@ inline void expect_same(const Node::State& a, const Node::State& b) {
   EXPECT_TRUE(a == b);
 }
 
+/// State of a node but for the turn that it has summed.
+[[nodiscard]] inline Node::State learnt(Node::State state) {
+  state.turn = {};
+  return state;
+}
+
 }  // namespace zerorate::app::testing

@@ -71,6 +71,8 @@ class Reading {
     const auto frames = encode_can_frames(message, kDefaultCanId);
     frames_.assign(frames.begin(), frames.end());
     frames_.push_back(encode_can_inputs(message.message, kDefaultCanId));
+    const auto turns = encode_can_turn(message.message, kDefaultCanId);
+    frames_.insert(frames_.end(), turns.begin(), turns.end());
   }
 
   std::int64_t raw(const std::string& name) const {
@@ -101,7 +103,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 TEST(DbcFile, LetsNoTwoSignalsShareABit) {
   const Dbc dbc = read_dbc();
-  ASSERT_EQ(dbc.size(), kCanFrames + 1);
+  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames);
   for (const auto& [id, signals] : dbc) {
     std::set<unsigned> bits;
     for (const auto& [name, signal] : signals) {
@@ -176,6 +178,30 @@ TEST(CanInputsFrame, HoldsTemperatureOdometerAndCalm) {
     EXPECT_EQ(reading.raw("SampleRateOff") == 1, sent.health.sample_rate_off);
     EXPECT_EQ(reading.raw("CalmPercent"), sent.calm_percent);
   }
+}
+
+TEST(CanTurnFrames, HoldTheAngleItsErrorAndItsTime) {
+  std::mt19937_64 random{7};
+  for (int i = 0; i < 200; ++i) {
+    NumberedMessage sent = testing::random_message(random);
+    for (app::AxisTurn& turn : sent.message.turn) turn.sigma = turn.sigma * 0.01F;
+    sent.message.turn_time = core::Duration::milliseconds(1500 * i);
+    const Reading reading{sent};
+    const std::array names{"X", "Y", "Z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string name = names[axis];
+      const app::AxisTurn& turn = sent.message.turn[axis];
+      const double angle = double{turn.angle.in(core::rad)} * kDegPerRad;
+      EXPECT_NEAR(reading.value("Turn" + name), angle, 0.5e-4 + 4.0 * 6e-8 * std::abs(angle));
+      EXPECT_NEAR(reading.value("TurnSigma" + name), double{turn.sigma.in(core::rad)} * kDegPerRad,
+                  0.51e-3);
+      EXPECT_EQ(reading.raw("TurnTime" + name), i * 3 / 2);
+    }
+  }
+}
+
+TEST(CanTurnWithoutADeparture, IsNotAvailable) {
+  EXPECT_EQ(Reading{{}}.raw("TurnSigmaZ"), 65535);
 }
 
 TEST(CanTemperatureThatDoesNotFit, IsNotAvailable) {

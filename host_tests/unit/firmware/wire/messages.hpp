@@ -24,6 +24,10 @@ namespace zerorate::wire::testing {
     axis.bias = core::rad_per_s(rate(random));
     axis.sigma = core::rad_per_s(1e-5F * (rate(random) + 35.0F));
   }
+  for (app::AxisTurn& turn : message.turn) {
+    turn = {.angle = core::rad(10.0F * rate(random)), .sigma = core::rad(rate(random) + 35.0F)};
+  }
+  message.turn_time = core::Duration::nanoseconds(static_cast<std::int64_t>(random() >> 16U));
   if (random() % 4 != 0) message.temperature = core::Temperature::from_degc(rate(random));
   if (random() % 4 != 0) message.odometer_pulses = static_cast<std::uint32_t>(random());
   return numbered;

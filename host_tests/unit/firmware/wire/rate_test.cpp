@@ -45,9 +45,11 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   sent.message.axes[2].sigma = core::rad_per_s(-2.0F);
   sent.message.temperature = core::Temperature::from_degc(25.5F);
   sent.message.odometer_pulses = 0x0A0B0C0D;
+  sent.message.turn[1].angle = core::rad(-2.0F);
+  sent.message.turn_time = core::Duration::nanoseconds(0x0123456789ABCDEF);
   const RateFrame frame = encode_rate_frame(sent);
   const std::vector<std::uint8_t> head(frame.begin(), frame.begin() + 24);
-  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  2,    3,    0x04, 0x03, 0x02, 0x01,
+  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  3,    3,    0x04, 0x03, 0x02, 0x01,
                                              0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01,
                                              2,    0x41, 0x04, 87,   0,    0,    0x80, 0x3F}));
   EXPECT_EQ(frame[66], 0x00);  // -2.0F = 0xC0000000, sigma of z
@@ -55,19 +57,39 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   const std::vector<std::uint8_t> inputs(frame.begin() + 68, frame.begin() + 76);
   EXPECT_EQ(inputs, (std::vector<std::uint8_t>{0, 0, 0xCC, 0x41, 0x0D, 0x0C, 0x0B, 0x0A}));
   std::uint32_t checksum = 0;
-  std::memcpy(&checksum, &frame[76], 4);  // the test runs on little-endian machines
-  EXPECT_EQ(checksum, ::crc32(0, frame.data(), 76));
+  EXPECT_EQ(frame[87], 0xC0);  // -2.0F, turn of y
+  const std::vector<std::uint8_t> time(frame.begin() + 100, frame.begin() + 108);
+  EXPECT_EQ(time, (std::vector<std::uint8_t>{0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01}));
+  std::memcpy(&checksum, &frame[108], 4);  // the test runs on little-endian machines
+  EXPECT_EQ(checksum, ::crc32(0, frame.data(), 108));
 }
 
-/// The frame of a node of version 1: without the two last values.
-std::vector<std::uint8_t> version_1(const RateFrame& frame) {
-  std::vector<std::uint8_t> old(frame.begin(), frame.begin() + 68);
-  old[2] = 1;
-  old[3] = 0;
-  const auto checksum = static_cast<std::uint32_t>(::crc32(0, old.data(), 68));
-  old.resize(72);
-  std::memcpy(&old[68], &checksum, 4);
+/// The frame of an older node: without the last values.
+std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, std::size_t checked) {
+  std::vector<std::uint8_t> old(frame.begin(),
+                                frame.begin() + static_cast<std::ptrdiff_t>(checked));
+  old[2] = version;
+  if (version == 1) old[3] = 0;
+  const auto checksum =
+      static_cast<std::uint32_t>(::crc32(0, old.data(), static_cast<uInt>(checked)));
+  old.resize(checked + 4);
+  std::memcpy(&old[checked], &checksum, 4);
   return old;
+}
+std::vector<std::uint8_t> version_1(const RateFrame& frame) {
+  return older(frame, 1, 68);
+}
+
+TEST(RateFrameOfVersion2, IsReadWithoutTheTurn) {
+  std::mt19937_64 random{4};
+  for (int i = 0; i < 100; ++i) {
+    NumberedMessage sent = random_message(random);
+    const auto received = decode_rate_frame(older(encode_rate_frame(sent), 2, 76));
+    ASSERT_TRUE(received);
+    sent.message.turn = {};
+    sent.message.turn_time = {};
+    EXPECT_EQ(*received, sent);
+  }
 }
 
 TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
@@ -78,6 +100,8 @@ TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
     ASSERT_TRUE(received);
     sent.message.temperature.reset();
     sent.message.odometer_pulses.reset();
+    sent.message.turn = {};
+    sent.message.turn_time = {};
     EXPECT_EQ(*received, sent);
   }
   std::vector<std::uint8_t> damaged = version_1(encode_rate_frame({}));
@@ -107,15 +131,15 @@ TEST(BytesThatAreNoRateFrame, AreRefusedForTheirReason) {
   changed[0] = 'z';
   EXPECT_EQ(reason(changed), FrameError::not_a_frame);
   changed = bytes;
-  changed[2] = 3;
+  changed[2] = 4;
   EXPECT_EQ(reason(changed), FrameError::unknown_version);
   changed = bytes;
   changed[30] ^= 1;
   EXPECT_EQ(reason(changed), FrameError::wrong_checksum);
   changed = bytes;
   changed[16] = 3;  // no such motion, under a checksum that fits
-  const auto checksum = static_cast<std::uint32_t>(::crc32(0, changed.data(), 76));
-  std::memcpy(&changed[76], &checksum, 4);
+  const auto checksum = static_cast<std::uint32_t>(::crc32(0, changed.data(), 108));
+  std::memcpy(&changed[108], &checksum, 4);
   EXPECT_EQ(reason(changed), FrameError::impossible_value);
 }
 

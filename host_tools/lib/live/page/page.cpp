@@ -186,13 +186,20 @@ json now_json(const Tally& tally, const std::string& source, std::chrono::millis
     const bool is_good = bit.flag == &app::Health::calibrated;
     if (is_set != is_good) now["wrong"].push_back(bit.name);
   }
-  for (const app::AxisRate& axis : message.axes) {
+  for (std::size_t i = 0; i < message.axes.size(); ++i) {
+    const app::AxisRate& axis = message.axes.at(i);
+    const app::AxisTurn& turn = message.turn.at(i);
+    const bool is_turn_known = is_heard && core::is_finite(turn.sigma.in(core::rad));
     now["axes"].push_back(
         {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
          {"bias_dps", number(is_calibrated, axis.bias, core::deg_per_s)},
          {"half95_dps",
           number(is_calibrated, axis.sigma * static_cast<float>(statistics::kHalfWidth95),
-                 core::deg_per_s)}});
+                 core::deg_per_s)},
+         {"turn_deg", is_turn_known ? json(turn.angle.in(core::deg)) : json(nullptr)},
+         {"turn_half95_deg", is_turn_known ? json(turn.sigma.in(core::deg) *
+                                                  static_cast<float>(statistics::kHalfWidth95))
+                                           : json(nullptr)}});
   }
   now["learnt"] =
       tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);

@@ -86,8 +86,9 @@ function dim(isStale) {
 function showAxes(now) {
   dim(now.silent_s !== null);
   cards.forEach((card, i) => {
-    const { rate_dps: rate, bias_dps: bias, half95_dps: half } = now.axes[i];
+    const { rate_dps: rate, bias_dps: bias, half95_dps: half, turn_deg: turn, turn_half95_deg: turnHalf } = now.axes[i];
     card.rate.textContent = fixed(rate, 2).replace(/^-(0\.00)$/, "$1");
+    card.turn.textContent = turn === null ? "–" : `${fixed(turn, 1)} ± ${fixed(turnHalf, 1)}`;
     card.bias.textContent = half === null ? "–" : `${fixed(bias, 4)} ± ${fixed(half, 4)}`;
   });
 }
@@ -178,10 +179,13 @@ function makeCard(name) {
   const biasLine = element("p", "bias");
   const biasName = element("small");
   biasLine.append(biasName, bias, element("small", "", " deg/s"));
+  const turn = element("span", "", "–");
+  const turnLine = element("p", "bias");
+  turnLine.append(element("small", "", "turned since departure "), turn, element("small", "", " deg"));
   const place = element("div", "chart");
-  card.append(element("h2", "", `${name}: turning at`), rateLine, biasLine, place);
+  card.append(element("h2", "", `${name}: turning at`), rateLine, biasLine, turnLine, place);
   byId("axes").append(card);
-  return { rate, bias, biasName, place };
+  return { rate, bias, biasName, turn, place };
 }
 
 const cards = AXES.map(makeCard);

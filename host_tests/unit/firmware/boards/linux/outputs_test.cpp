@@ -49,6 +49,10 @@ NumberedMessage widest_message() {
   for (app::AxisRate& axis : widest.message.axes) {
     axis.measured = axis.corrected = axis.bias = axis.sigma = core::rad_per_s(-1.17549435e-38F);
   }
+  for (app::AxisTurn& turn : widest.message.turn) {
+    turn.angle = turn.sigma = core::rad(-1.17549435e-38F);
+  }
+  widest.message.turn_time = core::Duration::nanoseconds(1);
   widest.message.temperature = core::Temperature::from_degc(-1.17549435e-38F);
   widest.message.odometer_pulses = std::numeric_limits<std::uint32_t>::max();
   return widest;
@@ -74,6 +78,12 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
         EXPECT_EQ(json["measured_dps"][axis].get<float>(), rate.measured.in(core::deg_per_s));
       }
     }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const app::AxisTurn& turn = sent.message.turn[axis];
+      EXPECT_EQ(json["turn_deg"][axis].get<float>(), turn.angle.in(core::deg));
+      EXPECT_EQ(json["turn_sigma_deg"][axis].get<float>(), turn.sigma.in(core::deg));
+    }
+    EXPECT_EQ(json["turn_s"].get<float>(), sent.message.turn_time.in_seconds());
     EXPECT_EQ(json["temperature_c"].is_null(), !sent.message.temperature);
     if (sent.message.temperature) {
       EXPECT_EQ(json["temperature_c"].get<float>(), sent.message.temperature->degc());
