@@ -179,12 +179,12 @@ class TurnSum {
     const float turn = turn_rad(axis) * model_.scale_factor;
     const float path = state_.path_rad[axis] * model_.asymmetry;
     const float bias = state_.bias_sigma_rad[axis];
-    const float silence_s = silence.in_seconds();
-    const bool is_silent = state_.moves && is_gap(silence_s);
-    const float gap = is_silent ? gap_variance_rad2(silence_s) : 0.0F;
-    return rad(square_root(bias * bias + turn * turn + path * path + gap +
-                           state_.gap_variance_rad2 +
-                           state_.white_variance_rad2_s2[axis] * state_.squares_s2));
+    float variance = bias * bias + turn * turn + path * path + state_.gap_variance_rad2 +
+                     state_.white_variance_rad2_s2[axis] * state_.squares_s2;
+    if (state_.moves && silence > Duration{} && is_gap(silence.in_seconds())) {
+      variance += gap_variance_rad2(silence.in_seconds());
+    }
+    return rad(square_root(variance));
   }
 
  private:

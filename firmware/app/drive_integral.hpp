@@ -22,7 +22,6 @@ class DriveIntegralSteps {
   using Predictors = typename Ticks::Predictors;
   using Transition = typename Ticks::Transition;
   using Work = typename Ticks::Work;
-  using Costs = typename Ticks::Costs;
 
   /// @param lead span to the tick being filled; the steps leave another one there
   constexpr DriveIntegralSteps(const Params& params, const Predictors& predictors, Transition& lead,
@@ -30,62 +29,54 @@ class DriveIntegralSteps {
       : params_(params), predictors_(predictors), lead_(lead), work_(work) {}
 
   /// Does one step of the stages drive, approach and integral.
-  /// @return its cost, see TickCosts
-  constexpr std::uint32_t step() {
+  constexpr void step() {
     switch (work_.stage) {
       case TickStage::drive:
         return step_drive();
       case TickStage::approach:
         params_.model.modes.make_piece(work_.item, lead_);
-        return work_.next(Ticks::kPieces, TickStage::integral, Costs::of_piece(lead_.ticks));
+        return work_.next(Ticks::kPieces, TickStage::integral);
       default:
-        return step_integral();
+        step_integral();
+        if (work_.stage == TickStage::idle) answer();
     }
   }
 
  private:
-  constexpr std::uint32_t step_drive() {
+  constexpr void step_drive() {
     if (work_.item == 0) {
-      const std::uint32_t ticks = std::min(work_.drive.ticks, lead_.ticks);
-      work_.span.ticks = ticks;
-      Ticks::TemperatureTrack::over_drive(lead_, ticks, work_.span);
+      work_.span.ticks = std::min(work_.drive.ticks, lead_.ticks);
+      Ticks::TemperatureTrack::over_drive(lead_, work_.span.ticks, work_.span);
     }
     params_.model.modes.make_piece(work_.item, work_.span);
-    const std::uint32_t cost =
-        work_.next(Ticks::kPieces, TickStage::approach, Costs::of_piece(work_.span.ticks));
-    if (work_.stage == TickStage::approach) {
-      const std::uint32_t ticks = lead_.ticks - work_.span.ticks;
-      lead_ = {};
-      lead_.ticks = ticks;
-    }
-    return cost;
+    work_.next(Ticks::kPieces, TickStage::approach);
+    if (work_.stage != TickStage::approach) return;
+    const std::uint32_t ticks = lead_.ticks - work_.span.ticks;
+    lead_ = {};
+    lead_.ticks = ticks;
   }
-  constexpr std::uint32_t step_integral() {
-    const typename Ticks::Lead lead{lead_, lead_};
+  constexpr void step_integral() {
     if (params_.published != Predictor::kalman) {
-      const std::size_t axis = work_.item;
-      work_.drive.variance_rad2[axis] =
-          predictors_.predict_heading(params_.published, axis, lead, work_.span).variance_rad2;
-      return finish(work_.next(Ticks::kAxes, TickStage::idle, Costs::kIntegral));
+      const typename Ticks::Lead lead{lead_, lead_};
+      const auto heading =
+          predictors_.predict_heading(params_.published, work_.item, lead, work_.span);
+      work_.drive.variance_rad2[work_.item] = heading.variance_rad2;
+      return work_.next(Ticks::kAxes, TickStage::idle);
     }
     const auto forecast = predictors_.bank().forecast();
     if (work_.item == 0) work_.mixtures = {};
     forecast.add_integral(work_.mixtures, work_.item, lead_, work_.span);
-    const std::uint32_t cost = work_.next(forecast.count(), TickStage::idle, Costs::kIntegral);
-    if (work_.stage == TickStage::idle) {
-      const auto headings = forecast.integrals_of(work_.mixtures, work_.span.ticks);
-      for (std::size_t i = 0; i < Ticks::kAxes; ++i) {
-        work_.drive.variance_rad2[i] = headings[i].variance_rad2 * predictors_.drive_scale();
-      }
+    work_.next(forecast.count(), TickStage::idle);
+    if (work_.stage != TickStage::idle) return;
+    const auto headings = forecast.integrals_of(work_.mixtures, work_.span.ticks);
+    for (std::size_t i = 0; i < Ticks::kAxes; ++i) {
+      work_.drive.variance_rad2[i] = headings[i].variance_rad2 * predictors_.drive_scale();
     }
-    return finish(cost);
   }
-  constexpr std::uint32_t finish(std::uint32_t cost) {
-    if (work_.stage != TickStage::idle) return cost;
+  constexpr void answer() {
     work_.drive.ticks = 0;
     work_.drive.is_known = true;
     lead_.ticks = 0;
-    return cost;
   }
 
   const Params& params_;

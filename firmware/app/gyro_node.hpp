@@ -155,7 +155,7 @@ class GyroNode {
   /// Does at once what is left to do for the ticks that are certain, before a record is saved. A
   /// long call with many hypotheses.
   constexpr void finish_work() {
-    while (has_work()) (void)one_step();
+    while (has_work()) one_step();
   }
 
   /// Bias that a predictor expects at the newest sample, alone and with its variance.
@@ -240,7 +240,9 @@ class GyroNode {
         static_cast<std::uint32_t>(std::clamp(params.model.modes.tick / params.model.sample_period,
                                               std::int64_t{1}, std::int64_t{0xFFFF}));
     if (samples == 1) return kAtOnce;
-    const std::uint32_t cost = Ticks::Costs::of_tick(params.published != Predictor::kalman);
+    // The last step of a tick may wait for one more share.
+    const std::uint32_t cost =
+        Ticks::Costs::of_tick(params.published != Predictor::kalman) + Ticks::Costs::kLongest;
     return static_cast<std::int32_t>((cost + samples - 1) / samples);
   }
   [[nodiscard]] constexpr TickForecast<Ticks> forecast() const {
@@ -277,7 +279,7 @@ class GyroNode {
   constexpr void turn_to_tick(core::Instant at) {
     // Only where samples were lost: then this call is as long as the work that they would have
     // done.
-    while (learning_.is_behind()) (void)one_step();
+    while (learning_.is_behind()) one_step();
     const auto& predicted = ticks_.predicted();
     Rates predicted_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) predicted_rad_s[i] = predicted[i].bias_rad_s;
@@ -292,21 +294,41 @@ class GyroNode {
   }
 
   /// Does the share of a sample, more where several ticks wait and the call stays short. A step
-  /// that costs more than the share is paid by the samples that follow.
+  /// that costs more than is left of the share is paid by the samples that follow, and waits for
+  /// them where the call would be longer than its longest step.
   constexpr void work() {
     if (pace_ == kAtOnce) {
       while (learning_.confirmed() > 0) (void)ticks_.learn_at_once(learning_.take_confirmed());
       return ticks_.finish();
     }
     const auto waiting = static_cast<std::int32_t>(std::max(learning_.confirmed(), std::size_t{1}));
-    credit_ += std::max(pace_, std::min(pace_ * waiting, kShortCall));
-    while (credit_ > 0 && has_work()) credit_ -= static_cast<std::int32_t>(one_step());
+    const std::int32_t share = std::max(pace_, std::min(pace_ * waiting, kShortCall));
+    credit_ += share;
+    std::int32_t spent = 0;
+    while (credit_ > 0 && begin_step()) {
+      const auto cost = static_cast<std::int32_t>(ticks_.next_cost());
+      if (spent > 0 && spent + cost > longest_call(share)) return;
+      ticks_.step();
+      spent += cost;
+      credit_ -= cost;
+    }
     credit_ = std::min(credit_, std::int32_t{0});
   }
+  /// Where a share is less than a step, steps are done one by one and still keep up.
+  [[nodiscard]] static constexpr std::int32_t longest_call(std::int32_t share) {
+    constexpr auto kLongestStep = static_cast<std::int32_t>(Ticks::Costs::kLongest);
+    return share < kLongestStep ? kLongestStep : share + kLongestStep - 1;
+  }
   /// A tick is predicted before the next measurement is learnt.
-  constexpr std::uint32_t one_step() {
-    if (!ticks_.is_busy()) ticks_.learn(learning_.take_confirmed());
-    return ticks_.step();
+  /// @return whether there is a step to do
+  constexpr bool begin_step() {
+    if (ticks_.is_busy()) return true;
+    if (learning_.confirmed() == 0) return false;
+    ticks_.learn(learning_.take_confirmed());
+    return true;
+  }
+  constexpr void one_step() {
+    if (begin_step()) ticks_.step();
   }
 
   /// Fills in what does not depend on whether there was a sample.

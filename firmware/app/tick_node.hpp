@@ -28,8 +28,8 @@ namespace zerorate::app {
 /// Learning from a tick and predicting one are long with many hypotheses, so both are cut into
 /// steps:
 ///
-///     learn():   span, advance a hypothesis, compare, learn a hypothesis, conclude, weigh an axis,
-///                moving average and calibration mean
+///     learn():   begin, span, advance a hypothesis, compare, learn a hypothesis, conclude,
+///                weigh an axis, moving average and calibration mean
 ///     predict(): lead, window of the average, predict a hypothesis
 ///     drive:     variance of the integral over the drive so far, where it was asked for
 ///
@@ -190,19 +190,8 @@ class TickNode {
   /// @pre !is_learning(), and the tick is later than the measurement before
   constexpr void learn(const Tick& tick) {
     ZERORATE_ASSERT(!is_learning());
-    const std::uint32_t ticks = tick.tick + 1 - measured_ticks_;
     work_.tick = tick;
-    lead_.ticks = 0;
-    temperature_.measure(tick.temperature, work_.span);
-    white_.advance(ticks);
-    white_.observe(tick);
-    prepare_measurement();
-    predictors_.begin(tick);
-    work_.span.ticks = ticks;
-    work_.go_to(Stage::span);
-    if (ticks != 1) return;
-    static_cast<core::TransitionOf<Shape>&>(work_.span) = one_tick_;
-    work_.go_to(Stage::advance);
+    work_.go_to(Stage::begin);
   }
   [[nodiscard]] constexpr bool is_learning() const {
     return work_.stage != Stage::idle && work_.stage < Stage::lead;
@@ -212,40 +201,47 @@ class TickNode {
     return work_.stage != Stage::idle || work_.is_stale;
   }
 
-  /// Does one step.
-  /// @return its cost, see TickCosts
-  constexpr std::uint32_t step() {
+  /// Cost of the next step.
+  [[nodiscard]] constexpr std::uint32_t next_cost() const {
+    const bool is_unit_changed = work_.stage == Stage::advance && work_.unit_factor != 1.0F;
+    const bool makes_lead = work_.stage == Stage::lead || work_.stage == Stage::approach;
+    const Stage stage = work_.stage == Stage::idle ? Stage::lead : work_.stage;
+    return Costs::of_step(stage, work_.item == 0, makes_lead ? lead_.ticks : work_.span.ticks) +
+           (is_unit_changed ? 1U : 0U);
+  }
+  /// Does one step, if there is one.
+  constexpr void step() {
     switch (work_.stage) {
       case Stage::idle:
-        if (!work_.is_stale) return 0;
+        if (!work_.is_stale) return;
         work_.go_to(Stage::lead);
         return step_lead();
+      case Stage::begin:
+        return step_begin();
       case Stage::span:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return work_.next(kPieces, Stage::advance, Costs::of_piece(work_.span.ticks));
+        return work_.next(kPieces, Stage::advance);
       case Stage::advance:
         return step_advance();
       case Stage::compare:
-        work_.go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn
-                                                                       : Stage::rest);
-        return Costs::kComparison;
+        return work_.go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn
+                                                                              : Stage::rest);
       case Stage::learn:
         predictors_.learn(work_.item, work_.measurement);
-        return work_.next(count(), Stage::conclude, Costs::kLearning);
+        return work_.next(count(), Stage::conclude);
       case Stage::conclude:
         predictors_.bank().conclude();
-        work_.go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
-        return Costs::kConclusion;
+        return work_.go_to(predictors_.learns() ? Stage::weigh : Stage::rest);
       case Stage::weigh:
         predictors_.bank().weigh(work_.item);
-        return work_.next(kAxes, Stage::rest, Costs::kWeighing);
+        return work_.next(kAxes, Stage::rest);
       case Stage::rest:
         return step_rest();
       case Stage::lead:
         return step_lead();
       case Stage::window:
         params_.model.modes.make_piece(work_.item, work_.span);
-        return work_.next(kPieces, Stage::predict, Costs::of_piece(work_.span.ticks));
+        return work_.next(kPieces, Stage::predict);
       case Stage::predict:
         return step_predict();
       default:
@@ -254,13 +250,13 @@ class TickNode {
   }
   /// Completes what was begun.
   constexpr void finish() {
-    while (is_busy()) (void)step();
+    while (is_busy()) step();
   }
   /// Learns from a tick at once.
   /// @return the innovations of the bank
   constexpr const typename Predictors::Innovations& learn_at_once(const Tick& tick) {
     learn(tick);
-    while (is_learning()) (void)step();
+    while (is_learning()) step();
     return work_.measurement.innovations;
   }
 
@@ -318,11 +314,23 @@ class TickNode {
         .innovations = {}};
   }
 
-  constexpr std::uint32_t step_advance() {
+  constexpr void step_begin() {
+    const std::uint32_t ticks = work_.tick.tick + 1 - measured_ticks_;
+    lead_.ticks = 0;
+    temperature_.measure(work_.tick.temperature, work_.span);
+    white_.advance(ticks);
+    white_.observe(work_.tick);
+    prepare_measurement();
+    predictors_.begin(work_.tick);
+    work_.span.ticks = ticks;
+    work_.go_to(Stage::span);
+    if (ticks != 1) return;
+    static_cast<core::TransitionOf<Shape>&>(work_.span) = one_tick_;
+    work_.go_to(Stage::advance);
+  }
+  constexpr void step_advance() {
     const std::size_t m = work_.item;
-    std::uint32_t cost = Costs::kAdvance;
     if (work_.unit_factor != 1.0F) {
-      ++cost;
       if (work_.begins_to_learn) {
         predictors_.bank().change_unit(m, work_.unit_factor);
       } else {
@@ -330,34 +338,30 @@ class TickNode {
       }
     }
     predictors_.bank().advance(m, work_.span);
-    (void)work_.next(count(), Stage::compare, cost);
+    work_.next(count(), Stage::compare);
     if (work_.stage == Stage::compare) measured_ticks_ = work_.tick.tick + 1;
-    return cost;
   }
-  constexpr std::uint32_t step_rest() {
+  constexpr void step_rest() {
     predictors_.observe_rest(work_.span, work_.measurement);
     if constexpr (Capacity.screens_samples) {
       white_.observe_squares(work_.tick.squares.rad2_s2, static_cast<float>(work_.tick.samples));
     }
     work_.go_to(Stage::idle);
-    return Costs::kRest;
   }
   /// Makes the lead piece by piece, unless it is one tick longer than it was.
-  constexpr std::uint32_t step_lead() {
+  constexpr void step_lead() {
     const auto& modes = params_.model.modes;
     const std::uint32_t ticks = ticks_since_measured();
     if (work_.item == 0) {
       work_.is_stale = false;
       if (lead_.ticks > 0 && lead_.ticks + 1 == ticks) {
         modes.lengthen(lead_, one_tick_);
-        finish_lead();
-        return Costs::kLead;
+        return finish_lead();
       }
       lead_.ticks = ticks;
     }
     modes.make_piece(work_.item, lead_);
     if (++work_.item == kPieces) finish_lead();
-    return Costs::of_piece(lead_.ticks);
   }
   constexpr void finish_lead() {
     temperature_.lead_over(lead_.ticks, lead_);
@@ -365,23 +369,19 @@ class TickNode {
     work_.span.ticks = predictors_.window(params_.published, lead_);
     work_.go_to(work_.span.ticks > 0 ? Stage::window : Stage::predict);
   }
-  [[nodiscard]] constexpr Stage after_prediction() const {
-    return work_.drive.ticks > 0 ? Stage::drive : Stage::idle;
-  }
-  constexpr std::uint32_t step_predict() {
+  constexpr void step_predict() {
+    const Stage then = work_.drive.ticks > 0 ? Stage::drive : Stage::idle;
     if (params_.published != Predictor::kalman) {
       predicted_[work_.item] =
           predictors_.predict(params_.published, work_.item, lead_, work_.span);
-      return work_.next(kAxes, after_prediction(), Costs::kPrediction);
+      return work_.next(kAxes, then);
     }
     const auto forecast = predictors_.bank().forecast();
     forecast.add(work_.mixtures, work_.item, lead_);
-    if (++work_.item == count()) {
-      predicted_ = forecast.of(work_.mixtures);
-      for (auto& one : predicted_) one.variance_rad2_s2 *= predictors_.drive_scale();
-      work_.go_to(after_prediction());
-    }
-    return Costs::kPrediction;
+    if (++work_.item < count()) return;
+    predicted_ = forecast.of(work_.mixtures);
+    for (auto& one : predicted_) one.variance_rad2_s2 *= predictors_.drive_scale();
+    work_.go_to(then);
   }
 
   const Params& params_;

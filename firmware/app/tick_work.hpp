@@ -17,6 +17,7 @@ namespace zerorate::app {
 /// Steps of TickNode, in order. A step with an item is repeated for each of them.
 enum class TickStage : std::uint8_t {
   idle,
+  begin,     ///< levels and averages take notice of the measurement
   span,      ///< piece of the span since the measurement before
   advance,   ///< hypothesis: its filter goes on to the measurement
   compare,   ///< the bank compares the measurement with its forecast
@@ -39,6 +40,7 @@ template <core::ModelShape Shape, std::size_t Axes>
 struct TickCosts {
   static constexpr auto kStates =
       static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.temperature_weights);
+  static constexpr std::uint32_t kBeginning = 2 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
   static constexpr std::uint32_t kAdvance = 1 + kStates * kStates / 13;
   static constexpr std::uint32_t kComparison = 1 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
   static constexpr std::uint32_t kLearning = 4 + kStates * kStates / 30;
@@ -48,9 +50,40 @@ struct TickCosts {
   static constexpr std::uint32_t kLead = 4;
   static constexpr std::uint32_t kPrediction = 1 + kStates * kStates / 30;
   static constexpr std::uint32_t kIntegral = 2 * kPrediction;
+  static constexpr std::uint32_t kLongest =
+      std::max({kBeginning, kAdvance + 1, kComparison, kLearning, kWeighing, kRest, kIntegral});
   /// A piece of a span grows with the logarithm of its length.
   static constexpr std::uint32_t of_piece(std::uint32_t ticks) {
     return 1U + static_cast<std::uint32_t>(std::bit_width(ticks)) / 2U;
+  }
+
+  /// Cost of the next step of a stage.
+  /// @param begins whether it is the first one  @param ticks length of the span that is made
+  static constexpr std::uint32_t of_step(TickStage stage, bool begins, std::uint32_t ticks) {
+    switch (stage) {
+      case TickStage::begin:
+        return kBeginning;
+      case TickStage::advance:
+        return kAdvance;
+      case TickStage::compare:
+        return kComparison;
+      case TickStage::learn:
+        return kLearning;
+      case TickStage::conclude:
+        return kConclusion;
+      case TickStage::weigh:
+        return kWeighing;
+      case TickStage::rest:
+        return kRest;
+      case TickStage::predict:
+        return kPrediction;
+      case TickStage::integral:
+        return kIntegral;
+      case TickStage::lead:
+        return begins ? kLead : of_piece(ticks);
+      default:
+        return of_piece(ticks);
+    }
   }
 
   /// Upper bound of the steps from one tick to the next in a stop: a prediction and a measurement.
@@ -60,8 +93,8 @@ struct TickCosts {
     constexpr auto kPieces = static_cast<std::uint32_t>(core::ModesOf<Shape>::kPieces);
     constexpr std::uint32_t kShortLead = 7;  ///< ticks from a measurement to the present
     constexpr std::uint32_t kLongWindow = 1U << 14U;
-    return kFilters * (kAdvance + kLearning + kPrediction) + kComparison + kConclusion +
-           static_cast<std::uint32_t>(Axes) * (kWeighing + kPrediction) + kRest +
+    return kBeginning + kFilters * (kAdvance + kLearning + kPrediction) + kComparison +
+           kConclusion + static_cast<std::uint32_t>(Axes) * (kWeighing + kPrediction) + kRest +
            kPieces * (of_piece(kShortLead) + (publishes_average ? of_piece(kLongWindow) : 0));
   }
 };
@@ -96,10 +129,8 @@ struct TickWork {
     item = 0;
   }
   /// Goes to the next item, or after `items` of them to the next stage.
-  /// @return the cost
-  constexpr std::uint32_t next(std::size_t items, TickStage next_stage, std::uint32_t cost) {
+  constexpr void next(std::size_t items, TickStage next_stage) {
     if (++item >= items) go_to(next_stage);
-    return cost;
   }
 
   constexpr bool operator==(const TickWork&) const = default;

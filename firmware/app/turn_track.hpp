@@ -51,7 +51,7 @@ class TurnTrack {
     sum_.close_tick();
     if (!sum_.moves() || ticks.drive().ticks > 0) return;
     const auto length = static_cast<std::uint32_t>(sum_.duration() / params_.model.modes.tick) + 1;
-    if (length < asked_ticks_ + asked_ticks_ / 8) return;
+    if (length <= asked_ticks_ + asked_ticks_ / 8) return;
     asked_ticks_ = length;
     ticks.drive().ticks = length;
   }
