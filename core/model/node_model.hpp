@@ -10,6 +10,7 @@
 #include "core/noise/hypotheses.hpp"
 #include "core/noise/model_shape.hpp"
 #include "core/noise/temperature_drift.hpp"
+#include "core/samples/rounding_watch.hpp"
 #include "core/samples/sample_model.hpp"
 
 namespace zerorate::core {
@@ -38,6 +39,10 @@ struct NodeModel {
   /// variances above contain it.
   float quantization_step_rad_s = 0.0F;
 
+  [[nodiscard]] constexpr Rounding rounding() const {
+    return {.step_rad_s = quantization_step_rad_s,
+            .floor_rad2_s2 = measurement_floor_variance_rad2_s2};
+  }
   /// Variance of the mean of `count` samples.
   [[nodiscard]] constexpr float measurement_variance(float count) const {
     return white_variance_rad2_s2 / count + measurement_floor_variance_rad2_s2;

@@ -11,6 +11,7 @@
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
 #include "core/samples/noise_level_track.hpp"
+#include "core/samples/rounding_watch.hpp"
 #include "core/samples/sample_model.hpp"
 #include "core/samples/tick_average.hpp"
 #include "core/samples/tick_window.hpp"
@@ -40,10 +41,10 @@ class WhiteLevel {
  public:
   using Rates = std::array<float, Axes>;
 
-  struct State {
+  /// Figures that are measured here.
+  struct Measured {
     TickWindow<Axes> window;              ///< being filled with ticks that were learnt from
     WindowSpread<Axes> windows;           ///< the windows before it
-    NoiseLevelTrack::State track;         ///< only under a model of single samples
     float variance_rad2_s2 = 0.0F;        ///< variance of a sample by the spread of windows
     float local_rad2_s2 = 0.0F;           ///< variance of a sample by differences of neighbours
     float reference = 0.0F;               ///< level that learnt figures rest on; 0: none
@@ -52,33 +53,40 @@ class WhiteLevel {
     std::uint8_t spreads = 0;             ///< spreads that `variance_rad2_s2` is the mean of
     bool reference_is_known = false;      ///< the reference does not follow any more
 
+    constexpr bool operator==(const Measured&) const = default;
+  };
+  struct State : Measured {
+    NoiseLevelTrack::State track;  ///< only under a model of single samples
+    typename RoundingWatch<Axes>::State rounding;
+
     constexpr bool operator==(const State&) const = default;
   };
 
   /// @param model_variance_rad2_s2 white variance of one sample by the model; positive
   /// @param learns false: the model's variance holds whatever is measured
   constexpr WhiteLevel(float model_variance_rad2_s2, const SampleModel& samples, Duration tick,
-                       bool learns)
+                       bool learns, const Rounding& rounding = {})
       : model_rad2_s2_(model_variance_rad2_s2),
         window_ticks_(window_ticks(tick)),
         learns_(learns && !samples.needs_screen()),
-        track_(samples.level) {
+        track_(samples.level),
+        rounding_(rounding, model_variance_rad2_s2) {
     state_.variance_rad2_s2 = state_.local_rad2_s2 = model_variance_rad2_s2;
   }
 
   [[nodiscard]] constexpr State state() const {
-    State state = state_;
-    state.track = track_.state();
-    return state;
+    return {state_, track_.state(), rounding_.state()};
   }
   constexpr void restore(const State& state) {
     state_ = state;
     track_.restore(state.track);
+    rounding_.restore(state.rounding);
   }
   /// True if a restored state is valid.
   [[nodiscard]] static bool is_possible(const State& state) {
     return TickWindow<Axes>::is_possible(state.window) &&
            WindowSpread<Axes>::is_possible(state.windows) &&
+           RoundingWatch<Axes>::is_possible(state.rounding) &&
            is_plausible_variance(state.variance_rad2_s2) &&
            is_plausible_variance(state.local_rad2_s2) && is_plausible_variance(state.reference) &&
            state.spreads <= kSpreads && is_bool(state.reference_is_known) &&
@@ -182,7 +190,16 @@ class WhiteLevel {
   }
 
   /// Least variance of a sample, so that a sensor that repeats one reading does not count as exact.
-  [[nodiscard]] constexpr float least_rad2_s2() const { return kSmallest * model_rad2_s2_; }
+  /// Where its step hides the noise, that is the noise of the model or of rounding.
+  [[nodiscard]] constexpr float least_rad2_s2() const {
+    const float step = rounding_.step_rad_s();
+    const float hidden = std::min(model_rad2_s2_, step * step * (1.0F / 12.0F));
+    return std::max(kSmallest * model_rad2_s2_, hidden);
+  }
+
+  /// Rounding of the samples, which no average removes.
+  [[nodiscard]] constexpr RoundingWatch<Axes>& rounding() { return rounding_; }
+  [[nodiscard]] constexpr const RoundingWatch<Axes>& rounding() const { return rounding_; }
 
  private:
   static constexpr float kSmallest = 1e-4F;          ///< share of the model's variance
@@ -223,7 +240,8 @@ class WhiteLevel {
   std::uint8_t window_ticks_;
   bool learns_;
   NoiseLevelTrack track_;
-  State state_{};
+  RoundingWatch<Axes> rounding_;
+  Measured state_{};
 };
 
 }  // namespace zerorate::core

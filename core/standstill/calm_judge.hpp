@@ -153,6 +153,7 @@ class CalmJudge {
     Rates spread{};
     if (state_.windows.take(state_.window.mean_rad_s(), spread))
       judge_spread(spread, samples, white);
+    if (state_.is_calm) white.rounding().observe(state_.squares, state_.differences);
     clear_window();
     if (!state_.is_calm) {
       state_.calm_windows = 0;

@@ -163,7 +163,7 @@ class GyroNode {
     return core::rad_per_s(forecast().bias_rad_s(which, axis));
   }
   [[nodiscard]] constexpr core::Prediction predict(Predictor which, std::size_t axis) const {
-    return params_.with_earth(forecast().predict(which, axis), axis);
+    return with_constants(forecast().predict(which, axis), axis);
   }
   /// Predicted integral of the bias from `from` to `to` (both at or after the newest measurement),
   /// in whole ticks.
@@ -174,7 +174,7 @@ class GyroNode {
     const std::uint32_t last = std::max(learning_.tick_of(to), first);
     core::HeadingPrediction heading = forecast().predict_heading(which, axis, first, last);
     const float length_s = (params_.model.modes.tick * std::int64_t{last - first}).in_seconds();
-    heading.variance_rad2 += params_.earth.heading_variance_rad2_s2[axis] * length_s * length_s;
+    heading.variance_rad2 += forecast().constant_variance_rad2_s2(axis) * length_s * length_s;
     return heading;
   }
 
@@ -255,6 +255,11 @@ class GyroNode {
     return rates;
   }
 
+  [[nodiscard]] constexpr core::Prediction with_constants(core::Prediction bias,
+                                                          std::size_t axis) const {
+    bias.variance_rad2_s2 += forecast().constant_variance_rad2_s2(axis);
+    return bias;
+  }
   [[nodiscard]] constexpr bool refuse(const core::GyroSample& sample, Health& health) const {
     health.sample_refused = !std::all_of(sample.rate.begin(), sample.rate.end(), is_possible);
     health.time_refused = !learning_.can_take(sample.time);
@@ -270,6 +275,7 @@ class GyroNode {
     for (std::size_t i = 0; i < kAxes; ++i) {
       rate_rad_s[i] = sample.rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
     }
+    ticks_.white().rounding().take(rate_rad_s);
     learning_.add(sample.time, begins_tick, rate_rad_s,
                   [&] { return sample.saturated_axes == 0 && ticks_.take(rate_rad_s); });
     learning_.confirm_at(sample.time);
@@ -352,7 +358,7 @@ class GyroNode {
           .measured = rate[i],
           .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
           .bias = bias,
-          .sigma = core::rad_per_s(params_.with_earth(predicted[i], i).sigma_rad_s())};
+          .sigma = core::rad_per_s(with_constants(predicted[i], i).sigma_rad_s())};
     }
   }
 

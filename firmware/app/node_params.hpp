@@ -9,7 +9,6 @@
 #include "core/base/numeric.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
-#include "core/estimator/prediction.hpp"
 #include "core/model/node_model.hpp"
 #include "core/monitor/odometer_check.hpp"
 #include "core/noise/model_shape.hpp"
@@ -46,13 +45,6 @@ struct NodeParams {
   /// single samples keeps its own.
   bool learns_white_noise = true;
 
-  /// Prediction for a vehicle whose heading is not known: the Earth turns a level axis by an
-  /// unknown part of its rate.
-  [[nodiscard]] constexpr core::Prediction with_earth(core::Prediction bias,
-                                                      std::size_t axis) const {
-    bias.variance_rad2_s2 += earth.heading_variance_rad2_s2[axis];
-    return bias;
-  }
   /// Variance of the change of the bias while the power is off; where the model has none,
   /// that of the largest bias of the chip, else of any MEMS gyro.
   [[nodiscard]] constexpr float turn_on_variance_or_widest() const {

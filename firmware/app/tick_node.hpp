@@ -105,7 +105,7 @@ class TickNode {
         temperature_(params.model.temperature),
         screening_(params.model.samples),
         white_(params.model.white_variance_rad2_s2, params.model.samples, params.model.modes.tick,
-               params.learns_white_noise),
+               params.learns_white_noise, params.model.rounding()),
         predictors_(params) {}
 
   [[nodiscard]] constexpr State state() const {

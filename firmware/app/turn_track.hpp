@@ -12,6 +12,7 @@
 #include "core/heading/turn_sum.hpp"
 #include "core/standstill/standstill.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/app/tick_forecast.hpp"
 
 namespace zerorate::app {
 
@@ -98,8 +99,8 @@ class TurnTrack {
     drive.is_known = false;
     const float length_s = sum_.duration().in_seconds();
     for (std::size_t i = 0; i < kAxes; ++i) {
-      const float earth = params_.earth.heading_variance_rad2_s2[i] * length_s * length_s;
-      sum_.set_bias_variance(i, drive.variance_rad2[i] + earth);
+      const float constant = TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
+      sum_.set_bias_variance(i, drive.variance_rad2[i] + constant * length_s * length_s);
     }
   }
 

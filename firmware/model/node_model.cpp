@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -13,6 +12,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/noise/terms.hpp"
+#include "core/samples/rounding_watch.hpp"
 #include "firmware/model/flicker_fit.hpp"
 #include "firmware/model/sensor_model.hpp"
 
@@ -160,19 +160,6 @@ core::MotionModel motion_model_of(const SensorModel& model) {
           .asymmetry = single(scale_factor.asymmetry_sigma)};
 }
 
-/// Variance of a quantizer's error that noise of standard deviation sigma does not average away:
-/// the mean error of a rate x is sum over k of step / (pi k) exp(-2 (pi k sigma / step)^2)
-/// sin(2 pi k x / step), here squared and averaged over x.
-double measurement_floor_variance(double step, double sigma) {
-  using std::numbers::pi;
-  double variance = 0.0;
-  for (int k = 1; k <= 1000; ++k) {
-    const double ratio = pi * k * sigma / step;
-    variance += step * step / (2.0 * pi * pi * k * k) * std::exp(-4.0 * ratio * ratio);
-  }
-  return variance;
-}
-
 /// Share of the strongest hypothesis that a lag has at least, so that there is something to
 /// multiply where the model gives it no weight.
 constexpr double kTrace = 1e-6;
@@ -257,10 +244,11 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
   double white_variance = white_variance_of_tick * tick_s / seconds(sample_period);
   if (model.quantization) {
     const double step = model.quantization->step_rad_s;
-    const double floor = measurement_floor_variance(step, arw / std::sqrt(seconds(sample_period)));
     node.quantization_step_rad_s = single(step);
-    node.measurement_floor_variance_rad2_s2 = single_or_zero(floor);
-    white_variance += std::max(step * step / 12.0 - floor, 0.0);
+    const float floor = core::rounding_variance(node.quantization_step_rad_s,
+                                                single(arw * arw / seconds(sample_period)));
+    node.measurement_floor_variance_rad2_s2 = single_or_zero(double{floor});
+    white_variance += std::max(step * step / 12.0 - double{floor}, 0.0);
   }
   node.white_variance_rad2_s2 = single(white_variance);
   if (model.gate) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/samples/noise_level_track.hpp"
+#include "core/samples/rounding_watch.hpp"
 #include "core/samples/tick_average.hpp"
 
 namespace zerorate::core {
@@ -234,6 +235,77 @@ TEST(TickAverageGivenTimesItCannotCount, SaysSo) {
   average.enter(Instant{});
   EXPECT_FALSE(average.can_take(Instant::from_ns(-1'000'000'000)));
   EXPECT_FALSE(average.can_take(Instant{} + Duration::seconds(8LL * 365 * 86'400)));
+}
+
+// The reference is the mean of the rounded normal number itself, at 200 places within a step.
+TEST(RoundingVariance, IsThatOfTheErrorOfTheMean) {
+  for (const double sigma : {0.05, 0.1, 0.2, 0.3, 0.5}) {
+    double squares = 0.0;
+    for (int place = 0; place < 200; ++place) {
+      const double x = (static_cast<double>(place) + 0.5) / 200.0;
+      double mean = 0.0;
+      for (int level = -5; level <= 6; ++level) {
+        const auto below = [&](double border) {
+          return 0.5 * std::erfc((x - border) / (sigma * std::numbers::sqrt2));
+        };
+        mean += level * (below(level + 0.5) - below(level - 0.5));
+      }
+      squares += (mean - x) * (mean - x) / 200.0;
+    }
+    const auto noise = static_cast<float>(sigma * sigma);
+    EXPECT_NEAR(double{rounding_variance(1.0F, noise)}, squares, 0.01 * squares + 1e-7) << sigma;
+    EXPECT_FLOAT_EQ(rounding_variance(2.0F, 4.0F * noise), 4.0F * rounding_variance(1.0F, noise));
+  }
+  EXPECT_NEAR(double{rounding_variance(1.0F, 0.0F)}, 1.0 / 12.0, 1e-6);
+  EXPECT_EQ(rounding_variance(1.0F, 1.0F), 0.0F);
+  EXPECT_EQ(rounding_variance(0.0F, 1.0F), 0.0F);
+}
+
+/// Windows of fifty rounded samples at rest.
+RoundingWatch<1> watch_of_rest(const Rounding& model, float white, float rate, float sigma) {
+  RoundingWatch<1> watch{model, white};
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise{rate, sigma};
+  for (int window = 0; window < 64; ++window) {
+    RoundingWatch<1>::Rates squares{};
+    float before = std::round(noise(random));
+    watch.take({before});
+    for (int k = 0; k < 50; ++k) {
+      const float sample = std::round(noise(random));
+      watch.take({sample});
+      squares[0] += (sample - before) * (sample - before);
+      before = sample;
+    }
+    watch.observe(squares, 50);
+  }
+  return watch;
+}
+
+TEST(RoundingWatch, SeesTheStepOfNoisySamples) {
+  EXPECT_EQ(watch_of_rest({}, 1.0F, 0.3F, 1.0F).step_rad_s(), 1.0F);
+  EXPECT_EQ(watch_of_rest({}, 1.0F, 0.0F, 0.01F).step_rad_s(), 0.0F);
+}
+TEST(RoundingWatchOfNoiseBeyondAStep, AddsNothing) {
+  EXPECT_EQ(watch_of_rest({}, 1.0F, 0.3F, 1.0F).variance_rad2_s2(0), 0.0F);
+}
+// The mean of the samples is 0.0228, that of the rate 0.3.
+TEST(RoundingWatchOfLittleNoise, CoversTheErrorUnderAnyModel) {
+  for (const float white : {0.01F, 0.04F, 1.0F}) {
+    const float sigma = std::sqrt(watch_of_rest({}, white, 0.3F, 0.1F).variance_rad2_s2(0));
+    EXPECT_GT(2.0F * sigma, 0.3F - 0.0228F);
+    EXPECT_LT(sigma, 0.3F);
+  }
+}
+TEST(RoundingWatchOfSamplesWithoutChange, CountsTheNoiseAsHidden) {
+  constexpr float kWhiteOfModel = 0.01F;
+  const auto watch = watch_of_rest({}, kWhiteOfModel, 0.0F, 0.01F);
+  EXPECT_NEAR(watch.variance_rad2_s2(0), 100.0F * kWhiteOfModel / 12.0F, 1e-5F);
+}
+TEST(RoundingWatchUnderAModelWithAStep, TakesTheLargerStep) {
+  EXPECT_EQ(watch_of_rest({.step_rad_s = 3.0F}, 1.0F, 0.3F, 1.0F).step_rad_s(), 3.0F);
+  EXPECT_EQ(watch_of_rest({.step_rad_s = 0.1F}, 1.0F, 0.3F, 1.0F).step_rad_s(), 1.0F);
+  const Rounding model{.step_rad_s = 0.1F, .floor_rad2_s2 = 0.25F};
+  EXPECT_EQ((RoundingWatch<1>{model, 1.0F}.variance_rad2_s2(0)), 0.25F);
 }
 
 }  // namespace
