@@ -34,6 +34,11 @@ double si_from_decimal(std::string_view decimal, FileUnit unit) {
   return static_cast<double>(Quad(std::string(decimal)) * si_per_unit(unit));
 }
 
+double in_unit(double si, FileUnit unit) {
+  if (unit == FileUnit::si) return si;
+  return si / static_cast<double>(si_per_unit(unit));
+}
+
 std::string decimal_from_si(double si, FileUnit unit) {
   const Quad exact = Quad(si) / si_per_unit(unit);
   // "600", not "6e+02", up to a million.

@@ -24,6 +24,9 @@ enum class FileUnit {
 /// Throws std::runtime_error where the text is not a decimal number.
 [[nodiscard]] double si_from_decimal(std::string_view decimal, FileUnit unit);
 
+/// A number in SI in the unit of the file, to double precision.
+[[nodiscard]] double in_unit(double si, FileUnit unit);
+
 /// The shortest decimal from which si_from_decimal gives exactly `si`, which must be finite.
 [[nodiscard]] std::string decimal_from_si(double si, FileUnit unit);
 

@@ -17,6 +17,7 @@ namespace zerorate::model {
 using toml_file::Presence;
 using toml_file::Rule;
 
+// Rules hold for the number as it stands in the file.
 inline constexpr Rule kPositive{[](double x) { return x > 0.0 && std::isfinite(x); },
                                 "a positive number"};
 inline constexpr Rule kFrequency{[](double x) { return x > 0.0 && x <= 1e5; },
@@ -31,9 +32,9 @@ inline constexpr Rule kProbability{[](double x) { return x > 0.0 && x < 0.5; },
 inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
                                "a whole number from 1 to 8"};
 
-inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 0.2; },
+inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 20.0; },
                                  "a tolerance from 0 to 20 %"};
-inline constexpr Rule kTilt{[](double x) { return x >= 0.0 && x <= 0.8; },
+inline constexpr Rule kTilt{[](double x) { return x >= 0.0 && x <= 45.0; },
                             "an angle from 0 to 45 deg"};
 inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || x == 12.0; },
                                   "1 (nothing is learnt), 4 or 12"};

@@ -17,11 +17,12 @@ class Validator {
  public:
   explicit Validator(std::string_view prefix) : prefix_(prefix) {}
 
-  void number(std::string_view key, double si, FileUnit /*unit*/, const Rule& rule,
+  void number(std::string_view key, double si, FileUnit unit, const Rule& rule,
               Presence /*presence*/) {
-    if (!rule.holds(si)) {
+    const double value = in_unit(si, unit);
+    if (!rule.holds(value)) {
       std::ostringstream message;
-      message << prefix_ << key << " is " << si << " in SI; expected " << rule.words;
+      message << prefix_ << key << " is " << value << "; expected " << rule.words;
       throw std::invalid_argument(message.str());
     }
   }

@@ -328,7 +328,7 @@ TEST(ModelThatNoFileCanHold, IsNotWritten) {
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "flicker.order is nan in SI; expected a number between 0 and 1, both excluded");
+                 "flicker.order is nan; expected a number between 0 and 1, both excluded");
   }
 }
 
