@@ -31,9 +31,9 @@
 
 namespace zerorate::scenario {
 
-/// Learns as the Linux node does.
+/// Learns as the Linux node does; six lags of 1/f noise and a warm-up.
 inline constexpr core::ModelShape kFaultyShape =
-    core::with_hypotheses(core::ModelShape{.decaying = 6}, model::kMostHypotheses);
+    core::with_hypotheses(core::ModelShape{.decaying = 7}, model::kMostHypotheses);
 using FaultyNode = app::GyroNode<kFaultyShape>;
 using Random = std::mt19937_64;
 
@@ -63,6 +63,12 @@ struct WireFaults {
   Episode storage_error;     ///< nothing can be saved
   double restart_s = std::numeric_limits<double>::infinity();  ///< the program starts anew
 };
+
+[[nodiscard]] inline std::string describe(const WireFaults& faults) {
+  if (!(faults.odometer_dead.length_s > 0.0)) return {};
+  return "; no pulses from " + std::to_string(faults.odometer_dead.from_s) + " s for " +
+         std::to_string(faults.odometer_dead.length_s) + " s";
+}
 
 /// Faults of the chip and of the machine.
 struct ChipFaults {
@@ -168,12 +174,55 @@ class FaultyPin {
 
 inline constexpr double kLsm6dsoPeriod_s = 64.0 / 6667.0;
 
+/// Motion and warmth that neither the odometer nor the model of the sensor shows.
+struct Unseen {
+  std::size_t turns_before = 0;  ///< leg that a steady turn without a pulse precedes; 0: none
+  double turn_s = 0.0;
+  double turn_dps = 0.0;
+  std::array<double, 3> warm_up_dps{};  ///< at power-on; 0: none
+  double time_constant_s = 60.0;
+};
+[[nodiscard]] inline Unseen random_unseen(Random& random) {
+  Unseen unseen;
+  const auto log_uniform = [&](double from, double to) {
+    return std::exp(uniform(random, std::log(from), std::log(to)));
+  };
+  const auto either_way = [&](double size) { return happens(random, 0.5) ? size : -size; };
+  if (happens(random, 0.2)) {
+    unseen.turns_before = static_cast<std::size_t>(1 + random() % 4);
+    unseen.turn_s = log_uniform(5.0, 60.0);
+    unseen.turn_dps = either_way(log_uniform(0.5, 10.0));
+  }
+  if (happens(random, 0.2)) {
+    unseen.time_constant_s = log_uniform(60.0, 1800.0);
+    for (double& by_dps : unseen.warm_up_dps) by_dps = either_way(log_uniform(0.1, 2.0));
+  }
+  return unseen;
+}
+[[nodiscard]] inline std::string describe(const Unseen& unseen) {
+  std::string text;
+  if (unseen.turns_before > 0) {
+    text += "; turns before leg " + std::to_string(unseen.turns_before) + " for " +
+            std::to_string(unseen.turn_s) + " s at " + std::to_string(unseen.turn_dps) + " deg/s";
+  }
+  if (unseen.warm_up_dps[0] != 0.0) {
+    text += "; warms up over " + std::to_string(unseen.time_constant_s) + " s by";
+    for (const double by_dps : unseen.warm_up_dps) text += " " + std::to_string(by_dps);
+    text += " deg/s";
+  }
+  return text;
+}
+
 /// Three stops and two drives between them, as they really are.
-[[nodiscard]] inline std::vector<simulate::ScenarioRow> random_drive(Random& random) {
+[[nodiscard]] inline std::vector<simulate::ScenarioRow> random_drive(Random& random,
+                                                                     const Unseen& unseen) {
   std::vector<simulate::Leg> legs;
-  for (int leg = 0; leg < 5; ++leg) {
+  for (std::size_t leg = 0; leg < 5; ++leg) {
     const bool drives = leg % 2 == 1;
     const double turn = uniform(random, 3.0, 20.0) * (happens(random, 0.5) ? 1.0 : -1.0);
+    if (unseen.turns_before > 0 && unseen.turns_before == leg) {
+      legs.push_back({.length_s = unseen.turn_s, .turn_dps = unseen.turn_dps});
+    }
     legs.push_back({.length_s = uniform(random, 5.0, 12.0),
                     .speed_m_s = drives ? uniform(random, 3.0, 15.0) : 0.0,
                     .turn_dps = drives ? turn : 0.0});
@@ -183,6 +232,8 @@ inline constexpr double kLsm6dsoPeriod_s = 64.0 / 6667.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<simulate::Effect> slow{
         simulate::ConstantBias{.bias_rad_s = uniform(random, -1.0, 1.0) * kDps},
+        simulate::WarmUpTransient{.amplitude_rad_s = unseen.warm_up_dps[axis] * kDps,
+                                  .time_constant_s = unseen.time_constant_s},
         simulate::FlickerNoise{.bias_instability_rad_s =
                                    simulate::kScenarioBiasInstabilityDph / 3600.0 * kDps}};
     const random::RandomStream stream{random()};
