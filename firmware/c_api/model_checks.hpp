@@ -48,10 +48,15 @@ inline constexpr float kLargestDrift = 1e3F;
          is_drift(drift.curvature_rad_s_per_k2) && is_drift(drift.curvature_sigma_rad_s_per_k2) &&
          drift.curvature_sigma_rad_s_per_k2 >= 0.0F && is_magnitude(drift.lag_s);
 }
+/// Largest strength of a mode: the slowest lag of a random walk over that of a flicker.
+inline constexpr float kLargestStrength = 1e8F;
+[[nodiscard]] inline bool is_strength(float value) {
+  return value >= 0.0F && value <= kLargestStrength;
+}
 [[nodiscard]] inline bool is_sound(const zerorate_hypothesis& hypothesis) {
-  return std::ranges::all_of(hypothesis.strength, is_magnitude) &&
-         is_figure(hypothesis.log_prior) && is_magnitude(hypothesis.level) &&
-         is_magnitude(hypothesis.order) && is_magnitude(hypothesis.bias_instability_rad_s) &&
+  return std::ranges::all_of(hypothesis.strength, is_strength) && is_figure(hypothesis.log_prior) &&
+         is_magnitude(hypothesis.level) && is_magnitude(hypothesis.order) &&
+         is_magnitude(hypothesis.bias_instability_rad_s) &&
          is_magnitude(hypothesis.angle_random_walk_rad_per_sqrt_s);
 }
 [[nodiscard]] inline bool are_sound_hypotheses(const zerorate_model& model) {

@@ -21,8 +21,8 @@ struct FlickerHypothesis {
 };
 
 /// Hypotheses of a model, on a grid of its prior: two orders d within one standard deviation of the
-/// middle, by six amplitudes each, or one by four (docs/design/learning.md, section 1). None where
-/// the model has no flicker or learns nothing.
+/// middle, by four and five amplitudes, and three random walks; or one order by four amplitudes
+/// (docs/design/learning.md, section 1). None where the model has no flicker or learns nothing.
 [[nodiscard]] std::vector<FlickerHypothesis> hypotheses_of(const SensorModel& model);
 
 }  // namespace zerorate::model

@@ -161,8 +161,9 @@ core::MotionModel motion_model_of(const SensorModel& model) {
 }
 
 /// Share of the strongest hypothesis that a lag has at least, so that there is something to
-/// multiply where the model gives it no weight.
-constexpr double kTrace = 1e-6;
+/// multiply where the model gives it no weight. The slowest lag of a strong walk has two million
+/// times the variance of the model's.
+constexpr double kTrace = 1e-7;
 
 /// The hypotheses of a model beside the fit of its own flicker, whose lags without weight get a
 /// trace.

@@ -135,7 +135,7 @@ enum {
   ZERORATE_OK = 0,
   ZERORATE_NOT_INITIALISED, /**< zerorate_init() has not succeeded, or the instance was moved */
   ZERORATE_BAD_ARGUMENT,    /**< a null pointer, a value out of its range, an impossible time */
-  ZERORATE_BAD_MODEL, /**< a figure of the model is not a number, above 1e6, or out of its range */
+  ZERORATE_BAD_MODEL, /**< a figure is no number, above 1e6 (a strength: 1e8) or out of its range */
   ZERORATE_BAD_TIMES, /**< a time is not positive, above an hour, or does not fit the others */
   ZERORATE_BUFFER_TOO_SMALL,
   ZERORATE_TOO_LATE,            /**< zerorate_restore() after the first sample */

@@ -134,16 +134,6 @@ std::size_t count(const std::vector<Run>& runs, bool Run::*flag) {
       std::count_if(runs.begin(), runs.end(), [&](const Run& run) { return run.*flag; }));
 }
 
-/// Data sheet of a peer sensor whose figures are off by factors. A lag a decade has 1.289 times the
-/// Allan floor, which is 0.664 B.
-model::SensorModel data_sheet(const PeerSensor& sensor, double white_factor, double slow_factor) {
-  model::SensorModel model{.name = sensor.name};
-  model.white.angle_random_walk_rad_per_sqrt_s = white_factor * sensor.arw_dps_rt_s * kRadPerDeg;
-  model.flicker = model::Flicker{.bias_instability_rad_s =
-                                     slow_factor * sensor.lag_sigma_dph * kDph / (1.289 * 0.664)};
-  return model;
-}
-
 std::vector<SlowGyro> gyros_of(double arw_dps_rt_s, const std::vector<simulate::Effect>& effects,
                                std::uint64_t runs) {
   std::vector<SlowGyro> gyros;
@@ -202,7 +192,9 @@ TEST(LearningOnPeerSensorB, IsAsGoodAsKnowingItsNoise) {
   expect_as_good_as_knowing(kB);
 }
 
-/// Runs of a sensor whose slow noise is not of the family, under the data sheets of sensor A.
+/// Runs of a sensor whose slow noise is no flicker, under the data sheets of sensor A. A walk is a
+/// hypothesis of the grid, and all are near enough to be covered. Of 600 gyros 4 at most were
+/// reported; of 60 one in a hundred and three standard errors, 0.6 + 3 * 0.77, are allowed.
 void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_noise) {
   const auto gyros = gyros_of(kA.arw_dps_rt_s, slow_noise, 60);
   for (const double factor : {1.0 / kWrong, 1.0, kWrong}) {
@@ -213,7 +205,8 @@ void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_n
     std::printf(
         "%s, slow noise of the sheet times %.2f: coverage %.3f (%.3f), reported %zu of %zu\n", name,
         factor, covered.value, covered.error, reported, runs.size());
-    EXPECT_TRUE(covered.value >= 0.92 - 3.0 * covered.error || reported == runs.size());
+    EXPECT_GE(covered.value, 0.92 - 3.0 * covered.error);
+    EXPECT_LE(reported, 2U);
   }
 }
 

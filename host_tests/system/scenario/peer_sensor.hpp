@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/noise/terms.hpp"
+#include "firmware/model/sensor_model.hpp"
 #include "host_tests/system/scenario/slow_node.hpp"
 
 namespace zerorate::scenario {
@@ -67,6 +68,17 @@ template <std::size_t R>
     params.model.modes = core::compose(kPeriod, core::Start::stationary, lags, warm_up);
   }
   return params;
+}
+
+/// Data sheet of a peer sensor whose figures are off by factors. A lag a decade has 1.289 times the
+/// Allan floor, which is 0.664 B.
+[[nodiscard]] inline model::SensorModel data_sheet(const PeerSensor& sensor, double white_factor,
+                                                   double slow_factor) {
+  model::SensorModel model{.name = sensor.name};
+  model.white.angle_random_walk_rad_per_sqrt_s = white_factor * sensor.arw_dps_rt_s * kRadPerDeg;
+  model.flicker = model::Flicker{.bias_instability_rad_s = slow_factor * sensor.lag_sigma_dph /
+                                                           3600.0 * kRadPerDeg / (1.289 * 0.664)};
+  return model;
 }
 
 }  // namespace zerorate::scenario
