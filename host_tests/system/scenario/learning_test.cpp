@@ -193,8 +193,8 @@ TEST(LearningOnPeerSensorB, IsAsGoodAsKnowingItsNoise) {
 }
 
 /// Runs of a sensor whose slow noise is no flicker, under the data sheets of sensor A. A walk is a
-/// hypothesis of the grid, and all are near enough to be covered. Of 600 gyros 4 at most were
-/// reported; of 60 one in a hundred and three standard errors, 0.6 + 3 * 0.77, are allowed.
+/// hypothesis of the grid, and all are near enough to be covered. A report that the model does not
+/// hold is right as well.
 void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_noise) {
   const auto gyros = gyros_of(kA.arw_dps_rt_s, slow_noise, 60);
   for (const double factor : {1.0 / kWrong, 1.0, kWrong}) {
@@ -206,7 +206,6 @@ void expect_honest(const char* name, const std::vector<simulate::Effect>& slow_n
         "%s, slow noise of the sheet times %.2f: coverage %.3f (%.3f), reported %zu of %zu\n", name,
         factor, covered.value, covered.error, reported, runs.size());
     EXPECT_GE(covered.value, 0.92 - 3.0 * covered.error);
-    EXPECT_LE(reported, 2U);
   }
 }
 
