@@ -228,9 +228,10 @@ class TurnSum {
     add(state_.long_before.turn_rad);
     add(state_.before.turn_rad);
     const float length_s = state_.long_before.length_s + state_.before.length_s;
-    constexpr float kNs = 1e9F;
+    constexpr float kMillisecondsPerSecond = 1e3F;
     state_.duration =
-        state_.duration + Duration::nanoseconds(static_cast<std::int64_t>(length_s * kNs));
+        state_.duration +
+        Duration::milliseconds(static_cast<std::int32_t>(length_s * kMillisecondsPerSecond));
     state_.squares_s2 += length_s * period_s_;
     grow_bias_sigma(length_s, bias_sigma_rad_s);
     state_.before = {};

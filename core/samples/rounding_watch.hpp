@@ -74,7 +74,7 @@ class RoundingWatch {
   /// @param white_rad2_s2 white variance of a sample by the model
   constexpr RoundingWatch(const Rounding& model, float white_rad2_s2)
       : model_(model), white_(white_rad2_s2) {
-    state_.variance_rad2_s2.fill(model.floor_rad2_s2);
+    estimate_without_rest();
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
@@ -93,6 +93,7 @@ class RoundingWatch {
       const float change = rate_rad_s[i] - state_.newest_rad_s[i];
       if (change != 0.0F) take_change(change < 0.0F ? -change : change);
     }
+    if (state_.differences == 0) estimate_without_rest();
     state_.newest_rad_s = rate_rad_s;
     state_.has_newest = true;
   }
@@ -130,6 +131,11 @@ class RoundingWatch {
   static constexpr std::uint8_t kFewestChanges = 16;
   static constexpr std::uint32_t kWindows = 64;  ///< memory: half a minute
 
+  /// Before the first window at rest, as after a restart, the noise of the model has to do.
+  constexpr void estimate_without_rest() {
+    const float step = step_rad_s();
+    state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F));
+  }
   constexpr void take_change(float change) {
     const bool is_first = state_.changes == 0;
     if (state_.changes < kFewestChanges) ++state_.changes;

@@ -31,6 +31,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     .measurement_floor_variance_rad2_s2 = 0.0F,
     .largest_bias_rad_s = 0.04363323F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
+    .motion = {.scale_factor = 0.01F, .asymmetry = 0.0F},
     .sample_period = core::Duration::nanoseconds(5000000),
 }};
 // clang-format on
