@@ -74,7 +74,7 @@ class RoundingWatch {
   /// @param white_rad2_s2 white variance of a sample by the model
   constexpr RoundingWatch(const Rounding& model, float white_rad2_s2)
       : model_(model), white_(white_rad2_s2) {
-    estimate_without_rest();
+    state_.variance_rad2_s2.fill(model.floor_rad2_s2);
   }
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
