@@ -75,7 +75,8 @@ Command add_replay(CLI::App& app) {
   add_replay_flags(*command, options->flags);
   add_truth_flags(*command, options->truth);
   add_output_options(*command, options->outputs);
-  command->add_option("--out", options->out, "write corrected rate, bias, sigma and turn since departure as CSV");
+  command->add_option("--out", options->out,
+                      "write corrected rate, bias, sigma and turn since departure as CSV");
   command->footer(
       "Examples:\n"
       "  zerorate replay rest.csv.gz --schedule still=60,drive=300,seed=1\n"

@@ -156,8 +156,8 @@ INSTANTIATE_TEST_SUITE_P(Of, Tolerance, ::testing::Values(0.0, 0.005, 0.01, 0.03
 TEST(StraightDrives, HaveTheIntervalThatThePredictionHad) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const Ending& end : run(0.01, 0.0, false, seed)) {
-      // The white noise of the samples adds, and up to 3 s before the departure. Between two answers
-      // of the filter the standard deviation grows by its upper bound.
+      // The white noise of the samples adds, and up to 3 s before the departure. Between two
+      // answers of the filter the standard deviation grows by its upper bound.
       const double white_deg = 0.00269 * std::sqrt(103.0);
       const double narrowest_deg = std::hypot(end.predicted_sigma_deg, white_deg);
       EXPECT_GE(end.sigma_deg, 0.97 * narrowest_deg);

@@ -263,7 +263,8 @@ void read_turn(const json& line, app::RateMessage& message) {
     message.turn.at(i) = {.angle = core::deg(line.at("turn_deg").at(i).get<float>()),
                           .sigma = core::deg(sigma.get<float>())};
   }
-  message.turn_time = core::Duration::nanoseconds(std::llround(line.at("turn_s").get<double>() * 1e9));
+  message.turn_time =
+      core::Duration::nanoseconds(std::llround(line.at("turn_s").get<double>() * 1e9));
 }
 
 wire::NumberedMessage read_message(const json& line) {

@@ -305,6 +305,8 @@ class Corrected:
     corrected_rad_s: np.ndarray
     bias_rad_s: np.ndarray
     sigma_rad_s: np.ndarray
+    turn_rad: np.ndarray
+    turn_sigma_rad: np.ndarray
     still: np.ndarray
     calibrated: np.ndarray
     has_rate: np.ndarray
