@@ -21,14 +21,15 @@ function parse(frame) {
   const end = frame.length - 4;
   if (crc32(frame.subarray(0, end)) !== frame.readUInt32LE(end)) return { kind: 'damaged' };
   const magic = frame.toString('latin1', 0, 2);
-  if (magic === 'ZR' && frame.length === 80 && frame[2] === 2) {
+  if (magic === 'ZR' && frame.length === 112 && frame[2] === 3) {
     const axis = (at) => ({
       measured: frame.readFloatLE(at), corrected: frame.readFloatLE(at + 4),
       bias: frame.readFloatLE(at + 8), sigma: frame.readFloatLE(at + 12),
     });
     return {
       kind: 'rate', number: frame.readUInt32LE(4), time_ns: frame.readBigInt64LE(8),
-      motion: MOTIONS[frame[16]], health: frame.readUInt16LE(17), axes: [axis(20), axis(36), axis(52)], frame,
+      motion: MOTIONS[frame[16]], health: frame.readUInt16LE(17), axes: [axis(20), axis(36), axis(52)],
+      turn: [76, 84, 92].map((at) => ({ angle: frame.readFloatLE(at), sigma: frame.readFloatLE(at + 4) })), frame,
     };
   }
   if (magic === 'ZS' && frame.length === 56) {
