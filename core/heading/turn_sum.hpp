@@ -30,7 +30,7 @@ struct MotionModel {
 ///
 /// The error of the sum M over n samples at the intervals dt has the variance
 ///
-///     bias + N^2 sum(dt^2) + scale_factor^2 M^2 + asymmetry^2 (sum |M of a tick|)^2 + gaps
+///     bias + N^2 n dt^2 + scale_factor^2 M^2 + asymmetry^2 (sum |M of a tick|)^2 + gaps
 ///
 /// docs/design/heading.md. The variance of the bias part is set by the owner now and then; in
 /// between its standard deviation grows by that of the bias, which is an upper bound.
@@ -59,8 +59,7 @@ class TurnSum {
     Rates bias_sigma_rad{};          ///< deviation of the integral of the bias
     Rates white_variance_rad2_s2{};  ///< variance of a sample
     Rates newest_rad_s{};            ///< rates of the newest sample
-    float squares_s2 = 0.0F;         ///< sum of the squared intervals, to the tick being filled
-    float tick_squares_s2 = 0.0F;
+    Rates slow_variance_rad2{};  ///< white noise, asymmetry and gaps, to the tick being filled
     float gap_variance_rad2 = 0.0F;
     std::uint32_t measured_ticks = 0;  ///< ticks up to the stop that was departed from
     std::uint8_t lost_axes = 0;        ///< bit i: axis i was at full scale
@@ -101,7 +100,7 @@ class TurnSum {
            are_plausible(state.path_rad) && are_plausible(state.newest_rad_s) &&
            is_plausible_variance(state.before.length_s) &&
            is_plausible_variance(state.long_before.length_s) && state.gap_variance_rad2 >= 0.0F &&
-           is_plausible_variance(state.squares_s2) && is_plausible_variance(state.tick_squares_s2);
+           are_plausible_variances(state.slow_variance_rad2);
   }
 
   /// Whether the vehicle moves by the newest sample.
@@ -122,7 +121,6 @@ class TurnSum {
               .tick_rad = state_.tick_rad,
               .white_variance_rad2_s2 = white_variance_rad2_s2,
               .newest_rad_s = state_.newest_rad_s,
-              .tick_squares_s2 = state_.tick_squares_s2,
               .measured_ticks = state_.measured_ticks,
               .has_departed = true};
   }
@@ -133,7 +131,7 @@ class TurnSum {
   constexpr void close_tick() {
     if (state_.moves) {
       add(state_.tick_rad);
-      state_.squares_s2 += state_.tick_squares_s2;
+      sum_slow_variances();
     } else {
       for (std::size_t i = 0; i < Axes; ++i) state_.before.turn_rad[i] += state_.tick_rad[i];
       if (state_.before.length_s >= window_s_) {
@@ -142,7 +140,6 @@ class TurnSum {
       }
     }
     state_.tick_rad = {};
-    state_.tick_squares_s2 = 0.0F;
   }
 
   /// Adds a sample. Call depart() before where it is the first of a drive.
@@ -177,10 +174,8 @@ class TurnSum {
       return rad(std::numeric_limits<float>::infinity());
     }
     const float turn = turn_rad(axis) * model_.scale_factor;
-    const float path = state_.path_rad[axis] * model_.asymmetry;
     const float bias = state_.bias_sigma_rad[axis];
-    float variance = bias * bias + turn * turn + path * path + state_.gap_variance_rad2 +
-                     state_.white_variance_rad2_s2[axis] * state_.squares_s2;
+    float variance = bias * bias + turn * turn + state_.slow_variance_rad2[axis];
     if (state_.moves && silence > Duration{} && is_gap(silence.in_seconds())) {
       variance += gap_variance_rad2(silence.in_seconds());
     }
@@ -215,10 +210,20 @@ class TurnSum {
   }
   constexpr void add_error(const Sample& sample, float interval_s) {
     state_.duration = state_.duration + sample.since_last;
-    state_.tick_squares_s2 += interval_s * interval_s;
     grow_bias_sigma(interval_s, sample.bias_sigma_rad_s);
     state_.lost_axes |= sample.saturated_axes;
-    if (is_gap(interval_s)) state_.gap_variance_rad2 += gap_variance_rad2(interval_s);
+    if (!is_gap(interval_s)) return;
+    state_.gap_variance_rad2 += gap_variance_rad2(interval_s);
+    sum_slow_variances();
+  }
+  /// The parts of the error that a sample hardly changes.
+  constexpr void sum_slow_variances() {
+    const float period_times_length_s2 = period_s_ * state_.duration.in_seconds();
+    for (std::size_t i = 0; i < Axes; ++i) {
+      const float path = state_.path_rad[i] * model_.asymmetry;
+      state_.slow_variance_rad2[i] = state_.white_variance_rad2_s2[i] * period_times_length_s2 +
+                                     path * path + state_.gap_variance_rad2;
+    }
   }
   /// The vehicle begins to move, with what was turned unnoticed, or stops.
   constexpr void turn_to(bool moves, const Rates& bias_sigma_rad_s) {
@@ -232,7 +237,7 @@ class TurnSum {
     state_.duration =
         state_.duration +
         Duration::milliseconds(static_cast<std::int32_t>(length_s * kMillisecondsPerSecond));
-    state_.squares_s2 += length_s * period_s_;
+    sum_slow_variances();
     grow_bias_sigma(length_s, bias_sigma_rad_s);
     state_.before = {};
     state_.long_before = {};

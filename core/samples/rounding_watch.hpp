@@ -89,11 +89,11 @@ class RoundingWatch {
 
   /// The next sample, whether the vehicle stands or not.
   constexpr void take(const Rates& rate_rad_s) {
+    if (!state_.has_newest) estimate_without_rest();
     for (std::size_t i = 0; i < Axes && state_.has_newest; ++i) {
       const float change = rate_rad_s[i] - state_.newest_rad_s[i];
       if (change != 0.0F) take_change(change < 0.0F ? -change : change);
     }
-    if (state_.differences == 0) estimate_without_rest();
     state_.newest_rad_s = rate_rad_s;
     state_.has_newest = true;
   }
@@ -133,13 +133,16 @@ class RoundingWatch {
 
   /// Before the first window at rest, as after a restart, the noise of the model has to do.
   constexpr void estimate_without_rest() {
+    if (state_.differences > 0) return;
     const float step = step_rad_s();
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F));
   }
   constexpr void take_change(float change) {
+    const float step = step_rad_s();
     const bool is_first = state_.changes == 0;
     if (state_.changes < kFewestChanges) ++state_.changes;
     if (is_first || change < state_.least_change_rad_s) state_.least_change_rad_s = change;
+    if (step_rad_s() != step) estimate_without_rest();
   }
   [[nodiscard]] constexpr float variance(float step, float shown) const {
     // A sensor that does not change hides its noise in a step, of ten standard deviations at most.

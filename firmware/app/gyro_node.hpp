@@ -115,7 +115,7 @@ class GyroNode {
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 30U;
     discard_stop(now);
     turn_.lose();
-    finish_work();
+    finish_learning();
     const std::int64_t ticks =
         std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
     ticks_.pass_pause(static_cast<std::uint32_t>(ticks), has_lost_power);
@@ -134,10 +134,7 @@ class GyroNode {
     message.health.saturated =
         sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
     describe(message, refused ? Rate{} : sample.rate);
-    if (!refused) {
-      const bool is_waiting = learning_.confirmed() > 0 || ticks_.is_learning();
-      turn_.add(message, since_last, sample.saturated_axes, is_waiting, ticks_);
-    }
+    if (!refused) turn_.add(message, since_last, sample.saturated_axes, is_learning(), ticks_);
     turn_.describe({}, message);
     return message;
   }
@@ -152,10 +149,10 @@ class GyroNode {
     return message;
   }
 
-  /// Does at once what is left to do for the ticks that are certain, before a record is saved. A
-  /// long call with many hypotheses.
-  constexpr void finish_work() {
-    while (has_work()) one_step();
+  /// Learns at once from the ticks that are certain, before a record is saved. A long call with many
+  /// hypotheses.
+  constexpr void finish_learning() {
+    while (is_learning()) one_step();
   }
 
   /// Bias that a predictor expects at the newest sample, alone and with its variance.
@@ -191,9 +188,9 @@ class GyroNode {
   [[nodiscard]] constexpr std::uint32_t tick() const { return learning_.tick(); }
   /// Ticks up to and with the newest one that has been learnt from.
   [[nodiscard]] constexpr std::uint32_t measured_ticks() const { return ticks_.measured_ticks(); }
-  /// Whether a tick that is certain has not been learnt, or the newest prediction is not complete.
-  [[nodiscard]] constexpr bool has_work() const {
-    return ticks_.is_busy() || learning_.confirmed() > 0;
+  /// Whether a tick that is certain has not been learnt from, or not completely.
+  [[nodiscard]] constexpr bool is_learning() const {
+    return ticks_.is_learning() || learning_.confirmed() > 0;
   }
 
   [[nodiscard]] constexpr State state() const {

@@ -133,7 +133,7 @@ class Snapshot {
         reference_degc_(reference_of(params)),
         turn_on_is_known_(core::is_finite(params.model.turn_on_variance_rad2_s2)) {}
 
-  /// A record for boards that lose their power, of all that is certain (GyroNode::finish_work).
+  /// A record for boards that lose their power, of all that is certain (GyroNode::finish_learning).
   [[nodiscard]] std::array<std::uint8_t, kBytesOfFilters> of_filters(
       Node& node, const SnapshotTime& time) const {
     std::array<std::uint8_t, kBytesOfFilters> record{};
@@ -143,7 +143,7 @@ class Snapshot {
   /// Writes that record into the caller's memory.
   void write_filters(Node& node, const SnapshotTime& time,
                      std::span<std::uint8_t, kBytesOfFilters> record) const {
-    node.finish_work();
+    node.finish_learning();
     const auto& ticks = node.ticks();
     std::span<std::uint8_t> rest = begin(record, Content::filters, node.predictors().has_learnt(),
                                          ticks.ticks_since_measured(), time);

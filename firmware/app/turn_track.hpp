@@ -25,9 +25,11 @@ class TurnTrack {
   static constexpr std::size_t kAxes = Ticks::kAxes;
   using Params = typename Ticks::Params;
   using Sum = core::TurnSum<kAxes>;
+  static constexpr std::uint32_t kShortest = 16;  ///< ticks
 
   struct State {
-    std::uint32_t asked_ticks = 0;  ///< length of the drive whose error was asked for last
+    /// Length of the drive whose error was asked for last. A bias hardly changes in a shorter one.
+    std::uint32_t asked_ticks = kShortest;
     typename Sum::State sum;
 
     constexpr bool operator==(const State&) const = default;
@@ -57,9 +59,9 @@ class TurnTrack {
     ticks.drive().ticks = length;
   }
   /// Adds the rate of a message as it is published.
-  /// @param is_waiting whether a measurement of the stop that is over will still be learnt
+  /// @param is_learning whether a measurement of the stop that is over will still be learnt
   constexpr void add(const RateMessage& message, core::Duration since_last,
-                     std::uint8_t saturated_axes, bool is_waiting, Ticks& ticks) {
+                     std::uint8_t saturated_axes, bool is_learning, Ticks& ticks) {
     typename Sum::Sample sample{.since_last = since_last,
                                 .saturated_axes = saturated_axes,
                                 .moves = message.motion != core::Motion::still};
@@ -67,7 +69,7 @@ class TurnTrack {
       sample.rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
       sample.bias_sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     }
-    if (sample.moves) follow_motion(is_waiting, ticks);
+    if (sample.moves) follow_motion(is_learning, ticks);
     sum_.add(sample);
     take_error(ticks);
   }
@@ -84,12 +86,12 @@ class TurnTrack {
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
   /// Notices a departure. A measurement that is learnt after it belongs to the stop before.
-  constexpr void follow_motion(bool is_waiting, const Ticks& ticks) {
-    if (!sum_.moves() && (is_waiting || sum_.has_rested(ticks.measured_ticks()))) {
+  constexpr void follow_motion(bool is_learning, const Ticks& ticks) {
+    if (!sum_.moves() && (is_learning || sum_.has_rested(ticks.measured_ticks()))) {
       typename Sum::Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
       sum_.depart(white);
-      asked_ticks_ = 0;
+      asked_ticks_ = kShortest;
     }
     sum_.note_measurement(ticks.measured_ticks());
   }
@@ -106,7 +108,7 @@ class TurnTrack {
 
   const Params& params_;
   Sum sum_;
-  std::uint32_t asked_ticks_ = 0;
+  std::uint32_t asked_ticks_ = kShortest;
 };
 
 }  // namespace zerorate::app

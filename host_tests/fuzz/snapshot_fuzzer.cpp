@@ -60,7 +60,7 @@ struct Learnt {
       (void)node.step({.time = core::Instant::from_ns(ms * 1'000'000),
                        .rate = {core::rad_per_s(noise), core::rad_per_s(-noise), {}}});
     }
-    node.finish_work();  // a record changes nothing then
+    node.finish_learning();  // a record changes nothing then
   }
   Node node;
 };

@@ -48,7 +48,7 @@ class StateKeeper {
       return is_needed && medium_.prepare();
     }
     // No call is long: the samples of the next tick finish what the stop taught.
-    if (was_still_ && motion == core::Motion::moving && !node.has_work()) {
+    if (was_still_ && motion == core::Motion::moving && !node.is_learning()) {
       was_still_ = false;
       if (node.measured_ticks() != saved_ticks_ && now >= next_at_) save(node, now);
     }

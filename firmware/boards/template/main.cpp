@@ -28,7 +28,7 @@ class Keeper {
   }
   void poll(Node& node) {
     const bool stands = node.motion() == core::Motion::still;
-    if (stood_ && !stands && node.has_work()) return;  // until the stop is learnt
+    if (stood_ && !stands && node.is_learning()) return;  // until the stop is learnt
     if (stood_ && !stands && node.predictors().has_learnt()) {
       kSnapshot.write_filters(node, {}, record_);
       (void)memory_.save(record_);

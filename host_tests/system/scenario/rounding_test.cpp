@@ -85,7 +85,7 @@ class World {
   void run(Score& score) {
     for (std::size_t drive = 0; drive < kDrives; ++drive) {
       for (std::size_t k = 0; k < kStop; ++k) (void)step(false);
-      node_.finish_work();
+      node_.finish_learning();
       const core::Instant from = now();
       std::array<double, 3> drift_rad{};
       std::array<core::HeadingPrediction, 3> heading;

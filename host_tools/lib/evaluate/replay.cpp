@@ -108,7 +108,7 @@ class StopJudge {
   static const Node& copy_learnt(const Node& running, std::optional<Node>& copy) {
     copy.emplace(running.params());
     copy->restore(running.state());
-    copy->finish_work();
+    copy->finish_learning();
     return *copy;
   }
   std::optional<Node> before_;               ///< node before the stop
@@ -156,7 +156,7 @@ class Run {
       stops_.end_stop(node_, kStart, result_);
     }
     if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts());
-    node_.finish_work();
+    node_.finish_learning();
     if (has_news()) tell_learnt(row.time_ns);
     result_.loop = feed.counters();
     result_.findings = reader_.findings();
@@ -229,7 +229,7 @@ class Run {
 
   /// Whether the node has learnt something that was not reported yet.
   [[nodiscard]] bool has_news() const {
-    return replayed_.params().model.hypotheses.count > 0 && !node_.has_work() &&
+    return replayed_.params().model.hypotheses.count > 0 && !node_.is_learning() &&
            node_.measured_ticks() != told_ticks_;
   }
   void tell_learnt(std::int64_t time_ns) {

@@ -101,7 +101,7 @@ TEST(GyroNodeOnTheMove, LearnsNothing) {
   Node node{params};
   stand(node, 0, 20'000);
   drive(node, 20'000, 20'010);
-  node.finish_work();  // the ticks that were certain at the first pulse
+  node.finish_learning();  // the ticks that were certain at the first pulse
   const Node::State before = node.state();
   drive(node, 20'010, 80'000, 1.0F);
   const Node::State after = node.state();
@@ -156,7 +156,7 @@ TEST(GyroNodeBeforeTheFirstPulse, NeedsTheHoldBackForIt) {
   stand(straight, 20'000, 20'490);
   for (Node* node : {&turning, &straight}) {
     drive(*node, 20'490, 20'500);
-    node->finish_work();
+    node->finish_learning();
   }
   for (const Predictor which :
        {Predictor::kalman, Predictor::moving_average, Predictor::calibration_mean}) {
@@ -250,8 +250,8 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
     if (ms % 100 < 50) (void)thin.step(noisy_sample(at_ms(ms), kBias));
   }
   EXPECT_EQ(thin.tick(), full.tick());
-  full.finish_work();
-  thin.finish_work();
+  full.finish_learning();
+  thin.finish_learning();
   const auto thin_mean = thin.state().ticks.predictors.axes[0].calibration_mean;
   const auto full_mean = full.state().ticks.predictors.axes[0].calibration_mean;
   EXPECT_EQ(thin_mean.count, full_mean.count);
@@ -302,7 +302,7 @@ TEST(GyroNodeBuiltToPublishAPredictor, CorrectsByThatOne) {
     Node node{params};
     stand(node, 0, 20'000);
     drive(node, 20'000, 20'010);
-    node.finish_work();
+    node.finish_learning();
     const RateMessage message = drive(node, 20'010, 20'200).back();
     EXPECT_EQ(message.axes[0].bias, node.bias(which, 0));
     EXPECT_EQ(message.axes[0].sigma.in(core::rad_per_s), node.predict(which, 0).sigma_rad_s());
