@@ -50,38 +50,29 @@ inline constexpr float kCanTemperatureLsbDegC = 0.01F;
 inline constexpr std::uint16_t kCanTemperatureNotAvailable = 0x8000U;
 
 namespace detail {
-/// The nearest number of LSB, ties away from zero, if it lies inside (-limit, limit).
-[[nodiscard]] constexpr bool count_lsb(float value, float limit, std::int32_t& lsb) {
-  if (!(value > -limit && value < limit)) return false;
-  lsb = static_cast<std::int32_t>(value < 0.0F ? value - 0.5F : value + 0.5F);
-  return true;
+/// Signal of 16 or 32 bits: the nearest count of its LSB, ties away from zero.
+/// @param not_available content where the count does not lie inside (-limit, limit)
+template <class Content>
+[[nodiscard]] constexpr Content encode_count(float count, float limit, Content not_available) {
+  if (!(count > -limit && count < limit)) return not_available;
+  return static_cast<Content>(
+      static_cast<std::int32_t>(count < 0.0F ? count - 0.5F : count + 0.5F));
+}
+/// A rate or an angle.
+[[nodiscard]] constexpr std::uint32_t encode_can_value(float count) {
+  return encode_count(count, 2147483000.0F, kCanRateNotAvailable);
+}
+[[nodiscard]] constexpr std::uint16_t encode_can_sigma(float count) {
+  return encode_count(count, 65534.0F, kCanSigmaNotAvailable);
 }
 [[nodiscard]] constexpr std::uint32_t encode_can_rate(core::AngularRate rate) {
-  std::int32_t lsb = 0;
-  const bool fits = count_lsb(rate.in(core::deg_per_s) / kCanRateLsbDegPerS, 2147483000.0F, lsb);
-  return fits ? static_cast<std::uint32_t>(lsb) : kCanRateNotAvailable;
-}
-[[nodiscard]] constexpr std::uint16_t encode_can_sigma(core::AngularRate sigma) {
-  std::int32_t lsb = 0;
-  const bool fits = count_lsb(sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS, 65534.0F, lsb);
-  return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
-}
-[[nodiscard]] constexpr std::uint32_t encode_can_turn(core::Angle angle) {
-  std::int32_t lsb = 0;
-  const bool fits = count_lsb(angle.in(core::deg) / kCanTurnLsbDeg, 2147483000.0F, lsb);
-  return fits ? static_cast<std::uint32_t>(lsb) : kCanRateNotAvailable;
-}
-[[nodiscard]] constexpr std::uint16_t encode_can_turn_sigma(core::Angle sigma) {
-  std::int32_t lsb = 0;
-  const bool fits = count_lsb(sigma.in(core::deg) / kCanTurnSigmaLsbDeg, 65534.0F, lsb);
-  return fits ? static_cast<std::uint16_t>(lsb) : kCanSigmaNotAvailable;
+  return encode_can_value(rate.in(core::deg_per_s) / kCanRateLsbDegPerS);
 }
 [[nodiscard]] constexpr std::uint16_t encode_can_temperature(
     const std::optional<core::Temperature>& temperature) {
-  std::int32_t lsb = 0;
-  const bool fits =
-      temperature && count_lsb(temperature->degc() / kCanTemperatureLsbDegC, 32767.0F, lsb);
-  return fits ? static_cast<std::uint16_t>(lsb) : kCanTemperatureNotAvailable;
+  if (!temperature) return kCanTemperatureNotAvailable;
+  return encode_count(temperature->degc() / kCanTemperatureLsbDegC, 32767.0F,
+                      kCanTemperatureNotAvailable);
 }
 }  // namespace detail
 
@@ -106,7 +97,9 @@ namespace detail {
   out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
                                     (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
   out.put(static_cast<std::uint8_t>(health & 0xFFU));
-  for (const app::AxisRate& axis : message.axes) out.put(detail::encode_can_sigma(axis.sigma));
+  for (const app::AxisRate& axis : message.axes) {
+    out.put(detail::encode_can_sigma(axis.sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS));
+  }
   return frames;
 }
 
@@ -137,8 +130,9 @@ namespace detail {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].id = static_cast<std::uint16_t>(id + kCanTurnOffset + i);
     LittleEndianWriter out{frames[i].data};
-    out.put(detail::encode_can_turn(message.turn[i].angle));
-    out.put(detail::encode_can_turn_sigma(message.turn[i].sigma));
+    const app::AxisTurn& turn = message.turn[i];
+    out.put(detail::encode_can_value(turn.angle.in(core::deg) / kCanTurnLsbDeg));
+    out.put(detail::encode_can_sigma(turn.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
     out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
   }
   return frames;
