@@ -162,7 +162,7 @@ noise model. Measured in the emulated chip over a simulated drive of ${DURATION_
 |---|---|---|
 ${[...figures].map(([row, values]) => `| ${row} | ${values.join(' | ')} |`).join('\n')}
 
-The images may take 50 and 64 KiB of flash, and 8 and 24 KiB of RAM. A sample period, 9.6 ms, has 1.2 million cycles at
+The images may take 60 and 76 KiB of flash, and 8 and 24 KiB of RAM. A sample period, 9.6 ms, has 1.2 million cycles at
 125 MHz; an instruction of the Cortex-M0+ takes one or two, and more where it waits for the flash, which the emulator
 does not model. The proved bound of the stack follows every call of the linked image (\`toolchains/gates/stack_depth.py\`),
 and it is reached: with an interrupt of each priority at every new depth of the stack, the image uses exactly as much
