@@ -184,6 +184,17 @@ template <class Scalar>
   return truncated > shifted ? truncated - 1.0F : truncated;
 }
 
+/// True if no number differs from its partner by more than the root of the limit.
+template <std::size_t N>
+[[nodiscard]] constexpr bool are_near(const std::array<float, N>& a, const std::array<float, N>& b,
+                                      float squared_limit) {
+  for (std::size_t i = 0; i < N; ++i) {
+    const float change = a[i] - b[i];
+    if (change * change > squared_limit) return false;
+  }
+  return true;
+}
+
 /// Largest magnitude of a number in a saved state (SI units). Products of two of them and the
 /// square of a time in ticks stay within single precision.
 inline constexpr float kLargestRemembered = 1e12F;

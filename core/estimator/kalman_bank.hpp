@@ -143,6 +143,10 @@ class KalmanBank {
     if (!state_.is_confirmed()) --state_.confirmations_left;
     return true;
   }
+  /// The newest measurement was borne out before it was learnt.
+  constexpr void confirm() {
+    if (state_.is_measured()) state_.confirmations_left = 0;
+  }
   /// The filter of one hypothesis learns.
   /// @param innovations of the mixture; where there is one hypothesis, its own
   constexpr void learn(std::size_t m, const Rates& rates_rad_s, float white_variance,

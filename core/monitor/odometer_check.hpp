@@ -156,7 +156,7 @@ class OdometerCheck {
   constexpr void on_driving_tick(const Rates& sample_rad_s) {
     count_down();
     if (state_.stands) depart();
-    if (is_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
+    if (are_near(sample_rad_s, state_.level_rad_s, noise_rad2_s2_)) {
       age_level(1);
     } else {
       restart_level(sample_rad_s);
@@ -203,14 +203,6 @@ class OdometerCheck {
     if (!(duration > Duration{}) || ticks >= kNever) return kNever;
     return ticks > 0 ? static_cast<std::uint16_t>(ticks) : std::uint16_t{1};
   }
-  static constexpr bool is_near(const Rates& a, const Rates& b, float limit_rad2_s2) {
-    for (std::size_t i = 0; i < Axes; ++i) {
-      const float change = a[i] - b[i];
-      if (change * change > limit_rad2_s2) return false;
-    }
-    return true;
-  }
-
   /// The bias by the predictor, if there is one.
   struct Predicted {
     const Rates* rate_rad_s = nullptr;
@@ -230,7 +222,7 @@ class OdometerCheck {
     state_.has_trusted = true;
   }
   [[nodiscard]] constexpr bool is_near_trusted(const Rates& rate, float limit_rad2_s2) const {
-    return !state_.has_trusted || is_near(rate, state_.trusted_rad_s, limit_rad2_s2);
+    return !state_.has_trusted || are_near(rate, state_.trusted_rad_s, limit_rad2_s2);
   }
 
   /// Mean rate of a window, and its noise.
@@ -262,7 +254,7 @@ class OdometerCheck {
     const float noise = closed.noise_against(level_ticks());
     const float limit = std::max(least_turn_rad2_s2_, noise);
     if (!state_.stands) return begin_stop(closed, noise, predicted);
-    if (!is_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
+    if (!are_near(closed.mean_rad_s, state_.level_rad_s, limit)) {
       start_change(closed, predicted);
     } else if (noise <= least_turn_rad2_s2_ || state_.window.ticks >= longest_window_) {
       clear_window();
@@ -276,7 +268,7 @@ class OdometerCheck {
     state_.turns = !is_near_trusted(first.mean_rad_s, std::max(least_turn_rad2_s2_, noise));
     state_.needed_ticks = ticks_of_evidence(first, predicted);
     const float same = std::max(kSameLevel2 * least_turn_rad2_s2_, noise);
-    if (!state_.is_doubted || !is_near(first.mean_rad_s, state_.doubted_rad_s, same)) return;
+    if (!state_.is_doubted || !are_near(first.mean_rad_s, state_.doubted_rad_s, same)) return;
     state_.level_rad_s = state_.doubted_rad_s;
     state_.steady_ticks = state_.doubted_ticks;
     state_.needed_ticks = state_.doubted_needed_ticks;
@@ -312,7 +304,7 @@ class OdometerCheck {
   /// Whether one of the two explanations is to be believed now.
   constexpr void decide(const Predicted& predicted, float limit_rad2_s2) {
     const auto is_at = [&](const Rates& explained) {
-      return state_.steady_ticks >= back_ && is_near(state_.level_rad_s, explained, limit_rad2_s2);
+      return state_.steady_ticks >= back_ && are_near(state_.level_rad_s, explained, limit_rad2_s2);
     };
     const bool is_back = state_.has_trusted && is_at(state_.trusted_rad_s);
     const bool is_former = state_.has_former && is_at(state_.former_rad_s);

@@ -54,6 +54,7 @@ class TickAverage {
     if (!is_bool(state.started) || state.started != has_sample) return false;
     if (!are_plausible(state.first_rad_s) || !are_plausible(state.sum_rad_s)) return false;
     if (!is_in_range(state.origin) || !is_in_range(state.end)) return false;
+    if (state.samples > 0 && state.end > newest) return false;
     if (!has_sample) return state.tick == 0 && state.samples == 0;
     const std::int64_t ticks = (newest - state.origin) / tick;
     return state.origin <= newest && ticks < kMaxTicks && state.tick == ticks;

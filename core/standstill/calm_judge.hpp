@@ -122,7 +122,7 @@ class CalmJudge {
         kFarSigmas * kFarSigmas *
         (variance_rad2_s2 + white.shown_rad2_s2() / static_cast<float>(tick.samples));
     const bool is_doubted = predicted_rad_s != nullptr && state_.calm_windows < needed_windows_ &&
-                            is_far(tick.rate_rad_s, *predicted_rad_s, limit);
+                            !are_near(tick.rate_rad_s, *predicted_rad_s, limit);
     return is_doubted ? Calm::far : Calm::calm;
   }
 
@@ -210,15 +210,6 @@ class CalmJudge {
     }
     constexpr float kShrink = 0.9F;
     state_.step = std::max(kShrink * state_.step, least_step());
-  }
-
-  [[nodiscard]] static constexpr bool is_far(const Rates& rate_rad_s, const Rates& predicted_rad_s,
-                                             float limit_rad2_s2) {
-    for (std::size_t i = 0; i < Axes; ++i) {
-      const float change = rate_rad_s[i] - predicted_rad_s[i];
-      if (change * change > limit_rad2_s2) return true;
-    }
-    return false;
   }
 
   constexpr void restart_windows() {

@@ -15,6 +15,7 @@
 #include "core/standstill/calm_judge.hpp"
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
+#include "core/standstill/sway_mean.hpp"
 
 namespace zerorate::core {
 
@@ -29,10 +30,14 @@ namespace zerorate::core {
 ///        |           +-- discarded: a pulse comes before the tick is over
 ///        +-- discarded: less than the settle time after a pulse
 ///
-/// Without an odometer there are no pulses, and CalmJudge alone decides.
+/// Without an odometer there are no pulses, and CalmJudge alone decides. With an odometer alone
+/// every stop is rest, whatever the gyro shows.
 ///
-/// @tparam Item a TickMean<Axes> with members `bool begins_stop` and `bool has_jumped`, and what
-///   else belongs to a measurement
+/// In a stop that is never calm the vehicle may sway. Where its mean rate teaches more than is
+/// known, that is confirmed in place of the ticks, with the error that it has (SwayMean).
+///
+/// @tparam Item a TickMean<Axes> with members `bool begins_stop`, `has_jumped` and `is_sway`, and
+///   what else belongs to a measurement
 /// @tparam Capacity number of ticks that are held at most
 template <class Item, std::size_t Axes, std::size_t Capacity>
 class StopLearning {
@@ -49,6 +54,8 @@ class StopLearning {
     typename OdometerCheck<Axes>::State odometer;
     typename TickAverage<Axes>::State average;
     typename CalmJudge<Axes>::State calm;
+    typename SwayMean<Axes>::State sway;
+    float sway_variance_rad2_s2 = 0.0F;
     HoldBack held;
 
     constexpr bool operator==(const State&) const = default;
@@ -59,9 +66,11 @@ class StopLearning {
   constexpr StopLearning(const Standstill::Params& standstill, const OdometerCheckParams& odometer,
                          Duration tick, Duration sample_period, float white_variance_rad2_s2)
       : standstill_(standstill),
-        odometer_(odometer, tick, sample_period, white_variance_rad2_s2),
+        odometer_(limits_for(standstill.source, odometer), tick, sample_period,
+                  white_variance_rad2_s2),
         average_(tick, sample_period),
         calm_(standstill.source, odometer.longest_bend, tick),
+        sway_(tick),
         has_odometer_(standstill.source != StandstillSource::gyro),
         asks_gyro_(standstill.source != StandstillSource::odometer_alone),
         wait_(longest_wait(standstill, tick) + sample_period / 2),
@@ -69,8 +78,9 @@ class StopLearning {
             std::min(wait_ / tick + 2, static_cast<std::int64_t>(Capacity) - 2))) {}
 
   [[nodiscard]] constexpr State state() const {
-    return {newest_sample_,    has_sample_,      stop_is_open_, standstill_.state(),
-            odometer_.state(), average_.state(), calm_.state(), held_};
+    return {
+        newest_sample_,   has_sample_,   stop_is_open_, standstill_.state(),    odometer_.state(),
+        average_.state(), calm_.state(), sway_.state(), sway_variance_rad2_s2_, held_};
   }
   /// @param white level of the node that the state belongs to
   constexpr void restore(const State& state, const White& white) {
@@ -81,6 +91,8 @@ class StopLearning {
     odometer_.restore(state.odometer);
     average_.restore(state.average);
     calm_.restore(state.calm);
+    sway_.restore(state.sway);
+    sway_variance_rad2_s2_ = state.sway_variance_rad2_s2;
     odometer_.set_white_noise(white.upper_variance_rad2_s2());
     held_ = state.held;
   }
@@ -94,13 +106,15 @@ class StopLearning {
     return are_bools(state.has_sample, state.stop_is_open) && is_in_range(state.newest_sample) &&
            Standstill::is_possible(state.standstill) &&
            OdometerCheck<Axes>::is_possible(state.odometer) &&
-           CalmJudge<Axes>::is_possible(state.calm) &&
+           CalmJudge<Axes>::is_possible(state.calm) && SwayMean<Axes>::is_possible(state.sway) &&
+           is_plausible_variance(state.sway_variance_rad2_s2) &&
            TickAverage<Axes>::is_possible(state.average, tick, state.has_sample,
                                           state.newest_sample) &&
            state.held.is_possible([&](const Item& item, const Item* before) {
              return TickAverage<Axes>::is_possible(state.average, item, state.newest_sample) &&
                     (before == nullptr || (before->tick < item.tick && before->end < item.end)) &&
-                    are_bools(item.begins_stop, item.has_jumped) && is_possible_item(item);
+                    are_bools(item.begins_stop, item.has_jumped, item.is_sway) &&
+                    is_possible_item(item);
            });
   }
 
@@ -167,6 +181,7 @@ class StopLearning {
       held_.discard_newest_while(
           [&](const Item& item) { return item.tick + calm_.reach_ticks() > closed.tick; });
     }
+    if (has_odometer_ && asks_gyro_) take_sway(closed, predicted_rad_s, variance_rad2_s2);
   }
   constexpr void enter_tick(Instant at) { average_.enter(at); }
 
@@ -191,6 +206,8 @@ class StopLearning {
   [[nodiscard]] constexpr std::size_t confirmed() const { return held_.confirmed(); }
   /// Takes the oldest certain tick.
   [[nodiscard]] constexpr Item take_confirmed() { return held_.take_confirmed(); }
+  /// Variance of the error of the newest mean of a vehicle that sways.
+  [[nodiscard]] constexpr float sway_variance_rad2_s2() const { return sway_variance_rad2_s2_; }
   /// Whether more ticks wait than a pulse confirms at once: the samples that should have shared
   /// their work did not come.
   [[nodiscard]] constexpr bool is_behind() const { return held_.confirmed() > most_waiting_; }
@@ -215,6 +232,35 @@ class StopLearning {
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
 
  private:
+  /// With an odometer alone no rotation is a turn that it missed.
+  static constexpr OdometerCheckParams limits_for(StandstillSource source,
+                                                  OdometerCheckParams limits) {
+    if (source == StandstillSource::odometer_alone) {
+      limits.turn_rad_s = std::numeric_limits<float>::infinity();
+    }
+    return limits;
+  }
+  /// Adds a tick to the mean of a vehicle that sways, and confirms that mean in place of what is
+  /// held, if it is certain enough and contradicts nothing.
+  constexpr void take_sway(const Item& closed, const Rates* predicted_rad_s,
+                           float predicted_rad2_s2) {
+    sway_.add(closed.rate_rad_s);
+    if (!sway_.is_complete() || !sway_.sways()) return;
+    const float variance = sway_.variance_rad2_s2();
+    if (predicted_rad_s != nullptr) {
+      const bool teaches = variance < predicted_rad2_s2;
+      constexpr float kNear2 = 3.0F * 3.0F;
+      const float limit = kNear2 * (variance + predicted_rad2_s2);
+      if (!teaches || !are_near(sway_.mean_rad_s(), *predicted_rad_s, limit)) return;
+    }
+    Item mean = closed;
+    mean.rate_rad_s = sway_.mean_rad_s();
+    mean.is_sway = true;
+    sway_variance_rad2_s2_ = variance;
+    held_.discard_held();
+    held_.push(mean);
+    confirm_until(closed.end);
+  }
   /// A level that has lasted over several stops is believed, however far it is.
   constexpr Calm judge(const Item& closed, const Rates* predicted_rad_s, float variance_rad2_s2,
                        White& white) {
@@ -233,6 +279,7 @@ class StopLearning {
   /// Not inlined: it is called at two places, and a board counts bytes.
   [[gnu::noinline]] constexpr void confirm_until(Instant certain) {
     held_.confirm_until(certain, [&](Item& item) {
+      sway_.clear();
       item.begins_stop = !stop_is_open_;
       stop_is_open_ = true;
       item.has_jumped = has_odometer_ && odometer_.take_jump();
@@ -243,6 +290,7 @@ class StopLearning {
     standstill_.pulse(pulse);
     average_.clear();
     calm_.end_stop();
+    sway_.clear();
     stop_is_open_ = false;
   }
 
@@ -253,6 +301,8 @@ class StopLearning {
   OdometerCheck<Axes> odometer_;
   TickAverage<Axes> average_;
   CalmJudge<Axes> calm_;
+  SwayMean<Axes> sway_;
+  float sway_variance_rad2_s2_ = 0.0F;
   bool has_odometer_;
   bool asks_gyro_;
   Duration wait_;             ///< time of a tick until it is certain

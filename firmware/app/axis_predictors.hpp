@@ -164,8 +164,10 @@ class AxisPredictors {
         drive_scale_.begin_stop(kalman_.state());
       }
     }
-    return kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank, tick.has_jumped,
-                           measurement.innovations);
+    const bool is_to_learn = kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank,
+                                             tick.has_jumped, measurement.innovations);
+    if (tick.is_sway) kalman_.confirm();  // by its parts
+    return is_to_learn;
   }
   constexpr void learn(std::size_t m, const Measurement& measurement) {
     kalman_.learn(m, measurement.rate_rad_s, measurement.white_of_bank, measurement.innovations);

@@ -149,8 +149,8 @@ class GyroNode {
     return message;
   }
 
-  /// Learns at once from the ticks that are certain, before a record is saved. A long call with many
-  /// hypotheses.
+  /// Learns at once from the ticks that are certain, before a record is saved. A long call with
+  /// many hypotheses.
   constexpr void finish_learning() {
     while (is_learning()) one_step();
   }
@@ -301,7 +301,9 @@ class GyroNode {
   /// them where the call would be longer than its longest step.
   constexpr void work() {
     if (pace_ == kAtOnce) {
-      while (learning_.confirmed() > 0) (void)ticks_.learn_at_once(learning_.take_confirmed());
+      while (learning_.confirmed() > 0) {
+        (void)ticks_.learn_at_once(learning_.take_confirmed(), learning_.sway_variance_rad2_s2());
+      }
       return ticks_.finish();
     }
     const auto waiting = static_cast<std::int32_t>(std::max(learning_.confirmed(), std::size_t{1}));
@@ -327,7 +329,7 @@ class GyroNode {
   constexpr bool begin_step() {
     if (ticks_.is_busy()) return true;
     if (learning_.confirmed() == 0) return false;
-    ticks_.learn(learning_.take_confirmed());
+    ticks_.learn(learning_.take_confirmed(), learning_.sway_variance_rad2_s2());
     return true;
   }
   constexpr void one_step() {

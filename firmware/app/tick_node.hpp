@@ -58,6 +58,7 @@ class TickNode {
   struct Tick : core::TickMean<kAxes> {
     bool begins_stop = false;  ///< first measurement of a stop
     bool has_jumped = false;   ///< first one of a level that was doubted, and is accepted
+    bool is_sway = false;      ///< mean of a vehicle that sways, in place of that of a tick
     [[no_unique_address]] TickTemperature temperature;
     [[no_unique_address]] typename Screening::Squares squares;
 
@@ -183,14 +184,16 @@ class TickNode {
   constexpr void end_stop() { screening_.end_stop(); }
   /// Measurement of the tick that is over, from the mean of its samples.
   [[nodiscard]] constexpr Tick measurement(const core::TickMean<kAxes>& mean) const {
-    return {mean, false, false, temperature_.tick(), screening_.squares()};
+    return {mean, false, false, false, temperature_.tick(), screening_.squares()};
   }
 
   /// Begins to learn from a tick. It shows in the prediction of the next tick that begins.
+  /// @param sway_variance_rad2_s2 of the error of the mean of a vehicle that sways
   /// @pre !is_learning(), and the tick is later than the measurement before
-  constexpr void learn(const Tick& tick) {
+  constexpr void learn(const Tick& tick, float sway_variance_rad2_s2 = 0.0F) {
     ZERORATE_ASSERT(!is_learning());
     work_.tick = tick;
+    work_.sway_variance_rad2_s2 = tick.is_sway ? sway_variance_rad2_s2 : 0.0F;
     work_.go_to(Stage::begin);
   }
   [[nodiscard]] constexpr bool is_learning() const {
@@ -254,8 +257,9 @@ class TickNode {
   }
   /// Learns from a tick at once.
   /// @return the innovations of the bank
-  constexpr const typename Predictors::Innovations& learn_at_once(const Tick& tick) {
-    learn(tick);
+  constexpr const typename Predictors::Innovations& learn_at_once(
+      const Tick& tick, float sway_variance_rad2_s2 = 0.0F) {
+    learn(tick, sway_variance_rad2_s2);
     while (is_learning()) step();
     return work_.measurement.innovations;
   }
@@ -293,11 +297,16 @@ class TickNode {
 
  private:
   [[nodiscard]] constexpr std::size_t count() const { return predictors_.bank().count(); }
+  /// Level that the variances of a learning bank are relative to.
+  [[nodiscard]] constexpr float scale_of_bank() const {
+    return predictors_.learns() && white_.reference() > 0.0F ? white_.reference() : 1.0F;
+  }
   /// Variances of the white noise of the mean, and the unit that the bank's variances are to have.
   constexpr void prepare_measurement() {
     const core::NodeModel<Shape>& model = params_.model;
     const float averaged = model.white_variance_rad2_s2 / static_cast<float>(work_.tick.samples);
-    const float floor = model.measurement_floor_variance_rad2_s2;
+    const float sway = work_.sway_variance_rad2_s2;
+    const float floor = model.measurement_floor_variance_rad2_s2 + sway;
     work_.unit_factor = 1.0F;
     work_.begins_to_learn = false;
     if (predictors_.learns() && white_.is_to_rebase()) {
@@ -308,7 +317,8 @@ class TickNode {
     const float level = white_.level();
     work_.measurement = {
         .rate_rad_s = work_.tick.rate_rad_s,
-        .white_of_bank = (predictors_.learns() ? white_.change() : level) * averaged + floor,
+        .white_of_bank = (predictors_.learns() ? white_.change() : level) * averaged +
+                         model.measurement_floor_variance_rad2_s2 + sway / scale_of_bank(),
         .white = level * averaged + floor,
         .white_of_model = white_.model_level() * averaged + floor,
         .innovations = {}};
@@ -319,7 +329,7 @@ class TickNode {
     lead_.ticks = 0;
     temperature_.measure(work_.tick.temperature, work_.span);
     white_.advance(ticks);
-    white_.observe(work_.tick);
+    if (!work_.tick.is_sway) white_.observe(work_.tick);
     prepare_measurement();
     predictors_.begin(work_.tick);
     work_.span.ticks = ticks;

@@ -118,7 +118,9 @@ struct TickWork {
   bool is_stale = false;         ///< the prediction is not that of the tick being filled
   bool begins_to_learn = false;  ///< the white noise was seen for the first time
   float unit_factor = 1.0F;      ///< change of the unit of the bank's variances
-  Tick tick;                     ///< measurement that is being learnt
+  float sway_variance_rad2_s2 =
+      0.0F;   ///< of the measurement, if it is that of a vehicle that sways
+  Tick tick;  ///< measurement that is being learnt
   typename Predictors::Measurement measurement;
   typename Predictors::Kalman::Forecast::Mixtures mixtures{};
   typename Predictors::Transition span;  ///< since the measurement before, of an average or a drive
@@ -143,9 +145,10 @@ struct TickWork {
     const auto number = std::bit_cast<std::uint8_t>(work.stage);
     return number <= static_cast<std::uint8_t>(TickStage::integral) && work.item < most_items &&
            core::are_bools(work.is_stale, work.begins_to_learn, work.tick.begins_stop,
-                           work.tick.has_jumped, work.drive.is_known) &&
+                           work.tick.has_jumped, work.tick.is_sway, work.drive.is_known) &&
            core::is_plausible_variance(work.unit_factor) && work.unit_factor > 0.0F &&
-           core::are_plausible(work.tick.rate_rad_s) && is_possible_tick(work.tick) &&
+           core::are_plausible(work.tick.rate_rad_s) &&
+           core::is_plausible_variance(work.sway_variance_rad2_s2) && is_possible_tick(work.tick) &&
            is_possible_span(work.span);
   }
 };

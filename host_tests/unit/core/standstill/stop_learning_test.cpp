@@ -15,6 +15,7 @@ namespace {
 struct Tick : TickMean<3> {
   bool begins_stop = false;
   bool has_jumped = false;
+  bool is_sway = false;
   constexpr bool operator==(const Tick&) const = default;
 };
 using Learning = StopLearning<Tick, 3, 16>;
