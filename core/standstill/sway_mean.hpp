@@ -13,7 +13,7 @@
 namespace zerorate::core {
 
 /// Averages the rate over 48 s of a stop, calm or not. The spread of eight parts of 6 s shows the
-/// error of the mean, enlarged so that six standard deviations are as rare as if it were known.
+/// error of the mean.
 ///
 /// A vehicle that sways comes back, so its mean rate is the bias. One that turns under a silent
 /// odometer does not. The mean is valid only where the rate varies by more than its mean: then the
@@ -71,13 +71,12 @@ class SwayMean {
     const float ticks = static_cast<float>(ticks_of_part_) * static_cast<float>(kParts);
     return state_.energy_rad2_s2 > 2.0F * mean2 * ticks;
   }
-  /// Variance of the error of the mean, of the axis that sways most.
+  /// Variance of the error of the mean, of the axis that sways most: that of a part, as if the
+  /// parts had the same error. Those of a slow sway nearly have.
   [[nodiscard]] constexpr float variance_rad2_s2() const {
-    constexpr float kSixSigma2 = 36.0F;
-    constexpr auto kCount = static_cast<float>(kParts);
     float largest = 0.0F;
     for (const float squares : state_.squares_rad2_s2) largest = std::max(largest, squares);
-    return student_factor(kSixSigma2, kCount - 1.0F) * largest / (kCount * (kCount - 1.0F));
+    return largest / static_cast<float>(kParts - 1);
   }
 
  private:
