@@ -165,7 +165,10 @@ class NodeLoop {
     std::uint8_t frozen = 0;
     for (drivers::GyroSample& sample : samples) {
       frozen = watch_.take(sample, vehicle(now));
-      if (frozen != 0) continue;
+      if (frozen != 0) {
+        node_.discard_stop(sample.time);
+        continue;
+      }
       temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
       message.health.sample_rate_off = sample_rate_.is_off();

@@ -93,6 +93,13 @@ void print_notes(const evaluate::ReplayResult& result) {
     fmt::print("  note: {} samples came without the temperature that the model follows\n",
                result.samples_without_temperature);
   }
+  if (result.samples_frozen > 0) {
+    fmt::print(
+        "  note: in {} samples, from {:.6g} s after the first row on, an axis no longer measures: "
+        "it "
+        "repeats itself. They have no rate\n",
+        result.samples_frozen, result.first_frozen_s);
+  }
   if (result.samples_disagreeing > 0) {
     fmt::print(
         "  note: in {} samples gyro and odometer contradict each other (with --schedule: was the "
@@ -345,6 +352,13 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
     fmt::print(
         "  note: no --model was given, so this is the default; of another sensor 'zerorate "
         "characterize' makes its model, and 'zerorate model list' names those of data sheets\n");
+  }
+  if (!result.states_scale_factor && !result.truth_known) {
+    fmt::print(
+        "  note: the model states no tolerance of the scale factor ([scale_factor]), so the turn "
+        "is "
+        "published with {:g} %\n",
+        100.0 * model::ScaleFactor{}.sigma);
   }
   for (const std::string& doubt : result.rest_doubts) fmt::print("  note: {}\n", doubt);
   fmt::print("{} samples every {:.6g} s, filter ticks of {:.6g} s\n", result.rows,

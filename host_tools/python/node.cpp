@@ -132,7 +132,7 @@ class NodeOfShape : public AnyNode {
  public:
   NodeOfShape(const evaluate::ReplayOptions& options, const recording::Columns& columns,
               const evaluate::SampleTiming& timing, std::int64_t first_time_ns)
-      : node_(options, columns, timing, first_time_ns), feed_(node_.node()) {}
+      : node_(options, columns, timing, first_time_ns), feed_(node_.node(), columns.axis_count) {}
 
   void run(ArrayRows& rows, const MessagePlaces& places) override {
     recording::Row row;

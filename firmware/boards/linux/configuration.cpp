@@ -222,8 +222,9 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     const bool asks_gyro = filter.standstill.source == core::StandstillSource::gyro;
     check_odometer(root, configuration, asks_gyro);
     filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
-    configuration.node = make_params(root, sensor ? *sensor : model::find_model(chip), filter,
-                                     configuration.gyro.rate_hz);
+    if (!sensor) sensor = model::find_model(chip);
+    configuration.states_scale_factor = sensor->scale_factor.has_value();
+    configuration.node = make_params(root, *sensor, filter, configuration.gyro.rate_hz);
     if (earth) configuration.node.earth = *earth;
   });
 }

@@ -40,7 +40,8 @@ struct Configuration {
   std::optional<SpeedSettings>
       speed;  ///< in its place; neither: the gyro alone decides what is rest
   core::OdometerTraits odometer_traits;
-  std::string model_name;  ///< or its file
+  std::string model_name;           ///< or its file
+  bool states_scale_factor = true;  ///< false: the model leaves the default tolerance
   Node::Params node;
   std::optional<StateSettings> state;
   MetricsSettings metrics;

@@ -8,6 +8,8 @@
 #include <string>
 #include <system_error>
 
+#include "firmware/model/sensor_model.hpp"
+
 namespace zerorate::linux_node {
 namespace {
 
@@ -158,6 +160,10 @@ void NodeService::report_gyro(const ServiceStatus& now) {
     log_line(log_, "gyro: {}{}{} started, {} Hz, {} deg/s{}", gyro.chip,
              gyro.is_simulated() ? "" : " on ", gyro.device, gyro.rate_hz, gyro.full_scale_dps,
              told_starts_ > 0 ? ", again" : "");
+    if (told_starts_ == 0 && !configuration_.states_scale_factor) {
+      log_line(log_, "model: no tolerance of the scale factor; the turn is published with {:g} %",
+               100.0 * model::ScaleFactor{}.sigma);
+    }
     told_starts_ = now.counters.starts;
     told_fault_.reset();
   }

@@ -130,6 +130,25 @@ TEST(ReplayOfTheSameRecording, IsTheSameTwiceAndPackedOrNot) {
   }
 }
 
+// Half of the recording is frozen: 19 s of the noise of this sensor show that in a second.
+TEST(ReplayOfAFrozenAxis, GivesNoRateAndLearnsNothing) {
+  const ScratchFolder folder;
+  auto rows = rows_at_rest(4'000, 0.01, 2);
+  const auto frozen = rows.begin() + 2'000;
+  for (auto row = frozen; row != rows.end(); ++row) {
+    row->rate_rad_s[2] = (frozen - 1)->rate_rad_s[2] + 0.01F;
+  }
+  const Replayed played = replay_file(write_rows(folder.path() / "frozen.csv", kRates, rows),
+                                      {.model = sensor_model(), .schedule = kShortDrives});
+  EXPECT_GE(played.result.samples_frozen, 1'850U);
+  EXPECT_NEAR(played.result.first_frozen_s, 21.0, 0.5);
+  EXPECT_EQ(played.result.samples_refused, 0U);
+  const app::RateMessage& last = played.messages.back();
+  EXPECT_TRUE(last.health.sensor_fault);
+  EXPECT_FALSE(last.has_rate());
+  EXPECT_NEAR(last.axes[2].bias.in(core::deg_per_s), 0.1F, 0.05F);
+}
+
 // The stronger proof that nothing of a drive is learnt from: a turn of any size, known as the
 // truth, leaves every prediction as it was.
 TEST(ReplayOfATurningVehicle, PredictsAsIfItHadDrivenStraight) {

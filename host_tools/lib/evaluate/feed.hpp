@@ -2,6 +2,8 @@
 /// The two ways by which a replayed sample reaches the node.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,26 +11,40 @@
 
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
+#include "firmware/app/sample_watch.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/odometer.hpp"
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
 
 namespace zerorate::evaluate {
 
-/// Hands samples and pulses to the node as they are.
+/// Hands samples and pulses to the node as they are, but for samples of an axis that no longer
+/// measures: then the gyro counts as silent, as in firmware.
 template <class Node>
 class DirectFeed {
  public:
-  explicit DirectFeed(Node& node) : node_(node) {}
+  /// @param axis_count axes that are measured, the first of a sample
+  DirectFeed(Node& node, std::size_t axis_count)
+      : node_(node),
+        measured_axes_(static_cast<std::uint8_t>((1U << axis_count) - 1U)),
+        watch_(node.params().model.white_variance_rad2_s2, node.params().model.sample_period) {}
 
   app::RateMessage feed(const core::GyroSample& sample, std::span<const core::Instant> pulses) {
     for (const core::Instant pulse : pulses) node_.pulse(pulse);
-    return node_.step(sample);
+    if (!pulses.empty()) driven_at_ = pulses.back();
+    if (!node_.can_take(sample)) return node_.step(sample);
+    const auto vehicle = app::vehicle_state(node_.motion(), driven_at_, sample.time);
+    if ((watch_.take(sample, vehicle) & measured_axes_) == 0) return node_.step(sample);
+    node_.discard_stop(sample.time);
+    return node_.step_without_sample(sample.time);
   }
   [[nodiscard]] app::LoopCounters counters() const { return {}; }
 
  private:
   Node& node_;
+  std::uint8_t measured_axes_;  ///< one bit each
+  app::SampleWatch<> watch_;
+  std::optional<core::Instant> driven_at_;
 };
 
 /// Sends them through a simulated chip, the SPI bus, the driver and the node's loop.

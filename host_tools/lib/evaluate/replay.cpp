@@ -182,12 +182,14 @@ class Run {
     stops_.take(node_);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
-      result_.first_inconsistent_s = static_cast<double>((message.time - kStart).ns()) * 1e-9;
+      result_.first_inconsistent_s = time_s(message);
     }
     if (message.health.measurement_rejected) ++result_.samples_doubted;
     if (message.health.temperature_missing) ++result_.samples_without_temperature;
     if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
-    if (!message.has_rate()) {
+    if (message.health.sensor_fault) {
+      if (result_.samples_frozen++ == 0) result_.first_frozen_s = time_s(message);
+    } else if (!message.has_rate()) {
       ++result_.samples_refused;
     } else {
       // From the first measurement on, whether or not others have borne it out yet.
@@ -205,6 +207,11 @@ class Run {
       observer_.on_sample({result_.rows, row.time_ns, moving, message, known_rates(row, truth),
                            last_stop_means(), node_.measured_ticks()});
     }
+  }
+
+  /// Time of a message since the first row.
+  static double time_s(const app::RateMessage& message) {
+    return static_cast<double>((message.time - kStart).ns()) * 1e-9;
   }
 
   /// True rates, not a number about an axis of which it is not known.
@@ -322,7 +329,7 @@ void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOption
     run->to_the_end(ChipFeed<Node>{run->node(), find_simulated_chip(options.chip), run->start(),
                                    options.has_data_ready});
   } else {
-    run->to_the_end(DirectFeed<Node>{run->node()});
+    run->to_the_end(DirectFeed<Node>{run->node(), result.axis_count});
   }
 }
 
@@ -382,6 +389,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.axis_count = reader.columns().axis_count;
   result.model = options.model.name;
   result.is_model_chosen = options.is_model_chosen;
+  result.states_scale_factor = options.model.scale_factor.has_value();
   if (options.through == Through::chip &&
       result.axis_count > find_simulated_chip(options.chip).axis_count) {
     throw std::invalid_argument(options.chip + " has one axis, the recording has " +

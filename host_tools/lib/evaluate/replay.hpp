@@ -111,6 +111,7 @@ struct ReplayObserver {
 struct ReplayResult {
   std::string model;  ///< its name
   bool is_model_chosen = true;
+  bool states_scale_factor = true;  ///< false: the model leaves the default tolerance
   std::size_t axis_count = 3;
   core::Duration sample_period;  ///< mean interval of the first rows, holes left out
   core::Duration filter_tick;
@@ -124,6 +125,8 @@ struct ReplayResult {
   std::uint64_t samples_doubted =
       0;  ///< while the gate held back the newest measurement of an axis
   std::uint64_t samples_without_temperature = 0;  ///< samples without one that the model needs
+  std::uint64_t samples_frozen = 0;       ///< of an axis that no longer measures: without a rate
+  double first_frozen_s = 0.0;            ///< time of the first of them since the first row
   std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other
   recording::Findings findings;
   app::LoopCounters loop;  ///< counters of the chip's loop; zero if through source

@@ -39,24 +39,27 @@ std::string axis_name(const ReplayResult& result, std::size_t axis) {
 }
 
 std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& axes) {
-  Json json{{"schema", "zerorate.replay/1"},
-            {"model", result.model},
-            {"model_chosen", result.is_model_chosen},
-            {"rows", result.rows},
-            {"samples_refused", result.samples_refused},
-            {"samples_saturated", result.samples_saturated},
-            {"samples_inconsistent", result.samples_inconsistent},
-            {"first_inconsistent_s",
-             result.samples_inconsistent > 0 ? Json(result.first_inconsistent_s) : Json(nullptr)},
-            {"samples_doubted", result.samples_doubted},
-            {"samples_without_temperature", result.samples_without_temperature},
-            {"samples_disagreeing", result.samples_disagreeing},
-            {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
-            {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
-            {"truth_known", result.truth_known},
-            {"doubts", result.rest_doubts},
-            {"findings", recording::to_json(result.findings)},
-            {"axes", Json::object()}};
+  Json json{
+      {"schema", "zerorate.replay/1"},
+      {"model", result.model},
+      {"model_chosen", result.is_model_chosen},
+      {"rows", result.rows},
+      {"samples_refused", result.samples_refused},
+      {"samples_saturated", result.samples_saturated},
+      {"samples_inconsistent", result.samples_inconsistent},
+      {"first_inconsistent_s",
+       result.samples_inconsistent > 0 ? Json(result.first_inconsistent_s) : Json(nullptr)},
+      {"samples_doubted", result.samples_doubted},
+      {"samples_without_temperature", result.samples_without_temperature},
+      {"samples_frozen", result.samples_frozen},
+      {"first_frozen_s", result.samples_frozen > 0 ? Json(result.first_frozen_s) : Json(nullptr)},
+      {"samples_disagreeing", result.samples_disagreeing},
+      {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},
+      {"filter_tick_s", static_cast<double>(result.filter_tick.ns()) * 1e-9},
+      {"truth_known", result.truth_known},
+      {"doubts", result.rest_doubts},
+      {"findings", recording::to_json(result.findings)},
+      {"axes", Json::object()}};
   for (const std::size_t axis : axes) {
     Json predictors = Json::object();
     const auto& scores = result.scores[axis];

@@ -62,6 +62,26 @@ TEST(GyroAtRest, IsBelievedWithWhateverASensorDoes) {
       << "0.5 deg/s/sqrt(Hz)";
 }
 
+TEST(GyroWithAFrozenAxis, IsToldWithItsAxis) {
+  RestSamples rest = samples([](double) { return 0.3; });
+  for (std::size_t k = 15'000; k < rest.rate_rad_s.size(); ++k) rest.rate_rad_s[k][2] = 0.0F;
+  EXPECT_THAT(sentences(rest, true), ElementsAre(HasSubstr("axis z no longer measures: 4")));
+  EXPECT_THROW(static_cast<void>(require_rest(rest)), recording::DataError);
+}
+
+TEST(CoarseGyroAtRest, IsNotTakenForAFrozenOne) {
+  constexpr double kStep_rad_s = 0.1 * kRadPerDeg;
+  for (const double noise_in_steps : {0.05, 0.2, 0.3}) {
+    RestSamples rest = samples([](double t) { return 0.0005 * t; }, 0.1 * noise_in_steps);
+    for (auto& rates : rest.rate_rad_s) {
+      for (float& rate : rates) {
+        rate = static_cast<float>(std::round(double{rate} / kStep_rad_s) * kStep_rad_s);
+      }
+    }
+    EXPECT_THAT(sentences(rest, true), IsEmpty()) << noise_in_steps;
+  }
+}
+
 TEST(GyroThatWasTurned, IsToldWithShareAndRate) {
   const auto certain = sentences(samples(turns), true);
   ASSERT_EQ(certain.size(), 1);
