@@ -59,7 +59,7 @@ class TurnSum {
     Rates bias_sigma_rad{};          ///< deviation of the integral of the bias
     Rates white_variance_rad2_s2{};  ///< variance of a sample
     Rates newest_rad_s{};            ///< rates of the newest sample
-    Rates slow_variance_rad2{};  ///< white noise, asymmetry and gaps, to the tick being filled
+    Rates slow_variance_rad2{};      ///< white noise, asymmetry and gaps, to the tick being filled
     float gap_variance_rad2 = 0.0F;
     std::uint32_t measured_ticks = 0;  ///< ticks up to the stop that was departed from
     std::uint8_t lost_axes = 0;        ///< bit i: axis i was at full scale
@@ -217,7 +217,7 @@ class TurnSum {
     sum_slow_variances();
   }
   /// The parts of the error that a sample hardly changes.
-  constexpr void sum_slow_variances() {
+  [[gnu::noinline]] constexpr void sum_slow_variances() {
     const float period_times_length_s2 = period_s_ * state_.duration.in_seconds();
     for (std::size_t i = 0; i < Axes; ++i) {
       const float path = state_.path_rad[i] * model_.asymmetry;
@@ -226,7 +226,7 @@ class TurnSum {
     }
   }
   /// The vehicle begins to move, with what was turned unnoticed, or stops.
-  constexpr void turn_to(bool moves, const Rates& bias_sigma_rad_s) {
+  [[gnu::noinline]] constexpr void turn_to(bool moves, const Rates& bias_sigma_rad_s) {
     close_tick();
     state_.moves = moves;
     if (!moves) return;

@@ -132,7 +132,7 @@ class RoundingWatch {
   static constexpr std::uint32_t kWindows = 64;  ///< memory: half a minute
 
   /// Before the first window at rest, as after a restart, the noise of the model has to do.
-  constexpr void estimate_without_rest() {
+  [[gnu::noinline]] constexpr void estimate_without_rest() {
     if (state_.differences > 0) return;
     const float step = step_rad_s();
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F));

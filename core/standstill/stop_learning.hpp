@@ -242,8 +242,8 @@ class StopLearning {
   }
   /// Adds a tick to the mean of a vehicle that sways, and confirms that mean in place of what is
   /// held, if it is certain enough and contradicts nothing.
-  constexpr void take_sway(const Item& closed, const Rates* predicted_rad_s,
-                           float predicted_rad2_s2) {
+  [[gnu::noinline]] constexpr void take_sway(const Item& closed, const Rates* predicted_rad_s,
+                                             float predicted_rad2_s2) {
     sway_.add(closed.rate_rad_s);
     if (!sway_.is_complete() || !sway_.sways()) return;
     const float variance = sway_.variance_rad2_s2();

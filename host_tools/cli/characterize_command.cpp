@@ -187,6 +187,10 @@ void print_characterization(const identify::Characterization& result, bool is_ve
   if (result.rows_moving > 0) {
     fmt::print("  note: {} rows left out because the vehicle moved\n", result.rows_moving);
   }
+  if (result.rows_wild > 0) {
+    fmt::print("  note: the first {} rows left out: the gyro did not measure yet\n",
+               result.rows_wild);
+  }
   fmt::print("Figures in brackets are 95 % intervals.\n");
   for (const auto& axis : result.axes) print_axis(axis, is_verbose);
   print_coefficients(result);

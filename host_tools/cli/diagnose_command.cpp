@@ -182,6 +182,10 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   }
   doubts = identify::require_rest(samples);
   for (const std::string& doubt : doubts) print_note(options, doubt);
+  if (samples.wild > 0) {
+    print_note(options, fmt::format("the first {} samples left out: the gyro did not measure yet",
+                                    samples.wild));
+  }
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));

@@ -147,6 +147,7 @@ std::string to_json(const Characterization& result) {
             {"rows", result.rows},
             {"rows_moving", result.rows_moving},
             {"rows_lost", result.rows_lost},
+            {"rows_wild", result.rows_wild},
             {"findings", recording::to_json(result.findings)},
             {"doubts", result.doubts},
             {"sample_period_s", static_cast<double>(result.sample_period.ns()) * 1e-9},

@@ -231,6 +231,7 @@ Characterization characterize(const RestSamples& samples, const CharacterizeOpti
                           .rows = samples.rows,
                           .rows_moving = samples.moving,
                           .rows_lost = samples.lost,
+                          .rows_wild = samples.wild,
                           .findings = samples.findings,
                           .sample_period = samples.mean_period,
                           .tick = identification_tick(samples)};

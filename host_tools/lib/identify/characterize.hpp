@@ -57,6 +57,7 @@ struct Characterization {
   std::uint64_t rows = 0;
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
+  std::uint64_t rows_wild = 0;
   recording::Findings findings;
   std::vector<std::string> doubts{};  ///< doubts of require_rest(), set by the caller
   core::Duration sample_period;       ///< the mean, see RestSamples

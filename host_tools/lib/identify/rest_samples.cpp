@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
+#include <utility>
 
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -102,6 +104,48 @@ Run longest_run(std::size_t count, Follows follows) {
   return longest;
 }
 
+/// Samples from the first one on that lie far from those that follow the first 50.
+std::size_t count_wild_start(const RestSamples& samples, std::size_t axis) {
+  constexpr std::size_t kMost = 50;
+  constexpr std::size_t kFollowing = 65;
+  constexpr double kWild = 20.0;                   // sigma
+  constexpr double kSigmaOfDifference = 1.048358;  // times the median difference
+  if (samples.time.size() < kMost + kFollowing) return 0;
+  std::vector<double> following;
+  std::vector<double> steps;
+  for (std::size_t k = kMost; k < kMost + kFollowing; ++k) {
+    following.push_back(double{samples.rate_rad_s[k][axis]});
+    if (following.size() > 1) steps.push_back(std::abs(following.back() - following.end()[-2]));
+  }
+  const double level = statistics::median_of(std::move(following));
+  const double limit = kWild * kSigmaOfDifference * statistics::median_of(std::move(steps));
+  if (!(limit > 0.0)) return 0;  // coarse and quiet: the noise is not known
+  std::size_t wild = 0;
+  while (wild < kMost && std::abs(double{samples.rate_rad_s[wild][axis]} - level) > limit) ++wild;
+  return wild < kMost ? wild : 0;
+}
+
+/// Many gyros deliver samples without meaning after power-on, several in a row. One alone is left
+/// to those who look for it.
+void leave_out_wild_start(RestSamples& samples) {
+  constexpr std::size_t kFewest = 2;
+  std::size_t wild = 0;
+  for (std::size_t i = 0; i < samples.axis_count; ++i) {
+    wild = std::max(wild, count_wild_start(samples, i));
+  }
+  if (wild < kFewest) return;
+  const auto end = static_cast<std::ptrdiff_t>(wild);
+  samples.time.erase(samples.time.begin(), samples.time.begin() + end);
+  samples.rate_rad_s.erase(samples.rate_rad_s.begin(), samples.rate_rad_s.begin() + end);
+  if (!samples.temperature_degc.empty()) {
+    samples.temperature_degc.erase(samples.temperature_degc.begin(),
+                                   samples.temperature_degc.begin() + end);
+  }
+  std::erase_if(samples.after_drives, [&](std::size_t k) { return k <= wild; });
+  for (std::size_t& k : samples.after_drives) k -= wild;
+  samples.wild = wild;
+}
+
 }  // namespace
 
 RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
@@ -118,6 +162,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   samples.findings = reader.findings();
   samples.sample_period = core::Duration::nanoseconds(samples.findings.median_interval_ns());
   samples.mean_period = core::Duration::nanoseconds(samples.findings.mean_interval_ns());
+  leave_out_wild_start(samples);
   if (samples.time.size() < 2) {
     throw recording::DataError("the recording has fewer than two usable samples at rest");
   }

@@ -37,6 +37,7 @@ struct RestSamples {
   std::uint64_t rows = 0;    ///< rows of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
+  std::uint64_t wild = 0;    ///< rows left out because the gyro did not measure after power-on
   recording::Findings findings;
 
   [[nodiscard]] core::Duration span() const { return time.back() - time.front(); }

@@ -41,6 +41,23 @@ TEST(RestSamplesWithoutMotionColumn, AreAllRows) {
   EXPECT_THAT(samples.after_drives, ::testing::IsEmpty());
 }
 
+/// A gyro that flips between 1 and 2 deg/s, and before that gives `first` so many times.
+RestSamples after_start(int wild, const std::string& first) {
+  std::string text = "t_s,rate_dps\n";
+  for (int k = 0; k < 200; ++k) {
+    text += std::to_string(k) + "," + (k < wild ? first : k % 2 == 0 ? "1" : "2") + "\n";
+  }
+  return read(text);
+}
+
+TEST(RestSamplesOfAGyroThatStarts, LeaveOutWhatItDidNotMeasure) {
+  EXPECT_EQ(after_start(8, "-900").wild, 8U);
+  EXPECT_EQ(after_start(8, "-900").time.size(), 192U);
+  EXPECT_EQ(after_start(8, "15").wild, 0U) << "14 standard deviations";
+  EXPECT_EQ(after_start(1, "-900").wild, 0U) << "one alone";
+  EXPECT_EQ(after_start(60, "-900").wild, 0U) << "a level of its own";
+}
+
 TEST(RestSamples, LeaveOutLostRatesAndTimesThatDoNotAdvance) {
   const RestSamples samples = read("t_s,rate_dps\n0,1\n0.1,nan\n0.2,3\n0.2,4\n0.15,5\n0.3,6\n");
   EXPECT_EQ(samples.time.size(), 3U);
