@@ -164,6 +164,10 @@ class WhiteLevel {
 
   /// Level that learnt figures rest on; 0: no window of a stop has shown it.
   [[nodiscard]] constexpr float reference() const { return state_.reference; }
+  /// Factor from variances relative to it to true ones.
+  [[nodiscard]] constexpr float scale_of_learnt() const {
+    return state_.reference > 0.0F ? state_.reference : 1.0F;
+  }
   constexpr void set_reference(float reference) {
     state_.reference = reference;
     state_.reference_is_known = reference > 0.0F;
@@ -175,7 +179,7 @@ class WhiteLevel {
   /// Makes the level the reference.
   /// @return the factor from the old reference to the new one, or from the model to the first
   constexpr float rebase() {
-    const float old = state_.reference > 0.0F ? state_.reference : 1.0F;
+    const float old = scale_of_learnt();
     state_.reference = level();
     state_.reference_is_known = knowledge() == WhiteKnowledge::known;
     return state_.reference / old;

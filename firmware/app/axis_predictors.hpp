@@ -166,7 +166,7 @@ class AxisPredictors {
     }
     const bool is_to_learn = kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank,
                                              tick.has_jumped, measurement.innovations);
-    if (tick.is_sway) kalman_.confirm();  // by its parts
+    if (tick.is_sway) kalman_.confirm();
     return is_to_learn;
   }
   constexpr void learn(std::size_t m, const Measurement& measurement) {

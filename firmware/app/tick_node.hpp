@@ -25,16 +25,9 @@ namespace zerorate::app {
 /// being filled. GyroNode adds the stamps, the standstill and the messages. The likelihood of a
 /// recording (identify) and the gain of a model (diagnose) feed ticks without these.
 ///
-/// Learning from a tick and predicting one are long with many hypotheses, so both are cut into
-/// steps:
-///
-///     learn():   begin, span, advance a hypothesis, compare, learn a hypothesis, conclude,
-///                weigh an axis, moving average and calibration mean
-///     predict(): lead, window of the average, predict a hypothesis
-///     drive:     variance of the integral over the drive so far, where it was asked for
-///
-/// step() does one of them. Until the last one predicted() is the prediction before. The way of
-/// spreading the steps does not change what is computed (docs/adr/0020).
+/// Learning from a tick and predicting one are long with many hypotheses, so both are cut into the
+/// steps of TickStage; step() does one of them. Until the last one predicted() is the prediction
+/// before. The way of spreading the steps does not change what is computed (docs/adr/0020).
 ///
 /// Fixed memory, no heap; one thread (the caller's). Cost: see TickCosts.
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
@@ -297,10 +290,6 @@ class TickNode {
 
  private:
   [[nodiscard]] constexpr std::size_t count() const { return predictors_.bank().count(); }
-  /// Level that the variances of a learning bank are relative to.
-  [[nodiscard]] constexpr float scale_of_bank() const {
-    return predictors_.learns() && white_.reference() > 0.0F ? white_.reference() : 1.0F;
-  }
   /// Variances of the white noise of the mean, and the unit that the bank's variances are to have.
   constexpr void prepare_measurement() {
     const core::NodeModel<Shape>& model = params_.model;
@@ -318,7 +307,7 @@ class TickNode {
     work_.measurement = {
         .rate_rad_s = work_.tick.rate_rad_s,
         .white_of_bank = (predictors_.learns() ? white_.change() : level) * averaged +
-                         model.measurement_floor_variance_rad2_s2 + sway / scale_of_bank(),
+                         model.measurement_floor_variance_rad2_s2 + sway / white_.scale_of_learnt(),
         .white = level * averaged + floor,
         .white_of_model = white_.model_level() * averaged + floor,
         .innovations = {}};

@@ -114,13 +114,12 @@ struct DriveIntegral {
 template <class Tick, class Predictors>
 struct TickWork {
   TickStage stage = TickStage::idle;
-  std::uint8_t item = 0;         ///< next piece, hypothesis or axis of the stage
-  bool is_stale = false;         ///< the prediction is not that of the tick being filled
-  bool begins_to_learn = false;  ///< the white noise was seen for the first time
-  float unit_factor = 1.0F;      ///< change of the unit of the bank's variances
-  float sway_variance_rad2_s2 =
-      0.0F;   ///< of the measurement, if it is that of a vehicle that sways
-  Tick tick;  ///< measurement that is being learnt
+  std::uint8_t item = 0;               ///< next piece, hypothesis or axis of the stage
+  bool is_stale = false;               ///< the prediction is not that of the tick being filled
+  bool begins_to_learn = false;        ///< the white noise was seen for the first time
+  float unit_factor = 1.0F;            ///< change of the unit of the bank's variances
+  float sway_variance_rad2_s2 = 0.0F;  ///< variance of the error of a sway's mean
+  Tick tick;                           ///< measurement that is being learnt
   typename Predictors::Measurement measurement;
   typename Predictors::Kalman::Forecast::Mixtures mixtures{};
   typename Predictors::Transition span;  ///< since the measurement before, of an average or a drive

@@ -45,7 +45,7 @@ BoatNode::Params params_with(core::StandstillSource source) {
           .standstill = {.source = source}};
 }
 
-/// What the messages of one boat say.
+/// Messages of one boat.
 struct Logbook {
   double from_s = 0.0;
   std::optional<double> calibrated_s;  ///< time of the first message with a bias
@@ -135,7 +135,7 @@ class Boat {
 
 struct Fleet {
   double latest_s = 0.0;           ///< latest first bias of a boat
-  double largest_sigma_dps = 0.0;  ///< of the first biases
+  double largest_sigma_dps = 0.0;  ///< sigma of the first biases
   int without_bias = 0;            ///< boats
   int beyond_five = 0;             ///< errors of axes in messages
   double beyond_two = 0.0;         ///< share of the errors

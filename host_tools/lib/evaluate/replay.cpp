@@ -5,11 +5,13 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "host_tools/lib/evaluate/feed.hpp"
 #include "host_tools/lib/evaluate/replay_node.hpp"
+#include "host_tools/lib/evaluate/stop_judge.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/error.hpp"
 
@@ -64,57 +66,6 @@ core::Duration sample_period(const ReplayOptions& options, const BufferedRows& r
                               std::to_string(1e9 / static_cast<double>(measured.ns())) + " Hz");
 }
 
-/// Compares what a node predicts for a stop with what the stop then measures.
-template <class Node>
-class StopJudge {
- public:
-  /// Called before the node's first sample of the stop.
-  void begin_stop(const Node& node) {
-    (void)copy_learnt(node, before_);
-    first_tick_.reset();
-  }
-  /// After each sample.
-  void take(const Node& node) {
-    if (!before_ || first_tick_ || node.measured_ticks() <= before_->measured_ticks()) return;
-    first_tick_ = node.measured_ticks() - 1;
-  }
-  /// After the drive that follows the stop, or at the end: what the stop measured is the
-  /// calibration mean.
-  void end_stop(const Node& running, core::Instant start, ReplayResult& result) const {
-    if (!before_ || !first_tick_) return;
-    std::optional<Node> copy;
-    const Node& node = copy_learnt(running, copy);
-    const core::Duration tick = node.params().model.modes.tick;
-    const core::Instant from = start + tick * std::int64_t{*first_tick_};
-    const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
-    const double length_s = (to - from).in_seconds();
-    for (std::size_t i = 0; i < result.axis_count; ++i) {
-      const double measured =
-          double{node.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s)};
-      const double white = double{node.white_variance_rad2_s2(i)} *
-                           double{node.params().model.sample_period.in_seconds()} / length_s;
-      for (std::size_t p = 0; p < app::kPredictors; ++p) {
-        const auto predicted = before_->predict_heading(kAllPredictors[p], i, from, to);
-        if (!predicted.is_available()) continue;
-        const double variance = double{predicted.variance_rad2} / (length_s * length_s) + white;
-        result.stop_scores[i][p].add(measured - double{predicted.angle_rad} / length_s,
-                                     std::sqrt(variance));
-      }
-    }
-  }
-
- private:
-  /// Copies the node with all that is certain learnt, wherever in the work of a tick it is.
-  static const Node& copy_learnt(const Node& running, std::optional<Node>& copy) {
-    copy.emplace(running.params());
-    copy->restore(running.state());
-    copy->finish_learning();
-    return *copy;
-  }
-  std::optional<Node> before_;               ///< node before the stop
-  std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
-};
-
 /// The replay of one recording through one node type.
 template <core::ModelShape Shape>
 class Run {
@@ -126,6 +77,7 @@ class Run {
       : rows_(rows),
         reader_(reader),
         observer_(observer),
+        through_(options.through),
         result_(result),
         replayed_(options, reader.columns(), {result.sample_period, result.filter_tick},
                   rows.first_time_ns()) {
@@ -187,7 +139,7 @@ class Run {
     if (message.health.measurement_rejected) ++result_.samples_doubted;
     if (message.health.temperature_missing) ++result_.samples_without_temperature;
     if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
-    if (message.health.sensor_fault) {
+    if (is_frozen(message)) {
       if (result_.samples_frozen++ == 0) result_.first_frozen_s = time_s(message);
     } else if (!message.has_rate()) {
       ++result_.samples_refused;
@@ -209,6 +161,10 @@ class Run {
     }
   }
 
+  /// Through a chip its driver finds such samples, and restarts the chip.
+  [[nodiscard]] bool is_frozen(const app::RateMessage& message) const {
+    return through_ == Through::source && message.health.sensor_fault;
+  }
   /// Time of a message since the first row.
   static double time_s(const app::RateMessage& message) {
     return static_cast<double>((message.time - kStart).ns()) * 1e-9;
@@ -303,6 +259,7 @@ class Run {
   BufferedRows& rows_;
   const recording::Reader& reader_;
   const ReplayObserver& observer_;
+  Through through_;
   ReplayResult& result_;
   ReplayNode<Shape> replayed_;
   Node& node_ = replayed_.node();

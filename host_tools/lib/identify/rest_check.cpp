@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -13,7 +12,7 @@
 
 #include "core/monitor/odometer_check.hpp"
 #include "core/standstill/calm_judge.hpp"
-#include "firmware/app/sample_watch.hpp"
+#include "host_tools/lib/identify/frozen_axes.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -181,64 +180,6 @@ std::vector<RestDoubt> RestCheck::doubts() {
   return doubts;
 }
 
-namespace {
-
-/// White variance of a sample of each axis by the differences of neighbours.
-std::array<double, recording::kMaxAxes> variances_of_differences(const RestSamples& samples) {
-  std::array<double, recording::kMaxAxes> variances{};
-  for (std::size_t k = 1; k < samples.time.size(); ++k) {
-    for (std::size_t i = 0; i < samples.axis_count; ++i) {
-      const double change = samples.rate_rad_s[k][i] - samples.rate_rad_s[k - 1][i];
-      variances[i] += 0.5 * change * change / static_cast<double>(samples.time.size());
-    }
-  }
-  return variances;
-}
-/// That of the quietest axis that shows any noise.
-float least_variance(const RestSamples& samples) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const double variance : variances_of_differences(samples)) {
-    if (variance > 0.0) least = std::min(least, variance);
-  }
-  return std::isfinite(least) ? static_cast<float>(least) : 0.0F;
-}
-/// The mean over the axes.
-float mean_variance(const RestSamples& samples) {
-  const auto variances = variances_of_differences(samples);
-  const double sum = std::accumulate(variances.begin(), variances.end(), 0.0);
-  return static_cast<float>(sum / static_cast<double>(samples.axis_count));
-}
-
-/// Axes that no longer measure, by the judgement of the firmware.
-std::optional<RestDoubt> doubt_of_frozen_axes(const RestSamples& samples) {
-  app::SampleWatch<recording::kMaxAxes> watch{least_variance(samples), samples.sample_period};
-  std::array<std::size_t, recording::kMaxAxes> frozen{};
-  std::array<std::size_t, recording::kMaxAxes> newest{};
-  for (std::size_t k = 0; k < samples.time.size(); ++k) {
-    core::GyroSample sample{.time = samples.time[k]};
-    for (std::size_t i = 0; i < samples.axis_count; ++i) {
-      sample.rate[i] = core::rad_per_s(samples.rate_rad_s[k][i]);
-    }
-    const std::uint8_t at_fault = watch.take(sample, app::VehicleState::stands);
-    for (std::size_t i = 0; i < samples.axis_count; ++i) {
-      if (((at_fault >> i) & 1U) == 0) continue;
-      ++frozen[i];
-      newest[i] = k;
-    }
-  }
-  const auto most = std::ranges::max_element(frozen);
-  if (*most == 0) return std::nullopt;
-  const auto axis = static_cast<std::size_t>(most - frozen.begin());
-  const core::Duration until = samples.time[newest[axis]] - samples.time.front();
-  return RestDoubt{fmt::format(
-      "axis {} no longer measures: {} samples of it up to {:.6g} s repeat themselves as noise "
-      "does not (a dead axis, a driver that hangs, a logger that fills gaps). Cut the recording "
-      "to what was measured",
-      samples.axis_name(axis), *most, static_cast<double>(until.ns()) * 1e-9)};
-}
-
-}  // namespace
-
 std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
   RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period,
                   samples.moving > 0};
@@ -246,7 +187,7 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
     check.add(samples.time[i], samples.rate_rad_s[i]);
   }
   std::vector<RestDoubt> doubts = check.doubts();
-  if (auto doubt = doubt_of_frozen_axes(samples)) doubts.insert(doubts.begin(), std::move(*doubt));
+  if (const auto frozen = frozen_axis(samples)) doubts.insert(doubts.begin(), {*frozen});
   return doubts;
 }
 
@@ -274,6 +215,13 @@ struct JudgedTick {
   std::size_t end = 0;
   bool moved = false;
 };
+
+/// White variance of a sample by the differences of neighbours, over all axes.
+float mean_variance(const RestSamples& samples) {
+  const auto variances = variances_of_differences(samples);
+  const double sum = std::accumulate(variances.begin(), variances.end(), 0.0);
+  return static_cast<float>(sum / static_cast<double>(samples.axis_count));
+}
 
 /// Bias of a stop as its calm ticks show it: a steady turn has no spread, but lies apart.
 class StopBias {
