@@ -124,7 +124,9 @@ TEST_F(DiagnosisOfRealRecording, GivesBetterModelsForOtherRuns) {
       .fit_by = contest::FitBy::diagnosis};
   const contest::DriveContest contest =
       contest::run_drive_contest(means_of_the_adis16405(), options, {});
-  EXPECT_LT(contest.extended_over_base.value, 0.98);
+  // 0.981; it was 0.975 before the learning bank had random walks, which take the place of some
+  // extensions.
+  EXPECT_LT(contest.extended_over_base.value, 0.99);
   const auto& extended =
       contest.overall[static_cast<std::size_t>(contest::Contestant::kalman_extended)];
   EXPECT_GT(extended.coverage.value, 0.94);

@@ -95,6 +95,7 @@ TEST(CalibrationMeanScores, EqualThoseByHand) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const ScheduleParams schedule{.still_s = 15.0, .drive_s = 60.0, .seed = seed};
     const Replayed replayed = replay_file(path, {.model = sensor_model(), .schedule = schedule});
+    EXPECT_EQ(replayed.result.samples_frozen, 0U);
     const std::vector<bool> moving = moving_by_hand(schedule, rows.size(), 1.0);
     EXPECT_EQ(std::vector<bool>(replayed.moving.begin(), replayed.moving.end()), moving);
     for (std::size_t axis = 0; axis < 3; ++axis) {
