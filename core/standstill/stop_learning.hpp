@@ -36,8 +36,8 @@ namespace zerorate::core {
 /// In a stop that is never calm the vehicle may sway. Where its mean rate teaches more than is
 /// known, that is confirmed in place of the ticks, with the error that it has (SwayMean).
 ///
-/// @tparam Item a TickMean<Axes> with members `bool begins_stop`, `has_jumped` and `is_sway`, and
-///   what else belongs to a measurement
+/// @tparam Item a TickMean<Axes> with members `bool begins_stop`, `has_jumped` and `is_sway`;
+///   it may hold more
 /// @tparam Capacity number of ticks that are held at most
 template <class Item, std::size_t Axes, std::size_t Capacity>
 class StopLearning {

@@ -33,8 +33,7 @@ enum class VehicleState : std::uint8_t { unknown, stands, drives };
 /// Finds axes whose samples repeat themselves: at any rate, at full scale, at zero, or as a ramp of
 /// equal steps. docs/design/sample-watch.md says what distinguishes them from quiet ones.
 ///
-/// An axis is at fault after one second and more of repetition, of eight samples at least, if one
-/// of these holds:
+/// An axis is at fault after a repetition of one second and eight samples at least, under any of:
 /// - Noise would end the repetition, but for one case in 10^12. The noise is what the axis has
 ///   shown at rest (else the other axes, else half of the model's after ten seconds), and at most
 ///   half of the model's. A sensor with noise far below one step repeats itself for ever by this
@@ -152,8 +151,8 @@ class SampleWatch {
   [[gnu::noinline]] [[nodiscard]] constexpr bool is_at_fault(std::size_t i,
                                                              VehicleState vehicle) const {
     constexpr std::uint32_t kLong_s = 10;
-    constexpr std::uint32_t kFewest =
-        8;  // samples: two changes are equal by chance once in a while
+    // Two changes in a row are equal by chance once in a while.
+    constexpr std::uint32_t kFewest = 8;
     const Axis& axis = axes_[i];
     if (axis.alike < std::max(per_second_, kFewest)) return false;
     if (axis.is_saturated) return axis.alike >= kLong_s * per_second_;

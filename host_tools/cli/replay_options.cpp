@@ -96,8 +96,7 @@ void print_notes(const evaluate::ReplayResult& result) {
   if (result.samples_frozen > 0) {
     fmt::print(
         "  note: in {} samples, from {:.6g} s after the first row on, an axis no longer measures: "
-        "it "
-        "repeats itself. They have no rate\n",
+        "it repeats itself. They have no rate\n",
         result.samples_frozen, result.first_frozen_s);
   }
   if (result.samples_disagreeing > 0) {
@@ -356,8 +355,7 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
   if (!result.states_scale_factor && !result.truth_known) {
     fmt::print(
         "  note: the model states no tolerance of the scale factor ([scale_factor]), so the turn "
-        "is "
-        "published with {:g} %\n",
+        "is published with {:g} %\n",
         100.0 * model::ScaleFactor{}.sigma);
   }
   for (const std::string& doubt : result.rest_doubts) fmt::print("  note: {}\n", doubt);
