@@ -136,8 +136,16 @@ TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
   EXPECT_NE(format_screen(tally_of(judged), "x", milliseconds{10}).find("newest stop: 83 % calm\n"),
             std::string::npos);
   // 0.001 deg/s are 3.6 deg/h; 95 % of a normal distribution lie within 1.96 deviations.
-  EXPECT_NE(screen.find("x         -0.25000      +0.50000              7.06\n"), std::string::npos)
+  EXPECT_NE(screen.find("x         -0.25000      +0.50000              7.06                    -\n"),
+            std::string::npos)
       << screen;
+}
+
+TEST(ScreenOfANode, ShowsTheTurnSinceDepartureWithItsInterval) {
+  NumberedMessage message = calibrated_message(7);
+  message.message.turn[0] = {.angle = core::deg(-90.2F), .sigma = core::deg(0.5F)};
+  const std::string screen = format_screen(tally_of(message), "x", milliseconds{10});
+  EXPECT_NE(screen.find("7.06         -90.2 +- 1.0\n"), std::string::npos) << screen;
 }
 
 TEST(ScreenOfANode, ShowsNoOldOrMissingRate) {
