@@ -136,8 +136,9 @@ TEST(ScreenOfANode, ShowsRateBiasIntervalAndState) {
   EXPECT_NE(format_screen(tally_of(judged), "x", milliseconds{10}).find("newest stop: 83 % calm\n"),
             std::string::npos);
   // 0.001 deg/s are 3.6 deg/h; 95 % of a normal distribution lie within 1.96 deviations.
-  EXPECT_NE(screen.find("x         -0.25000      +0.50000              7.06                    -\n"),
-            std::string::npos)
+  EXPECT_NE(
+      screen.find("x         -0.25000      +0.50000              7.06                    -\n"),
+      std::string::npos)
       << screen;
 }
 
