@@ -7,7 +7,7 @@
 
 #include "core/base/compile_time.hpp"
 #include "core/base/complex.hpp"
-#include "core/estimator/symmetric_matrix.hpp"
+#include "core/base/symmetric_matrix.hpp"
 #include "core/noise/model_shape.hpp"
 
 namespace zerorate::core {

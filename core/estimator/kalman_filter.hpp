@@ -10,7 +10,7 @@
 #include "core/base/compile_time.hpp"
 #include "core/base/numeric.hpp"
 #include "core/estimator/kalman_coefficients.hpp"
-#include "core/estimator/symmetric_matrix.hpp"
+#include "core/base/symmetric_matrix.hpp"
 
 namespace zerorate::core {
 

@@ -68,6 +68,18 @@ class TurnSum {
 
     constexpr bool operator==(const State&) const = default;
   };
+  /// Sum of an axis at a time, in two parts whose differences are exact.
+  struct Position {
+    float sum_rad = 0.0F;
+    float rest_rad = 0.0F;
+    float length_s = 0.0F;       ///< time that is summed
+    float variance_rad2 = 0.0F;  ///< white noise, asymmetry and gaps
+
+    [[nodiscard]] constexpr float turn_since(const Position& before) const {
+      return (sum_rad - before.sum_rad) + (rest_rad - before.rest_rad);
+    }
+    constexpr bool operator==(const Position&) const = default;
+  };
   /// Circumstances of a sample.
   struct Sample {
     Duration since_last;  ///< zero: there is no sample before
@@ -166,16 +178,30 @@ class TurnSum {
   /// Time that is summed: the vehicle moves, or has not rested for long enough.
   [[nodiscard]] constexpr Duration duration() const { return state_.duration; }
   [[nodiscard]] constexpr Angle angle(std::size_t axis) const { return rad(turn_rad(axis)); }
-  /// Standard deviation of the error of angle(); infinite where there was no departure, and for an
-  /// axis that was at full scale.
+  [[nodiscard]] constexpr Position position(std::size_t axis) const {
+    const float tick = state_.moves ? state_.tick_rad[axis] : 0.0F;
+    return {state_.sum_rad[axis], tick - state_.lost_rad[axis], state_.duration.in_seconds(),
+            state_.slow_variance_rad2[axis]};
+  }
+  /// Takes off what is known now of the rates that are summed already.
+  constexpr void correct(std::size_t axis, float turn_rad) { state_.sum_rad[axis] -= turn_rad; }
+  /// Whether the turn of an axis since departure is known.
+  [[nodiscard]] constexpr bool is_known(std::size_t axis) const {
+    return state_.has_departed && ((state_.lost_axes >> axis) & 1U) == 0;
+  }
+  /// Variance of angle() by the tolerance of the scale factor.
+  [[nodiscard]] constexpr float scale_variance_rad2(std::size_t axis) const {
+    const float error = turn_rad(axis) * model_.scale_factor;
+    return error * error;
+  }
+  /// Standard deviation of the error of angle(); infinite where it is not known.
+  /// @param scale_variance_rad2 scale_variance_rad2(), or what is known better
   /// @param silence time since the newest sample
-  [[nodiscard]] constexpr Angle sigma(std::size_t axis, Duration silence = {}) const {
-    if (!state_.has_departed || ((state_.lost_axes >> axis) & 1U) != 0) {
-      return rad(std::numeric_limits<float>::infinity());
-    }
-    const float turn = turn_rad(axis) * model_.scale_factor;
+  [[nodiscard]] constexpr Angle sigma(std::size_t axis, float scale_variance_rad2,
+                                      Duration silence = {}) const {
+    if (!is_known(axis)) return rad(std::numeric_limits<float>::infinity());
     const float bias = state_.bias_sigma_rad[axis];
-    float variance = bias * bias + turn * turn + state_.slow_variance_rad2[axis];
+    float variance = bias * bias + scale_variance_rad2 + state_.slow_variance_rad2[axis];
     if (state_.moves && silence > Duration{} && is_gap(silence.in_seconds())) {
       variance += gap_variance_rad2(silence.in_seconds());
     }

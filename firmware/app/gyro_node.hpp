@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -147,6 +148,20 @@ class GyroNode {
     describe(message, {});
     turn_.describe(since_newest_sample(now), message);
     return message;
+  }
+
+  /// A reference of the heading or of a turn about the vertical, at or before the newest sample:
+  /// teaches the scale factor, and the bias while the vehicle moves.
+  /// @param reference HeadingReference or TurnReference, finite and with a positive deviation
+  template <class Reference>
+  constexpr core::ReferenceVerdict take_reference(const Reference& reference) {
+    return turn_.take(reference, newest_sample(), ticks_);
+  }
+  /// Heading by references and gyro at the newest sample; nullopt before the first reference.
+  [[nodiscard]] constexpr std::optional<Heading> heading() const { return turn_.heading(); }
+  /// What references taught; of nodes that take them.
+  [[nodiscard]] constexpr const core::HeadingFilter& heading_filter() const {
+    return turn_.references().filter();
   }
 
   /// Learns at once from the ticks that are certain, before a record is saved. A long call with
@@ -364,6 +379,7 @@ class GyroNode {
           .bias = bias,
           .sigma = core::rad_per_s(with_constants(predicted[i], i).sigma_rad_s())};
     }
+    turn_.correct(message);
   }
 
   [[nodiscard]] constexpr core::Duration since_newest_sample(core::Instant now) const {

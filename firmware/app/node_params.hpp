@@ -40,6 +40,7 @@ struct NodeParams {
   core::Standstill::Params standstill;
   core::OdometerCheckParams odometer;
   core::EarthRate earth;                    ///< at the vehicle's latitude; zero: not known
+  core::UpAxis up;                          ///< axis that references of the heading are about
   Predictor published = Predictor::kalman;  ///< predictor that corrects the rate
   /// Whether the strength of the white noise is learnt from the calm of the stops. A model of
   /// single samples keeps its own.
@@ -69,6 +70,7 @@ struct NodeCapacity {
   bool screens_samples = false;  ///< room for NodeParams::samples: 150 bytes, 8 to 12 a held tick
   bool runs_moving_average = true;    ///< 300 bytes an axis and those of average_levels
   bool runs_calibration_mean = true;  ///< 40 bytes an axis
+  bool takes_references = true;       ///< of the heading: 350 bytes
 
   /// Whether a node of this capacity runs a predictor. The Kalman predictor always runs: what is
   /// learnt, saved and monitored is its own.
@@ -79,8 +81,10 @@ struct NodeCapacity {
 };
 
 /// Capacity of a TickNode of one axis that runs the Kalman predictor alone.
-inline constexpr NodeCapacity kFilterAlone{
-    .axes = 1, .runs_moving_average = false, .runs_calibration_mean = false};
+inline constexpr NodeCapacity kFilterAlone{.axes = 1,
+                                           .runs_moving_average = false,
+                                           .runs_calibration_mean = false,
+                                           .takes_references = false};
 
 /// Whether a node of this capacity can be built from these parameters.
 template <ModelShape Shape>

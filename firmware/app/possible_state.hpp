@@ -162,7 +162,7 @@ template <class Node>
   const typename Ticks::State& ticks = state.ticks;
   constexpr std::int32_t kMostCredit = 1 << 16;
   return core::is_bool(state.odometer_fault) && state.credit <= kMostCredit &&
-         state.credit >= -kMostCredit && Node::Turn::Sum::is_possible(state.turn.sum) &&
+         state.credit >= -kMostCredit && Node::Turn::is_possible(state.turn) &&
          is_possible_span(ticks.lead) && ticks.tick == state.learning.average.tick &&
          ticks.measured_ticks <= ticks.tick + 1 && are_plausible(ticks.predicted, true) &&
          Node::Learning::is_possible(state.learning, node.params().model.modes.tick,

@@ -39,19 +39,22 @@ struct Health {
   /// Samples come at another rate than the nominal one, by a quarter and more (see RateWatch): some
   /// are lost, or the chip is set otherwise. Rates are right; motion between samples is missed.
   bool sample_rate_off = false;
+  /// References of the heading and the gyro cannot both be right (see core::HeadingFilter).
+  bool reference_disagreement = false;
 
   /// Whether the rate may be used with its interval: calibrated, and nothing puts either in doubt.
   /// The other flags keep from learning, or widen the interval.
   [[nodiscard]] constexpr bool is_usable() const {
     return calibrated && !sample_refused && !time_refused && !saturated && !model_inconsistent &&
-           !sensor_fault && !measurement_rejected && !odometer_disagreement;
+           !sensor_fault && !measurement_rejected && !odometer_disagreement &&
+           !reference_disagreement;
   }
   constexpr bool operator==(const Health&) const = default;
 };
 
 struct AxisRate {
   core::AngularRate measured;
-  core::AngularRate corrected;  ///< measured - bias
+  core::AngularRate corrected;  ///< measured - bias, over the scale factor where it was learnt
   core::AngularRate bias;
   core::AngularRate sigma;  ///< standard deviation of the bias; infinite until measured
 

@@ -34,6 +34,7 @@ template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class TickNode {
  public:
   static constexpr std::size_t kAxes = Capacity.axes;
+  static constexpr bool kTakesReferences = Capacity.takes_references;
   using Params = NodeParams<Shape>;
   using Rates = std::array<float, kAxes>;
   using Predictors = AxisPredictors<Shape, Capacity>;

@@ -18,7 +18,7 @@ struct HealthBit {
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 12> kHealthBits{{
+inline constexpr std::array<HealthBit, 13> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -31,6 +31,7 @@ inline constexpr std::array<HealthBit, 12> kHealthBits{{
     {"odometer_disagreement", &app::Health::odometer_disagreement},
     {"odometer_dead_band", &app::Health::odometer_dead_band},
     {"sample_rate_off", &app::Health::sample_rate_off},
+    {"reference_disagreement", &app::Health::reference_disagreement},
 }};
 
 [[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {

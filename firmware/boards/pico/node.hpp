@@ -44,7 +44,8 @@ inline constexpr app::NodeCapacity kNodeCapacity{
     .average_levels = 12,
     .screens_samples = kScreens,
     .runs_moving_average = exported::kNodeParams.published == app::Predictor::moving_average,
-    .runs_calibration_mean = exported::kNodeParams.published == app::Predictor::calibration_mean};
+    .runs_calibration_mean = exported::kNodeParams.published == app::Predictor::calibration_mean,
+    .takes_references = false};
 using Node = app::GyroNode<exported::kModelShape, kNodeCapacity>;
 static_assert(Node::check(exported::kNodeParams).has_value());
 

@@ -3,58 +3,22 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <vector>
 
-#include "firmware/app/gyro_node.hpp"
-#include "firmware/model/catalogue.hpp"
-#include "firmware/model/node_model.hpp"
-#include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/simulate/simulate.hpp"
+#include "host_tests/evidence/drives/turning_vehicle.hpp"
 
 namespace zerorate::drives {
 namespace {
 
-constexpr core::ModelShape kShape{.decaying = 6, .hypotheses = model::kMostHypotheses};
-using Node = app::GyroNode<kShape, app::NodeCapacity{.axes = 1,
-                                                     .held_ticks = 8,
-                                                     .runs_moving_average = false,
-                                                     .runs_calibration_mean = false}>;
-constexpr double kRadPerDeg = double{core::kRadPerDeg};
-constexpr double kPeriod_s = 0.05;
-constexpr std::size_t kStop = 600;    ///< samples: 30 s
-constexpr std::size_t kDrive = 2000;  ///< samples: 100 s
-constexpr std::size_t kDrives = 4;
-constexpr std::size_t kSamples = (kStop + kDrive) * kDrives + kStop;
+using Node = TurningNode;
 
-/// Whether the vehicle moves in sample k, and how it turns.
-bool is_driving(std::size_t k) {
-  return k % (kStop + kDrive) >= kStop;
-}
-/// Corners of 90 deg at up to 40 deg/s, to the left twice as often: 200 deg turned a drive and
-/// more.
-std::vector<double> corners(const random::RandomStream& stream) {
-  std::vector<double> rate_dps(kSamples, 0.0);
-  constexpr std::size_t kCorner = 90;  // samples: 4.5 s
-  for (std::size_t k = 0; k < kSamples; k += 200) {
-    if (!is_driving(k) || !is_driving(k + kCorner) ||
-        stream.uniform(static_cast<std::int64_t>(2 * k)) < 0.5)
-      continue;
-    const double sign = stream.uniform(static_cast<std::int64_t>(2 * k + 1)) < 0.67 ? 1.0 : -1.0;
-    for (std::size_t i = 0; i < kCorner; ++i) {
-      const double phase = (static_cast<double>(i) + 0.5) / static_cast<double>(kCorner);
-      rate_dps[k + i] += sign * 40.0 * std::pow(std::sin(std::numbers::pi * phase), 2.0);
-    }
-  }
-  return rate_dps;
-}
+constexpr std::size_t kDrives = 4;
+constexpr std::size_t kSamples = samples_of(kDrives);
 
 struct Ending {
   double error_deg;
@@ -62,39 +26,19 @@ struct Ending {
   double predicted_sigma_deg;  ///< bias alone, by predict_heading() of the same node
 };
 
-Node::Params params_of(double tolerance) {
-  model::SensorModel sensor = model::find_model("lsm6dso");
-  sensor.scale_factor = model::ScaleFactor{.sigma = tolerance};
-  const core::Duration period = core::Duration::milliseconds(50);
-  const core::Duration tick = core::Duration::milliseconds(500);
-  return {.model = model::make_node_model<kShape>(sensor, period, tick)};
-}
-
-/// Noise of the sensor, with the figures of its model.
-std::vector<double> noise_of(const random::RandomStream& stream) {
-  const model::SensorModel sensor = model::find_model("lsm6dso");
-  const std::vector<simulate::Effect> effects{
-      simulate::ConstantBias{.bias_rad_s = 0.3 * kRadPerDeg},
-      simulate::WhiteNoise{.angle_random_walk_rad_rt_s =
-                               sensor.white.angle_random_walk_rad_per_sqrt_s},
-      simulate::FlickerNoise{.bias_instability_rad_s = sensor.flicker->bias_instability_rad_s,
-                             .order = 0.5}};
-  return simulate::simulate(simulate::Signal{kSamples, kPeriod_s}, effects, stream).rate_rad_s;
-}
-
 /// Turns at the ends of the drives of one sensor.
 std::vector<Ending> run(double tolerance, double scale_error, bool turns, std::uint64_t seed) {
-  const Node::Params params = params_of(tolerance);
+  const Node::Params params = turning_params(tolerance);
   Node node{params};
   const random::RandomStream stream{seed, 0};
-  const std::vector<double> noise = noise_of(stream);
+  const std::vector<double> noise = rest_noise_rad_s(kSamples, stream);
   std::vector<double> rate_dps(kSamples, 0.0);
-  if (turns) rate_dps = corners(random::RandomStream{seed, 1});
+  if (turns) rate_dps = corners_dps(kSamples, random::RandomStream{seed, 1});
   std::vector<Ending> endings;
   double true_turn_deg = 0.0;
   core::Instant departure;
   for (std::size_t k = 0; k < kSamples; ++k) {
-    const auto at = core::Instant::from_ns(static_cast<std::int64_t>(k) * 50'000'000);
+    const core::Instant at = time_of(k);
     if (is_driving(k)) node.pulse(at);
     core::GyroSample sample{.time = at};
     sample.rate[0] = core::rad_per_s(

@@ -45,7 +45,9 @@ struct Vehicle {
              .moves = moves});
   }
   [[nodiscard]] double angle_deg() const { return double{sum.angle(0).in(deg)}; }
-  [[nodiscard]] double sigma_deg() const { return double{sum.sigma(0).in(deg)}; }
+  [[nodiscard]] double sigma_deg() const {
+    return double{sum.sigma(0, sum.scale_variance_rad2(0)).in(deg)};
+  }
 
   Sum sum;
   Duration period;
@@ -149,7 +151,7 @@ TEST(TurnSum, HasTheErrorOfAGapInATurn) {
   vehicle.take(Duration::seconds(1), 10.0F * kDeg, true);
   EXPECT_NEAR(vehicle.angle_deg(), 30.0, 0.2);
   EXPECT_NEAR(vehicle.sigma_deg(), 20.0 / std::sqrt(12.0), 0.01);
-  EXPECT_GT(vehicle.sum.sigma(0, Duration::seconds(3)).in(deg), 25.0F);
+  EXPECT_GT(vehicle.sum.sigma(0, 0.0F, Duration::seconds(3)).in(deg), 25.0F);
 }
 
 TEST(TurnSum, IsUnknownAfterFullScaleUntilTheNextDeparture) {

@@ -1,0 +1,397 @@
+/// @file
+/// Heading of a vehicle between references, and what references show of its gyro.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+#include "core/base/numeric.hpp"
+#include "core/base/symmetric_matrix.hpp"
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// What became of a reference.
+enum class ReferenceVerdict : std::uint8_t {
+  learnt,    ///< it agrees, and was learnt from
+  begun,     ///< the first heading, or the first one after a jump: a beginning, nothing to compare
+  too_soon,  ///< hardly anything was turned since the reference before
+  refused,   ///< too far from what was expected: it jumps, comes late or has another sense
+  no_bias,   ///< no stop was learnt from, or the turn is not known
+  bad_time,  ///< later than the newest sample, or further back than is remembered
+};
+
+/// A Kalman filter of four states about the vertical axis: heading, error of the scale factor,
+/// offset between the bias in motion and at rest, and error of the bias that was predicted at
+/// departure. Between references the rate carries the heading on:
+///
+///     d heading / dt = (measured - predicted bias - offset - bias) / (1 + scale factor)
+///
+/// A reference of the heading measures the first state, one of a turn a sum of the others. Their
+/// errors count as independent, and their stated variance is multiplied by a factor that is learnt
+/// too: it begins at 25, because many receivers state too little. A reference that lies is refused
+/// and never learnt; docs/design/references.md.
+///
+/// Angles are counter-clockwise about the axis that points up. Fixed memory; cost: some 100
+/// floating-point operations a tick and a reference.
+class HeadingFilter {
+ public:
+  static constexpr std::size_t kStates = 4;
+  enum Index : std::uint8_t { kHeading, kScale, kOffset, kBias };
+
+  /// Standard deviations before the first reference.
+  struct Params {
+    float scale_factor = 0.01F;
+    float offset_rad_s = 0.01F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
+  };
+  /// What was turned by the gyro, not yet divided by its scale factor.
+  struct Turn {
+    float turn_rad = 0.0F;
+    float length_s = 0.0F;
+
+    constexpr bool operator==(const Turn&) const = default;
+  };
+  struct State {
+    std::array<float, kStates> x{};
+    SymmetricMatrix<kStates> covariance{};
+    Turn since;                          ///< since the newest reference that was taken
+    float newest_variance_rad2 = 0.0F;   ///< variance of that reference
+    float noise_factor = 25.0F;          ///< variance of the references over the stated one
+    float noise_weight = 1.0F;           ///< references that the factor rests on
+    float bias_variance_rad2_s2 = 0.0F;  ///< of the predicted bias when it was last looked at
+    float bias_variance_at_departure_rad2_s2 = 0.0F;
+    float drift_rad2_s3 = 0.0F;      ///< growth of that variance in the first two minutes, a second
+    float driven_s = 0.0F;           ///< since departure
+    float lean = 0.0F;               ///< mean of the newest normalised errors that were learnt
+    float refused_error_rad = 0.0F;  ///< error of the first of the references refused in a row
+    std::uint8_t refused_in_row = 0;
+    std::uint8_t unsure = 0;  ///< references that will not teach, because the ones before jumped
+    std::uint8_t doubt = 0;   ///< three for each that was refused; one that agrees takes one off
+    bool has_heading = false;
+    bool has_learnt = false;
+
+    constexpr bool operator==(const State&) const = default;
+  };
+
+  constexpr explicit HeadingFilter(const Params& params)
+      : variance_{0.0F, params.scale_factor * params.scale_factor,
+                  params.offset_rad_s * params.offset_rad_s, 0.0F} {
+    state_.covariance(kScale, kScale) = variance_[kScale];
+    state_.covariance(kOffset, kOffset) = variance_[kOffset];
+  }
+
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+  /// Whether memory from outside may be such a state.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    for (std::size_t i = 0; i < kStates; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        if (!is_plausible(state.covariance(i, j))) return false;
+      }
+      // Infinite until a bias was measured.
+      if (i != kBias && !(state.covariance(i, i) >= 0.0F)) return false;
+    }
+    constexpr float kLargestFactor = 0.5F;
+    return are_bools(state.has_heading, state.has_learnt) && are_plausible(state.x) &&
+           state.x[kScale] >= -kLargestFactor && state.x[kScale] <= kLargestFactor &&
+           are_plausible(std::array{state.since.turn_rad, state.since.length_s, state.lean,
+                                    state.refused_error_rad}) &&
+           are_plausible_variances(std::array{
+               state.newest_variance_rad2, state.bias_variance_rad2_s2,
+               state.bias_variance_at_departure_rad2_s2, state.drift_rad2_s3, state.driven_s}) &&
+           state.noise_factor >= 1.0F && state.noise_factor <= kMostFactor &&
+           state.noise_weight >= 1.0F && state.noise_weight <= kMostWeight;
+  }
+
+  /// The vehicle departs with a bias that was learnt at rest.
+  constexpr void depart(float bias_variance_rad2_s2) {
+    for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kBias, i) = 0.0F;
+    state_.covariance(kBias, kBias) = bias_variance_rad2_s2;
+    state_.x[kBias] = 0.0F;
+    state_.bias_variance_rad2_s2 = bias_variance_rad2_s2;
+    state_.bias_variance_at_departure_rad2_s2 = bias_variance_rad2_s2;
+    state_.drift_rad2_s3 = 0.0F;
+    state_.driven_s = 0.0F;
+    state_.covariance(kScale, kScale) += kScaleDrift * kScaleDrift;
+    state_.covariance(kOffset, kOffset) += kOffsetShare * kOffsetShare * variance_[kOffset];
+  }
+
+  /// The vehicle turned.
+  /// @param noise_rad2 variance of the white noise and of gaps
+  /// @param bias_variance_rad2_s2 of the predicted bias at the end of the turn
+  constexpr void advance(const Turn& turn, float noise_rad2, float bias_variance_rad2_s2) {
+    auto& p = state_.covariance;
+    const auto f = sensitivity(turn);
+    float heading_gain = noise_rad2;
+    std::array<float, kStates> gain{};
+    for (std::size_t j = kScale; j < kStates; ++j) {
+      for (std::size_t k = kScale; k < kStates; ++k) gain[j] += f[k] * p(k, j);
+      heading_gain += f[j] * (2.0F * p(kHeading, j) + gain[j]);
+    }
+    p(kHeading, kHeading) = std::max(p(kHeading, kHeading) + heading_gain, 0.0F);
+    for (std::size_t j = kScale; j < kStates; ++j) p(kHeading, j) += gain[j];
+    p(kBias, kBias) += bias_growth(turn.length_s, bias_variance_rad2_s2);
+    state_.x[kHeading] = wrapped(state_.x[kHeading] + scaled(turn.turn_rad));
+    state_.since.turn_rad += turn.turn_rad;
+    state_.since.length_s += turn.length_s;
+  }
+
+  /// A reference of the heading.
+  /// @param ahead turn from the filter's time to that of the reference; negative: it is in the past
+  /// @param variance_rad2 stated variance of the heading
+  constexpr ReferenceVerdict take_heading(float heading_rad, float variance_rad2,
+                                          const Turn& ahead) {
+    const Turn since{state_.since.turn_rad + ahead.turn_rad,
+                     state_.since.length_s + ahead.length_s};
+    const float expected = state_.x[kHeading] + scaled(ahead.turn_rad);
+    if (!state_.has_heading) return begin(heading_rad - scaled(ahead.turn_rad), variance_rad2);
+    if (is_too_soon(since, variance_rad2)) return ReferenceVerdict::too_soon;
+    auto h = sensitivity(ahead);
+    h[kHeading] = 1.0F;
+    const float error = wrapped(heading_rad - expected);
+    const ReferenceVerdict verdict = take(h, error, variance_rad2, since);
+    if (verdict == ReferenceVerdict::learnt) note_taken(variance_rad2, ahead);
+    if (state_.refused_in_row < kJump && !leans()) return verdict;
+    if (leans()) doubt_what_was_learnt(0.0F, since);
+    add(kUnsure, kMostUnsure, state_.unsure);
+    return begin(heading_rad - scaled(ahead.turn_rad), variance_rad2);
+  }
+  /// A reference of the angle that was turned meanwhile.
+  /// @param variance_rad2 stated variance of the angle
+  /// @param noise_rad2 variance of the white noise and of gaps
+  constexpr ReferenceVerdict take_turn(float angle_rad, float variance_rad2, const Turn& turn,
+                                       float noise_rad2) {
+    return take(sensitivity(turn), angle_rad - scaled(turn.turn_rad), variance_rad2, turn,
+                noise_rad2);
+  }
+
+  [[nodiscard]] constexpr bool has_heading() const { return state_.has_heading; }
+  /// Time passed in which nothing was measured, or the axis was at full scale.
+  constexpr void lose_heading() { state_.has_heading = false; }
+  [[nodiscard]] constexpr float heading_rad(const Turn& ahead) const {
+    return wrapped(state_.x[kHeading] + scaled(ahead.turn_rad));
+  }
+  [[nodiscard]] constexpr float heading_variance_rad2(const Turn& ahead) const {
+    auto h = sensitivity(ahead);
+    h[kHeading] = 1.0F;
+    return std::max(spread(h), 0.0F);
+  }
+  /// Whether anything was learnt of the scale factor and the offset.
+  [[nodiscard]] constexpr bool has_learnt() const { return state_.has_learnt; }
+  [[nodiscard]] constexpr float scale_factor() const { return state_.x[kScale]; }
+  [[nodiscard]] constexpr float scale_factor_variance() const {
+    return state_.covariance(kScale, kScale);
+  }
+  /// Offset that is to be taken off the rate in motion, with the bias since departure.
+  [[nodiscard]] constexpr float bias_in_motion_rad_s() const {
+    return state_.x[kOffset] + state_.x[kBias];
+  }
+  [[nodiscard]] constexpr float offset_rad_s() const { return state_.x[kOffset]; }
+  [[nodiscard]] constexpr float offset_variance_rad2_s2() const {
+    return state_.covariance(kOffset, kOffset);
+  }
+  /// Variance of the error of a bias in motion, of which the predictor states its own part.
+  [[nodiscard]] constexpr float bias_variance_rad2_s2(float predicted_rad2_s2) const {
+    if (!state_.has_learnt) return predicted_rad2_s2;
+    const auto& p = state_.covariance;
+    return std::min(predicted_rad2_s2 + p(kOffset, kOffset),
+                    p(kBias, kBias) + 2.0F * p(kBias, kOffset) + p(kOffset, kOffset));
+  }
+  /// Variance of the error that scale factor and offset make in a turn.
+  [[nodiscard]] constexpr float turn_variance_rad2(const Turn& turn) const {
+    const auto& p = state_.covariance;
+    const float m = scaled(turn.turn_rad);
+    if (!state_.has_learnt) return m * m * p(kScale, kScale);
+    const float t = turn.length_s;
+    return std::max(
+        m * m * p(kScale, kScale) + t * t * p(kOffset, kOffset) + 2.0F * m * t * p(kScale, kOffset),
+        0.0F);
+  }
+  /// A turn by the scale factor that is known now.
+  [[nodiscard]] constexpr float scaled(float turn_rad) const {
+    return turn_rad / (1.0F + state_.x[kScale]);
+  }
+  [[nodiscard]] constexpr float unscaled(float turn_rad) const {
+    return turn_rad * (1.0F + state_.x[kScale]);
+  }
+  /// Whether references and gyro cannot both be right.
+  [[nodiscard]] constexpr bool disagrees() const { return state_.doubt >= kDoubtful; }
+
+ private:
+  using Row = std::array<float, kStates>;
+
+  static constexpr float kGate = 12.0F;         ///< normalised innovation squared that is refused
+  static constexpr std::uint8_t kJump = 5;      ///< references in a row that make a jump
+  static constexpr std::uint8_t kDoubtful = 4;  ///< doubt from which references disagree
+  static constexpr std::uint8_t kMostDoubt = 16;
+  static constexpr std::uint8_t kUnsure = 30;      ///< references that do not teach after a jump
+  static constexpr std::uint8_t kUnsureOfOne = 8;  ///< and after one that was refused
+  /// Changes from drive to drive: of the scale factor with the temperature, and of the offset, as a
+  /// share of what was known of it at first.
+  static constexpr float kScaleDrift = 1e-4F;
+  static constexpr float kOffsetShare = 0.02F;
+  static constexpr std::uint8_t kMostUnsure = 240;
+  static constexpr float kMostFactor = 400.0F;
+  static constexpr float kMostWeight = 32.0F;
+
+  [[nodiscard]] static constexpr float wrapped(float angle_rad) {
+    constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
+    const float turns = angle_rad / kTurn;
+    const auto whole = static_cast<std::int32_t>(turns + (turns < 0.0F ? -0.5F : 0.5F));
+    return angle_rad - kTurn * static_cast<float>(whole);
+  }
+  /// Derivatives of a turn by the states.
+  [[nodiscard]] constexpr Row sensitivity(const Turn& turn) const {
+    return {0.0F, -scaled(turn.turn_rad), -turn.length_s, -turn.length_s};
+  }
+  [[nodiscard]] constexpr Row product(const Row& h) const {
+    Row result{};
+    for (std::size_t i = 0; i < kStates; ++i) {
+      for (std::size_t j = 0; j < kStates; ++j) result[i] += state_.covariance(i, j) * h[j];
+    }
+    return result;
+  }
+  [[nodiscard]] constexpr float spread(const Row& h) const {
+    const Row ph = product(h);
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < kStates; ++i) sum += h[i] * ph[i];
+    return sum;
+  }
+
+  /// Growth of the variance of the bias: as predicted, and after two minutes as in these. A bias
+  /// that was followed for an hour goes on to wander, while that of the predictor has long done so.
+  constexpr float bias_growth(float length_s, float variance_rad2_s2) {
+    constexpr float kFresh_s = 120.0F;
+    const float growth = std::max(variance_rad2_s2 - state_.bias_variance_rad2_s2, 0.0F);
+    state_.bias_variance_rad2_s2 = std::max(variance_rad2_s2, state_.bias_variance_rad2_s2);
+    state_.driven_s += length_s;
+    if (state_.driven_s < kFresh_s) return growth;
+    if (state_.drift_rad2_s3 == 0.0F) {
+      state_.drift_rad2_s3 =
+          (state_.bias_variance_rad2_s2 - state_.bias_variance_at_departure_rad2_s2) /
+          state_.driven_s;
+    }
+    return std::max(growth, state_.drift_rad2_s3 * length_s);
+  }
+  constexpr ReferenceVerdict begin(float heading_rad, float variance_rad2) {
+    for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kHeading, i) = 0.0F;
+    state_.covariance(kHeading, kHeading) = state_.noise_factor * variance_rad2;
+    state_.x[kHeading] = wrapped(heading_rad);
+    state_.has_heading = true;
+    state_.refused_in_row = 0;
+    state_.lean = 0.0F;
+    note_taken(variance_rad2, {});
+    return ReferenceVerdict::begun;
+  }
+  constexpr void note_taken(float variance_rad2, const Turn& ahead) {
+    state_.since = {-ahead.turn_rad, -ahead.length_s};
+    state_.newest_variance_rad2 = variance_rad2;
+  }
+  /// A second reference of a stop has the error of the first one.
+  [[nodiscard]] constexpr bool is_too_soon(const Turn& since, float variance_rad2) const {
+    constexpr float kSoon_s = 0.5F;
+    return since.length_s < kSoon_s && variance_rad2 > 0.25F * state_.newest_variance_rad2;
+  }
+
+  /// @param error_rad reference less expectation  @param since turn since the one before
+  constexpr ReferenceVerdict take(const Row& h, float error_rad, float variance_rad2,
+                                  const Turn& since, float noise_rad2 = 0.0F) {
+    const float noise = state_.noise_factor * variance_rad2;
+    const float expected = spread(h) + noise_rad2 + noise;
+    const float squared = error_rad * error_rad;
+    const bool is_far = squared > kGate * expected;
+    if (is_far && !can_tolerance_explain(squared, expected, since)) {
+      if (!refuse(error_rad, expected)) follow_noise(noise / expected, squared / expected);
+      return ReferenceVerdict::refused;
+    }
+    follow_noise(noise / expected, squared / expected);
+    if (is_far) doubt_what_was_learnt(h[kHeading], since);
+    learn(h, error_rad, noise_rad2 + state_.noise_factor * variance_rad2);
+    return ReferenceVerdict::learnt;
+  }
+  /// Learns the factor of the references' variance (maximum likelihood, a step of Newton's).
+  /// @param share of the references in what was expected  @param ratio of the error to that
+  constexpr void follow_noise(float share, float ratio) {
+    constexpr float kMostOfOne = 50.0F;
+    state_.noise_weight = std::min(state_.noise_weight + share * share, kMostWeight);
+    const float change = share * (std::min(ratio, kMostOfOne) - 1.0F) / state_.noise_weight;
+    state_.noise_factor = std::clamp(state_.noise_factor * (1.0F + change), 1.0F, kMostFactor);
+  }
+  /// Whether an error is possible if nothing had been learnt of scale factor and offset.
+  [[nodiscard]] constexpr bool can_tolerance_explain(float squared, float expected,
+                                                     const Turn& since) const {
+    constexpr float kLikely = 9.0F;
+    const float m = scaled(since.turn_rad);
+    const float t = since.length_s;
+    return squared < kLikely * (expected + m * m * variance_[kScale] + t * t * variance_[kOffset]);
+  }
+  /// Adds the tolerance to what is known: what was learnt is wrong, or the reference is.
+  constexpr void doubt_what_was_learnt(float heading_share, const Turn& since) {
+    auto& p = state_.covariance;
+    const Row f = sensitivity(since);
+    for (const Index i : {kScale, kOffset}) {
+      const float added = std::max(variance_[i] - p(i, i), 0.0F);
+      p(i, i) += added;
+      if (heading_share == 0.0F) continue;
+      p(kHeading, i) += f[i] * added;
+      p(kHeading, kHeading) += f[i] * f[i] * added;
+    }
+    add(2 * kDoubtful, kMostDoubt, state_.doubt);
+  }
+  static constexpr void add(int more, int most, std::uint8_t& count) {
+    count = static_cast<std::uint8_t>(std::min(count + more, most));
+  }
+  /// Errors of one sign, again and again, are no noise.
+  constexpr void follow_lean(float error_rad, float expected) {
+    constexpr float kShare = 0.125F;
+    state_.lean += kShare * (error_rad / square_root(expected) - state_.lean);
+  }
+  [[nodiscard]] constexpr bool leans() const {
+    constexpr float kMost = 1.5F;  // six standard deviations of such a mean
+    return state_.lean > kMost || state_.lean < -kMost;
+  }
+  /// @return whether the error is that of the reference before, which was refused too: a jump
+  constexpr bool refuse(float error_rad, float expected) {
+    const float change = wrapped(error_rad - state_.refused_error_rad);
+    const bool goes_on = state_.refused_in_row > 0 && change * change < kGate * expected;
+    if (!goes_on) {
+      state_.refused_in_row = 0;
+      state_.refused_error_rad = error_rad;
+    }
+    ++state_.refused_in_row;
+    add(3, kMostDoubt, state_.doubt);
+    add(kUnsureOfOne, kMostUnsure, state_.unsure);
+    return goes_on;
+  }
+  constexpr void learn(const Row& h, float error_rad, float variance_rad2) {
+    const Row ph = product(h);
+    float expected = variance_rad2;
+    for (std::size_t i = 0; i < kStates; ++i) expected += h[i] * ph[i];
+    if (h[kHeading] != 0.0F) follow_lean(error_rad, expected);
+    const bool teaches = state_.unsure == 0;
+    const std::size_t last = teaches ? kStates : std::size_t{1};
+    for (std::size_t i = 0; i < last; ++i) {
+      const float gain = ph[i] / expected;
+      state_.x[i] += gain * error_rad;
+      for (std::size_t j = 0; j < kStates; ++j) {
+        if (j <= i || j >= last) state_.covariance(i, j) -= gain * ph[j];
+      }
+    }
+    for (std::size_t i = 0; i < kStates; ++i) {
+      state_.covariance(i, i) = std::max(state_.covariance(i, i), 0.0F);
+    }
+    state_.x[kHeading] = wrapped(state_.x[kHeading]);
+    state_.has_learnt = state_.has_learnt || teaches;
+    state_.refused_in_row = 0;
+    if (state_.unsure > 0) --state_.unsure;
+    if (state_.doubt > 0) --state_.doubt;
+  }
+
+  Row variance_;  ///< variances before the first reference
+  State state_{};
+};
+
+}  // namespace zerorate::core

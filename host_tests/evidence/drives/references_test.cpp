@@ -1,0 +1,213 @@
+// What references of the heading teach: turn of sensors with an error of the scale factor, an
+// offset of the bias in motion and references of several kinds, beside that of a perfect sensor.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tests/evidence/drives/turning_vehicle.hpp"
+
+namespace zerorate::drives {
+namespace {
+
+/// Error of the sensor that rest does not show.
+struct Sensor {
+  double tolerance = 0.01;
+  double scale_error = 0.0;
+  double offset_dps = 0.0;  ///< of the bias in motion
+};
+
+/// A source of references, and what is wrong with it.
+struct Source {
+  bool at_stops = false;   ///< one a stop, 5 s after its begin
+  bool by_course = false;  ///< one a second in motion
+  double sigma_deg = 0.1;
+  double stated = 1.0;  ///< stated deviation over the true one
+  double sense = 1.0;
+  double delay_s = 0.0;    ///< not told
+  double jump_deg = 0.0;   ///< from the middle of each fifth drive on
+  bool is_frozen = false;  ///< from the fifth drive on
+};
+
+struct Ending {
+  double error_deg;
+  double sigma_deg;
+  bool is_usable;
+};
+
+struct Outcome {
+  std::vector<Ending> endings;
+  double scale_factor = 0.0;
+  double worst_while_usable = 0.0;  ///< error over its deviation, of a sample
+};
+
+class Drive {
+ public:
+  Drive(const Sensor& sensor, const Source& source, std::size_t drives, std::uint64_t seed)
+      : sensor_(sensor),
+        source_(source),
+        samples_(samples_of(drives)),
+        params_(turning_params(sensor.tolerance)),
+        node_(params_),
+        noise_(rest_noise_rad_s(samples_, random::RandomStream{seed, 0})),
+        rate_dps_(corners_dps(samples_, random::RandomStream{seed, 1})),
+        errors_(seed, 2) {}
+
+  Outcome run() {
+    Outcome outcome;
+    for (std::size_t k = 0; k < samples_; ++k) {
+      const app::RateMessage message = step(k);
+      refer(k);
+      const double error_deg = double{message.turn[0].angle.in(core::deg)} - turn_deg_;
+      const double sigma_deg = double{message.turn[0].sigma.in(core::deg)};
+      const bool is_under_way = k % (kStop + kDrive) > kStop + 40;
+      if (is_under_way && message.health.is_usable() && std::isfinite(sigma_deg)) {
+        outcome.worst_while_usable =
+            std::max(outcome.worst_while_usable, std::abs(error_deg) / sigma_deg);
+      }
+      if (k + 1 < samples_ && is_driving(k) && !is_driving(k + 1)) {
+        outcome.endings.push_back({error_deg, sigma_deg, message.health.is_usable()});
+      }
+    }
+    outcome.scale_factor = double{node_.heading_filter().scale_factor()};
+    return outcome;
+  }
+
+ private:
+  app::RateMessage step(std::size_t k) {
+    if (is_driving(k)) {
+      if (k > 0 && !is_driving(k - 1)) turn_deg_ = 0.0;
+      node_.pulse(time_of(k));
+    }
+    core::GyroSample sample{.time = time_of(k)};
+    const double offset_dps = is_driving(k) ? sensor_.offset_dps : 0.0;
+    sample.rate[0] = core::rad_per_s(static_cast<float>(
+        noise_[k] + ((1.0 + sensor_.scale_error) * rate_dps_[k] + offset_dps) * kRadPerDeg));
+    const double since_last_deg = 0.5 * kPeriod_s * (rate_dps_[k > 0 ? k - 1 : 0] + rate_dps_[k]);
+    turn_deg_ += since_last_deg;
+    heading_deg_ += since_last_deg;
+    track_deg_.push_back(heading_deg_);
+    return node_.step(sample);
+  }
+  void refer(std::size_t k) {
+    const std::size_t in_cycle = k % (kStop + kDrive);
+    const bool is_due = (source_.at_stops && in_cycle == 100) ||
+                        (source_.by_course && is_driving(k) && k % 20 == 0);
+    if (!is_due) return;
+    const auto late = static_cast<std::size_t>(source_.delay_s / kPeriod_s);
+    double heading_deg = track_deg_[k >= late ? k - late : 0];
+    const std::size_t drive = k / (kStop + kDrive);
+    if (source_.is_frozen && drive >= 5) heading_deg = 77.0;
+    if (drive % 5 == 4 && in_cycle > kStop + kDrive / 2) heading_deg += source_.jump_deg;
+    heading_deg = source_.sense * heading_deg +
+                  source_.sigma_deg * errors_.normal(static_cast<std::int64_t>(k));
+    (void)node_.take_reference(app::HeadingReference{
+        .time = time_of(k),
+        .heading = core::deg(static_cast<float>(std::remainder(heading_deg, 360.0))),
+        .sigma = core::deg(static_cast<float>(source_.stated * source_.sigma_deg))});
+  }
+
+  Sensor sensor_;
+  Source source_;
+  std::size_t samples_;
+  TurningNode::Params params_;
+  TurningNode node_;
+  std::vector<double> noise_;
+  std::vector<double> rate_dps_;
+  random::RandomStream errors_;
+  std::vector<double> track_deg_;
+  double heading_deg_ = 0.0;
+  double turn_deg_ = 0.0;
+};
+
+struct Row {
+  double rms_deg = 0.0;
+  double coverage = 0.0;
+  double mean_sigma_deg = 0.0;
+  double scale_rms = 0.0;
+  double worst = 0.0;
+};
+
+constexpr std::size_t kDrives = 15;
+constexpr std::size_t kLearning = 10;  ///< drives before those that are scored
+constexpr std::size_t kSensors = 40;
+
+Row row(Sensor sensor, const Source& source, double scale_of_tolerance) {
+  Row found;
+  double count = 0.0;
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    const random::RandomStream draw{7, i};
+    sensor.scale_error = scale_of_tolerance * sensor.tolerance * draw.normal(0);
+    const Outcome outcome = Drive{sensor, source, kDrives, 1000 + i}.run();
+    for (std::size_t k = kLearning; k < outcome.endings.size(); ++k) {
+      const Ending& end = outcome.endings[k];
+      found.rms_deg += end.error_deg * end.error_deg;
+      found.coverage += std::abs(end.error_deg) < 1.96 * end.sigma_deg ? 1.0 : 0.0;
+      found.mean_sigma_deg += end.sigma_deg;
+      count += 1.0;
+    }
+    found.scale_rms += std::pow(outcome.scale_factor - sensor.scale_error, 2.0);
+    found.worst = std::max(found.worst, outcome.worst_while_usable);
+  }
+  return {std::sqrt(found.rms_deg / count), found.coverage / count, found.mean_sigma_deg / count,
+          std::sqrt(found.scale_rms / static_cast<double>(kSensors)), found.worst};
+}
+
+void print(const std::string& name, const Row& found) {
+  std::printf("%-34s rms %.3f deg, coverage %.3f, sigma %.3f deg, scale %.5f, worst %.2f\n",
+              name.c_str(), found.rms_deg, found.coverage, found.mean_sigma_deg, found.scale_rms,
+              found.worst);
+  std::fflush(stdout);
+}
+
+TEST(Experiment, Rows) {
+  print("perfect", row({.tolerance = 1e-5}, {}, 0.0));
+  const Source stops{.at_stops = true};
+  const Source course{.by_course = true, .sigma_deg = 0.7};
+  for (const double tolerance : {0.005, 0.01, 0.03}) {
+    print("stops " + std::to_string(tolerance), row({.tolerance = tolerance}, stops, 1.0));
+    print("course " + std::to_string(tolerance), row({.tolerance = tolerance}, course, 1.0));
+  }
+  print("stops 0", row({}, stops, 0.0));
+  print("offset, stops", row({.offset_dps = 0.015}, stops, 1.0));
+  print("offset, course", row({.offset_dps = 0.015}, course, 1.0));
+  Source bad = course;
+  bad.jump_deg = 20.0;
+  print("course jumps 20", row({}, bad, 1.0));
+  bad.jump_deg = 5.0;
+  print("course jumps 5", row({}, bad, 1.0));
+  bad = course;
+  bad.sense = -1.0;
+  print("course sense", row({}, bad, 1.0));
+  bad = course;
+  bad.delay_s = 2.0;
+  print("course late", row({}, bad, 1.0));
+  bad = course;
+  bad.is_frozen = true;
+  print("course frozen", row({}, bad, 1.0));
+  bad = course;
+  bad.stated = 0.1;
+  print("course small sigma", row({}, bad, 1.0));
+  bad = stops;
+  bad.jump_deg = 20.0;
+  print("stops jumps", row({}, bad, 1.0));
+  bad = stops;
+  bad.sense = -1.0;
+  print("stops sense", row({}, bad, 1.0));
+  bad = stops;
+  bad.sigma_deg = 1.0;
+  bad.stated = 0.1;
+  print("stops small sigma", row({}, bad, 1.0));
+  bad = stops;
+  bad.is_frozen = true;
+  print("stops frozen", row({}, bad, 1.0));
+}
+
+}  // namespace
+}  // namespace zerorate::drives
