@@ -25,7 +25,8 @@ constexpr app::NodeCapacity kCapacity{.axes = ZERORATE_AXES,
                                       .held_ticks = ZERORATE_HELD_TICKS,
                                       .average_levels = 12,
                                       .runs_moving_average = ZERORATE_HAS_MOVING_AVERAGE != 0,
-                                      .runs_calibration_mean = ZERORATE_HAS_CALIBRATION_MEAN != 0};
+                                      .runs_calibration_mean = ZERORATE_HAS_CALIBRATION_MEAN != 0,
+                                      .takes_references = ZERORATE_TAKES_REFERENCES != 0};
 using Node = app::GyroNode<kShape, kCapacity>;
 
 [[nodiscard]] inline core::ModesOf<kShape> modes_of(const zerorate_model& model) {
@@ -86,12 +87,16 @@ template <core::ModelShape Shape>
   return app::Predictor::kalman;
 }
 
-[[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
+/// Where no axis is known to point up nothing is asked about it.
+[[nodiscard]] inline core::UpAxis up_axis_of(const zerorate_config& config) {
   if (config.up_axis == 0) return {};
   const bool points_down = config.up_axis < 0;
   const int axis = (points_down ? -config.up_axis : config.up_axis) - 1;
-  return core::earth_rate(config.latitude_deg,
-                          {.axis = static_cast<std::uint8_t>(axis), .points_down = points_down});
+  return {.axis = static_cast<std::uint8_t>(axis), .points_down = points_down};
+}
+[[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
+  if (config.up_axis == 0) return {};
+  return core::earth_rate(config.latitude_deg, up_axis_of(config));
 }
 
 [[nodiscard]] inline core::StandstillSource source_of(zerorate_standstill standstill) {
@@ -144,6 +149,7 @@ template <core::ModelShape Shape>
   return {.model = noise,
           .standstill = standstill_of(config),
           .earth = earth_of(config),
+          .up = up_axis_of(config),
           .published = predictor_of(config.predictor)};
 }
 

@@ -111,6 +111,7 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                                 .odometer_dead_band = message.health.odometer_dead_band,
                                 .sensor_fault = message.health.sensor_fault,
                                 .sample_rate_off = message.health.sample_rate_off,
+                                .reference_disagreement = message.health.reference_disagreement,
                                 .usable = message.health.is_usable()},
                      .corrected_rad_s = {},
                      .bias_rad_s = {},
@@ -155,6 +156,32 @@ zerorate_result result_of(app::SnapshotRefusal refusal) {
   }
   return ZERORATE_SNAPSHOT_NOT_USABLE;
 }
+
+#if ZERORATE_TAKES_REFERENCES
+zerorate_result result_of(core::ReferenceVerdict verdict) {
+  switch (verdict) {
+    case core::ReferenceVerdict::no_bias:
+      return ZERORATE_NOTHING_LEARNT;
+    case core::ReferenceVerdict::bad_time:
+      return ZERORATE_REFERENCE_TIME;
+    case core::ReferenceVerdict::refused:
+      return ZERORATE_REFERENCE_REFUSED;
+    default:
+      return ZERORATE_OK;
+  }
+}
+
+bool is_reference(float angle_rad, float sigma_rad) {
+  constexpr float kLargest_rad = 1e4F;
+  constexpr float kWidest_rad = 1.6F;
+  return angle_rad >= -kLargest_rad && angle_rad <= kLargest_rad && sigma_rad > 0.0F &&
+         sigma_rad <= kWidest_rad;
+}
+
+zerorate_figure figure_of(float value, float variance) {
+  return {.value = value, .sigma = core::square_root(variance)};
+}
+#endif
 
 zerorate_result result_of(app::ParamsError error) {
   if (error == app::ParamsError::predictor_not_run) return ZERORATE_BAD_ARGUMENT;
@@ -270,6 +297,57 @@ zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis
   *error = {.angle_rad = heading.angle_rad, .sigma_rad = heading.sigma_rad()};
   return ZERORATE_OK;
 }
+
+#if ZERORATE_TAKES_REFERENCES
+zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns, float heading_rad,
+                                           float sigma_rad) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!instance->knows_up() || !c_api::is_time(time_ns) ||
+      !c_api::is_reference(heading_rad, sigma_rad)) {
+    return ZERORATE_BAD_ARGUMENT;
+  }
+  return c_api::result_of(
+      instance->node().take_reference(app::HeadingReference{.time = core::Instant::from_ns(time_ns),
+                                                            .heading = core::rad(heading_rad),
+                                                            .sigma = core::rad(sigma_rad)}));
+}
+
+zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, int64_t to_ns,
+                                        float angle_rad, float sigma_rad) {
+  auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!instance->knows_up() || !c_api::is_time(from_ns) || !c_api::is_time(to_ns) ||
+      from_ns >= to_ns || !c_api::is_reference(angle_rad, sigma_rad)) {
+    return ZERORATE_BAD_ARGUMENT;
+  }
+  return c_api::result_of(
+      instance->node().take_reference(app::TurnReference{.from = core::Instant::from_ns(from_ns),
+                                                         .to = core::Instant::from_ns(to_ns),
+                                                         .angle = core::rad(angle_rad),
+                                                         .sigma = core::rad(sigma_rad)}));
+}
+
+zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
+                                           zerorate_learnt_motion* learnt) {
+  if (learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
+  const auto* instance = instance_in(self);
+  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
+  if (!instance->knows_up()) return ZERORATE_BAD_ARGUMENT;
+  const core::HeadingFilter& filter = instance->node().heading_filter();
+  const auto heading = instance->node().heading();
+  *learnt = {
+      .heading_rad = {.value = c_api::kNone, .sigma = std::numeric_limits<float>::infinity()},
+      .scale_factor_error = c_api::figure_of(filter.scale_factor(), filter.scale_factor_variance()),
+      .offset_rad_s = c_api::figure_of(filter.offset_rad_s(), filter.offset_variance_rad2_s2()),
+      .quality = filter.quality()};
+  if (heading) {
+    learnt->heading_rad = {.value = heading->angle.in(core::rad),
+                           .sigma = heading->sigma.in(core::rad)};
+  }
+  return ZERORATE_OK;
+}
+#endif
 
 zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axis,
                                           zerorate_learnt_noise* learnt) {

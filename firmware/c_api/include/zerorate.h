@@ -94,6 +94,10 @@ extern "C" {
 #ifndef ZERORATE_HAS_CALIBRATION_MEAN
 #define ZERORATE_HAS_CALIBRATION_MEAN 1
 #endif
+/** 1: references of the heading teach the scale factor, and the bias in motion. */
+#ifndef ZERORATE_TAKES_REFERENCES
+#define ZERORATE_TAKES_REFERENCES 1
+#endif
 /** @} */
 
 /* States of a filter, and bytes of its parts. */
@@ -114,7 +118,9 @@ extern "C" {
    (ZERORATE_HYPOTHESES * (ZERORATE_FILTER_BYTES + 4 + (8 * ZERORATE_DRIFTS))) +                  \
    (ZERORATE_LEARNS *                                                                             \
     (40 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
-   (ZERORATE_AXES * ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))))
+   (ZERORATE_AXES *                                                                               \
+    ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))) +               \
+   (368 * ZERORATE_TAKES_REFERENCES))
 /** Bytes that zerorate_save() writes. */
 #define ZERORATE_SNAPSHOT_BYTES                              \
   (88 + (12 * ZERORATE_AXES) + (32 * ZERORATE_TEMPERATURE) + \
@@ -148,7 +154,9 @@ enum {
   ZERORATE_SAMPLE_REFUSED,      /**< a rate that is not finite, or beyond 1e6 rad/s */
   ZERORATE_SENSOR_FAULT, /**< an axis no longer measures: it is frozen, at full scale, or a ramp */
   ZERORATE_TIME_REFUSED, /**< a sample that is not newer than the one before */
-  ZERORATE_CLOCK_WENT_BACK /**< a stamp far behind the newest sample: its clock wrapped */
+  ZERORATE_CLOCK_WENT_BACK,  /**< a stamp far behind the newest sample: its clock wrapped */
+  ZERORATE_REFERENCE_TIME,   /**< after the newest sample, or further back than is remembered */
+  ZERORATE_REFERENCE_REFUSED /**< too far from the gyro: it jumps, is late or has another sense */
 };
 
 typedef int32_t zerorate_predictor;
@@ -269,7 +277,8 @@ typedef struct zerorate_health {
   bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
   bool sensor_fault;       /**< an axis no longer measures: no rate, and nothing is learnt */
   bool sample_rate_off; /**< samples come at another rate than the model's, by a quarter and more */
-  bool usable;          /**< calibrated, and nothing above puts the rate or its interval in doubt */
+  bool reference_disagreement; /**< references of the heading and the gyro cannot both be right */
+  bool usable; /**< calibrated, and nothing above puts the rate or its interval in doubt */
 } zerorate_health;
 
 /** One sample of the sensor. */
@@ -285,7 +294,8 @@ typedef struct zerorate_rate {
   int64_t time_ns;
   zerorate_motion motion;
   zerorate_health health;
-  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias; NaN where there is no rate */
+  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias, over the scale factor where it was
+                                           learnt; NaN where there is no rate */
   float bias_rad_s[ZERORATE_AXES];
   float sigma_rad_s[ZERORATE_AXES];    /**< of the bias; infinite until measured */
   float turn_rad[ZERORATE_AXES];       /**< since the departure from the newest learnt stop */
@@ -314,6 +324,14 @@ typedef struct zerorate_learnt_noise {
   float stops; /**< that the figures rest on, older ones counted in part */
 } zerorate_learnt_noise;
 
+/** What references taught of the axis that points up or down. */
+typedef struct zerorate_learnt_motion {
+  zerorate_figure heading_rad;        /**< at the newest sample; sigma infinite: not known */
+  zerorate_figure scale_factor_error; /**< 0.01: the sensor measures 1 % too much */
+  zerorate_figure offset_rad_s;       /**< of the bias in motion, which rest does not show */
+  float quality; /**< 0: the scale factor is known as by the model; 1: it is known exactly */
+} zerorate_learnt_motion;
+
 /** Storage of one sensor. Opaque. */
 typedef struct zerorate_node {
   ZERORATE_ALIGNED uint8_t opaque[ZERORATE_INSTANCE_BYTES];
@@ -324,13 +342,15 @@ zerorate_config zerorate_default_config(void);
 
 #ifndef DOXYGEN
 /* The name that is linked tells the size of an instance. */
-#define ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c) \
-  name##_##a##_##d##_##r##_##t##_##h##_##q##_##m##_##c
-#define ZERORATE_JOINED(name, a, d, r, t, h, q, m, c) ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c)
+#define ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c, f) \
+  name##_##a##_##d##_##r##_##t##_##h##_##q##_##m##_##c##_##f
+#define ZERORATE_JOINED(name, a, d, r, t, h, q, m, c, f) \
+  ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c, f)
 #define zerorate_init                                                                             \
   ZERORATE_JOINED(zerorate_init, ZERORATE_AXES, ZERORATE_DECAYING_MODES, ZERORATE_ROTATING_MODES, \
                   ZERORATE_TEMPERATURE, ZERORATE_HYPOTHESES, ZERORATE_HELD_TICKS,                 \
-                  ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN)
+                  ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN,                     \
+                  ZERORATE_TAKES_REFERENCES)
 #endif
 
 /**
@@ -372,6 +392,33 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error);
+
+#if ZERORATE_TAKES_REFERENCES
+/**
+ * The heading of the vehicle at a time, counter-clockwise seen from above (a compass heading is its
+ * negative): a GNSS course in motion, two antennas, a map, a mark at a stop. Needs `up_axis`. Its
+ * time lies in the newest two seconds, or in the stop that lasts. The first one is a beginning; one
+ * that hardly anything was turned before is not needed, and answered by ZERORATE_OK too.
+ * @param sigma_rad standard deviation of its error, above 0 and at most 1.6
+ * @return ZERORATE_REFERENCE_TIME, _REFERENCE_REFUSED: it did not teach; ZERORATE_NOTHING_LEARNT
+ *         before the first standstill, ZERORATE_BAD_ARGUMENT
+ */
+zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns, float heading_rad,
+                                           float sigma_rad);
+
+/**
+ * The angle that the vehicle turned by between two times, whole turns included. Each end lies in
+ * the newest two seconds, in the stop before the drive or in that after it, or is the end of the
+ * turn before.
+ * @return as zerorate_heading_reference()
+ */
+zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, int64_t to_ns,
+                                        float angle_rad, float sigma_rad);
+
+/** What references taught. ZERORATE_BAD_ARGUMENT where `up_axis` is not known. */
+zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
+                                           zerorate_learnt_motion* learnt);
+#endif
 
 /** The noise of an axis as it was learnt. */
 zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axis,
