@@ -25,6 +25,7 @@ struct Gate {
   float threshold_sigma = 0.0F;  ///< 0: no gate
   std::uint16_t longest_knock_ticks = 0;
 
+  constexpr bool operator==(const Gate&) const = default;
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(threshold_sigma); }
   [[nodiscard]] constexpr bool is_outlier(const Innovation& expected) const {
     return expected.residual_rad_s * expected.residual_rad_s >

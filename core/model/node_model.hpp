@@ -39,6 +39,7 @@ struct NodeModel {
   /// variances above contain it.
   float quantization_step_rad_s = 0.0F;
 
+  constexpr bool operator==(const NodeModel&) const = default;
   [[nodiscard]] constexpr Rounding rounding() const {
     return {.step_rad_s = quantization_step_rad_s,
             .floor_rad2_s2 = measurement_floor_variance_rad2_s2};

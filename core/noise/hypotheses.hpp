@@ -24,6 +24,7 @@ struct NoiseHypothesis {
   float bias_instability_rad_s = 0.0F;  ///< B
   float angle_random_walk_rad_per_sqrt_s = 0.0F;  ///< N
 
+  constexpr bool operator==(const NoiseHypothesis&) const = default;
   /// Evidence before the first measurement. It favours strong noise, because few measurements may
   /// favour too weak a noise by chance. It is forgotten like all evidence.
   [[nodiscard]] constexpr float first_log_evidence() const {
@@ -39,11 +40,15 @@ struct Hypotheses {
   /// Share of the evidence that a measurement leaves; 1: all of it.
   float kept = 1.0F;
   std::array<NoiseHypothesis<Shape.decaying>, Shape.hypotheses> all{};
+
+  constexpr bool operator==(const Hypotheses&) const = default;
 };
 
 /// No hypotheses: the filter uses the model itself.
 struct KnownModel {
   static constexpr std::size_t count = 0;
+
+  constexpr bool operator==(const KnownModel&) const = default;
 };
 
 template <ModelShape Shape>

@@ -31,6 +31,8 @@ struct Mode {
   float initial_variance = 0.0F;
   /// Expectation of Re z when the filter starts [rad/s].
   float initial_mean = 0.0F;
+
+  constexpr bool operator==(const Mode&) const = default;
 };
 
 using DecayingMode = Mode<float>;

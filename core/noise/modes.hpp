@@ -90,6 +90,7 @@ struct Modes {
   std::array<DecayingMode, R> decaying{};
   std::array<RotatingMode, C> rotating{};
 
+  constexpr bool operator==(const Modes&) const = default;
   [[nodiscard]] constexpr Transition<R, C> one_tick() const { return over(1); }
 
   /// Number of pieces that a span is made of: the level, and each mode.

@@ -24,6 +24,7 @@ struct TemperatureDrift {
   float curvature_sigma_rad_s_per_k2 = 0.0F;
   float lag_s = 0.0F;  ///< first-order lag of the sensing element behind the thermometer; 0: none
 
+  constexpr bool operator==(const TemperatureDrift&) const = default;
   [[nodiscard]] constexpr bool is_on() const {
     return slope_rad_s_per_k != 0.0F || slope_sigma_rad_s_per_k > 0.0F ||
            curvature_rad_s_per_k2 != 0.0F || curvature_sigma_rad_s_per_k2 > 0.0F;
@@ -31,7 +32,9 @@ struct TemperatureDrift {
 };
 
 /// Empty block of a filter without temperature (K = 0).
-struct NoTemperatureDrift {};
+struct NoTemperatureDrift {
+  constexpr bool operator==(const NoTemperatureDrift&) const = default;
+};
 
 /// @tparam K 0 or TemperatureDrift::kWeights
 template <std::size_t K>

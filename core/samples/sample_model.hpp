@@ -13,6 +13,7 @@ struct Outliers {
   float probability = 0.0F;       ///< probability of one; 0: there are none
   float variance_rad2_s2 = 0.0F;  ///< variance of the error that is added
 
+  constexpr bool operator==(const Outliers&) const = default;
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(probability); }
   /// Variance that they add to a sum of many samples, for each of them.
   [[nodiscard]] constexpr float variance_in_sums() const { return probability * variance_rad2_s2; }
@@ -24,6 +25,7 @@ struct MotionEvents {
   float end_probability = 1.0F;    ///< at a sample, while there is one: 1 / mean length in samples
   float variance_rad2_s2 = 0.0F;   ///< variance of the offset, whose memory is its mean length
 
+  constexpr bool operator==(const MotionEvents&) const = default;
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(begin_probability); }
   /// Variance that it adds to a sum of many samples, for each of them: its variance, by the
   /// share of the time that it lasts, over the lengths that its memory reaches to both sides.
@@ -39,6 +41,7 @@ struct NoiseLevel {
   float variance = 0.0F;                 ///< stationary; 0: the strength is constant
   float time_constants_per_tick = 1.0F;  ///< larger forgets quicker
 
+  constexpr bool operator==(const NoiseLevel&) const = default;
   [[nodiscard]] constexpr bool is_on() const { return is_finite_positive(variance); }
 };
 
@@ -47,6 +50,7 @@ struct MeasuringRange {
   float lower_rad_s = -std::numeric_limits<float>::infinity();
   float upper_rad_s = std::numeric_limits<float>::infinity();
 
+  constexpr bool operator==(const MeasuringRange&) const = default;
   [[nodiscard]] constexpr bool is_saturated(float rate_rad_s) const {
     return rate_rad_s <= lower_rad_s || rate_rad_s >= upper_rad_s;
   }
@@ -59,6 +63,7 @@ struct SampleModel {
   NoiseLevel level;
   MeasuringRange range;
 
+  constexpr bool operator==(const SampleModel&) const = default;
   [[nodiscard]] constexpr bool is_on() const {
     return needs_screen() || is_finite(range.lower_rad_s) || is_finite(range.upper_rad_s);
   }

@@ -1,6 +1,6 @@
 /// @file
 /// List of all fields of a model file. Reading, writing and validation visit it, so that each of
-/// them has every key.
+/// them has every key. A new member of a table does not compile until it stands in the list.
 #pragma once
 
 #include <cmath>
@@ -50,185 +50,193 @@ template <class Type, class T>
 concept MaybeConst = std::same_as<std::remove_const_t<Type>, T>;
 
 void visit_fields(auto& visitor, MaybeConst<WhiteNoise> auto& white) {
-  visitor.number("angle_random_walk_dps_per_sqrt_hz", white.angle_random_walk_rad_per_sqrt_s,
+  auto& [angle_random_walk_rad_per_sqrt_s, source] = white;
+  visitor.number("angle_random_walk_dps_per_sqrt_hz", angle_random_walk_rad_per_sqrt_s,
                  FileUnit::degree, kNotNegative, Presence::required);
-  visitor.text("source", white.source, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Flicker> auto& flicker) {
-  visitor.bias_instability(flicker.bias_instability_rad_s, kPositive);
-  visitor.number("order", flicker.order, FileUnit::si, kOrder, Presence::optional);
-  visitor.number("decades", flicker.decades, FileUnit::si, kDecades, Presence::optional);
-  visitor.number("shortest_time_constant_s", flicker.shortest_time_constant_s, FileUnit::si,
-                 kPositive, Presence::optional);
-  visitor.text("source", flicker.source, Presence::optional);
+  auto& [bias_instability_rad_s, order, decades, shortest_time_constant_s, source] = flicker;
+  visitor.bias_instability(bias_instability_rad_s, kPositive);
+  visitor.number("order", order, FileUnit::si, kOrder, Presence::optional);
+  visitor.number("decades", decades, FileUnit::si, kDecades, Presence::optional);
+  visitor.number("shortest_time_constant_s", shortest_time_constant_s, FileUnit::si, kPositive,
+                 Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<RateRandomWalk> auto& walk) {
-  visitor.number("coefficient_dps_per_sqrt_s", walk.coefficient_rad_s_per_sqrt_s, FileUnit::degree,
+  auto& [coefficient_rad_s_per_sqrt_s, source] = walk;
+  visitor.number("coefficient_dps_per_sqrt_s", coefficient_rad_s_per_sqrt_s, FileUnit::degree,
                  kPositive, Presence::required);
-  visitor.text("source", walk.source, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<GaussMarkov> auto& process) {
-  visitor.number("sigma_dps", process.sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
-  visitor.number("time_constant_s", process.time_constant_s, FileUnit::si, kPositive,
-                 Presence::required);
-  visitor.text("source", process.source, Presence::optional);
+  auto& [sigma_rad_s, time_constant_s, source] = process;
+  visitor.number("sigma_dps", sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.number("time_constant_s", time_constant_s, FileUnit::si, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Harmonic> auto& line) {
-  visitor.number("rms_dps", line.rms_rad_s, FileUnit::degree, kPositive, Presence::required);
-  visitor.number("frequency_hz", line.frequency_hz, FileUnit::si, kFrequency, Presence::required);
-  visitor.number("coherence_time_s", line.coherence_time_s, FileUnit::si, kPositive,
-                 Presence::required);
-  visitor.text("source", line.source, Presence::optional);
+  auto& [rms_rad_s, frequency_hz, coherence_time_s, source] = line;
+  visitor.number("rms_dps", rms_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.number("frequency_hz", frequency_hz, FileUnit::si, kFrequency, Presence::required);
+  visitor.number("coherence_time_s", coherence_time_s, FileUnit::si, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<TemperatureDrift> auto& drift) {
-  visitor.number("reference_degc", drift.reference_degc, FileUnit::si, kAnyNumber,
-                 Presence::required);
-  visitor.number("slope_dps_per_degc", drift.slope_rad_s_per_k, FileUnit::degree, kAnyNumber,
+  auto& [reference_degc, slope_rad_s_per_k, slope_sigma_rad_s_per_k, curvature_rad_s_per_k2,
+         curvature_sigma_rad_s_per_k2, lag_s, source] = drift;
+  visitor.number("reference_degc", reference_degc, FileUnit::si, kAnyNumber, Presence::required);
+  visitor.number("slope_dps_per_degc", slope_rad_s_per_k, FileUnit::degree, kAnyNumber,
                  Presence::optional);
-  visitor.number("slope_sigma_dps_per_degc", drift.slope_sigma_rad_s_per_k, FileUnit::degree,
+  visitor.number("slope_sigma_dps_per_degc", slope_sigma_rad_s_per_k, FileUnit::degree,
                  kNotNegative, Presence::required);
-  visitor.number("curvature_dps_per_degc2", drift.curvature_rad_s_per_k2, FileUnit::degree,
-                 kAnyNumber, Presence::optional);
-  visitor.number("curvature_sigma_dps_per_degc2", drift.curvature_sigma_rad_s_per_k2,
-                 FileUnit::degree, kNotNegative, Presence::optional);
-  visitor.number("lag_s", drift.lag_s, FileUnit::si, kNotNegative, Presence::optional);
-  visitor.text("source", drift.source, Presence::optional);
+  visitor.number("curvature_dps_per_degc2", curvature_rad_s_per_k2, FileUnit::degree, kAnyNumber,
+                 Presence::optional);
+  visitor.number("curvature_sigma_dps_per_degc2", curvature_sigma_rad_s_per_k2, FileUnit::degree,
+                 kNotNegative, Presence::optional);
+  visitor.number("lag_s", lag_s, FileUnit::si, kNotNegative, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<WarmUp> auto& transient) {
-  visitor.number("amplitude_dps", transient.amplitude_rad_s, FileUnit::degree, kAnyNumber,
+  auto& [amplitude_rad_s, amplitude_sigma_rad_s, time_constant_s, source] = transient;
+  visitor.number("amplitude_dps", amplitude_rad_s, FileUnit::degree, kAnyNumber,
                  Presence::optional);
-  visitor.number("amplitude_sigma_dps", transient.amplitude_sigma_rad_s, FileUnit::degree,
-                 kNotNegative, Presence::required);
-  visitor.number("time_constant_s", transient.time_constant_s, FileUnit::si, kPositive,
+  visitor.number("amplitude_sigma_dps", amplitude_sigma_rad_s, FileUnit::degree, kNotNegative,
                  Presence::required);
-  visitor.text("source", transient.source, Presence::optional);
+  visitor.number("time_constant_s", time_constant_s, FileUnit::si, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<RateRamp> auto& ramp) {
-  visitor.number("slope_dps_per_s", ramp.slope_rad_s2, FileUnit::degree, kAnyNumber,
-                 Presence::optional);
-  visitor.number("slope_sigma_dps_per_s", ramp.slope_sigma_rad_s2, FileUnit::degree, kNotNegative,
+  auto& [slope_rad_s2, slope_sigma_rad_s2, source] = ramp;
+  visitor.number("slope_dps_per_s", slope_rad_s2, FileUnit::degree, kAnyNumber, Presence::optional);
+  visitor.number("slope_sigma_dps_per_s", slope_sigma_rad_s2, FileUnit::degree, kNotNegative,
                  Presence::required);
-  visitor.text("source", ramp.source, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Quantization> auto& quantization) {
-  visitor.number("step_dps", quantization.step_rad_s, FileUnit::degree, kPositive,
-                 Presence::required);
-  visitor.text("source", quantization.source, Presence::optional);
+  auto& [step_rad_s, source] = quantization;
+  visitor.number("step_dps", step_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Outliers> auto& outliers) {
-  visitor.number("probability", outliers.probability, FileUnit::si, kProbability,
-                 Presence::required);
-  visitor.number("sigma_dps", outliers.sigma_rad_s, FileUnit::degree, kPositive,
-                 Presence::required);
-  visitor.text("source", outliers.source, Presence::optional);
+  auto& [probability, sigma_rad_s, source] = outliers;
+  visitor.number("probability", probability, FileUnit::si, kProbability, Presence::required);
+  visitor.number("sigma_dps", sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<MotionContamination> auto& motion) {
-  visitor.number("interval_s", motion.interval_s, FileUnit::si, kPositive, Presence::required);
-  visitor.number("duration_s", motion.duration_s, FileUnit::si, kPositive, Presence::required);
-  visitor.number("sigma_dps", motion.sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
-  visitor.text("source", motion.source, Presence::optional);
+  auto& [interval_s, duration_s, sigma_rad_s, source] = motion;
+  visitor.number("interval_s", interval_s, FileUnit::si, kPositive, Presence::required);
+  visitor.number("duration_s", duration_s, FileUnit::si, kPositive, Presence::required);
+  visitor.number("sigma_dps", sigma_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<VariableNoise> auto& noise) {
-  visitor.number("variance_sigma", noise.variance_sigma, FileUnit::si, kPositive,
-                 Presence::required);
-  visitor.number("time_constant_s", noise.time_constant_s, FileUnit::si, kPositive,
-                 Presence::required);
-  visitor.text("source", noise.source, Presence::optional);
+  auto& [variance_sigma, time_constant_s, source] = noise;
+  visitor.number("variance_sigma", variance_sigma, FileUnit::si, kPositive, Presence::required);
+  visitor.number("time_constant_s", time_constant_s, FileUnit::si, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Saturation> auto& range) {
-  visitor.number("lower_dps", range.lower_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
-  visitor.number("upper_dps", range.upper_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
-  visitor.text("source", range.source, Presence::optional);
+  auto& [lower_rad_s, upper_rad_s, source] = range;
+  visitor.number("lower_dps", lower_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
+  visitor.number("upper_dps", upper_rad_s, FileUnit::degree, kAnyNumber, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Gate> auto& gate) {
-  visitor.number("threshold_sigma", gate.threshold_sigma, FileUnit::si, kPositive,
-                 Presence::required);
-  visitor.number("longest_knock_s", gate.longest_knock_s, FileUnit::si, kPositive,
-                 Presence::optional);
-  visitor.text("source", gate.source, Presence::optional);
+  auto& [threshold_sigma, longest_knock_s, source] = gate;
+  visitor.number("threshold_sigma", threshold_sigma, FileUnit::si, kPositive, Presence::required);
+  visitor.number("longest_knock_s", longest_knock_s, FileUnit::si, kPositive, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<TurnOn> auto& turn_on) {
-  visitor.number("sigma_dps", turn_on.sigma_rad_s, FileUnit::degree, kNotNegative,
-                 Presence::required);
-  visitor.text("source", turn_on.source, Presence::optional);
+  auto& [sigma_rad_s, source] = turn_on;
+  visitor.number("sigma_dps", sigma_rad_s, FileUnit::degree, kNotNegative, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<ZeroRate> auto& zero_rate) {
-  visitor.number("limit_dps", zero_rate.limit_rad_s, FileUnit::degree, kPositive,
-                 Presence::required);
-  visitor.text("source", zero_rate.source, Presence::optional);
+  auto& [limit_rad_s, source] = zero_rate;
+  visitor.number("limit_dps", limit_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
-  visitor.number("sigma_percent", scale_factor.sigma, FileUnit::percent, kTolerance,
-                 Presence::required);
-  visitor.number("asymmetry_percent", scale_factor.asymmetry_sigma, FileUnit::percent, kTolerance,
+  auto& [sigma, asymmetry_sigma, source] = scale_factor;
+  visitor.number("sigma_percent", sigma, FileUnit::percent, kTolerance, Presence::required);
+  visitor.number("asymmetry_percent", asymmetry_sigma, FileUnit::percent, kTolerance,
                  Presence::optional);
-  visitor.text("source", scale_factor.source, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Mounting> auto& mounting) {
-  visitor.number("tilt_sigma_deg", mounting.tilt_sigma_rad, FileUnit::degree, kTilt,
-                 Presence::required);
-  visitor.text("source", mounting.source, Presence::optional);
+  auto& [tilt_sigma_rad, source] = mounting;
+  visitor.number("tilt_sigma_deg", tilt_sigma_rad, FileUnit::degree, kTilt, Presence::required);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Learning> auto& learning) {
-  visitor.number("hypotheses", learning.hypotheses, FileUnit::si, kHypotheses, Presence::optional);
-  visitor.number("half_life_s", learning.half_life_s, FileUnit::si, kPositive, Presence::optional);
+  auto& [hypotheses, half_life_s] = learning;
+  visitor.number("hypotheses", hypotheses, FileUnit::si, kHypotheses, Presence::optional);
+  visitor.number("half_life_s", half_life_s, FileUnit::si, kPositive, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Prior> auto& prior) {
-  visitor.number("order", prior.order, FileUnit::si, kOrder, Presence::optional);
-  visitor.number("order_sigma", prior.order_sigma, FileUnit::si, kPositive, Presence::optional);
-  visitor.number("amplitude_factor", prior.amplitude_factor, FileUnit::si, kFactor,
-                 Presence::optional);
-  visitor.text("source", prior.source, Presence::optional);
+  auto& [order, order_sigma, amplitude_factor, source] = prior;
+  visitor.number("order", order, FileUnit::si, kOrder, Presence::optional);
+  visitor.number("order_sigma", order_sigma, FileUnit::si, kPositive, Presence::optional);
+  visitor.number("amplitude_factor", amplitude_factor, FileUnit::si, kFactor, Presence::optional);
+  visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Node> auto& node) {
-  visitor.start("start", node.start);
+  auto& [start] = node;
+  visitor.start("start", start);
 }
 
 /// Visits a whole model: `name`, then every table. std::optional tables may be absent; of a
 /// std::vector there may be any number, as [[table]].
 void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
-  visitor.text("name", model.name, Presence::required);
-  visitor.table("white", model.white, Presence::required);
-  visitor.table("flicker", model.flicker);
-  visitor.table("rate_random_walk", model.rate_random_walk);
-  visitor.tables("gauss_markov", model.gauss_markov);
-  visitor.tables("harmonic", model.harmonic);
-  visitor.table("temperature", model.temperature);
-  visitor.table("warm_up", model.warm_up);
-  visitor.table("rate_ramp", model.rate_ramp);
-  visitor.table("quantization", model.quantization);
-  visitor.table("outliers", model.outliers);
-  visitor.table("motion_contamination", model.motion_contamination);
-  visitor.table("variable_noise", model.variable_noise);
-  visitor.table("saturation", model.saturation);
-  visitor.table("gate", model.gate);
-  visitor.table("turn_on", model.turn_on);
-  visitor.table("zero_rate", model.zero_rate);
-  visitor.table("scale_factor", model.scale_factor);
-  visitor.table("mounting", model.mounting);
-  visitor.table("learning", model.learning);
-  visitor.table("prior", model.prior);
-  visitor.table("node", model.node, Presence::optional);
+  auto& [name, white, flicker, rate_random_walk, gauss_markov, harmonic, temperature, warm_up,
+         rate_ramp, quantization, outliers, motion_contamination, variable_noise, saturation, gate,
+         turn_on, zero_rate, scale_factor, mounting, learning, prior, node] = model;
+  visitor.text("name", name, Presence::required);
+  visitor.table("white", white, Presence::required);
+  visitor.table("flicker", flicker);
+  visitor.table("rate_random_walk", rate_random_walk);
+  visitor.tables("gauss_markov", gauss_markov);
+  visitor.tables("harmonic", harmonic);
+  visitor.table("temperature", temperature);
+  visitor.table("warm_up", warm_up);
+  visitor.table("rate_ramp", rate_ramp);
+  visitor.table("quantization", quantization);
+  visitor.table("outliers", outliers);
+  visitor.table("motion_contamination", motion_contamination);
+  visitor.table("variable_noise", variable_noise);
+  visitor.table("saturation", saturation);
+  visitor.table("gate", gate);
+  visitor.table("turn_on", turn_on);
+  visitor.table("zero_rate", zero_rate);
+  visitor.table("scale_factor", scale_factor);
+  visitor.table("mounting", mounting);
+  visitor.table("learning", learning);
+  visitor.table("prior", prior);
+  visitor.table("node", node, Presence::optional);
 }
 
 }  // namespace zerorate::model

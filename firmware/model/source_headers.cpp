@@ -52,34 +52,40 @@ std::string field(std::string_view name, core::Duration value) {
   return field(name, "INT64_C(" + std::to_string(value.ns()) + ")");
 }
 
-/// Modes that do nothing are left out: C makes zeros of them, and that is what unused means.
+/// One line for each of the first modes, which have an effect. C makes zeros of the others, and
+/// that is what unused means.
 template <class Modes>
-std::string modes(std::string_view name, const Modes& modes) {
+std::string mode_lines(const std::string& indent, const Modes& modes, std::size_t count) {
   std::string text;
-  for (const auto& mode : modes) {
-    if (!detail::is_active(mode)) continue;
-    text += "        {.one_minus_phi = " + literal(mode.one_minus_phi) +
-            ", .noise_variance = " + literal(mode.noise_variance) +
-            ", .initial_variance = " + literal(mode.initial_variance) +
-            ", .initial_mean = " + literal(mode.initial_mean) + "},\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    text += indent + "{.one_minus_phi = " + literal(modes[i].one_minus_phi) +
+            ", .noise_variance = " + literal(modes[i].noise_variance) +
+            ", .initial_variance = " + literal(modes[i].initial_variance) +
+            ", .initial_mean = " + literal(modes[i].initial_mean) + "},\n";
   }
-  return text.empty() ? text : field(name, "{\n" + text + "    }");
+  return text;
+}
+
+/// Nothing where there are none: an empty array takes no initialiser.
+template <class Modes>
+std::string modes(std::string_view name, const Modes& modes, std::size_t count) {
+  if (count == 0) return {};
+  return field(name, "{\n" + mode_lines("        ", modes, count) + "    }");
 }
 
 std::string turn_on(float variance) {
   return core::is_finite(variance) ? literal(variance) : "ZERORATE_UNKNOWN_VARIANCE";
 }
 
-std::string temperature(const core::TemperatureDrift& drift) {
-  if (!drift.is_on()) return {};
-  return field(
-      "temperature",
-      "{.reference_degc = " + literal(drift.reference_degc) +
-          ",\n        .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
-          ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
-          ",\n        .curvature_rad_s_per_k2 = " + literal(drift.curvature_rad_s_per_k2) +
-          ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
-          ",\n        .lag_s = " + literal(drift.lag_s) + "}");
+/// In braces. @param ends what stands at both ends  @param middle what stands between the lines
+std::string temperature(const core::TemperatureDrift& drift, const std::string& ends,
+                        const std::string& middle) {
+  return "{.reference_degc = " + literal(drift.reference_degc) + ends +
+         ".slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
+         ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) + middle +
+         ".curvature_rad_s_per_k2 = " + literal(drift.curvature_rad_s_per_k2) +
+         ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) + ends +
+         ".lag_s = " + literal(drift.lag_s) + "}";
 }
 
 /// A list of the first numbers in braces.
@@ -122,12 +128,11 @@ void require_places(core::Duration filter_tick, std::int64_t held_ticks,
       std::to_string(needed) + " and export with --held-ticks " + std::to_string(needed));
 }
 
-/// Hypotheses of the flicker; nothing where the model is taken at its word.
-std::string hypotheses(const core::HypothesesOf<kCApiShape>& all, std::size_t decaying) {
-  if (all.count == 0) return {};
+template <core::ModelShape Shape>
+std::string hypothesis_lines(const core::Hypotheses<Shape>& hypotheses, std::size_t decaying) {
   std::string text;
-  for (std::size_t m = 0; m < all.count; ++m) {
-    const auto& one = all.all[m];
+  for (std::size_t m = 0; m < hypotheses.count; ++m) {
+    const auto& one = hypotheses.all[m];
     text +=
         "        {.strength = " + numbers(one.strength.data(), decaying) +
         ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
@@ -136,9 +141,15 @@ std::string hypotheses(const core::HypothesesOf<kCApiShape>& all, std::size_t de
         ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
         "},\n";
   }
+  return text;
+}
+
+/// Hypotheses of the flicker; nothing where the model is taken at its word.
+std::string hypotheses(const core::Hypotheses<kCApiShape>& all, std::size_t decaying) {
+  if (all.count == 0) return {};
   return "#if ZERORATE_HYPOTHESES >= " + std::to_string(all.count) + "\n" +
          field("hypothesis_count", std::to_string(all.count)) + field("evidence_kept", all.kept) +
-         field("hypotheses", "{\n" + text + "    }") + "#endif\n";
+         field("hypotheses", "{\n" + hypothesis_lines(all, decaying) + "    }") + "#endif\n";
 }
 
 }  // namespace
@@ -152,12 +163,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
         "\" cannot name a constant in C; expected letters, digits and _, and no "
         "keyword");
   }
-  const auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
-  const auto is_active = [](const auto& mode) { return detail::is_active(mode); };
-  const auto decaying =
-      static_cast<std::size_t>(std::ranges::count_if(node.modes.decaying, is_active));
-  const auto rotating =
-      static_cast<std::size_t>(std::ranges::count_if(node.modes.rotating, is_active));
+  auto node = make_node_model<kCApiShape>(model, sample_period, filter_tick);
+  const auto [decaying, rotating] = move_active_to_front(node);
   if (node.samples.is_on()) {
     throw std::invalid_argument(
         "the model \"" + model.name +
@@ -203,8 +210,12 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          field("asymmetry_sigma", node.motion.asymmetry) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
-         modes("decaying", node.modes.decaying) + modes("rotating", node.modes.rotating) +
-         temperature(node.temperature) + hypotheses(node.hypotheses, decaying) +
+         modes("decaying", node.modes.decaying, decaying) +
+         modes("rotating", node.modes.rotating, rotating) +
+         (node.temperature.is_on()
+              ? field("temperature", temperature(node.temperature, ",\n        ", ",\n        "))
+              : std::string{}) +
+         hypotheses(node.hypotheses, decaying) +
          "};\n"
          "// clang-format on\n\n"
          "#endif\n";
@@ -216,41 +227,24 @@ std::string nanoseconds(core::Duration duration) {
   return "core::Duration::nanoseconds(" + std::to_string(duration.ns()) + ")";
 }
 
-/// `.name = {{...}}`, or nothing where there are none: an empty array takes no initialiser.
-template <class Mode>
-std::string modes(const std::string& name, const Mode* first, std::size_t count) {
+/// Nothing where there are none, likewise.
+template <class Modes>
+std::string modes_member(const std::string& name, const Modes& modes, std::size_t count) {
   if (count == 0) return {};
-  std::string text = "              ." + name + " = {{\n";
-  for (std::size_t i = 0; i < count; ++i) {
-    text += "                  {.one_minus_phi = " + literal(first[i].one_minus_phi) +
-            ", .noise_variance = " + literal(first[i].noise_variance) +
-            ", .initial_variance = " + literal(first[i].initial_variance) +
-            ", .initial_mean = " + literal(first[i].initial_mean) + "},\n";
-  }
-  return text + "              }},\n";
+  const std::string indent = "              ";
+  return indent + "." + name + " = {{\n" + mode_lines(indent + "    ", modes, count) + indent +
+         "}},\n";
 }
 
-/// An infinite variance, which is the default, has no literal.
-std::string turn_on_member(float variance) {
-  if (!core::is_finite(variance)) return {};
-  return ",\n    .turn_on_variance_rad2_s2 = " + literal(variance);
-}
-
-/// An infinite limit likewise.
-std::string largest_bias_member(float bias_rad_s) {
-  if (!core::is_finite(bias_rad_s)) return {};
-  return ",\n    .largest_bias_rad_s = " + literal(bias_rad_s);
+/// An infinite variance or limit, which is the default, has no literal.
+std::string finite_member(const std::string& name, float value) {
+  if (!core::is_finite(value)) return {};
+  return ",\n    ." + name + " = " + literal(value);
 }
 
 std::string temperature_member(const core::TemperatureDrift& drift) {
   if (!drift.is_on()) return {};
-  return "    .temperature = {.reference_degc = " + literal(drift.reference_degc) +
-         ", .slope_rad_s_per_k = " + literal(drift.slope_rad_s_per_k) +
-         ", .slope_sigma_rad_s_per_k = " + literal(drift.slope_sigma_rad_s_per_k) +
-         ",\n                    .curvature_rad_s_per_k2 = " +
-         literal(drift.curvature_rad_s_per_k2) +
-         ", .curvature_sigma_rad_s_per_k2 = " + literal(drift.curvature_sigma_rad_s_per_k2) +
-         ", .lag_s = " + literal(drift.lag_s) + "},\n";
+  return "    .temperature = " + temperature(drift, ", ", ",\n                    ") + ",\n";
 }
 
 /// An end that there is not is the default.
@@ -274,22 +268,18 @@ std::string samples(const core::SampleModel& samples) {
 }
 
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
-std::string hypotheses_member(const core::HypothesesOf<kLargestLearningShape>& all,
+std::string hypotheses_member(const core::Hypotheses<kLargestLearningShape>& all,
                               std::size_t decaying) {
   if (all.count == 0) return {};
-  std::string text = "    .hypotheses = {.count = " + std::to_string(all.count) +
-                     ", .kept = " + literal(all.kept) + ", .all = {{\n";
-  for (std::size_t m = 0; m < all.count; ++m) {
-    const auto& one = all.all[m];
-    text +=
-        "        {.strength = " + numbers(one.strength.data(), decaying) +
-        ",\n         .log_prior = " + literal(one.log_prior) + ", .level = " + literal(one.level) +
-        ", .order = " + literal(one.order) +
-        ",\n         .bias_instability_rad_s = " + literal(one.bias_instability_rad_s) +
-        ", .angle_random_walk_rad_per_sqrt_s = " + literal(one.angle_random_walk_rad_per_sqrt_s) +
-        "},\n";
-  }
-  return text + "    }}},\n";
+  return "    .hypotheses = {.count = " + std::to_string(all.count) +
+         ", .kept = " + literal(all.kept) + ", .all = {{\n" + hypothesis_lines(all, decaying) +
+         "    }}},\n";
+}
+
+/// Nothing where the model names no step, which is the default.
+std::string step_member(float step_rad_s) {
+  if (step_rad_s == 0.0F) return {};
+  return "    .quantization_step_rad_s = " + literal(step_rad_s) + ",\n";
 }
 
 }  // namespace
@@ -332,21 +322,21 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ",\n"
          "              .walk_variance = " +
          literal(node.modes.walk_variance) + ",\n" +
-         modes("decaying", node.modes.decaying.data(), decaying) +
-         modes("rotating", node.modes.rotating.data(), rotating) +
+         modes_member("decaying", node.modes.decaying, decaying) +
+         modes_member("rotating", node.modes.rotating, rotating) +
          "    },\n"
          "    .white_variance_rad2_s2 = " +
          literal(node.white_variance_rad2_s2) + ",\n    .measurement_floor_variance_rad2_s2 = " +
          literal(node.measurement_floor_variance_rad2_s2) +
-         turn_on_member(node.turn_on_variance_rad2_s2) +
-         largest_bias_member(node.largest_bias_rad_s) +
+         finite_member("turn_on_variance_rad2_s2", node.turn_on_variance_rad2_s2) +
+         finite_member("largest_bias_rad_s", node.largest_bias_rad_s) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +
          "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
          ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" +
          "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
-         hypotheses_member(node.hypotheses, decaying) +
+         hypotheses_member(node.hypotheses, decaying) + step_member(node.quantization_step_rad_s) +
          "}};\n"
          "// clang-format on\n\n"
          "}  // namespace zerorate::exported\n";

@@ -14,6 +14,7 @@
 #include "core/standstill/calm_judge.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -24,17 +25,12 @@ namespace {
 using units::kDegPerRad;
 using units::kRadPerDeg;
 
-/// Standard deviation of a sample's white noise by the median change between neighbours, which a
-/// minority of moving samples leaves as it is.
+/// Standard deviation of a sample's white noise, also where a minority of the samples moved.
 double white_sigma(const RestSamples& samples, std::size_t axis) {
-  constexpr double kSigmaPerMedian = 1.0 / 0.6744897501960817;  // factor of a normal distribution
-  std::vector<double> changes;
-  changes.reserve(samples.time.size());
-  for (std::size_t k = 1; k < samples.time.size(); ++k) {
-    changes.push_back(
-        std::abs(double{samples.rate_rad_s[k][axis]} - double{samples.rate_rad_s[k - 1][axis]}));
-  }
-  return statistics::median_of(std::move(changes)) * kSigmaPerMedian / std::sqrt(2.0);
+  std::vector<double> rates;
+  rates.reserve(samples.time.size());
+  for (const auto& rate_rad_s : samples.rate_rad_s) rates.push_back(double{rate_rad_s[axis]});
+  return statistics::sigma_of_changes(rates);
 }
 
 constexpr std::size_t kBlock = 60'000;      // samples

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
@@ -107,19 +108,14 @@ Run longest_run(std::size_t count, Follows follows) {
 /// Samples from the first one on that lie far from those that follow the first 50.
 std::size_t count_wild_start(const RestSamples& samples, std::size_t axis) {
   constexpr std::size_t kMost = 50;
-  constexpr std::size_t kFollowing = 65;
-  constexpr double kWild = 20.0;                   // sigma
-  constexpr double kSigmaOfDifference = 1.048358;  // times the median difference
-  if (samples.time.size() < kMost + kFollowing) return 0;
-  std::vector<double> following;
-  std::vector<double> steps;
-  for (std::size_t k = kMost; k < kMost + kFollowing; ++k) {
-    following.push_back(double{samples.rate_rad_s[k][axis]});
-    if (following.size() > 1) steps.push_back(std::abs(following.back() - following.end()[-2]));
+  if (samples.time.size() < kMost + statistics::kBehindStart) return 0;
+  std::vector<double> behind;
+  for (std::size_t k = kMost; k < kMost + statistics::kBehindStart; ++k) {
+    behind.push_back(double{samples.rate_rad_s[k][axis]});
   }
-  const double level = statistics::median_of(std::move(following));
-  const double limit = kWild * kSigmaOfDifference * statistics::median_of(std::move(steps));
+  const double limit = statistics::wild_distance(behind);
   if (!(limit > 0.0)) return 0;  // coarse and quiet: the noise is not known
+  const double level = statistics::median_of(std::move(behind));
   std::size_t wild = 0;
   while (wild < kMost && std::abs(double{samples.rate_rad_s[wild][axis]} - level) > limit) ++wild;
   return wild < kMost ? wild : 0;

@@ -13,96 +13,12 @@
 #include <string>
 #include <system_error>
 
+#include "host_tests/unit/firmware/model/full_model.hpp"
+
 namespace zerorate::model {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-
-constexpr const char* kFullFile = R"(schema = "zerorate.model/2"
-name = "A \"gyro\" at 25 °C"
-
-[white]
-angle_random_walk_dps_per_sqrt_hz = 0.05
-source = "table 1"
-
-[flicker]
-bias_instability_dph = 25.2
-order = 0.6
-decades = 5
-shortest_time_constant_s = 0.25
-source = "figure 2"
-
-[rate_random_walk]
-coefficient_dps_per_sqrt_s = 2.5e-05
-
-[[gauss_markov]]
-sigma_dps = 0.01
-time_constant_s = 600
-
-[[gauss_markov]]
-sigma_dps = 0.003
-time_constant_s = 20
-source = "figure 3"
-
-[[harmonic]]
-rms_dps = 0.002
-frequency_hz = 0.55
-coherence_time_s = 40
-
-[temperature]
-reference_degc = 25
-slope_dps_per_degc = -0.03
-slope_sigma_dps_per_degc = 0.01
-curvature_dps_per_degc2 = 0.0002
-curvature_sigma_dps_per_degc2 = 0.0001
-lag_s = 30
-
-[warm_up]
-amplitude_dps = 0.05
-amplitude_sigma_dps = 0.02
-time_constant_s = 600
-
-[rate_ramp]
-slope_dps_per_s = 0
-slope_sigma_dps_per_s = 1e-06
-
-[quantization]
-step_dps = 0.0125
-
-[outliers]
-probability = 0.001
-sigma_dps = 0.5
-
-[motion_contamination]
-interval_s = 900
-duration_s = 0.8
-sigma_dps = 0.3
-
-[variable_noise]
-variance_sigma = 0.2
-time_constant_s = 120
-
-[saturation]
-lower_dps = -240.5
-upper_dps = 250
-
-[gate]
-threshold_sigma = 5
-longest_knock_s = 3
-
-[learning]
-hypotheses = 4
-half_life_s = 600
-
-[prior]
-order = 0.55
-order_sigma = 0.1
-amplitude_factor = 3
-source = "twelve sensors"
-
-[node]
-start = "zero"
-)";
 
 std::string message_of(const std::string& toml) {
   try {
@@ -148,7 +64,7 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.warm_up->amplitude_rad_s, 0.05 * kDeg);
   EXPECT_DOUBLE_EQ(model.warm_up->amplitude_sigma_rad_s, 0.02 * kDeg);
   EXPECT_EQ(model.warm_up->time_constant_s, 600.0);
-  EXPECT_EQ(model.rate_ramp->slope_rad_s2, 0.0);
+  EXPECT_DOUBLE_EQ(model.rate_ramp->slope_rad_s2, 2e-7 * kDeg);
   EXPECT_DOUBLE_EQ(model.rate_ramp->slope_sigma_rad_s2, 1e-6 * kDeg);
   EXPECT_DOUBLE_EQ(model.quantization->step_rad_s, 0.0125 * kDeg);
   EXPECT_DOUBLE_EQ(model.outliers->probability, 1e-3);
@@ -293,7 +209,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:84:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:97:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"

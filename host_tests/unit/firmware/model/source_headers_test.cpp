@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/boards/pico/node.hpp"
+#include "firmware/app/node_params.hpp"
 #include "firmware/c_api/examples/front_gyro.h"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
@@ -29,26 +29,6 @@ TEST(CHeaderOfTheExamples, IsWhatTheCatalogueExportsToday) {
   EXPECT_EQ(text, format_c_header(find_model("lsm6dso"), kSamplePeriod, kTick, "front_gyro"))
       << "run: zerorate export lsm6dso --c --name front_gyro --sample-rate 100 "
          "-o firmware/c_api/examples/front_gyro.h";
-}
-
-TEST(CHeaderCompiled, HoldsTheBitsOfTheModel) {
-  const auto node = make_node_model<kCApiShape>(find_model("lsm6dso"), kSamplePeriod, kTick);
-  EXPECT_EQ(front_gyro.sample_period_ns, kSamplePeriod.ns());
-  EXPECT_EQ(front_gyro.tick_ns, kTick.ns());
-  EXPECT_EQ(front_gyro.white_variance_rad2_s2, node.white_variance_rad2_s2);
-  EXPECT_EQ(front_gyro.turn_on_variance_rad2_s2, node.turn_on_variance_rad2_s2);
-  EXPECT_EQ(front_gyro.largest_bias_rad_s, node.largest_bias_rad_s);
-  EXPECT_EQ(front_gyro.starts_stationary, node.modes.start == core::Start::stationary);
-  EXPECT_EQ(front_gyro.is_stationary, node.modes.is_stationary);
-  std::size_t used = 0;
-  for (const auto& mode : node.modes.decaying) {
-    if (mode.noise_variance == 0.0F) continue;
-    EXPECT_EQ(front_gyro.decaying[used].one_minus_phi, mode.one_minus_phi);
-    EXPECT_EQ(front_gyro.decaying[used].noise_variance, mode.noise_variance);
-    EXPECT_EQ(front_gyro.decaying[used].initial_variance, mode.initial_variance);
-    ++used;
-  }
-  EXPECT_EQ(used, 6U);
 }
 
 TEST(CHeaderOfAModelOfSingleSamples, IsRefused) {
@@ -95,7 +75,8 @@ TEST(CHeaderOfAnyFilterRate, IsWrittenWhereTheDefaultTakesIt) {
 
 TEST(HeaderOfAnyFilterRate, IsWrittenWhereANodeTakesIt) {
   for (int rate_hz = 1; rate_hz <= 210; ++rate_hz) {
-    app::NodeParams<exported::kModelShape> params = exported::kNodeParams;
+    app::NodeParams<core::ModelShape{}> params;
+    params.model.white_variance_rad2_s2 = 1.0F;
     params.model.sample_period = core::Duration::milliseconds(5);
     const auto tick = core::Duration::nanoseconds(1'000'000'000 / rate_hz);
     params.model.modes.tick = tick;
@@ -186,30 +167,6 @@ TEST(HeaderOfALearningNode, HoldsItsHypotheses) {
   const std::string text = format_cpp_header(find_model("lsm6dso"), kLsm6dsoPeriod, kTick);
   EXPECT_NE(text.find(".hypotheses = 12};"), std::string::npos);
   EXPECT_NE(text.find(".hypotheses = {.count = 12, .kept = "), std::string::npos);
-}
-
-// The header as compiled, beside the values that the tools compute with.
-TEST(HeaderCompiled, HoldsTheBitsOfTheModel) {
-  const auto node =
-      make_node_model<exported::kModelShape>(find_model("lsm6dso"), kLsm6dsoPeriod, kTick);
-  const auto& params = exported::kNodeParams;
-  EXPECT_EQ(params.model.white_variance_rad2_s2, node.white_variance_rad2_s2);
-  EXPECT_EQ(params.model.measurement_floor_variance_rad2_s2,
-            node.measurement_floor_variance_rad2_s2);
-  EXPECT_EQ(params.model.gate.threshold_sigma, node.gate.threshold_sigma);
-  EXPECT_EQ(params.model.gate.longest_knock_ticks, node.gate.longest_knock_ticks);
-  EXPECT_EQ(params.model.modes.is_stationary, node.modes.is_stationary);
-  EXPECT_EQ(params.model.sample_period, kLsm6dsoPeriod);
-  EXPECT_EQ(params.model.modes.tick, kTick);
-  EXPECT_EQ(params.model.modes.start, node.modes.start);
-  EXPECT_EQ(params.model.modes.walk_variance, node.modes.walk_variance);
-  for (std::size_t i = 0; i < exported::kModelShape.decaying; ++i) {
-    EXPECT_EQ(params.model.modes.decaying[i].one_minus_phi, node.modes.decaying[i].one_minus_phi);
-    EXPECT_EQ(params.model.modes.decaying[i].noise_variance, node.modes.decaying[i].noise_variance);
-    EXPECT_EQ(params.model.modes.decaying[i].initial_variance,
-              node.modes.decaying[i].initial_variance);
-    EXPECT_EQ(params.model.modes.decaying[i].initial_mean, node.modes.decaying[i].initial_mean);
-  }
 }
 
 TEST(HeaderOfAModelWithALine, HasItsRotatingMode) {

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/arrivals.hpp"
 #include "host_tools/lib/spectrum/transforms.hpp"
+#include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::diagnose {
@@ -172,20 +174,13 @@ void fill_holes(EvenSeries& series) {
 
 /// Many sensors deliver one wild value after switch-on.
 void leave_out_start(EvenSeries& series) {
-  constexpr std::size_t kFollowing = 65;
-  constexpr std::ptrdiff_t kNext = 9;
-  constexpr double kWild = 20.0;                   // sigma
-  constexpr double kSigmaOfDifference = 1.048358;  // times the median difference
-  if (series.size() <= kFollowing) return;
-  std::vector<double> following(series.rate_rad_s.begin() + 1,
-                                series.rate_rad_s.begin() + 1 + kFollowing);
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < following.size(); ++k) {
-    steps.push_back(std::abs(following[k] - following[k - 1]));
-  }
-  std::vector<double> next(following.begin(), following.begin() + kNext);
-  const double off = series.rate_rad_s.front() - statistics::median_of(next);
-  if (std::abs(off) <= kWild * kSigmaOfDifference * statistics::median_of(steps)) return;
+  constexpr std::size_t kNext = 9;
+  if (series.size() <= statistics::kBehindStart) return;
+  const auto behind = std::span<const double>{series.rate_rad_s}.subspan(1);
+  const auto next = behind.first(kNext);
+  const double off =
+      series.rate_rad_s.front() - statistics::median_of(std::vector(next.begin(), next.end()));
+  if (std::abs(off) <= statistics::wild_distance(behind)) return;
   series.start_off_rad_s = off;
   series.lost.front() = true;
 }
