@@ -1,0 +1,226 @@
+// The oracle: all references of a drive at once, by generalised least squares in double precision
+// with a dense covariance, where the filter takes one after the other in single precision.
+
+#include "core/heading/heading_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/heading/recent_turn.hpp"
+
+namespace zerorate::core {
+namespace {
+
+using Turn = HeadingFilter::Turn;
+using Verdict = ReferenceVerdict;
+
+constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
+constexpr float kSigma_rad = 0.5F * kRadPerDeg;
+constexpr float kVariance = kSigma_rad * kSigma_rad;
+constexpr float kBiasVariance = 1e-9F;
+constexpr HeadingFilter::Params kParams{.scale_factor = 0.02F, .offset_rad_s = 0.01F * kRadPerDeg};
+
+/// Filter whose factor of the references' noise stays the stated one.
+HeadingFilter filter_of_honest_references() {
+  HeadingFilter filter{kParams};
+  HeadingFilter::State state = filter.state();
+  state.noise_factor = 1.0F;
+  filter.restore(state);
+  return filter;
+}
+
+/// Winds of a road, a turn a second: what the gyro measures of it.
+std::vector<float> road(std::size_t seconds, std::uint64_t seed) {
+  std::mt19937_64 random{seed};
+  std::normal_distribution<float> step{0.0F, 0.05F};
+  std::vector<float> turn_rad(seconds);
+  float rate = 0.0F;
+  for (float& turn : turn_rad) turn = rate = 0.9F * rate + step(random);
+  return turn_rad;
+}
+
+TEST(HeadingFilter, IsLeastSquaresOverAllReferences) {
+  constexpr std::size_t kSeconds = 60;
+  const std::vector<float> turn_rad = road(kSeconds, 3);
+  std::mt19937_64 random{4};
+  std::normal_distribution<double> noise{0.0, double{kSigma_rad}};
+  const double scale = 0.004;
+  const double offset = double{0.005F * kRadPerDeg};
+
+  HeadingFilter filter = filter_of_honest_references();
+  filter.depart(kBiasVariance);
+  // Unknowns of the oracle: first heading, scale factor, offset, bias.
+  std::vector<Eigen::Vector4d> rows;
+  std::vector<double> values;
+  double truth = 0.3;
+  double measured = 0.0;
+  ASSERT_EQ(filter.take_heading(static_cast<float>(truth + noise(random)), kVariance, {}),
+            Verdict::begun);
+  const double first = double{filter.heading_rad({})};
+  for (std::size_t k = 0; k < kSeconds; ++k) {
+    const double turned = double{turn_rad[k]};
+    measured += turned;
+    truth += (turned - offset) / (1.0 + scale);
+    filter.advance({turn_rad[k], 1.0F}, 0.0F, kBiasVariance);
+    const double heading = truth + noise(random);
+    ASSERT_EQ(filter.take_heading(static_cast<float>(heading), kVariance, {}), Verdict::learnt);
+    const auto seconds = static_cast<double>(k + 1);
+    rows.emplace_back(1.0, -measured, -seconds, -seconds);
+    values.push_back(heading - first - measured);
+  }
+  Eigen::Matrix4d information = Eigen::Vector4d{
+      1.0 / double{kVariance}, 1.0 / (0.02 * 0.02),
+      1.0 / std::pow(double{kParams.offset_rad_s}, 2.0),
+      1.0 / double{kBiasVariance}}.asDiagonal();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    information += rows[k] * rows[k].transpose() / double{kVariance};
+    right += rows[k] * values[k] / double{kVariance};
+  }
+  const Eigen::Vector4d expected = information.ldlt().solve(right);
+  const Eigen::Matrix4d covariance = information.inverse();
+  // The factor of the noise is learnt beside, and the scale factor is known better all the time:
+  // both change the weights by some percent.
+  const double scale_sigma = std::sqrt(covariance(1, 1));
+  EXPECT_NEAR(double{filter.scale_factor()}, expected[1], 0.5 * scale_sigma);
+  EXPECT_NEAR(std::sqrt(double{filter.scale_factor_variance()}), scale_sigma, 0.4 * scale_sigma);
+  const double bias_sigma = std::sqrt(covariance(2, 2) + covariance(3, 3) + 2.0 * covariance(2, 3));
+  EXPECT_NEAR(double{filter.bias_in_motion_rad_s()}, expected[2] + expected[3], 0.5 * bias_sigma);
+}
+
+TEST(HeadingFilter, LearnsNothingOfTheScaleFactorOnAStraightRoad) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  (void)filter.take_heading(1.0F, kVariance, {});
+  for (int k = 0; k < 1000; ++k) {
+    filter.advance({0.0F, 1.0F}, 0.0F, kBiasVariance);
+    EXPECT_EQ(filter.take_heading(1.0F, kVariance, {}), Verdict::learnt);
+  }
+  EXPECT_NEAR(filter.scale_factor_variance(), kParams.scale_factor * kParams.scale_factor, 1e-6F);
+  EXPECT_NEAR(filter.quality(), 0.0F, 1e-3F);
+}
+
+TEST(HeadingFilter, LearnsTheScaleFactorFromTenTurns) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  const float measured = 10.0F * kTurn * 1.015F;
+  EXPECT_EQ(filter.take_turn(10.0F * kTurn, kVariance, {measured, 60.0F}, 0.0F), Verdict::learnt);
+  EXPECT_NEAR(filter.scale_factor(), 0.015F, 5e-4F);
+  EXPECT_GT(filter.quality(), 0.95F);
+  EXPECT_NEAR(filter.scaled(measured), 10.0F * kTurn, 0.03F);
+}
+
+TEST(HeadingFilter, TakesALateReferenceForWhatItWas) {
+  HeadingFilter late = filter_of_honest_references();
+  HeadingFilter timely = filter_of_honest_references();
+  for (HeadingFilter* const filter : {&late, &timely}) {
+    filter->depart(kBiasVariance);
+    (void)filter->take_heading(0.0F, kVariance, {});
+    filter->advance({0.8F, 4.0F}, 0.0F, kBiasVariance);
+  }
+  EXPECT_EQ(timely.take_heading(0.79F, kVariance, {}), Verdict::learnt);
+  timely.advance({0.3F, 1.0F}, 0.0F, kBiasVariance);
+  late.advance({0.3F, 1.0F}, 0.0F, kBiasVariance);
+  EXPECT_EQ(late.take_heading(0.79F, kVariance, {-0.3F, -1.0F}), Verdict::learnt);
+  // The product of two corrections of a hundredth remains.
+  EXPECT_NEAR(late.heading_rad({}), timely.heading_rad({}), 1e-4F);
+  EXPECT_NEAR(late.scale_factor(), timely.scale_factor(), 1e-6F);
+}
+
+TEST(HeadingFilter, KnowsThatAHeadingIsACircle) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  (void)filter.take_heading(3.1F, kVariance, {});
+  filter.advance({0.1F, 5.0F}, 0.0F, kBiasVariance);
+  EXPECT_EQ(filter.take_heading(3.2F - kTurn, kVariance, {}), Verdict::learnt);
+  EXPECT_NEAR(filter.scale_factor(), 0.0F, 1e-4F);
+}
+
+TEST(HeadingFilter, TakesOneReferenceOfAStop) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  EXPECT_EQ(filter.take_heading(0.0F, kVariance, {}), Verdict::begun);
+  EXPECT_EQ(filter.take_heading(0.0F, kVariance, {}), Verdict::too_soon);
+  EXPECT_EQ(filter.take_heading(0.0F, 0.1F * kVariance, {}), Verdict::learnt) << "a better one";
+}
+
+/// Drives a road with references of a second, changed by what is wrong with them.
+template <class Wrong>
+HeadingFilter driven(Wrong wrong) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  std::mt19937_64 random{9};
+  std::normal_distribution<float> noise{0.0F, kSigma_rad};
+  float heading = 0.0F;
+  for (std::size_t k = 0; k < 1200; ++k) {
+    const float turn = road(1200, 5)[k];
+    heading += turn;
+    filter.advance({turn, 1.0F}, 0.0F, kBiasVariance);
+    (void)filter.take_heading(wrong(k, heading) + noise(random), kVariance, {});
+  }
+  return filter;
+}
+
+TEST(HeadingFilter, NeverLearnsFromReferencesOfTheOtherSense) {
+  const HeadingFilter filter = driven([](std::size_t, float heading) { return -heading; });
+  EXPECT_TRUE(filter.disagrees());
+  EXPECT_LT(std::abs(filter.scale_factor()), 2.0F * kParams.scale_factor);
+}
+
+TEST(HeadingFilter, BeginsAnewAfterAJumpAndLearnsNothingFromIt) {
+  const HeadingFilter filter =
+      driven([](std::size_t k, float heading) { return heading + (k < 600 ? 0.0F : 0.6F); });
+  EXPECT_FALSE(filter.disagrees()) << "ten minutes ago";
+  EXPECT_LT(std::abs(filter.scale_factor()), 3e-3F);
+  EXPECT_LT(std::abs(filter.bias_in_motion_rad_s()), 0.01F * kRadPerDeg);
+}
+
+TEST(HeadingFilter, LearnsThatReferencesStateTooLittle) {
+  std::mt19937_64 random{10};
+  std::normal_distribution<float> noise{0.0F, 10.0F * kSigma_rad};
+  const HeadingFilter filter =
+      driven([&](std::size_t, float heading) { return heading + noise(random); });
+  EXPECT_NEAR(filter.state().noise_factor, 100.0F, 50.0F);
+}
+
+TEST(HeadingFilter, LosesItsHeadingAndKeepsWhatItLearnt) {
+  HeadingFilter filter = driven([](std::size_t, float heading) { return heading; });
+  const float quality = filter.quality();
+  EXPECT_GT(quality, 0.5F);
+  filter.lose_heading();
+  EXPECT_FALSE(filter.has_heading());
+  EXPECT_EQ(filter.take_heading(2.0F, kVariance, {}), Verdict::begun);
+  EXPECT_EQ(filter.quality(), quality);
+}
+
+TEST(HeadingFilter, RefusesAStateThatIsImpossible) {
+  const HeadingFilter filter = driven([](std::size_t, float heading) { return heading; });
+  EXPECT_TRUE(HeadingFilter::is_possible(filter.state()));
+  HeadingFilter::State state = filter.state();
+  state.covariance(HeadingFilter::kScale, HeadingFilter::kScale) = -1.0F;
+  EXPECT_FALSE(HeadingFilter::is_possible(state));
+  state = filter.state();
+  state.x[HeadingFilter::kScale] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(HeadingFilter::is_possible(state));
+}
+
+TEST(RecentTurn, IsTheIntegralSinceATimeThatLiesBack) {
+  RecentTurn recent;
+  for (int k = 0; k < 300; ++k) recent.add(0.01F * static_cast<float>(k), 0.01F);
+  float expected = 0.0F;
+  for (int k = 250; k < 300; ++k) expected += 0.01F * static_cast<float>(k);
+  EXPECT_NEAR(recent.since(Duration::milliseconds(500)), expected, 0.01F * expected);
+  EXPECT_EQ(recent.since({}), 0.0F);
+  EXPECT_TRUE(std::isnan(recent.since(Duration::seconds(3))));
+}
+
+}  // namespace
+}  // namespace zerorate::core
