@@ -14,7 +14,7 @@
 
 namespace zerorate::core {
 
-/// What became of a reference.
+/// Outcome of a reference.
 enum class ReferenceVerdict : std::uint8_t {
   learnt,    ///< it agrees, and was learnt from
   begun,     ///< the first heading, or the first one after a jump: a beginning, nothing to compare
@@ -47,7 +47,7 @@ class HeadingFilter {
     float scale_factor = 0.01F;
     float offset_rad_s = 0.01F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
   };
-  /// What was turned by the gyro, not yet divided by its scale factor.
+  /// Turn by the gyro, not yet divided by its scale factor.
   struct Turn {
     float turn_rad = 0.0F;
     float length_s = 0.0F;
@@ -61,7 +61,7 @@ class HeadingFilter {
     float newest_variance_rad2 = 0.0F;   ///< variance of that reference
     float noise_factor = 25.0F;          ///< variance of the references over the stated one
     float noise_weight = 1.0F;           ///< references that the factor rests on
-    float bias_variance_rad2_s2 = 0.0F;  ///< of the predicted bias when it was last looked at
+    float bias_variance_rad2_s2 = 0.0F;  ///< variance of the predicted bias, newest
     float bias_variance_at_departure_rad2_s2 = 0.0F;
     float drift_rad2_s3 = 0.0F;      ///< growth of that variance in the first two minutes, a second
     float driven_s = 0.0F;           ///< since departure

@@ -159,7 +159,7 @@ class GyroNode {
   }
   /// Heading by references and gyro at the newest sample; nullopt before the first reference.
   [[nodiscard]] constexpr std::optional<Heading> heading() const { return turn_.heading(); }
-  /// What references taught; of nodes that take them.
+  /// Filter of the references; only nodes that take them have one.
   [[nodiscard]] constexpr const core::HeadingFilter& heading_filter() const {
     return turn_.references().filter();
   }

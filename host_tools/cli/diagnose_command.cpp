@@ -14,6 +14,7 @@
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
+#include "host_tools/cli/reference_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"

@@ -10,6 +10,7 @@
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
+#include "host_tools/cli/reference_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/cli/watched_replay.hpp"
@@ -36,6 +37,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};
   const std::size_t axis_count = reader.columns().axis_count;
+  replay_options.references = reference_use(reader.columns(), options.truth, truth);
   const auto axes = shown_axes(options.flags, axis_count, truth);
 
   std::optional<evaluate::CorrectedWriter> corrected;
@@ -74,6 +76,7 @@ Command add_replay(CLI::App& app) {
   add_input_options(*command, options->input);
   add_replay_flags(*command, options->flags);
   add_truth_flags(*command, options->truth);
+  add_learn_flag(*command, options->truth);
   add_output_options(*command, options->outputs);
   command->add_option("--out", options->out,
                       "write corrected rate, bias, sigma and turn since departure as CSV");

@@ -15,6 +15,7 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/cli/input_options.hpp"
+#include "host_tools/cli/reference_options.hpp"
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
@@ -111,27 +112,6 @@ void print_notes(const evaluate::ReplayResult& result) {
         "zerorate "
         "characterize fits one to a recording at rest, zerorate diagnose finds what it lacks\n",
         result.samples_inconsistent, result.rows, result.first_inconsistent_s);
-  }
-}
-
-void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_count) {
-  fmt::print("\n{}\n", evaluate::summary(drives, axis_count));
-  if (!drives.truth.obstacle.empty()) return;
-  fmt::print("true stops: {}, slower than {:.3g} m/s for {:g} s at least\n",
-             drives.truth.stops.size(), drives.truth.speed_limit_m_s, truth::kShortestStop_s);
-  for (const evaluate::ScoredTrueDrive& scored : drives.drives) {
-    if (scored.flaw == truth::Flaw::none) continue;
-    fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
-               static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
-  }
-  fmt::print("\n{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12}\n", "predictor", "drives",
-             "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
-  for (const app::Predictor predictor : evaluate::kAllPredictors) {
-    const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f}\n",
-               evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
-               score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
-               score.coverage95_of_node);
   }
 }
 
@@ -306,35 +286,6 @@ void print_what_is_not_shown(const ReplayFlags& flags, const evaluate::ReplayRes
              result.true_drives ? ", by the reference" : " unless --axis names another");
 }
 
-void add_truth_flags(CLI::App& app, TruthFlags& flags) {
-  app.add_option("--vertical-axis", flags.vertical_axis,
-                 "axis about which the reference's heading counts: x, y, z, or -z for the other "
-                 "sense, as in --vertical-axis=-z; default: found from the turns");
-  app.add_option("--reference-error", flags.reference_error_deg,
-                 "standard deviation of the reference's turn over a drive [deg]; default: its "
-                 "change over the stops")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--reference-from", flags.reference_from_s,
-                 "time of the recording before which the reference was still aligning [s]")
-      ->capture_default_str();
-}
-
-std::optional<truth::Truth> read_truth(const recording::Input& input, const TruthFlags& flags) {
-  // A pipe can be read once only.
-  if (!std::filesystem::is_regular_file(input.path)) return std::nullopt;
-  recording::Reader reader{input};
-  const recording::Columns& columns = reader.columns();
-  if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
-  truth::TruthOptions options{.usable_from_s = flags.reference_from_s};
-  if (!flags.vertical_axis.empty()) {
-    options.vertical = truth::parse_vertical_axis(flags.vertical_axis);
-  }
-  if (flags.reference_error_deg) {
-    options.reference_error_rad = *flags.reference_error_deg * kRadPerDeg;
-  }
-  return truth::find_truth(truth::read_track(reader), options);
-}
-
 void print_findings(const recording::Findings& findings) {
   for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
     const auto finding = static_cast<recording::Finding>(i);
@@ -364,6 +315,7 @@ void print_result(const evaluate::ReplayResult& result, const std::vector<std::s
              static_cast<double>(result.filter_tick.ns()) * 1e-9);
   print_notes(result);
   if (result.true_drives) print_true_drives(*result.true_drives, result.axis_count);
+  if (result.learnt_motion) print_learnt_motion(*result.learnt_motion);
   if (result.truth_known) {
     print_scores(result, axes);
   } else if (!result.true_drives) {

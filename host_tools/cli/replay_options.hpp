@@ -37,20 +37,6 @@ struct ReplayFlags {
   bool trusts_model = false;
 };
 
-/// Options of the scores against a reference, as typed.
-struct TruthFlags {
-  std::string vertical_axis;
-  std::optional<double> reference_error_deg;
-  double reference_from_s = 0.0;
-};
-
-void add_truth_flags(CLI::App& app, TruthFlags& flags);
-
-/// The true drives of a recording; nullopt where it has no reference columns, or cannot be read
-/// twice. Throws std::invalid_argument, recording::Error, recording::DataError.
-[[nodiscard]] std::optional<truth::Truth> read_truth(const recording::Input& input,
-                                                     const TruthFlags& flags);
-
 void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 
 /// Axes that --axis names, all if nothing was asked for. Throws std::invalid_argument.

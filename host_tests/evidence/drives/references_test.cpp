@@ -1,4 +1,4 @@
-// What references of the heading teach: turn of sensors with an error of the scale factor, an
+// Lessons of references of the heading: turn of sensors with an error of the scale factor, an
 // offset of the bias in motion and references of several kinds, beside that of a perfect sensor.
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 struct Sensor {
   double tolerance = 0.01;
   double scale_error = 0.0;
-  double offset_dps = 0.0;  ///< of the bias in motion
+  double offset_dps = 0.0;  ///< offset of the bias in motion
 };
 
 /// A source of references, and what is wrong with it.

@@ -78,6 +78,7 @@ class Run {
         reader_(reader),
         observer_(observer),
         through_(options.through),
+        references_(options.references),
         result_(result),
         replayed_(options, reader.columns(), {result.sample_period, result.filter_tick},
                   rows.first_time_ns()) {
@@ -155,10 +156,42 @@ class Run {
         true_drives_->take(row.time_ns, rate, has_bias, node_);
       }
     }
+    if (references_) learn_from_reference(row, message);
     if (observer_.on_sample) {
       observer_.on_sample({result_.rows, row.time_ns, moving, message, known_rates(row, truth),
                            last_stop_means(), node_.measured_ticks()});
     }
+  }
+
+  /// Hands the reference's heading of a row over.
+  void learn_from_reference(const recording::Row& row, const app::RateMessage& message) {
+    if (!std::isfinite(row.ref_heading_rad) || !message.has_rate()) return;
+    if (references_->only_at_stops && message.motion != core::Motion::still) return;
+    const auto verdict = node_.take_reference(
+        app::HeadingReference{.time = message.time,
+                              .heading = core::rad(row.ref_heading_rad),
+                              .sigma = core::rad(static_cast<float>(references_->sigma_rad))});
+    LearntMotion& learnt = *result_.learnt_motion;
+    switch (verdict) {
+      case core::ReferenceVerdict::learnt:
+        ++learnt.learnt;
+        break;
+      case core::ReferenceVerdict::refused:
+        ++learnt.refused;
+        break;
+      case core::ReferenceVerdict::no_bias:
+      case core::ReferenceVerdict::bad_time:
+        ++learnt.unusable;
+        break;
+      default:
+        break;
+    }
+    const core::HeadingFilter& filter = node_.heading_filter();
+    learnt.scale_factor = double{filter.scale_factor()};
+    learnt.scale_factor_sigma = std::sqrt(double{filter.scale_factor_variance()});
+    learnt.offset_rad_s = double{filter.offset_rad_s()};
+    learnt.offset_sigma_rad_s = std::sqrt(double{filter.offset_variance_rad2_s2()});
+    learnt.quality = double{filter.quality()};
   }
 
   /// Through a chip its driver finds such samples, and restarts the chip.
@@ -260,6 +293,7 @@ class Run {
   const recording::Reader& reader_;
   const ReplayObserver& observer_;
   Through through_;
+  const std::optional<ReferenceUse>& references_;
   ReplayResult& result_;
   ReplayNode<Shape> replayed_;
   Node& node_ = replayed_.node();
@@ -352,6 +386,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
     throw std::invalid_argument(options.chip + " has one axis, the recording has " +
                                 std::to_string(result.axis_count));
   }
+  if (options.references) result.learnt_motion.emplace();
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
   result.sample_period = sample_period(options, rows);
   result.filter_tick = filter_tick(options, result.sample_period);

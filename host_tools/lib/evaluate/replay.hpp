@@ -38,6 +38,13 @@ enum class Through : std::uint8_t {
   chip,    ///< converted by a simulated chip, read by its driver, stepped by the node's loop
 };
 
+/// Headings of a recording's reference that the node learns from.
+struct ReferenceUse {
+  bool only_at_stops = false;
+  truth::VerticalAxis vertical;  ///< axis and sense of the reference
+  double sigma_rad = 0.0;        ///< standard deviation of a heading
+};
+
 struct ReplayOptions {
   model::SensorModel model;
   bool is_model_chosen = true;  ///< false: nobody named one, the model is a default
@@ -59,7 +66,8 @@ struct ReplayOptions {
   core::Standstill::Params standstill;
   /// With a schedule pulses without motion are not checked: the sensor was at rest.
   core::OdometerCheckParams odometer;
-  core::EarthRate earth;     ///< zero: the latitude is not known
+  core::EarthRate earth;                   ///< zero: the latitude is not known
+  std::optional<ReferenceUse> references;  ///< nullopt: they only score
   bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
 };
 
@@ -81,6 +89,18 @@ struct ReplayedDrive {
   app::Predictor predictor;
   std::int64_t start_ns;  ///< time in the recording
   DriveOutcome outcome;
+};
+
+/// Scale factor and offset that references taught a node by the end, and their outcomes.
+struct LearntMotion {
+  double scale_factor = 0.0;  ///< error of it; 0.01: 1 % too much
+  double scale_factor_sigma = 0.0;
+  double offset_rad_s = 0.0;  ///< offset of the bias in motion
+  double offset_sigma_rad_s = 0.0;
+  double quality = 0.0;  ///< quality of the scale factor: 0 as by the model, 1 exact
+  std::uint64_t learnt = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t unusable = 0;  ///< before the first bias, or of a time that is not remembered
 };
 
 /// Noise of each axis as the node has learnt it.
@@ -137,7 +157,8 @@ struct ReplayResult {
   std::array<std::array<StopScores, app::kPredictors>, 3> stop_scores;
   /// Doubts about rest that are not certain, if the options ask for them.
   std::vector<std::string> rest_doubts;
-  std::optional<TrueDrives> true_drives;  ///< if the observer gave the truth
+  std::optional<TrueDrives> true_drives;      ///< if the observer gave the truth
+  std::optional<LearntMotion> learnt_motion;  ///< if the options have references
   /// Noise as learnt by the end; nullopt where the model was taken at its word, or nothing
   /// measured.
   std::optional<LearntNoises> learnt;

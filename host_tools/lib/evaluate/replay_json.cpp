@@ -32,6 +32,18 @@ Json scores_json(const DriveScores& scores, const DriveScores& baseline, const S
           {"ie_deg", number(scores.mean_integrated_rad() * kDegPerRad)}};
 }
 
+Json learnt_motion_json(const LearntMotion& learnt) {
+  constexpr double kPercent = 100.0;
+  return {{"scale_factor_error_percent", number(learnt.scale_factor * kPercent)},
+          {"scale_factor_sigma_percent", number(learnt.scale_factor_sigma * kPercent)},
+          {"offset_in_motion_dps", number(learnt.offset_rad_s * kDegPerRad)},
+          {"offset_in_motion_sigma_dps", number(learnt.offset_sigma_rad_s * kDegPerRad)},
+          {"quality", number(learnt.quality)},
+          {"references_learnt", learnt.learnt},
+          {"references_refused", learnt.refused},
+          {"references_unusable", learnt.unusable}};
+}
+
 }  // namespace
 
 std::string axis_name(const ReplayResult& result, std::size_t axis) {
@@ -71,6 +83,7 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
     of_axis["predictors"] = std::move(predictors);
     of_axis["learnt"] = result.learnt ? learnt_json(learnt_model((*result.learnt)[axis])) : nullptr;
   }
+  if (result.learnt_motion) json["learnt_motion"] = learnt_motion_json(*result.learnt_motion);
   if (result.true_drives) {
     json["true_drives"] = true_drives_json(*result.true_drives, result.axis_count);
   }

@@ -92,6 +92,11 @@ class ReplayNode {
                                  .earth = options.earth,
                                  .published = options.published,
                                  .learns_white_noise = options.learns_noise};
+    if (options.references) {
+      const truth::VerticalAxis& vertical = options.references->vertical;
+      params.up = {.axis = static_cast<std::uint8_t>(vertical.axis),
+                   .points_down = vertical.sign < 0.0};
+    }
     if (!options.learns_noise) params.model.hypotheses = {};
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {

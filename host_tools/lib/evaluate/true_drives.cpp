@@ -61,11 +61,14 @@ void TrueDriveScorer::open() {
   is_open_ = true;
   has_departed_ = false;
   turned_rad_ = 0.0;
+  moved_s_ = 0.0;
+  motion_.reset();
   squared_intervals_s2_ = 0.0;
 }
 
 /// The rate of a sample stands for the time since the one before, as far as it lies in the drive.
-void TrueDriveScorer::integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s) {
+void TrueDriveScorer::integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s,
+                                bool moves) {
   const truth::Drive& drive = scored.drive;
   const std::int64_t begin_ns = has_sample_ ? newest_ns_ : time_ns;
   const std::int64_t overlap_ns =
@@ -74,11 +77,25 @@ void TrueDriveScorer::integrate(ScoredTrueDrive& scored, std::int64_t time_ns, d
   if (time_ns - begin_ns > longest_ns_) scored.flaw = truth::Flaw::rate_missing;
   const double elapsed_s = seconds(overlap_ns);
   turned_rad_ += rate_rad_s * elapsed_s;
+  moved_s_ += moves ? elapsed_s : 0.0;
   squared_intervals_s2_ += elapsed_s * elapsed_s;
   const double now_s = seconds(std::min(time_ns, drive.to_ns));
   if (scored.along.empty() || now_s - scored.along.back().time_s >= 1.0 || time_ns >= drive.to_ns) {
     scored.along.push_back({now_s, turned_rad_});
   }
+}
+
+DriveOutcome TrueDriveScorer::outcome(double corrected_rad, double variance_rad2,
+                                      double true_turn_rad) const {
+  DriveOutcome result{.drift_rad = corrected_rad - true_turn_rad,
+                      .sigma_rad = std::sqrt(variance_rad2),
+                      .rsse_rad_s = std::numeric_limits<double>::quiet_NaN()};
+  if (!motion_) return result;
+  const double turn_rad = corrected_rad - double{motion_->offset_rad_s()} * moved_s_;
+  const core::HeadingFilter::Turn turn{static_cast<float>(turn_rad), static_cast<float>(moved_s_)};
+  result.drift_rad = double{motion_->scaled(turn.turn_rad)} - true_turn_rad;
+  result.sigma_rad = std::sqrt(variance_rad2 + double{motion_->turn_variance_rad2(turn)});
+  return result;
 }
 
 /// Turns the integral along the drive into the error, for which the bias at departure is known now.
@@ -89,10 +106,9 @@ void TrueDriveScorer::close(ScoredTrueDrive& scored) {
   const double length_s = seconds(drive.to_ns - drive.from_ns);
   for (std::size_t p = 0; p < app::kPredictors; ++p) {
     const double corrected_rad = turned_rad_ - biases_[p] * length_s;
-    scored.outcomes[p] = {
-        .drift_rad = truth.vertical.sign * corrected_rad - drive.turn_rad,
-        .sigma_rad = std::sqrt(variances_[p] + white_variance_rad2_s2_ * squared_intervals_s2_),
-        .rsse_rad_s = std::numeric_limits<double>::quiet_NaN()};
+    scored.outcomes[p] =
+        outcome(truth.vertical.sign * corrected_rad,
+                variances_[p] + white_variance_rad2_s2_ * squared_intervals_s2_, drive.turn_rad);
   }
   const std::int64_t longest_ns = truth.heading_rad.longest_interval_ns();
   const auto start = truth.heading_rad.at(drive.from_ns, longest_ns);

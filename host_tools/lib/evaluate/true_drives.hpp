@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/heading/heading_filter.hpp"
 #include "firmware/app/node_params.hpp"
 #include "host_tools/lib/evaluate/drive_scores.hpp"
 #include "host_tools/lib/truth/truth.hpp"
@@ -54,7 +56,8 @@ struct TrueDrives {
 
 /// Integrates the measured rate over each true drive, less the bias that the node published at its
 /// departure, and compares with the reference's turn. The interval is the node's prediction at
-/// departure over a time as long as from middle to middle.
+/// departure over a time as long as from middle to middle. Where the node learns from references,
+/// scale factor and offset in motion are taken off as they were known at departure.
 class TrueDriveScorer {
  public:
   /// @param shift of the node's clock over the recording's
@@ -70,7 +73,7 @@ class TrueDriveScorer {
       ScoredTrueDrive& scored = result_.drives[next_];
       if (time_ns < scored.drive.from_ns) break;
       if (!is_open_) open();
-      integrate(scored, time_ns, rate_rad_s);
+      integrate(scored, time_ns, rate_rad_s, node.motion() != core::Motion::still);
       if (!has_departed_ && time_ns >= scored.drive.departure_ns) {
         has_departed_ = true;
         if (is_measured) depart(node);
@@ -94,6 +97,7 @@ class TrueDriveScorer {
     const core::Instant from = core::Instant::from_ns(drive.departure_ns) + shift_;
     const core::Instant to = from + core::Duration::nanoseconds(drive.to_ns - drive.from_ns);
     white_variance_rad2_s2_ = double{node.white_variance_rad2_s2(axis)};
+    if (node.heading_filter().has_learnt()) motion_.emplace(node.heading_filter());
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       const auto predictor = static_cast<app::Predictor>(p);
       biases_[p] = double{node.bias(predictor, axis).in(core::rad_per_s)};
@@ -101,7 +105,10 @@ class TrueDriveScorer {
     }
   }
   void open();
-  void integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s);
+  void integrate(ScoredTrueDrive& scored, std::int64_t time_ns, double rate_rad_s, bool moves);
+  /// Drift of a corrected turn by what was known of the motion, with its variance added.
+  [[nodiscard]] DriveOutcome outcome(double corrected_rad, double variance_rad2,
+                                     double true_turn_rad) const;
   void close(ScoredTrueDrive& scored);
 
   TrueDrives result_;
@@ -114,6 +121,8 @@ class TrueDriveScorer {
   bool has_departed_ = false;
   std::int64_t newest_ns_ = 0;
   double turned_rad_ = 0.0;
+  double moved_s_ = 0.0;
+  std::optional<core::HeadingFilter> motion_;  ///< filter of the references at departure
   double squared_intervals_s2_ = 0.0;
   double white_variance_rad2_s2_ = 0.0;  ///< variance of a sample, known at departure
   std::array<double, app::kPredictors> biases_{};
