@@ -9,6 +9,7 @@
 #endif
 
 #include "firmware/c_api/include/zerorate.h"
+#include "firmware/c_api/include/zerorate_references.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -7,7 +7,7 @@ include(CMakePackageConfigHelpers)
 
 set(ZERORATE_INCLUDE "${CMAKE_INSTALL_INCLUDEDIR}")
 set(ZERORATE_HEADERS "${ZERORATE_INCLUDE}/zerorate")
-install(FILES "${PROJECT_SOURCE_DIR}/firmware/c_api/include/zerorate.h" DESTINATION "${ZERORATE_INCLUDE}"
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/firmware/c_api/include/" DESTINATION "${ZERORATE_INCLUDE}"
   COMPONENT library)
 foreach(room core hal/contract drivers firmware/app firmware/wire)
   cmake_path(GET room PARENT_PATH above)

@@ -15,7 +15,8 @@ import sys
 
 REPOSITORY = pathlib.Path(__file__).parents[2]
 SOURCES = ("firmware/c_api/zerorate.cpp", "core/base/assert.cpp")
-HEADER = "firmware/c_api/include/zerorate.h"
+INCLUDE_FOLDER = "firmware/c_api/include"
+HEADERS = ("zerorate.h", "zerorate_references.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 
 DESCRIPTION = "Predicts the bias of a MEMS gyroscope between standstills, with its error; C interface, no heap"
@@ -109,8 +110,9 @@ def expanded(name, seen):
             yield line
         else:
             seen.add(include[2])
-            if include[2] == HEADER:
-                yield '#include "zerorate.h"'
+            folder, _, header = include[2].rpartition("/")
+            if folder == INCLUDE_FOLDER:
+                yield f'#include "{header}"'
             else:
                 yield from expanded(include[2], seen)
 
@@ -155,7 +157,7 @@ def manifests():
                  'license: "Apache-2.0"\ndependencies:\n  idf: ">=5.0"\n')
     return {
         "src/zerorate.cpp": amalgam(),
-        "src/zerorate.h": (REPOSITORY / HEADER).read_text(encoding="utf-8"),
+        **{f"src/{name}": (REPOSITORY / INCLUDE_FOLDER / name).read_text(encoding="utf-8") for name in HEADERS},
         "README.md": README.replace("{version}", version()),
         "LICENSE": (REPOSITORY / "LICENSE").read_text(encoding="utf-8"),
         "CMakeLists.txt": CMAKE.replace("@version@", version()),

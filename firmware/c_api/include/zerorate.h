@@ -324,14 +324,6 @@ typedef struct zerorate_learnt_noise {
   float stops; /**< that the figures rest on, older ones counted in part */
 } zerorate_learnt_noise;
 
-/** What references taught of the axis that points up or down. */
-typedef struct zerorate_learnt_motion {
-  zerorate_figure heading_rad;        /**< at the newest sample; sigma infinite: not known */
-  zerorate_figure scale_factor_error; /**< 0.01: the sensor measures 1 % too much */
-  zerorate_figure offset_rad_s;       /**< of the bias in motion, which rest does not show */
-  float quality; /**< 0: the scale factor is known as by the model; 1: it is known exactly */
-} zerorate_learnt_motion;
-
 /** Storage of one sensor. Opaque. */
 typedef struct zerorate_node {
   ZERORATE_ALIGNED uint8_t opaque[ZERORATE_INSTANCE_BYTES];
@@ -392,33 +384,6 @@ zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement*
  */
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,
                                          zerorate_heading_error* error);
-
-#if ZERORATE_TAKES_REFERENCES
-/**
- * The heading of the vehicle at a time, counter-clockwise seen from above (a compass heading is its
- * negative): a GNSS course in motion, two antennas, a map, a mark at a stop. Needs `up_axis`. Its
- * time lies in the newest two seconds, or in the stop that lasts. The first one is a beginning; one
- * that hardly anything was turned before is not needed, and answered by ZERORATE_OK too.
- * @param sigma_rad standard deviation of its error, above 0 and at most 1.6
- * @return ZERORATE_REFERENCE_TIME, _REFERENCE_REFUSED: it did not teach; ZERORATE_NOTHING_LEARNT
- *         before the first standstill, ZERORATE_BAD_ARGUMENT
- */
-zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns, float heading_rad,
-                                           float sigma_rad);
-
-/**
- * The angle that the vehicle turned by between two times, whole turns included. Each end lies in
- * the newest two seconds, in the stop before the drive or in that after it, or is the end of the
- * turn before.
- * @return as zerorate_heading_reference()
- */
-zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, int64_t to_ns,
-                                        float angle_rad, float sigma_rad);
-
-/** What references taught. ZERORATE_BAD_ARGUMENT where `up_axis` is not known. */
-zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
-                                           zerorate_learnt_motion* learnt);
-#endif
 
 /** The noise of an axis as it was learnt. */
 zerorate_result zerorate_get_learnt_noise(const zerorate_node* self, uint8_t axis,
