@@ -159,55 +159,86 @@ Row row(Sensor sensor, const Source& source, double scale_of_tolerance) {
           std::sqrt(found.scale_rms / static_cast<double>(kSensors)), found.worst};
 }
 
-void print(const std::string& name, const Row& found) {
+Row printed(const std::string& name, const Row& found) {
   std::printf("%-34s rms %.3f deg, coverage %.3f, sigma %.3f deg, scale %.5f, worst %.2f\n",
               name.c_str(), found.rms_deg, found.coverage, found.mean_sigma_deg, found.scale_rms,
               found.worst);
-  std::fflush(stdout);
+  return found;
 }
 
-TEST(Experiment, Rows) {
-  print("perfect", row({.tolerance = 1e-5}, {}, 0.0));
-  const Source stops{.at_stops = true};
-  const Source course{.by_course = true, .sigma_deg = 0.7};
-  for (const double tolerance : {0.005, 0.01, 0.03}) {
-    print("stops " + std::to_string(tolerance), row({.tolerance = tolerance}, stops, 1.0));
-    print("course " + std::to_string(tolerance), row({.tolerance = tolerance}, course, 1.0));
-  }
-  print("stops 0", row({}, stops, 0.0));
-  print("offset, stops", row({.offset_dps = 0.015}, stops, 1.0));
-  print("offset, course", row({.offset_dps = 0.015}, course, 1.0));
-  Source bad = course;
-  bad.jump_deg = 20.0;
-  print("course jumps 20", row({}, bad, 1.0));
-  bad.jump_deg = 5.0;
-  print("course jumps 5", row({}, bad, 1.0));
-  bad = course;
-  bad.sense = -1.0;
-  print("course sense", row({}, bad, 1.0));
-  bad = course;
-  bad.delay_s = 2.0;
-  print("course late", row({}, bad, 1.0));
-  bad = course;
-  bad.is_frozen = true;
-  print("course frozen", row({}, bad, 1.0));
-  bad = course;
-  bad.stated = 0.1;
-  print("course small sigma", row({}, bad, 1.0));
-  bad = stops;
-  bad.jump_deg = 20.0;
-  print("stops jumps", row({}, bad, 1.0));
-  bad = stops;
-  bad.sense = -1.0;
-  print("stops sense", row({}, bad, 1.0));
-  bad = stops;
-  bad.sigma_deg = 1.0;
-  bad.stated = 0.1;
-  print("stops small sigma", row({}, bad, 1.0));
-  bad = stops;
-  bad.is_frozen = true;
-  print("stops frozen", row({}, bad, 1.0));
+/// Sensors without any error that rest does not show.
+const Row& perfect() {
+  static const Row kRow = printed("perfect", row({.tolerance = 1e-5}, {}, 0.0));
+  return kRow;
 }
+
+constexpr Source kStops{.at_stops = true};
+constexpr Source kCourse{.by_course = true, .sigma_deg = 0.7};
+/// Standard error of a ratio of two rms of 200 drives that share their noise, by bootstrap.
+constexpr double kRatioError = 0.03;
+constexpr double kCoverageError = 0.018;  ///< of 200 drives of 40 sensors
+
+class ToleranceLearnt : public ::testing::TestWithParam<double> {};
+
+TEST_P(ToleranceLearnt, FromStopsIsNearlyThatOfAPerfectSensor) {
+  const Row found = printed("stops", row({.tolerance = GetParam()}, kStops, 1.0));
+  EXPECT_LE(found.rms_deg, (1.15 + 2.0 * kRatioError) * perfect().rms_deg);
+  EXPECT_GE(found.coverage, 0.92 - 2.0 * kCoverageError);
+  EXPECT_LT(found.worst, 5.0);
+}
+
+TEST_P(ToleranceLearnt, FromACourseIsNearlyThatOfAPerfectSensor) {
+  const Row found = printed("course", row({.tolerance = GetParam()}, kCourse, 1.0));
+  EXPECT_LE(found.rms_deg, (1.3 + 2.0 * kRatioError) * perfect().rms_deg);
+  EXPECT_GE(found.coverage, 0.92 - 2.0 * kCoverageError);
+  EXPECT_LT(found.worst, 5.0);
+}
+INSTANTIATE_TEST_SUITE_P(Of, ToleranceLearnt, ::testing::Values(0.005, 0.01, 0.03));
+
+TEST(OffsetInMotion, IsLearntFromReferences) {
+  for (const Source& source : {kStops, kCourse}) {
+    const Row found = printed("offset in motion", row({.offset_dps = 0.015}, source, 1.0));
+    EXPECT_LE(found.rms_deg, 2.5 * perfect().rms_deg);
+    EXPECT_GE(found.coverage, 0.92 - 2.0 * kCoverageError);
+  }
+}
+
+struct Lie {
+  std::string name;
+  Source source;
+};
+
+class LyingReferences : public ::testing::TestWithParam<Lie> {};
+
+TEST_P(LyingReferences, LeaveAnIntervalThatHolds) {
+  const Row found = printed(GetParam().name, row({}, GetParam().source, 1.0));
+  EXPECT_GE(found.coverage, 0.92 - 2.0 * kCoverageError);
+  EXPECT_LT(found.worst, 5.0);
+  EXPECT_LT(found.scale_rms, 0.02) << "twice the tolerance";
+}
+
+Source changed(Source source, double Source::*member, double value) {
+  source.*member = value;
+  return source;
+}
+Source frozen(Source source) {
+  source.is_frozen = true;
+  return source;
+}
+Source coarse_at_stops() {
+  return {.at_stops = true, .sigma_deg = 1.0, .stated = 0.1};
+}
+INSTANTIATE_TEST_SUITE_P(
+    Of, LyingReferences,
+    ::testing::Values(Lie{"course jumps by 20 deg", changed(kCourse, &Source::jump_deg, 20.0)},
+                      Lie{"course of the other sense", changed(kCourse, &Source::sense, -1.0)},
+                      Lie{"course 2 s late", changed(kCourse, &Source::delay_s, 2.0)},
+                      Lie{"course frozen", frozen(kCourse)},
+                      Lie{"course states a tenth", changed(kCourse, &Source::stated, 0.1)},
+                      Lie{"stops jump by 20 deg", changed(kStops, &Source::jump_deg, 20.0)},
+                      Lie{"stops of the other sense", changed(kStops, &Source::sense, -1.0)},
+                      Lie{"stops frozen", frozen(kStops)},
+                      Lie{"stops state a tenth", coarse_at_stops()}));
 
 }  // namespace
 }  // namespace zerorate::drives
