@@ -173,11 +173,14 @@ class ReferenceTrack {
 
   static constexpr core::Instant kNever = core::kLatestTime;
 
-  /// Stated variance, and that of the time: a clock is right within a tenth of a second.
+  /// Stated variance, and that of the time: a clock is right within a tenth of a second. No heading
+  /// of a vehicle is better than a tenth of a degree.
   [[nodiscard]] constexpr float variance_of(core::Angle sigma, const Sum& sum) const {
+    constexpr float kSmallest_rad = 0.1F * core::kRadPerDeg;
     constexpr float kClockSigma_s = 0.1F;
     const float late = sum.moves() ? sum.state().newest_rad_s[axis_] * kClockSigma_s : 0.0F;
-    return sigma.in(core::rad)*sigma.in(core::rad) + late * late;
+    const float stated = std::max(sigma.in(core::rad), kSmallest_rad);
+    return stated * stated + late * late;
   }
   /// Turn about the vertical between two positions of the sum.
   [[nodiscard]] constexpr Turn between(const Position& from, const Position& to) const {
