@@ -77,6 +77,7 @@ void TurnGuide::start_anew() {
   ++restarts_;
   turn_.reset();
   still_since_.reset();
+  rest_before_.reset();
   newest_.reset();
   noise_ = {};
   if (stage_ != Stage::done) stage_ = Stage::rest;
@@ -84,7 +85,10 @@ void TurnGuide::start_anew() {
 
 void TurnGuide::take_rest(const app::RateMessage& message) {
   if (!still_since_) {
-    still_since_ = message.time;
+    const bool is_bump = was_bump();
+    still_since_ = is_bump ? rest_before_ : message.time;
+    const bool was_short = is_early_ && turn_ && !turn_->is_long_enough();
+    if (was_short || (is_bump && !angle_before_rad_)) drop_turn();
   } else {
     learn_noise(message);
   }
@@ -96,16 +100,37 @@ void TurnGuide::take_rest(const app::RateMessage& message) {
 }
 
 void TurnGuide::take_motion(const app::RateMessage& message) {
+  if (still_since_) {
+    rest_before_ = std::exchange(still_since_, std::nullopt);
+    angle_before_rad_ = turn_ ? std::optional{turn_->angle_rad} : std::nullopt;
+  }
   if (!turn_) {
     is_early_ = stage_ == Stage::rest;
     turn_ = GuidedTurn{
         .begin_s = seconds(message.time - core::Instant{}),
-        .rest_s = still_since_ ? seconds(message.time - *still_since_) : 0.0,
+        .rest_s = rest_before_ ? seconds(message.time - *rest_before_) : 0.0,
     };
     for (std::size_t i = 0; i < 3; ++i) first_bias_rad_s_[i] = bias_rad_s(message, i);
   }
-  still_since_.reset();
   if (!is_early_) stage_ = Stage::turning;
+}
+
+/// Whether the motion that is over interrupted a rest for less than kBump_rad: the noise of the
+/// gyro does so now and then.
+bool TurnGuide::was_bump() const {
+  constexpr double kBump_rad = 2.0 / 180.0 * std::numbers::pi;
+  if (!rest_before_ || !turn_) return false;
+  const std::array<double, 3> before = angle_before_rad_.value_or(std::array<double, 3>{});
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(std::abs(turn_->angle_rad[i] - before[i]) < kBump_rad)) return false;
+  }
+  return true;
+}
+
+/// The turn that had begun is none.
+void TurnGuide::drop_turn() {
+  turn_.reset();
+  stage_ = is_early_ ? Stage::rest : Stage::ready;
 }
 
 void TurnGuide::learn_noise(const app::RateMessage& message) {

@@ -97,6 +97,8 @@ class TurnGuide {
   void start_anew();
   void take_rest(const app::RateMessage& message);
   void take_motion(const app::RateMessage& message);
+  [[nodiscard]] bool was_bump() const;
+  void drop_turn();
   void learn_noise(const app::RateMessage& message);
   void add_drive(const app::RateMessage& message);
   void add_circumstances(const wire::NumberedMessage& numbered);
@@ -107,6 +109,8 @@ class TurnGuide {
   Stage stage_ = Stage::rest;
   std::optional<wire::NumberedMessage> newest_;
   std::optional<core::Instant> still_since_;
+  std::optional<core::Instant> rest_before_;  ///< beginning of the rest before the newest motion
+  std::optional<std::array<double, 3>> angle_before_rad_;  ///< angles then; none before a turn
   core::Instant newest_rate_;
   Noise noise_;
 
