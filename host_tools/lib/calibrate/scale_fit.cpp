@@ -10,7 +10,7 @@
 namespace zerorate::calibrate {
 namespace {
 
-using Pair = std::array<double, 2>;  ///< of scale and asymmetry
+using Pair = std::array<double, 2>;  ///< scale and asymmetry
 
 /// Rows of the inverse of a symmetric matrix; without a second unknown, of its first element.
 std::array<Pair, 2> inverse(const std::array<Pair, 2>& matrix, bool has_second) {
