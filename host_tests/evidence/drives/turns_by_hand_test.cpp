@@ -28,7 +28,10 @@ using Node = app::GyroNode<kShape, app::NodeCapacity{.axes = 1,
                                                      .runs_calibration_mean = false}>;
 constexpr double kRadPerDeg = double{core::kRadPerDeg};
 constexpr double kPeriod_s = 0.04;
-constexpr std::size_t kRest = 375;   ///< samples: 15 s
+/// Samples: 90 s. A new node without an odometer can need half a minute to find its calm; a person
+/// waits for the guide to be ready.
+constexpr std::size_t kFirstRest = 2250;
+constexpr std::size_t kRest = 625;   ///< samples: 25 s
 constexpr std::size_t kRound = 100;  ///< samples: 4 s
 constexpr std::size_t kCalibrations = 200;
 
@@ -47,11 +50,11 @@ struct Drawn {
 /// There and back, each round begun and ended slowly, from mark to mark with the error of each.
 Drawn draw(const Case& made, const random::RandomStream& draws) {
   Drawn drawn{
-      .scale = 0.01 * draws.normal(0), .asymmetry = 0.002 * draws.normal(1), .rate_rad_s = {}};
+      .scale = 0.005 * draws.normal(0), .asymmetry = 0.002 * draws.normal(1), .rate_rad_s = {}};
   double mark_deg = made.mark_sigma_deg * draws.normal(2);
-  drawn.rate_rad_s.assign(kRest, 0.0);
+  drawn.rate_rad_s.assign(kFirstRest, 0.0);
   for (const int sense : {1, -1}) {
-    const double next_deg = made.mark_sigma_deg * draws.normal(3 + sense);
+    const double next_deg = made.mark_sigma_deg * draws.normal(5 + sense);
     const double turn_rad = (360.0 * made.turns * sense + next_deg - mark_deg) * kRadPerDeg;
     mark_deg = next_deg;
     const std::size_t samples = kRound * static_cast<std::size_t>(made.turns);
@@ -99,14 +102,16 @@ calibrate::Calibration calibrate_by_hand(const Case& made, const Drawn& drawn,
   guide.finish();
   return calibrate::calibrate(guide, {.turns = made.turns,
                                       .mark_sigma_rad = made.mark_sigma_deg * kRadPerDeg,
-                                      .tolerance = {.sigma = 0.01, .asymmetry_sigma = 0.002}});
+                                      .tolerance = {.sigma = 0.005, .asymmetry_sigma = 0.002}});
 }
 
 class TurnsByHand : public ::testing::TestWithParam<Case> {};
 
 // 200 calibrations: a coverage of 0.95 has a standard error of 0.015, and the lower bar is three of
 // them. The bias part is an upper bound, so that the interval may be too wide where it is large.
+// Refused are those in which the node finds no rest by the gyro alone within 90 s.
 TEST_P(TurnsByHand, FindTheScaleFactorWithinTheInterval) {
+  std::size_t refused = 0;
   std::size_t scale_inside = 0;
   std::size_t asymmetry_inside = 0;
   double half_width = 0.0;
@@ -114,8 +119,10 @@ TEST_P(TurnsByHand, FindTheScaleFactorWithinTheInterval) {
   for (std::size_t k = 0; k < kCalibrations; ++k) {
     const Drawn drawn = draw(GetParam(), random::RandomStream{77, k});
     const auto done = calibrate_by_hand(GetParam(), drawn, random::RandomStream{78, k});
-    ASSERT_TRUE(done.fit) << k << ": " << done.problems.front();
-    ASSERT_TRUE(done.fit->asymmetry) << k;
+    if (!done.fit || !done.fit->asymmetry) {
+      ++refused;
+      continue;
+    }
     const double error = done.fit->scale.value - drawn.scale;
     scale_inside += std::abs(error) < done.fit->scale.half_width() ? 1U : 0U;
     asymmetry_inside +=
@@ -125,13 +132,16 @@ TEST_P(TurnsByHand, FindTheScaleFactorWithinTheInterval) {
     half_width += done.fit->scale.half_width();
     squares += error * error;
   }
-  const double count{kCalibrations};
+  const auto count = static_cast<double>(kCalibrations - refused);
   const double coverage = static_cast<double>(scale_inside) / count;
   const double of_asymmetry = static_cast<double>(asymmetry_inside) / count;
-  std::printf("%d turns, mark %.1f deg: +- %.3f %%, error %.3f %% rms, coverage %.3f and %.3f\n",
-              GetParam().turns, GetParam().mark_sigma_deg, 100.0 * half_width / count,
-              100.0 * std::sqrt(squares / count), coverage, of_asymmetry);
+  std::printf(
+      "%d turns, mark %.1f deg: +- %.3f %%, error %.3f %% rms, coverage %.3f and %.3f, refused "
+      "%zu\n",
+      GetParam().turns, GetParam().mark_sigma_deg, 100.0 * half_width / count,
+      100.0 * std::sqrt(squares / count), coverage, of_asymmetry, refused);
   RecordProperty("coverage", std::to_string(coverage));
+  EXPECT_LE(refused, 4U);
   EXPECT_GE(coverage, 0.95 - 0.046);
   EXPECT_GE(of_asymmetry, 0.95 - 0.046);
 }
