@@ -198,7 +198,7 @@ class OdometerCheck {
   static constexpr float kFourSigmaOfDifference2 = 2.0F * 4.0F * 4.0F;
 
   /// No time, or more ticks than can be counted: never. Less than a tick: one.
-  static constexpr std::uint16_t ticks_in(Duration duration, Duration tick) {
+  [[gnu::noinline]] static constexpr std::uint16_t ticks_in(Duration duration, Duration tick) {
     const std::int64_t ticks = duration / tick;
     if (!(duration > Duration{}) || ticks >= kNever) return kNever;
     return ticks > 0 ? static_cast<std::uint16_t>(ticks) : std::uint16_t{1};

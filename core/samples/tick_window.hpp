@@ -16,7 +16,7 @@ namespace zerorate::core {
 inline constexpr float kFarSigmas = 5.0F;
 
 /// Largest window that eight bits count, at least one tick.
-[[nodiscard]] constexpr std::uint8_t ticks_in_u8(Duration length, Duration tick) {
+[[nodiscard, gnu::noinline]] constexpr std::uint8_t ticks_in_u8(Duration length, Duration tick) {
   return static_cast<std::uint8_t>(std::clamp(length / tick, std::int64_t{1}, std::int64_t{0xFF}));
 }
 /// Ticks of half a second: long enough for the rotation of an idling engine to cancel.

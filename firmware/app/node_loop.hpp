@@ -164,11 +164,8 @@ class NodeLoop {
   constexpr std::uint8_t take(std::span<drivers::GyroSample> samples, core::Instant now) {
     std::uint8_t frozen = 0;
     for (drivers::GyroSample& sample : samples) {
-      frozen = watch_.take(sample, vehicle(now));
-      if (frozen != 0) {
-        node_.discard_stop(sample.time);
-        continue;
-      }
+      frozen = watch_before(node_, watch_, sample, driven_at_, now);
+      if (frozen != 0) continue;
       temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
       message.health.sample_rate_off = sample_rate_.is_off();
@@ -182,9 +179,6 @@ class NodeLoop {
       retry_after_ = kFirstRetry;
     }
     return frozen;
-  }
-  [[nodiscard]] constexpr VehicleState vehicle(core::Instant now) const {
-    return vehicle_state(node_.motion(), driven_at_, now);
   }
 
   /// A gyro that answers without measuring is started again, with its reset.

@@ -224,4 +224,20 @@ class SampleWatch {
   bool step_is_known_ = false;
 };
 
+/// Looks at a sample before a node takes it. If an axis is at fault, the node forgets the present
+/// stop and goes on without the sample.
+/// @param driven_at  newest pulse
+/// @param measured  bit i: axis i is measured
+/// @return bit i: axis i is at fault
+template <std::size_t Axes>
+constexpr std::uint8_t watch_before(auto& node, SampleWatch<Axes>& watch,
+                                    const core::GyroSample& sample,
+                                    const std::optional<core::Instant>& driven_at,
+                                    core::Instant now, unsigned measured = ~0U) {
+  const auto vehicle = vehicle_state(node.motion(), driven_at, now);
+  const auto at_fault = static_cast<std::uint8_t>(watch.take(sample, vehicle) & measured);
+  if (at_fault != 0) node.discard_stop(sample.time);
+  return at_fault;
+}
+
 }  // namespace zerorate::app

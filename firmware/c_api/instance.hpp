@@ -93,10 +93,7 @@ class Instance {
   [[gnu::noinline]] std::uint8_t watch(const core::GyroSample& sample) {
     follow_word(sample.time);
     sample_rate_.take(sample.time, 1, params_.model.sample_period);
-    const auto vehicle = app::vehicle_state(node_.motion(), word_.driven_at(), sample.time);
-    const std::uint8_t at_fault = watch_.take(sample, vehicle);
-    if (at_fault != 0) node_.discard_stop(sample.time);
-    return at_fault;
+    return app::watch_before(node_, watch_, sample, word_.driven_at(), sample.time);
   }
 
   const Instance* self_ = this;

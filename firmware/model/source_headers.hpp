@@ -29,10 +29,10 @@ inline constexpr std::int64_t kCApiHeldTicks = 16;
 inline constexpr std::int64_t kNodeHeldTicks = 64;
 
 /// A header that defines `static const zerorate_model NAME`. Every number is the shortest decimal
-/// from which the compiler makes the same bits. The step of a quantizer is left out: the node sees it
-/// in the samples.
-/// Throws what make_node_model() throws, and std::invalid_argument where `name` is no identifier
-/// or the default hold-back needs more than `held_ticks` places, which zerorate_init() refuses.
+/// from which the compiler makes the same bits. The step of a quantizer is left out: the node sees
+/// it in the samples. Throws what make_node_model() throws, and std::invalid_argument where `name`
+/// is no identifier or the default hold-back needs more than `held_ticks` places, which
+/// zerorate_init() refuses.
 [[nodiscard]] std::string format_c_header(const SensorModel& model, core::Duration sample_period,
                                           core::Duration filter_tick, std::string_view name,
                                           std::int64_t held_ticks = kCApiHeldTicks);

@@ -30,7 +30,8 @@ Command add_absent(CLI::App& app, const std::string& name) {
 }  // namespace
 
 std::vector<Command> add_commands(CLI::App& app) {
-  std::vector<Command> commands{add_model(app), add_monitor(app), add_probe(app), add_record(app)};
+  std::vector<Command> commands{add_calibrate(app), add_model(app), add_monitor(app),
+                                add_probe(app), add_record(app)};
   for (const char* name : {"characterize", "demo", "diagnose", "evaluate", "export", "odometer",
                            "replay", "simulate"}) {
     commands.push_back(add_absent(app, name));

@@ -31,6 +31,12 @@ using ShowTally = std::function<void(const live::Tally& tally, const std::string
 /// Opens a page for browsers at an address and a port; 0: one that is free.
 using OpenPage = std::function<ShowTally(const std::string& address, std::uint16_t port)>;
 
+/// Gives every message of a recording that runs through a node.
+/// @param model  name or file
+using PlayRecording =
+    std::function<void(const std::string& recording, const std::string& model,
+                       const std::function<void(const wire::NumberedMessage&)>& take)>;
+
 [[nodiscard]] Command add_replay(CLI::App& app);
 [[nodiscard]] Command add_demo(CLI::App& app);
 [[nodiscard]] Command add_model(CLI::App& app);
@@ -43,6 +49,8 @@ using OpenPage = std::function<ShowTally(const std::string& address, std::uint16
 [[nodiscard]] Command add_monitor(CLI::App& app, const OpenPage& open_page = nullptr);
 [[nodiscard]] Command add_probe(CLI::App& app);
 [[nodiscard]] Command add_record(CLI::App& app);
+/// @param play_recording  nullptr: this build has none
+[[nodiscard]] Command add_calibrate(CLI::App& app, const PlayRecording& play_recording = nullptr);
 [[nodiscard]] Command add_odometer(CLI::App& app);
 [[nodiscard]] Command add_convert(CLI::App& app);
 [[nodiscard]] Command add_fleet(CLI::App& app);

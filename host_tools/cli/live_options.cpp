@@ -49,6 +49,33 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   serial->excludes(json);
 }
 
+void add_chip_options(CLI::App& command, ChipOptions& chip) {
+  auto* configuration = command.add_option(
+      "--config", chip.configuration,
+      "read the chip itself with this configuration of zerorated; stop zerorated first");
+  auto* name = command
+                   .add_option("--chip", chip.chip,
+                               "read this chip itself, without an odometer; simulated: one that is "
+                               "not there")
+                   ->excludes(configuration);
+  auto* spi = command.add_option("--spi", chip.spi, "the chip's spidev device")->needs(name);
+  command.add_option("--i2c", chip.i2c, "the chip's i2c-dev device")->needs(name)->excludes(spi);
+  command.add_option("--address", chip.address, "the chip's I2C address; its first unless given")
+      ->needs(name)
+      ->check(CLI::Number | CLI::IsMember({"0x68", "0x69", "0x6a", "0x6b"}));
+  command.add_option("--rate", chip.rate_hz, "the chip's output data rate in Hz")
+      ->needs(name)
+      ->check(CLI::PositiveNumber);
+  command.add_option("--full-scale", chip.full_scale_dps, "the chip's range in deg/s")
+      ->needs(name)
+      ->check(CLI::PositiveNumber);
+  for (const char* direct : {"--config", "--chip"}) {
+    for (const char* node : {"--udp", "--unix", "--serial", "--json"}) {
+      command.get_option(direct)->excludes(command.get_option(node));
+    }
+  }
+}
+
 std::unique_ptr<live::Source> open_source(const LiveOptions& options) {
   if (!options.serial.empty()) return live::open_serial(options.serial, options.baud);
   if (!options.unix_path.empty()) return live::listen_unix(options.unix_path);

@@ -47,6 +47,10 @@ struct ChipOptions {
   [[nodiscard]] bool is_given() const { return !configuration.empty() || !chip.empty(); }
 };
 
+/// Adds --config, --chip and its wiring, of which one source may be given instead of those of
+/// add_live_options(), which comes first.
+void add_chip_options(CLI::App& command, ChipOptions& chip);
+
 /// Reads the chip as zerorated would, with the odometer of the configuration and without its sinks;
 /// the messages are those that zerorated would publish. Throws toml_file::Error for a configuration
 /// that cannot be used, std::runtime_error where a zerorated that runs has the state.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,23 +25,22 @@ class DirectFeed {
   /// @param axis_count axes that are measured, the first of a sample
   DirectFeed(Node& node, std::size_t axis_count)
       : node_(node),
-        measured_axes_(static_cast<std::uint8_t>((1U << axis_count) - 1U)),
+        measured_axes_((1U << axis_count) - 1U),
         watch_(node.params().model.white_variance_rad2_s2, node.params().model.sample_period) {}
 
   app::RateMessage feed(const core::GyroSample& sample, std::span<const core::Instant> pulses) {
     for (const core::Instant pulse : pulses) node_.pulse(pulse);
     if (!pulses.empty()) driven_at_ = pulses.back();
-    if (!node_.can_take(sample)) return node_.step(sample);
-    const auto vehicle = app::vehicle_state(node_.motion(), driven_at_, sample.time);
-    if ((watch_.take(sample, vehicle) & measured_axes_) == 0) return node_.step(sample);
-    node_.discard_stop(sample.time);
-    return node_.step_without_sample(sample.time);
+    const bool is_frozen =
+        node_.can_take(sample) &&
+        app::watch_before(node_, watch_, sample, driven_at_, sample.time, measured_axes_) != 0;
+    return is_frozen ? node_.step_without_sample(sample.time) : node_.step(sample);
   }
   [[nodiscard]] app::LoopCounters counters() const { return {}; }
 
  private:
   Node& node_;
-  std::uint8_t measured_axes_;  ///< one bit each
+  unsigned measured_axes_;  ///< one bit each
   app::SampleWatch<> watch_;
   std::optional<core::Instant> driven_at_;
 };

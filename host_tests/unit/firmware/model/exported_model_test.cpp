@@ -50,7 +50,7 @@ class Change {
   }
   template <class Part>
   void table(std::string_view key, std::optional<Part>& part) {
-    EXPECT_TRUE(part) << "the full model has no table " << key;
+    EXPECT_TRUE(part.has_value()) << "the full model has no table " << key;
     if (part) table(key, *part, Presence::required);
   }
   template <class Part>
