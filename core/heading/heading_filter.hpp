@@ -11,13 +11,14 @@
 #include "core/base/numeric.hpp"
 #include "core/base/symmetric_matrix.hpp"
 #include "core/base/units.hpp"
+#include "core/heading/reference_judge.hpp"
 
 namespace zerorate::core {
 
 /// Outcome of a reference.
 enum class ReferenceVerdict : std::uint8_t {
   learnt,    ///< it agrees, and was learnt from
-  begun,     ///< the first heading, or the first one after a jump: a beginning, nothing to compare
+  begun,     ///< a beginning, nothing to compare: the source is new, or has jumped
   too_soon,  ///< hardly anything was turned since the reference before
   refused,   ///< too far from what was expected: it jumps, comes late or has another sense
   no_bias,   ///< no stop was learnt from, or the turn is not known
@@ -31,9 +32,8 @@ enum class ReferenceVerdict : std::uint8_t {
 ///     d heading / dt = (measured - predicted bias - offset - bias) / (1 + scale factor)
 ///
 /// A reference of the heading measures the first state, one of a turn a sum of the others. Their
-/// errors count as independent, and their stated variance is multiplied by a factor that is learnt
-/// too: it begins at 25, because many receivers state too little. A reference that lies is refused
-/// and never learnt; docs/design/references.md.
+/// errors count as independent. The bias in motion differs from drive to drive, with a variance
+/// that is learnt too. ReferenceJudge says whether a reference teaches; docs/design/references.md.
 ///
 /// Angles are counter-clockwise about the axis that points up. Fixed memory; cost: some 100
 /// floating-point operations a tick and a reference.
@@ -45,7 +45,8 @@ class HeadingFilter {
   /// Standard deviations before the first reference.
   struct Params {
     float scale_factor = 0.01F;
-    float offset_rad_s = 0.01F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
+    float offset_rad_s = 0.007F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
+    float between_drives_rad_s = 0.005F * kRadPerDeg;  ///< part of it that another drive has not
   };
   /// Turn by the gyro, not yet divided by its scale factor.
   struct Turn {
@@ -59,17 +60,14 @@ class HeadingFilter {
     SymmetricMatrix<kStates> covariance{};
     Turn since;                          ///< since the newest reference that was taken
     float newest_variance_rad2 = 0.0F;   ///< variance of that reference
-    float noise_factor = 25.0F;          ///< variance of the references over the stated one
-    float noise_weight = 1.0F;           ///< references that the factor rests on
     float bias_variance_rad2_s2 = 0.0F;  ///< variance of the predicted bias, newest
     float bias_variance_at_departure_rad2_s2 = 0.0F;
-    float drift_rad2_s3 = 0.0F;      ///< growth of that variance in the first two minutes, a second
-    float driven_s = 0.0F;           ///< since departure
-    float lean = 0.0F;               ///< mean of the newest normalised errors that were learnt
-    float refused_error_rad = 0.0F;  ///< error of the first of the references refused in a row
-    std::uint8_t refused_in_row = 0;
-    std::uint8_t unsure = 0;  ///< references that will not teach, because the ones before jumped
-    std::uint8_t doubt = 0;   ///< three for each that was refused; one that agrees takes one off
+    float drift_rad2_s3 = 0.0F;  ///< growth of that variance in the first two minutes, a second
+    float driven_s = 0.0F;       ///< since departure
+    float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
+    float between_drives_weight = 1.0F;   ///< drives that it rests on
+    float bias_prior_rad2_s2 = 0.0F;      ///< variance of the bias, had no reference come
+    ReferenceJudge::State judge{};
     bool has_heading = false;
     bool has_learnt = false;
 
@@ -79,12 +77,20 @@ class HeadingFilter {
   constexpr explicit HeadingFilter(const Params& params)
       : variance_{0.0F, params.scale_factor * params.scale_factor,
                   params.offset_rad_s * params.offset_rad_s, 0.0F} {
+    state_.between_drives_rad2_s2 = params.between_drives_rad_s * params.between_drives_rad_s;
     state_.covariance(kScale, kScale) = variance_[kScale];
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
   }
 
-  [[nodiscard]] constexpr const State& state() const { return state_; }
-  constexpr void restore(const State& state) { state_ = state; }
+  [[nodiscard]] constexpr State state() const {
+    State state = state_;
+    state.judge = judge_.state();
+    return state;
+  }
+  constexpr void restore(const State& state) {
+    state_ = state;
+    judge_.restore(state.judge);
+  }
   /// Whether memory from outside may be such a state.
   [[nodiscard]] static bool is_possible(const State& state) {
     for (std::size_t i = 0; i < kStates; ++i) {
@@ -97,19 +103,21 @@ class HeadingFilter {
     constexpr float kLargestFactor = 0.5F;
     return are_bools(state.has_heading, state.has_learnt) && are_plausible(state.x) &&
            state.x[kScale] >= -kLargestFactor && state.x[kScale] <= kLargestFactor &&
-           are_plausible(std::array{state.since.turn_rad, state.since.length_s, state.lean,
-                                    state.refused_error_rad}) &&
-           are_plausible_variances(std::array{
-               state.newest_variance_rad2, state.bias_variance_rad2_s2,
-               state.bias_variance_at_departure_rad2_s2, state.drift_rad2_s3, state.driven_s}) &&
-           state.noise_factor >= 1.0F && state.noise_factor <= kMostFactor &&
-           state.noise_weight >= 1.0F && state.noise_weight <= kMostWeight;
+           are_plausible(std::array{state.since.turn_rad, state.since.length_s}) &&
+           are_plausible_variances(
+               std::array{state.newest_variance_rad2, state.bias_variance_rad2_s2,
+                          state.bias_variance_at_departure_rad2_s2, state.drift_rad2_s3,
+                          state.driven_s, state.between_drives_rad2_s2, state.between_drives_weight,
+                          state.bias_prior_rad2_s2}) &&
+           state.between_drives_weight >= 1.0F && ReferenceJudge::is_possible(state.judge);
   }
 
   /// The vehicle departs with a bias that was learnt at rest.
   constexpr void depart(float bias_variance_rad2_s2) {
+    learn_from_drive();
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kBias, i) = 0.0F;
-    state_.covariance(kBias, kBias) = bias_variance_rad2_s2;
+    state_.bias_prior_rad2_s2 = bias_variance_rad2_s2 + state_.between_drives_rad2_s2;
+    state_.covariance(kBias, kBias) = state_.bias_prior_rad2_s2;
     state_.x[kBias] = 0.0F;
     state_.bias_variance_rad2_s2 = bias_variance_rad2_s2;
     state_.bias_variance_at_departure_rad2_s2 = bias_variance_rad2_s2;
@@ -133,7 +141,9 @@ class HeadingFilter {
     }
     p(kHeading, kHeading) = std::max(p(kHeading, kHeading) + heading_gain, 0.0F);
     for (std::size_t j = kScale; j < kStates; ++j) p(kHeading, j) += gain[j];
-    p(kBias, kBias) += bias_growth(turn.length_s, bias_variance_rad2_s2);
+    const float growth = bias_growth(turn.length_s, bias_variance_rad2_s2);
+    p(kBias, kBias) += growth;
+    state_.bias_prior_rad2_s2 += growth;
     state_.x[kHeading] = wrapped(state_.x[kHeading] + scaled(turn.turn_rad));
     state_.since.turn_rad += turn.turn_rad;
     state_.since.length_s += turn.length_s;
@@ -146,18 +156,20 @@ class HeadingFilter {
                                           const Turn& ahead) {
     const Turn since{state_.since.turn_rad + ahead.turn_rad,
                      state_.since.length_s + ahead.length_s};
-    const float expected = state_.x[kHeading] + scaled(ahead.turn_rad);
-    if (!state_.has_heading) return begin(heading_rad - scaled(ahead.turn_rad), variance_rad2);
+    const float at_filter_rad = heading_rad - scaled(ahead.turn_rad);
+    const bool has_nothing_to_compare = !state_.has_heading || judge_.is_new();
+    if (state_.has_heading) judge_.note_compared(since.length_s);
+    if (has_nothing_to_compare) return begin(at_filter_rad, variance_rad2);
     if (is_too_soon(since, variance_rad2)) return ReferenceVerdict::too_soon;
     auto h = sensitivity(ahead);
     h[kHeading] = 1.0F;
-    const float error = wrapped(heading_rad - expected);
-    const ReferenceVerdict verdict = take(h, error, variance_rad2, since);
+    const float error_rad = wrapped(at_filter_rad - state_.x[kHeading]);
+    const ReferenceVerdict verdict = take(h, error_rad, variance_rad2, since);
     if (verdict == ReferenceVerdict::learnt) note_taken(variance_rad2, ahead);
-    if (state_.refused_in_row < kJump && !leans()) return verdict;
-    if (leans()) doubt_what_was_learnt(0.0F, since);
-    add(kUnsure, kMostUnsure, state_.unsure);
-    return begin(heading_rad - scaled(ahead.turn_rad), variance_rad2);
+    if (!judge_.leans()) return verdict;
+    if (verdict == ReferenceVerdict::learnt) doubt_what_was_learnt(0.0F, since);
+    judge_.note_jump();
+    return begin(at_filter_rad, variance_rad2);
   }
   /// A reference of the angle that was turned meanwhile.
   /// @param variance_rad2 stated variance of the angle
@@ -224,24 +236,15 @@ class HeadingFilter {
     return turn_rad * (1.0F + state_.x[kScale]);
   }
   /// Whether references and gyro cannot both be right.
-  [[nodiscard]] constexpr bool disagrees() const { return state_.doubt >= kDoubtful; }
+  [[nodiscard]] constexpr bool disagrees() const { return judge_.disagrees(); }
 
  private:
   using Row = std::array<float, kStates>;
 
-  static constexpr float kGate = 12.0F;         ///< normalised innovation squared that is refused
-  static constexpr std::uint8_t kJump = 5;      ///< references in a row that make a jump
-  static constexpr std::uint8_t kDoubtful = 4;  ///< doubt from which references disagree
-  static constexpr std::uint8_t kMostDoubt = 16;
-  static constexpr std::uint8_t kUnsure = 30;      ///< references that do not teach after a jump
-  static constexpr std::uint8_t kUnsureOfOne = 8;  ///< and after one that was refused
   /// Changes from drive to drive: of the scale factor with the temperature, and of the offset, as a
   /// share of what was known of it at first.
   static constexpr float kScaleDrift = 1e-4F;
   static constexpr float kOffsetShare = 0.02F;
-  static constexpr std::uint8_t kMostUnsure = 240;
-  static constexpr float kMostFactor = 400.0F;
-  static constexpr float kMostWeight = 32.0F;
 
   [[nodiscard]] static constexpr float wrapped(float angle_rad) {
     constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
@@ -284,11 +287,9 @@ class HeadingFilter {
   }
   constexpr ReferenceVerdict begin(float heading_rad, float variance_rad2) {
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kHeading, i) = 0.0F;
-    state_.covariance(kHeading, kHeading) = state_.noise_factor * variance_rad2;
+    state_.covariance(kHeading, kHeading) = judge_.variance(variance_rad2);
     state_.x[kHeading] = wrapped(heading_rad);
     state_.has_heading = true;
-    state_.refused_in_row = 0;
-    state_.lean = 0.0F;
     note_taken(variance_rad2, {});
     return ReferenceVerdict::begun;
   }
@@ -305,26 +306,20 @@ class HeadingFilter {
   /// @param error_rad reference less expectation  @param since turn since the one before
   constexpr ReferenceVerdict take(const Row& h, float error_rad, float variance_rad2,
                                   const Turn& since, float noise_rad2 = 0.0F) {
-    const float noise = state_.noise_factor * variance_rad2;
+    const float noise = judge_.variance(variance_rad2);
     const float expected = spread(h) + noise_rad2 + noise;
-    const float squared = error_rad * error_rad;
-    const bool is_far = squared > kGate * expected;
-    if (is_far && !can_tolerance_explain(squared, expected, since)) {
-      if (!refuse(error_rad, expected)) follow_noise(noise / expected, squared / expected);
+    const float error = error_rad / square_root(expected);
+    if (h[kHeading] != 0.0F) judge_.note_error(error);
+    const bool is_far = error * error > ReferenceJudge::kGate;
+    if (is_far && !can_tolerance_explain(error_rad * error_rad, expected, since)) {
+      judge_.refuse(noise / expected, error);
       return ReferenceVerdict::refused;
     }
-    follow_noise(noise / expected, squared / expected);
+    const bool teaches = judge_.teaches();
+    judge_.agree(noise / expected, error);
     if (is_far) doubt_what_was_learnt(h[kHeading], since);
-    learn(h, error_rad, noise_rad2 + state_.noise_factor * variance_rad2);
+    learn(h, error_rad, noise_rad2 + judge_.variance(variance_rad2), teaches);
     return ReferenceVerdict::learnt;
-  }
-  /// Learns the factor of the references' variance (maximum likelihood, a step of Newton's).
-  /// @param share of the references in what was expected  @param ratio of the error to that
-  constexpr void follow_noise(float share, float ratio) {
-    constexpr float kMostOfOne = 50.0F;
-    state_.noise_weight = std::min(state_.noise_weight + share * share, kMostWeight);
-    const float change = share * (std::min(ratio, kMostOfOne) - 1.0F) / state_.noise_weight;
-    state_.noise_factor = std::clamp(state_.noise_factor * (1.0F + change), 1.0F, kMostFactor);
   }
   /// Whether an error is possible if nothing had been learnt of scale factor and offset.
   [[nodiscard]] constexpr bool can_tolerance_explain(float squared, float expected,
@@ -345,39 +340,26 @@ class HeadingFilter {
       p(kHeading, i) += f[i] * added;
       p(kHeading, kHeading) += f[i] * f[i] * added;
     }
-    add(2 * kDoubtful, kMostDoubt, state_.doubt);
+    judge_.doubt();
   }
-  static constexpr void add(int more, int most, std::uint8_t& count) {
-    count = static_cast<std::uint8_t>(std::min(count + more, most));
+  /// Learns from the drive that is over how much its bias differed from that of the others
+  /// (expectation maximisation: the mean square of the bias, by all that is known of it).
+  constexpr void learn_from_drive() {
+    const float prior = state_.bias_prior_rad2_s2;
+    if (!state_.has_learnt || !(prior > 0.0F)) return;
+    constexpr float kMostDrives = 32.0F;
+    const float left = state_.covariance(kBias, kBias);
+    const float share = state_.between_drives_rad2_s2 / prior;
+    state_.between_drives_weight =
+        std::min(state_.between_drives_weight + share * (1.0F - left / prior), kMostDrives);
+    const float surplus = state_.x[kBias] * state_.x[kBias] + left - prior;
+    state_.between_drives_rad2_s2 = std::max(
+        state_.between_drives_rad2_s2 + share * surplus / state_.between_drives_weight, 0.0F);
   }
-  /// Errors of one sign, again and again, are no noise.
-  constexpr void follow_lean(float error_rad, float expected) {
-    constexpr float kShare = 0.125F;
-    state_.lean += kShare * (error_rad / square_root(expected) - state_.lean);
-  }
-  [[nodiscard]] constexpr bool leans() const {
-    constexpr float kMost = 1.5F;  // six standard deviations of such a mean
-    return state_.lean > kMost || state_.lean < -kMost;
-  }
-  /// @return whether the error is that of the reference before, which was refused too: a jump
-  constexpr bool refuse(float error_rad, float expected) {
-    const float change = wrapped(error_rad - state_.refused_error_rad);
-    const bool goes_on = state_.refused_in_row > 0 && change * change < kGate * expected;
-    if (!goes_on) {
-      state_.refused_in_row = 0;
-      state_.refused_error_rad = error_rad;
-    }
-    ++state_.refused_in_row;
-    add(3, kMostDoubt, state_.doubt);
-    add(kUnsureOfOne, kMostUnsure, state_.unsure);
-    return goes_on;
-  }
-  constexpr void learn(const Row& h, float error_rad, float variance_rad2) {
+  constexpr void learn(const Row& h, float error_rad, float variance_rad2, bool teaches) {
     const Row ph = product(h);
     float expected = variance_rad2;
     for (std::size_t i = 0; i < kStates; ++i) expected += h[i] * ph[i];
-    if (h[kHeading] != 0.0F) follow_lean(error_rad, expected);
-    const bool teaches = state_.unsure == 0;
     const std::size_t last = teaches ? kStates : std::size_t{1};
     for (std::size_t i = 0; i < last; ++i) {
       const float gain = ph[i] / expected;
@@ -391,12 +373,10 @@ class HeadingFilter {
     }
     state_.x[kHeading] = wrapped(state_.x[kHeading]);
     state_.has_learnt = state_.has_learnt || teaches;
-    state_.refused_in_row = 0;
-    if (state_.unsure > 0) --state_.unsure;
-    if (state_.doubt > 0) --state_.doubt;
   }
 
   Row variance_;  ///< variances before the first reference
+  ReferenceJudge judge_;
   State state_{};
 };
 

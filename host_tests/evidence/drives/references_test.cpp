@@ -230,11 +230,14 @@ Source coarse_at_stops() {
 }
 INSTANTIATE_TEST_SUITE_P(
     Of, LyingReferences,
-    ::testing::Values(Lie{"course jumps by 20 deg", changed(kCourse, &Source::jump_deg, 20.0)},
+    ::testing::Values(Lie{"course jumps by 5 deg", changed(kCourse, &Source::jump_deg, 5.0)},
+                      Lie{"course jumps by 180 deg", changed(kCourse, &Source::jump_deg, 180.0)},
+                      Lie{"course jumps by 20 deg", changed(kCourse, &Source::jump_deg, 20.0)},
                       Lie{"course of the other sense", changed(kCourse, &Source::sense, -1.0)},
                       Lie{"course 2 s late", changed(kCourse, &Source::delay_s, 2.0)},
                       Lie{"course frozen", frozen(kCourse)},
                       Lie{"course states a tenth", changed(kCourse, &Source::stated, 0.1)},
+                      Lie{"stops jump by 5 deg", changed(kStops, &Source::jump_deg, 5.0)},
                       Lie{"stops jump by 20 deg", changed(kStops, &Source::jump_deg, 20.0)},
                       Lie{"stops of the other sense", changed(kStops, &Source::sense, -1.0)},
                       Lie{"stops frozen", frozen(kStops)},

@@ -26,15 +26,21 @@ constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
 constexpr float kSigma_rad = 0.5F * kRadPerDeg;
 constexpr float kVariance = kSigma_rad * kSigma_rad;
 constexpr float kBiasVariance = 1e-9F;
-constexpr HeadingFilter::Params kParams{.scale_factor = 0.02F, .offset_rad_s = 0.01F * kRadPerDeg};
+constexpr HeadingFilter::Params kParams{
+    .scale_factor = 0.02F, .offset_rad_s = 0.01F * kRadPerDeg, .between_drives_rad_s = 0.0F};
 
-/// Filter whose factor of the references' noise stays the stated one.
-HeadingFilter filter_of_honest_references() {
+/// Filter whose references have long been aligned.
+HeadingFilter filter_of_known_source(float noise_factor = 9.0F) {
   HeadingFilter filter{kParams};
   HeadingFilter::State state = filter.state();
-  state.noise_factor = 1.0F;
+  state.judge.noise_factor = noise_factor;
+  state.judge.compared_s = 1000.0F;
   filter.restore(state);
   return filter;
+}
+/// Filter whose factor of the references' noise begins at the stated one.
+HeadingFilter filter_of_honest_references() {
+  return filter_of_known_source(1.0F);
 }
 
 /// Winds of a road, a turn a second: what the gyro measures of it.
@@ -97,7 +103,7 @@ TEST(HeadingFilter, IsLeastSquaresOverAllReferences) {
 }
 
 TEST(HeadingFilter, LearnsNothingOfTheScaleFactorOnAStraightRoad) {
-  HeadingFilter filter{kParams};
+  HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   (void)filter.take_heading(1.0F, kVariance, {});
   for (int k = 0; k < 1000; ++k) {
@@ -109,7 +115,7 @@ TEST(HeadingFilter, LearnsNothingOfTheScaleFactorOnAStraightRoad) {
 }
 
 TEST(HeadingFilter, LearnsTheScaleFactorFromTenTurns) {
-  HeadingFilter filter{kParams};
+  HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   const float measured = 10.0F * kTurn * 1.015F;
   EXPECT_EQ(filter.take_turn(10.0F * kTurn, kVariance, {measured, 60.0F}, 0.0F), Verdict::learnt);
@@ -136,7 +142,7 @@ TEST(HeadingFilter, TakesALateReferenceForWhatItWas) {
 }
 
 TEST(HeadingFilter, KnowsThatAHeadingIsACircle) {
-  HeadingFilter filter{kParams};
+  HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   (void)filter.take_heading(3.1F, kVariance, {});
   filter.advance({0.1F, 5.0F}, 0.0F, kBiasVariance);
@@ -145,17 +151,53 @@ TEST(HeadingFilter, KnowsThatAHeadingIsACircle) {
 }
 
 TEST(HeadingFilter, TakesOneReferenceOfAStop) {
-  HeadingFilter filter{kParams};
+  HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   EXPECT_EQ(filter.take_heading(0.0F, kVariance, {}), Verdict::begun);
   EXPECT_EQ(filter.take_heading(0.0F, kVariance, {}), Verdict::too_soon);
   EXPECT_EQ(filter.take_heading(0.0F, 0.1F * kVariance, {}), Verdict::learnt) << "a better one";
 }
 
+TEST(HeadingFilter, LearnsNothingWhileItsSourceMayBeAligning) {
+  HeadingFilter filter{kParams};
+  filter.depart(kBiasVariance);
+  EXPECT_EQ(filter.take_heading(0.0F, kVariance, {}), Verdict::begun);
+  for (int k = 0; k < 3; ++k) {
+    filter.advance({1.0F, 70.0F}, 0.0F, kBiasVariance);
+    EXPECT_EQ(filter.take_heading(0.5F, kVariance, {}), Verdict::begun);
+  }
+  EXPECT_FALSE(filter.has_learnt());
+  filter.advance({0.01F, 70.0F}, 0.0F, kBiasVariance);
+  EXPECT_EQ(filter.take_heading(0.51F, kVariance, {}), Verdict::learnt);
+}
+
+TEST(HeadingFilter, LearnsHowMuchTheBiasDiffersFromDriveToDrive) {
+  constexpr float kTrue_rad_s = 0.004F * kRadPerDeg;
+  std::mt19937_64 random{12};
+  std::normal_distribution<float> bias{0.0F, kTrue_rad_s};
+  HeadingFilter filter = filter_of_honest_references();
+  HeadingFilter::State state = filter.state();
+  state.between_drives_rad2_s2 = 4.0F * kTrue_rad_s * kTrue_rad_s;
+  filter.restore(state);
+  constexpr int kDrives = 40;
+  for (int k = 0; k < kDrives; ++k) {
+    filter.depart(1e-12F);
+    (void)filter.take_heading(0.0F, 1e-2F * kVariance, {});
+    filter.advance({bias(random) * 600.0F, 600.0F}, 0.0F, 1e-12F);
+    EXPECT_EQ(filter.take_heading(0.0F, 1e-2F * kVariance, {}), Verdict::learnt);
+    filter.lose_heading();
+  }
+  filter.depart(1e-12F);
+  // The deviation of a variance of 32 drives is a quarter of it.
+  const float found = filter.state().between_drives_rad2_s2 / (kTrue_rad_s * kTrue_rad_s);
+  EXPECT_GT(found, 0.4F);
+  EXPECT_LT(found, 1.6F);
+}
+
 /// Drives a road with references of a second, changed by what is wrong with them.
 template <class Wrong>
 HeadingFilter driven(Wrong wrong) {
-  HeadingFilter filter{kParams};
+  HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   std::mt19937_64 random{9};
   std::normal_distribution<float> noise{0.0F, kSigma_rad};
@@ -188,7 +230,7 @@ TEST(HeadingFilter, LearnsThatReferencesStateTooLittle) {
   std::normal_distribution<float> noise{0.0F, 10.0F * kSigma_rad};
   const HeadingFilter filter =
       driven([&](std::size_t, float heading) { return heading + noise(random); });
-  EXPECT_NEAR(filter.state().noise_factor, 100.0F, 50.0F);
+  EXPECT_NEAR(filter.state().judge.noise_factor, 100.0F, 50.0F);
 }
 
 TEST(HeadingFilter, LosesItsHeadingAndKeepsWhatItLearnt) {
