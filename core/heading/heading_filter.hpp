@@ -67,7 +67,7 @@ class HeadingFilter {
     float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
     float between_drives_weight = 1.0F;   ///< drives that it rests on
     float bias_prior_rad2_s2 = 0.0F;      ///< variance of the bias, had no reference come
-    ReferenceJudge::State judge{};
+    ReferenceJudge judge;
     bool has_heading = false;
     bool has_learnt = false;
 
@@ -82,15 +82,8 @@ class HeadingFilter {
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
   }
 
-  [[nodiscard]] constexpr State state() const {
-    State state = state_;
-    state.judge = judge_.state();
-    return state;
-  }
-  constexpr void restore(const State& state) {
-    state_ = state;
-    judge_.restore(state.judge);
-  }
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
   /// Whether memory from outside may be such a state.
   [[nodiscard]] static bool is_possible(const State& state) {
     for (std::size_t i = 0; i < kStates; ++i) {
@@ -109,7 +102,7 @@ class HeadingFilter {
                           state.bias_variance_at_departure_rad2_s2, state.drift_rad2_s3,
                           state.driven_s, state.between_drives_rad2_s2, state.between_drives_weight,
                           state.bias_prior_rad2_s2}) &&
-           state.between_drives_weight >= 1.0F && ReferenceJudge::is_possible(state.judge);
+           state.between_drives_weight >= 1.0F && state.judge.is_possible();
   }
 
   /// The vehicle departs with a bias that was learnt at rest.
@@ -157,8 +150,8 @@ class HeadingFilter {
     const Turn since{state_.since.turn_rad + ahead.turn_rad,
                      state_.since.length_s + ahead.length_s};
     const float at_filter_rad = heading_rad - scaled(ahead.turn_rad);
-    const bool has_nothing_to_compare = !state_.has_heading || judge_.is_new();
-    if (state_.has_heading) judge_.note_compared(since.length_s);
+    const bool has_nothing_to_compare = !state_.has_heading || state_.judge.is_new();
+    if (state_.has_heading) state_.judge.note_compared(since.length_s);
     if (has_nothing_to_compare) return begin(at_filter_rad, variance_rad2);
     if (is_too_soon(since, variance_rad2)) return ReferenceVerdict::too_soon;
     auto h = sensitivity(ahead);
@@ -166,9 +159,9 @@ class HeadingFilter {
     const float error_rad = wrapped(at_filter_rad - state_.x[kHeading]);
     const ReferenceVerdict verdict = take(h, error_rad, variance_rad2, since);
     if (verdict == ReferenceVerdict::learnt) note_taken(variance_rad2, ahead);
-    if (!judge_.leans()) return verdict;
+    if (!state_.judge.leans()) return verdict;
     if (verdict == ReferenceVerdict::learnt) doubt_what_was_learnt(0.0F, since);
-    judge_.note_jump();
+    state_.judge.note_jump();
     return begin(at_filter_rad, variance_rad2);
   }
   /// A reference of the angle that was turned meanwhile.
@@ -236,7 +229,7 @@ class HeadingFilter {
     return turn_rad * (1.0F + state_.x[kScale]);
   }
   /// Whether references and gyro cannot both be right.
-  [[nodiscard]] constexpr bool disagrees() const { return judge_.disagrees(); }
+  [[nodiscard]] constexpr bool disagrees() const { return state_.judge.disagrees(); }
 
  private:
   using Row = std::array<float, kStates>;
@@ -287,7 +280,7 @@ class HeadingFilter {
   }
   constexpr ReferenceVerdict begin(float heading_rad, float variance_rad2) {
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kHeading, i) = 0.0F;
-    state_.covariance(kHeading, kHeading) = judge_.variance(variance_rad2);
+    state_.covariance(kHeading, kHeading) = state_.judge.variance(variance_rad2);
     state_.x[kHeading] = wrapped(heading_rad);
     state_.has_heading = true;
     note_taken(variance_rad2, {});
@@ -306,19 +299,19 @@ class HeadingFilter {
   /// @param error_rad reference less expectation  @param since turn since the one before
   constexpr ReferenceVerdict take(const Row& h, float error_rad, float variance_rad2,
                                   const Turn& since, float noise_rad2 = 0.0F) {
-    const float noise = judge_.variance(variance_rad2);
+    const float noise = state_.judge.variance(variance_rad2);
     const float expected = spread(h) + noise_rad2 + noise;
     const float error = error_rad / square_root(expected);
-    if (h[kHeading] != 0.0F) judge_.note_error(error);
+    if (h[kHeading] != 0.0F) state_.judge.note_error(error);
     const bool is_far = error * error > ReferenceJudge::kGate;
     if (is_far && !can_tolerance_explain(error_rad * error_rad, expected, since)) {
-      judge_.refuse(noise / expected, error);
+      state_.judge.refuse(noise / expected, error);
       return ReferenceVerdict::refused;
     }
-    const bool teaches = judge_.teaches();
-    judge_.agree(noise / expected, error);
+    const bool teaches = state_.judge.teaches();
+    state_.judge.agree(noise / expected, error);
     if (is_far) doubt_what_was_learnt(h[kHeading], since);
-    learn(h, error_rad, noise_rad2 + judge_.variance(variance_rad2), teaches);
+    learn(h, error_rad, noise_rad2 + state_.judge.variance(variance_rad2), teaches);
     return ReferenceVerdict::learnt;
   }
   /// Whether an error is possible if nothing had been learnt of scale factor and offset.
@@ -340,7 +333,7 @@ class HeadingFilter {
       p(kHeading, i) += f[i] * added;
       p(kHeading, kHeading) += f[i] * f[i] * added;
     }
-    judge_.doubt();
+    state_.judge.doubt();
   }
   /// Learns from the drive that is over how much its bias differed from that of the others
   /// (expectation maximisation: the mean square of the bias, by all that is known of it).
@@ -376,7 +369,6 @@ class HeadingFilter {
   }
 
   Row variance_;  ///< variances before the first reference
-  ReferenceJudge judge_;
   State state_{};
 };
 

@@ -31,13 +31,16 @@ class ReferenceJudge {
     constexpr bool operator==(const State&) const = default;
   };
 
+  constexpr ReferenceJudge() = default;
+  constexpr explicit ReferenceJudge(const State& state) : state_(state) {}
+
   [[nodiscard]] constexpr const State& state() const { return state_; }
-  constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
-  [[nodiscard]] static bool is_possible(const State& state) {
-    return state.noise_factor >= 1.0F && state.noise_factor <= kMostFactor &&
-           state.noise_weight >= 1.0F && state.noise_weight <= kMostWeight &&
-           are_plausible(std::array{state.lean}) && is_plausible_variance(state.compared_s);
+  constexpr bool operator==(const ReferenceJudge&) const = default;
+  /// Whether memory from outside may be such a judge.
+  [[nodiscard]] bool is_possible() const {
+    return state_.noise_factor >= 1.0F && state_.noise_factor <= kMostFactor &&
+           state_.noise_weight >= 1.0F && state_.noise_weight <= kMostWeight &&
+           are_plausible(std::array{state_.lean}) && is_plausible_variance(state_.compared_s);
   }
 
   /// Variance of a reference that states one.
@@ -84,7 +87,7 @@ class ReferenceJudge {
     state_.lean = 0.0F;
     add(30, kMostUnsure, state_.unsure);
   }
-  /// What was learnt is wrong, or the references are.
+  /// Either what was learnt is wrong, or the references are.
   constexpr void doubt() { add(2 * kDoubtful, kMostDoubt, state_.doubt); }
 
  private:

@@ -157,9 +157,9 @@ class GyroNode {
   constexpr core::ReferenceVerdict take_reference(const Reference& reference) {
     return turn_.take(reference, newest_sample(), ticks_);
   }
-  /// Heading by references and gyro at the newest sample; nullopt before the first reference.
+  /// Heading by references and gyro at the newest sample; nullopt before the first reference. Of
+  /// nodes that take references, as the filter of them.
   [[nodiscard]] constexpr std::optional<Heading> heading() const { return turn_.heading(); }
-  /// Filter of the references; only nodes that take them have one.
   [[nodiscard]] constexpr const core::HeadingFilter& heading_filter() const {
     return turn_.references().filter();
   }

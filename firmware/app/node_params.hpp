@@ -70,7 +70,7 @@ struct NodeCapacity {
   bool screens_samples = false;  ///< room for NodeParams::samples: 150 bytes, 8 to 12 a held tick
   bool runs_moving_average = true;    ///< 300 bytes an axis and those of average_levels
   bool runs_calibration_mean = true;  ///< 40 bytes an axis
-  bool takes_references = true;       ///< filter of the references of the heading: 368 bytes
+  bool takes_references = true;       ///< filter of the references of the heading: 380 bytes
 
   /// Whether a node of this capacity runs a predictor. The Kalman predictor always runs: what is
   /// learnt, saved and monitored is its own.

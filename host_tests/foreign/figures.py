@@ -48,10 +48,10 @@ def build(shop, processor, optimisation):
 
 
 def size_of(folder, processor):
-    """Bytes of all functions of zerorate.h and what they need, without memcpy and memset."""
+    """Bytes of all functions of the headers and what they need, without memcpy and memset."""
     wanted = run("arm-none-eabi-nm", "--defined-only", "--extern-only", folder / "zerorate.o")
     functions = re.findall(r" T (zerorate_\w+)$", wanted, re.MULTILINE)
-    require(len(functions) == 10, f"functions of zerorate.h: {functions}")
+    require(len(functions) == 13, f"functions of the headers: {functions}")
     roots = [f"-Wl,-u,{name}" for name in functions] + [f"-Wl,--defsym={name}=0" for name in ("memcpy", "memset", "memmove")]
     run("arm-none-eabi-gcc", *CORTEX[processor][0].split(), folder / "zerorate.o", folder / "assert.o", "-nostdlib", *roots,
         "-Wl,--gc-sections", f"-Wl,-e,{functions[0]}", "-lgcc", "-o", folder / "library.elf")
@@ -76,7 +76,7 @@ def measure(shop, processor, optimisation):
 
 # Size of an instance -> the definitions that differ from zerorate.h.
 SMALL = ("-DZERORATE_DECAYING_MODES=6", "-DZERORATE_ROTATING_MODES=0", "-DZERORATE_TEMPERATURE=0", "-DZERORATE_HELD_TICKS=8",
-         "-DZERORATE_HAS_MOVING_AVERAGE=0", "-DZERORATE_HAS_CALIBRATION_MEAN=0")
+         "-DZERORATE_HAS_MOVING_AVERAGE=0", "-DZERORATE_HAS_CALIBRATION_MEAN=0", "-DZERORATE_TAKES_REFERENCES=0")
 SIZES = {"as in `zerorate.h`": (), "4 hypotheses": ("-DZERORATE_HYPOTHESES=4",), "1 hypothesis": ("-DZERORATE_HYPOTHESES=1",),
          "12 hypotheses, small": SMALL, "4 hypotheses, small": (*SMALL, "-DZERORATE_HYPOTHESES=4"),
          "1 hypothesis, small": (*SMALL, "-DZERORATE_HYPOTHESES=1"),

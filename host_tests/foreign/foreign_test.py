@@ -203,7 +203,7 @@ def find_package(shop):
         prefix = shop.work / f"installed-{name}"
         run("cmake", "--install", build, "--component", "library", "--prefix", prefix)
         beside = sorted(path.name for path in (prefix / "include").iterdir())
-        require(beside == ["zerorate", "zerorate.h", "zerorate_references.h"], f"include root: {beside}")
+        require(beside == ["zerorate", "zerorate.h", "zerorate_references.h", "zerorate_size.h"], f"include root: {beside}")
         shop.cmake(project, f"find_package-{name}", f"-DCMAKE_PREFIX_PATH={prefix}",
                    f"-Dzerorate_DIR={next(prefix.rglob('zerorateConfig.cmake')).parent}", processor=processor)
     said = run("cmake", "-S", project, "-B", shop.work / "wrong", f"-DCMAKE_PREFIX_PATH={prefix}", may_fail=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the C interface two files to drop into a project: zerorate.h and zerorate.cpp, with manifests around them.
+"""Makes the C interface one source file with its headers to drop into a project, with manifests around them.
 
 usage: amalgamate.py OUTPUT_FOLDER
 
@@ -16,7 +16,7 @@ import sys
 REPOSITORY = pathlib.Path(__file__).parents[2]
 SOURCES = ("firmware/c_api/zerorate.cpp", "core/base/assert.cpp")
 INCLUDE_FOLDER = "firmware/c_api/include"
-HEADERS = ("zerorate.h", "zerorate_references.h")
+HEADERS = ("zerorate.h", "zerorate_references.h", "zerorate_size.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 
 DESCRIPTION = "Predicts the bias of a MEMS gyroscope between standstills, with its error; C interface, no heap"

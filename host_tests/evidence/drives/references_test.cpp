@@ -176,7 +176,7 @@ constexpr Source kStops{.at_stops = true};
 constexpr Source kCourse{.by_course = true, .sigma_deg = 0.7};
 /// Standard error of a ratio of two rms of 200 drives that share their noise, by bootstrap.
 constexpr double kRatioError = 0.03;
-constexpr double kCoverageError = 0.018;  ///< of 200 drives of 40 sensors
+constexpr double kCoverageError = 0.018;  ///< standard error over 200 drives of 40 sensors
 
 class ToleranceLearnt : public ::testing::TestWithParam<double> {};
 

@@ -33,8 +33,7 @@ constexpr HeadingFilter::Params kParams{
 HeadingFilter filter_of_known_source(float noise_factor = 9.0F) {
   HeadingFilter filter{kParams};
   HeadingFilter::State state = filter.state();
-  state.judge.noise_factor = noise_factor;
-  state.judge.compared_s = 1000.0F;
+  state.judge = ReferenceJudge{{.noise_factor = noise_factor, .compared_s = 1000.0F}};
   filter.restore(state);
   return filter;
 }
@@ -230,7 +229,7 @@ TEST(HeadingFilter, LearnsThatReferencesStateTooLittle) {
   std::normal_distribution<float> noise{0.0F, 10.0F * kSigma_rad};
   const HeadingFilter filter =
       driven([&](std::size_t, float heading) { return heading + noise(random); });
-  EXPECT_NEAR(filter.state().judge.noise_factor, 100.0F, 50.0F);
+  EXPECT_NEAR(filter.state().judge.state().noise_factor, 100.0F, 50.0F);
 }
 
 TEST(HeadingFilter, LosesItsHeadingAndKeepsWhatItLearnt) {
