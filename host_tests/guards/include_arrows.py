@@ -16,6 +16,7 @@ import tomllib
 SOURCES = {".hpp", ".cpp", ".h", ".c"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 TESTS = "host_tests"
+C_HEADERS = "firmware/c_api/include/"
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools", TESTS)
 
 
@@ -46,7 +47,9 @@ class House:
         if room is None:
             return f"{path} stands in no room of arrows.toml"
         if quoted:
-            target = self.room_of(header)
+            # The headers of the C interface are installed side by side, away from the root.
+            is_installed_beside = path.startswith(C_HEADERS) and "/" not in header
+            target = self.room_of(path if is_installed_beside else header)
             if target is None:
                 return f'"{header}" is in no room of arrows.toml; includes start at the root of the repository'
             if target == room or any(matches(target, allowed) for allowed in self.arrows[room]):

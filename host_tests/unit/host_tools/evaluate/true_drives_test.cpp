@@ -249,5 +249,25 @@ TEST(RingLaserGyroInACar, IsScoredAsByHand) {
   }
 }
 
+TEST(RingLaserGyroInACar, IsNotMadeWorseByHeadingsAtStops) {
+  const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);
+  if (!folder) GTEST_SKIP() << "no recordings";
+  const auto path = *folder / "vehicle_drives/kingston2008_10hz.csv.gz";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recordings of drives";
+  for (const char* model : {"adis16405", "lsm6dso"}) {
+    ReplayOptions options{.model = model::find_model(model)};
+    const TrueScore without =
+        replay_with_truth(path, options, {}).result.true_drives->score(app::Predictor::kalman);
+    options.references = ReferenceUse{.only_at_stops = true,
+                                      .vertical = {.axis = 2, .sign = -1.0},
+                                      .sigma_rad = 0.03 * kRadPerDeg};
+    const auto taught = replay_with_truth(path, options, {});
+    const TrueScore with = taught.result.true_drives->score(app::Predictor::kalman);
+    EXPECT_LE(with.rms_rad, 1.02 * without.rms_rad) << model;
+    EXPECT_GE(with.coverage95, without.coverage95) << model;
+    EXPECT_LT(std::abs(taught.result.learnt_motion->scale_factor), 0.003) << model;
+  }
+}
+
 }  // namespace
 }  // namespace zerorate::evaluate
