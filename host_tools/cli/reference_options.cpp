@@ -14,6 +14,7 @@
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
+using units::kDegPerRad;
 using units::kRadPerDeg;
 
 void add_truth_flags(CLI::App& app, TruthFlags& flags) {

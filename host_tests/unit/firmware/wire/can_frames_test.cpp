@@ -186,7 +186,7 @@ TEST(CanTurnFrames, HoldTheAngleItsErrorAndItsTime) {
   for (int i = 0; i < 200; ++i) {
     NumberedMessage sent = testing::random_message(random);
     for (app::AxisTurn& turn : sent.message.turn) turn.sigma = turn.sigma * 0.01F;
-    sent.message.turn_time = core::Duration::milliseconds(1500 * i);
+    sent.message.turn_time = core::Duration::milliseconds(std::int64_t{1500} * i);
     const Reading reading{sent};
     const std::array names{"X", "Y", "Z"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
