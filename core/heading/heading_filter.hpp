@@ -90,8 +90,7 @@ class HeadingFilter {
       for (std::size_t j = 0; j <= i; ++j) {
         if (!is_plausible(state.covariance(i, j))) return false;
       }
-      // Infinite until a bias was measured.
-      if (i != kBias && !(state.covariance(i, i) >= 0.0F)) return false;
+      if (!(state.covariance(i, i) >= 0.0F)) return false;
     }
     constexpr float kLargestFactor = 0.5F;
     return are_bools(state.has_heading, state.has_learnt) && are_plausible(state.x) &&
@@ -267,6 +266,7 @@ class HeadingFilter {
   /// that was followed for an hour goes on to wander, while that of the predictor has long done so.
   constexpr float bias_growth(float length_s, float variance_rad2_s2) {
     constexpr float kFresh_s = 120.0F;
+    if (!is_finite(variance_rad2_s2)) return 0.0F;  // no bias was measured yet
     const float growth = std::max(variance_rad2_s2 - state_.bias_variance_rad2_s2, 0.0F);
     state_.bias_variance_rad2_s2 = std::max(variance_rad2_s2, state_.bias_variance_rad2_s2);
     state_.driven_s += length_s;
