@@ -133,14 +133,14 @@ TEST(References, NeedAnAxisThatPointsUp) {
 }
 
 TEST(References, RefuseWhatIsNoAngleOrDeviation) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
   zerorate_node node{};
   const zerorate_config config = config_with_up();
   ASSERT_EQ(zerorate_init(&node, &front_gyro, &config), ZERORATE_OK);
-  for (const float sigma : {0.0F, -1.0F, 2.0F, kNan}) {
+  for (const float sigma : {0.0F, -1.0F, 2.0F, kNothing}) {
     EXPECT_EQ(zerorate_heading_reference(&node, 0, 0.0F, sigma), ZERORATE_BAD_ARGUMENT) << sigma;
   }
-  EXPECT_EQ(zerorate_heading_reference(&node, 0, kNan, 0.1F), ZERORATE_BAD_ARGUMENT);
+  EXPECT_EQ(zerorate_heading_reference(&node, 0, kNothing, 0.1F), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_turn_reference(&node, 5, 5, 0.0F, 0.1F), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_get_learnt_motion(&node, nullptr), ZERORATE_BAD_ARGUMENT);
 }
