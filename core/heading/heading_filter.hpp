@@ -40,7 +40,11 @@ enum class ReferenceVerdict : std::uint8_t {
 class HeadingFilter {
  public:
   static constexpr std::size_t kStates = 4;
-  enum Index : std::uint8_t { kHeading, kScale, kOffset, kBias };
+  /// Index of each state.
+  static constexpr std::size_t kHeading = 0;
+  static constexpr std::size_t kScale = 1;
+  static constexpr std::size_t kOffset = 2;
+  static constexpr std::size_t kBias = 3;
 
   /// Standard deviations before the first reference.
   struct Params {
@@ -326,7 +330,7 @@ class HeadingFilter {
   constexpr void doubt_what_was_learnt(float heading_share, const Turn& since) {
     auto& p = state_.covariance;
     const Row f = sensitivity(since);
-    for (const Index i : {kScale, kOffset}) {
+    for (const std::size_t i : {kScale, kOffset}) {
       const float added = std::max(variance_[i] - p(i, i), 0.0F);
       p(i, i) += added;
       if (heading_share == 0.0F) continue;

@@ -91,7 +91,9 @@ class Oracle {
  private:
   static constexpr int kModes = static_cast<int>(kTurningShape.decaying);
   static constexpr int kBiases = kModes + 1;
-  enum Index : std::uint8_t { kHeading, kScale, kConstant };
+  static constexpr int kHeading = 0;
+  static constexpr int kScale = 1;
+  static constexpr int kConstant = 2;
   static constexpr int kStates = kConstant + kBiases;
   using Vector = Eigen::Matrix<double, kStates, 1>;
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
