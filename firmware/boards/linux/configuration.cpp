@@ -45,11 +45,7 @@ core::StandstillSource read_source(StrictTable& table) {
 
 core::EarthRate read_earth(StrictTable& table) {
   const double latitude = *table.number("latitude_deg", kLatitude, Presence::required);
-  static constexpr std::array<std::string_view, 6> kUp{"x", "y", "z", "-x", "-y", "-z"};
-  constexpr std::size_t kZ = 2;
-  const std::size_t up = table.choice("up", kUp, Presence::optional).value_or(kZ);
-  return core::earth_rate(static_cast<float>(latitude), {.axis = static_cast<std::uint8_t>(up % 3),
-                                                         .points_down = up >= kUp.size() / 2});
+  return core::earth_rate(static_cast<float>(latitude), read_up(table, Presence::optional));
 }
 
 /// @param told  becomes the name or the file
@@ -224,7 +220,9 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
     if (!sensor) sensor = model::find_model(chip);
     configuration.states_scale_factor = sensor->scale_factor.has_value();
+    const core::UpAxis up = configuration.node.up;
     configuration.node = make_params(root, *sensor, filter, configuration.gyro.rate_hz);
+    configuration.node.up = up;
     if (earth) configuration.node.earth = *earth;
   });
 }

@@ -13,6 +13,7 @@
 #include "firmware/boards/linux/outputs/metrics_endpoint.hpp"
 #include "firmware/boards/linux/outputs/sink_settings.hpp"
 #include "firmware/boards/linux/process/process.hpp"
+#include "firmware/boards/linux/reference_source.hpp"
 #include "firmware/boards/linux/speed_source.hpp"
 #include "firmware/model/node_model.hpp"
 #include "hal/linux/gpio_line.hpp"
@@ -40,6 +41,7 @@ struct Configuration {
   std::optional<SpeedSettings>
       speed;  ///< in its place; neither: the gyro alone decides what is rest
   core::OdometerTraits odometer_traits;
+  std::optional<ReferenceSettings> reference;
   std::string model_name;           ///< or its file
   bool states_scale_factor = true;  ///< false: the model leaves the default tolerance
   Node::Params node;

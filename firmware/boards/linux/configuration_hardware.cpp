@@ -36,8 +36,12 @@ constexpr Rule kSignalId{
 constexpr Rule kStartBit{[](double x) { return x >= 0.0 && x <= 63.0; }, "a bit from 0 to 63"};
 constexpr Rule kLength{[](double x) { return x >= 1.0 && x <= 64.0; }, "1 to 64 bits"};
 constexpr Rule kScale{[](double x) { return x != 0.0 && x >= -1e6 && x <= 1e6; },
-                      "m/s for one count, not 0"};
-constexpr Rule kOffset{[](double x) { return x >= -1e6 && x <= 1e6; }, "m/s"};
+                      "the value of one count, not 0"};
+constexpr Rule kOffset{[](double x) { return x >= -1e6 && x <= 1e6; },
+                       "a number from -1 000 000 to 1 000 000"};
+constexpr Rule kSigma{[](double x) { return x > 0.0 && x <= 90.0; }, "degrees, above 0 to 90"};
+constexpr Rule kReferenceLatency{[](double x) { return x >= 0.0 && x <= 1.5; },
+                                 "seconds, from 0 to 1.5: two are remembered"};
 constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
                         "seconds, above 0 and at most 1 000 000"};
 constexpr Rule kTimeFactor{[](double x) { return x >= 1.0 && x <= 100.0; },
@@ -211,7 +215,8 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
   return odometer;
 }
 
-CanSignal read_signal(StrictTable& table) {
+/// @param unit ending of the keys of scale and offset
+CanSignal read_signal(StrictTable& table, std::string_view unit) {
   static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
   CanSignal signal{
       .interface = *name_at(table, "interface", Presence::required),
@@ -221,26 +226,25 @@ CanSignal read_signal(StrictTable& table) {
       .length = static_cast<unsigned>(*table.integer("length", kLength, Presence::required)),
       .is_big_endian = *table.choice("byte_order", kOrders, Presence::required) == 1,
       .is_signed = table.boolean("signed", Presence::optional).value_or(false),
-      .scale_mps = *table.number("scale_mps", kScale, Presence::required),
-      .offset_mps = table.number("offset_mps", kOffset, Presence::optional).value_or(0.0)};
+      .scale = *table.number(fmt::format("scale_{}", unit), kScale, Presence::required),
+      .offset =
+          table.number(fmt::format("offset_{}", unit), kOffset, Presence::optional).value_or(0.0)};
   at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(signal.interface); });
   if (signal.bytes() == 0) table.fail_at("length", "the signal does not fit into eight bytes");
   return signal;
 }
 
-enum class OdometerType : std::uint8_t { gpio, can, udp, unix_socket };
-
-OdometerType odometer_type(StrictTable& table) {
-  static constexpr std::array<std::string_view, 4> kTypes{"gpio", "can", "udp", "unix"};
-  return static_cast<OdometerType>(table.choice("type", kTypes, Presence::optional).value_or(0));
+MessageOrigin read_origin(StrictTable& table, std::string_view type, std::string_view unit) {
+  if (type == "can") return read_signal(table, unit);
+  if (type == "udp") return read_udp(table);
+  return UnixSettings{read_socket_path(table, "path")};
 }
 
-SpeedSettings read_speed(StrictTable& table, OdometerType type) {
+constexpr std::array<std::string_view, 4> kOdometerTypes{"gpio", "can", "udp", "unix"};
+
+SpeedSettings read_speed(StrictTable& table, std::string_view type) {
   SpeedSettings speed;
-  if (type == OdometerType::can) speed.origin = read_signal(table);
-  if (type == OdometerType::udp) speed.origin = read_udp(table);
-  if (type == OdometerType::unix_socket)
-    speed.origin = UnixSettings{read_socket_path(table, "path")};
+  speed.origin = read_origin(table, type, "mps");
   // A threshold that nobody stated would be guessed.
   speed.dead_band_mps = *table.number("dead_band_mps", kDeadBand, Presence::required);
   (void)table.number("latency_s", kSeconds, Presence::required);
@@ -249,11 +253,30 @@ SpeedSettings read_speed(StrictTable& table, OdometerType type) {
   return speed;
 }
 
-void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& errors) {
-  const OdometerType type = odometer_type(table);
-  if (type != OdometerType::gpio && configuration.gyro.time_factor != 1.0) {
+/// Messages come in real time.
+void check_real_time(const StrictTable& table, const GyroSettings& gyro) {
+  if (gyro.time_factor != 1.0) {
     table.fail_at("type", "messages come in real time: time_factor of [gyro] must be 1");
-  } else if (type != OdometerType::gpio) {
+  }
+}
+
+ReferenceSettings read_reference(StrictTable& table) {
+  static constexpr std::array<std::string_view, 3> kTypes{"can", "udp", "unix"};
+  static constexpr std::array<std::string_view, 2> kSenses{"clockwise", "counter-clockwise"};
+  const std::string_view type = kTypes.at(*table.choice("type", kTypes, Presence::required));
+  return {
+      .origin = read_origin(table, type, "deg"),
+      .counts_clockwise = *table.choice("sense", kSenses, Presence::required) == 0,
+      .sigma =
+          core::deg(static_cast<float>(*table.number("sigma_deg", kSigma, Presence::required))),
+      .latency = duration_of(*table.number("latency_s", kReferenceLatency, Presence::required))};
+}
+
+void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  const std::string_view type =
+      kOdometerTypes.at(table.choice("type", kOdometerTypes, Presence::optional).value_or(0));
+  if (type != "gpio") {
+    check_real_time(table, configuration.gyro);
     configuration.speed = read_speed(table, type);
   } else if (configuration.gyro.is_simulated()) {
     table.fail_at("type",
@@ -273,6 +296,13 @@ UdpSettings read_udp(StrictTable& table) {
       .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
   at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
   return udp;
+}
+
+core::UpAxis read_up(StrictTable& table, Presence presence) {
+  static constexpr std::array<std::string_view, 6> kUp{"x", "y", "z", "-x", "-y", "-z"};
+  constexpr std::size_t kZ = 2;
+  const std::size_t up = table.choice("up", kUp, presence).value_or(kZ);
+  return {.axis = static_cast<std::uint8_t>(up % 3), .points_down = up >= kUp.size() / 2};
 }
 
 std::string read_socket_path(StrictTable& table, std::string_view key) {
@@ -295,6 +325,11 @@ void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& e
   });
   with_table(root, "odometer", Presence::optional, errors,
              [&](StrictTable& table) { read_odometer(table, configuration, errors); });
+  with_table(root, "reference", Presence::optional, errors, [&](StrictTable& table) {
+    configuration.reference = read_reference(table);
+    check_real_time(table, configuration.gyro);
+    configuration.node.up = read_up(table, Presence::required);
+  });
 }
 
 }  // namespace zerorate::linux_node

@@ -64,10 +64,12 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
 
 /// Address and port of a datagram's receiver.
 [[nodiscard]] UdpSettings read_udp(toml_file::StrictTable& table);
+/// Axis that points up: z unless given.
+[[nodiscard]] core::UpAxis read_up(toml_file::StrictTable& table, toml_file::Presence presence);
 /// Path that a Unix socket can have.
 [[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
 
-/// Reads the tables of the gyro, of its interrupt and of the odometer.
+/// Reads the tables of the gyro, of its interrupt, of the odometer and of references.
 void read_hardware(toml_file::StrictTable& root, Configuration& configuration,
                    toml_file::ErrorList& errors);
 

@@ -9,6 +9,7 @@
 #include "core/base/time.hpp"
 #include "drivers/common/any_gyro.hpp"
 #include "firmware/boards/linux/chips/gyro.hpp"
+#include "firmware/boards/linux/reference_source.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
 #include "hal/contract/pulse_input.hpp"
@@ -18,7 +19,8 @@ namespace zerorate::linux_node {
 /// Reasons of the newest faults, beyond the errors of the contract.
 struct HardwareReasons {
   GyroReason gyro;
-  int odometer_error_number = 0;  ///< errno of the kernel; 0: none
+  int odometer_error_number = 0;   ///< errno of the kernel; 0: none
+  int reference_error_number = 0;  ///< the same of the references
 };
 
 /// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
@@ -34,6 +36,8 @@ class Hardware {
   virtual core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) = 0;
   virtual std::optional<core::Instant> take_edge() = 0;
+  /// The next reference of the heading that waits.
+  [[nodiscard]] virtual std::optional<Reference> next_reference() { return std::nullopt; }
   /// For the log, after an error of the gyro or the odometer. May ask the chip.
   virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;

@@ -14,6 +14,7 @@ LinuxHardware::LinuxHardware(const Configuration& configuration)
     : gyro_(make_gyro(configuration.gyro)) {
   if (configuration.odometer) odometer_.emplace(*configuration.odometer);
   if (configuration.speed) speed_.emplace(*configuration.speed);
+  if (configuration.reference) references_.emplace(*configuration.reference);
   if (configuration.data_ready) data_ready_.emplace(*configuration.data_ready);
 }
 
@@ -31,7 +32,9 @@ core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
 }
 
 HardwareReasons LinuxHardware::reasons(drivers::DriverErrorCode code) {
-  return {.gyro = gyro_->reason(code), .odometer_error_number = odometer_error_number_};
+  return {.gyro = gyro_->reason(code),
+          .odometer_error_number = odometer_error_number_,
+          .reference_error_number = references_ ? references_->error_number() : 0};
 }
 
 core::Instant LinuxHardware::now() const {
@@ -47,6 +50,10 @@ std::optional<core::Instant> LinuxHardware::take_edge() {
   const auto edge = data_ready_->edge.take_edge();
   if (edge) data_ready_->newest = *edge;
   return edge;
+}
+
+std::optional<Reference> LinuxHardware::next_reference() {
+  return references_ ? references_->next(now()) : std::nullopt;
 }
 
 core::Duration LinuxHardware::longest_wait() const {

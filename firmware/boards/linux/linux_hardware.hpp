@@ -22,6 +22,7 @@ class LinuxHardware final : public Hardware {
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
+  [[nodiscard]] std::optional<Reference> next_reference() override;
   HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
   [[nodiscard]] core::Duration slept() const override;
@@ -45,6 +46,7 @@ class LinuxHardware final : public Hardware {
   std::unique_ptr<DeviceGyro> gyro_;
   std::optional<hal::linux_os::GpioLine> odometer_;
   std::optional<SpeedSource> speed_;  ///< in its place
+  std::optional<ReferenceSource> references_;
   std::optional<DataReadyLine> data_ready_;
   int odometer_error_number_ = 0;
   Event wake_;

@@ -140,6 +140,7 @@ std::string describe(const Configuration& configuration) {
   text += fmt::format(", {} Hz, {} deg/s, model {}, ", gyro.rate_hz, gyro.full_scale_dps,
                       configuration.model_name);
   text += name_of_odometer(configuration);
+  if (configuration.reference) text += ", reference " + name_of(configuration.reference->origin);
   for (const SinkSettings& sink : configuration.sinks) text += ", " + name_of(sink);
   return text;
 }

@@ -105,6 +105,26 @@ void add_counters(Text& text, const NodeService& service) {
   text.counter("state_save_errors_total", "Failed ones.", service.counters().save_errors);
 }
 
+void add_references(Text& text, const NodeService& service) {
+  const ReferenceCounters& references = service.status().references;
+  text.counter("references_learnt_total", "References of the heading that agreed.",
+               references.learnt);
+  text.counter("references_refused_total", "References too far from the gyro.", references.refused);
+  text.counter("references_unusable_total", "References before a bias, or of a time long ago.",
+               references.unusable);
+  const auto& filter = service.status().state.turn.references.filter;
+  constexpr std::size_t kScale = core::HeadingFilter::kScale;
+  text.gauge("scale_factor_error_percent", "Error of the scale factor as learnt, in percent.",
+             100.0F * filter.x[kScale]);
+  text.gauge("scale_factor_sigma_percent", "Its standard deviation.",
+             100.0F * core::square_root(filter.covariance(kScale, kScale)));
+  if (const auto& heading = service.status().heading) {
+    text.gauge("heading_deg", "Heading of the vehicle, counter-clockwise.",
+               heading->angle.in(core::deg));
+    text.gauge("heading_sigma_deg", "Its standard deviation.", heading->sigma.in(core::deg));
+  }
+}
+
 void add_sinks(Text& text, const NodeService& service) {
   text.head("sink_sent_total", "Messages given to a sink.", "counter");
   for (const auto& sink : service.sinks()) {
@@ -166,6 +186,7 @@ std::string_view format_metrics(const NodeService& service, MetricsBuffer& buffe
   add_counters(text, service);
   if (service.latest()) add_message(text, service.latest()->message);
   if (service.status().learnt.is_learnt()) add_learnt(text, service.status().learnt);
+  if (service.takes_references()) add_references(text, service);
   add_sinks(text, service);  // last: of sinks there may be more than find room
   return text.text();
 }

@@ -85,8 +85,27 @@ bool NodeService::restore(std::span<const std::uint8_t> record) {
 void NodeService::measure() {
   hardware_.wait();
   loop_.poll();
+  take_references();
   turns_.fetch_add(1, std::memory_order_relaxed);
   if (handover_.load(std::memory_order_acquire) == Handover::requested) hand_over();
+}
+
+/// A reference is taken with the first sample that is not older.
+void NodeService::take_references() {
+  constexpr int kMost = 16;  // references of one turn of the loop; the others wait for the next
+  for (int i = 0; i < kMost; ++i) {
+    if (!waiting_reference_) waiting_reference_ = hardware_.next_reference();
+    if (!waiting_reference_ || time_of(*waiting_reference_) > node_.newest_sample()) return;
+    const auto verdict =
+        std::visit([&](const auto& reference) { return node_.take_reference(reference); },
+                   *waiting_reference_);
+    waiting_reference_.reset();
+    using Verdict = core::ReferenceVerdict;
+    references_.learnt += verdict == Verdict::learnt ? 1U : 0U;
+    references_.refused += verdict == Verdict::refused ? 1U : 0U;
+    const bool is_unusable = verdict == Verdict::no_bias || verdict == Verdict::bad_time;
+    references_.unusable += is_unusable ? 1U : 0U;
+  }
 }
 
 void NodeService::hand_over() {
@@ -94,10 +113,12 @@ void NodeService::hand_over() {
                      .is_running = loop_.is_running(),
                      .sample_rate = loop_.sample_rate(),
                      .state = node_.state(),
-                     .learnt = learnt()};
-  const bool is_failing =
-      !offered_status_.is_running || offered_status_.counters.odometer_errors != 0;
-  if (is_failing) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
+                     .learnt = learnt(),
+                     .references = references_,
+                     .heading = node_.heading()};
+  const bool may_fail = !offered_status_.is_running || configuration_.reference ||
+                        offered_status_.counters.odometer_errors != 0;
+  if (may_fail) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
   handover_.store(Handover::ready, std::memory_order_release);
 }
 
@@ -146,6 +167,7 @@ void NodeService::report_changes(const ServiceStatus& now) {
   report_gyro(now);
   report_sample_rate(now);
   report_odometer(now);
+  report_references(now);
   report_sinks();
 }
 
@@ -215,6 +237,26 @@ void NodeService::report_odometer(const ServiceStatus& now) {
   }
   if (now.counters.pulses_lost != before.pulses_lost) {
     log_line(log_, "odometer: {} pulses lost", now.counters.pulses_lost - before.pulses_lost);
+  }
+}
+
+/// Nothing that lasts is told twice.
+void NodeService::report_references(const ServiceStatus& now) {
+  if (!configuration_.reference) return;
+  const std::string name = name_of(configuration_.reference->origin);
+  const int error = now.reasons.reference_error_number;
+  if (error != last_status_.reasons.reference_error_number && error != 0) {
+    log_line(log_, "reference {}: {}{}", name, std::strerror(error), cure_of_speed(error));
+  }
+  const ReferenceCounters& before = last_status_.references;
+  if (before.learnt == 0 && now.references.learnt > 0) {
+    log_line(log_, "reference {}: agrees with the gyro, which learns from it", name);
+  }
+  if (before.refused == 0 && now.references.refused > 0) {
+    log_line(log_,
+             "reference {}: refused, too far from the turn of the gyro (does it jump or come late, "
+             "or is sense or up another one?)",
+             name);
   }
 }
 

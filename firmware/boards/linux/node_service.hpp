@@ -25,6 +25,15 @@
 
 namespace zerorate::linux_node {
 
+/// References of the heading since the start, by what became of them.
+struct ReferenceCounters {
+  std::uint32_t learnt = 0;
+  std::uint32_t refused = 0;   ///< too far from what the gyro measured
+  std::uint32_t unusable = 0;  ///< before the first bias, or of a time that is not remembered
+
+  constexpr bool operator==(const ReferenceCounters&) const = default;
+};
+
 /// State of the measuring side, which hands it over when asked.
 struct ServiceStatus {
   app::LoopCounters counters;
@@ -32,6 +41,8 @@ struct ServiceStatus {
   app::RateWatch sample_rate;
   Node::State state;
   wire::LearntModel learnt;
+  ReferenceCounters references;
+  std::optional<app::Heading> heading;
   HardwareReasons reasons{};  ///< asked for where something fails
 };
 
@@ -80,6 +91,7 @@ class NodeService {
   [[nodiscard]] const std::optional<wire::NumberedMessage>& latest() const { return latest_; }
   [[nodiscard]] const std::vector<std::unique_ptr<Sink>>& sinks() const { return sinks_; }
   [[nodiscard]] const ServiceCounters& counters() const { return counters_; }
+  [[nodiscard]] bool takes_references() const { return configuration_.reference.has_value(); }
   /// Name of the node; empty: it has none.
   [[nodiscard]] const std::string& name() const { return configuration_.name; }
 
@@ -101,12 +113,14 @@ class NodeService {
     std::uint64_t sent = 0;
   };
 
+  void take_references();
   void hand_over();
   [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
   void report_gyro(const ServiceStatus& now);
   void report_sample_rate(const ServiceStatus& now);
   void report_odometer(const ServiceStatus& now);
+  void report_references(const ServiceStatus& now);
   void report_sinks();
   void publish_learnt();
   void save(const Node::State& state);
@@ -122,6 +136,8 @@ class NodeService {
   Node node_;
   MessageQueue queue_;
   app::NodeLoop<Node, drivers::AnyGyro, Hardware, Hardware, Hardware, MessageQueue> loop_;
+  std::optional<Reference> waiting_reference_;  ///< newer than the newest sample
+  ReferenceCounters references_;
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
   ServiceStatus

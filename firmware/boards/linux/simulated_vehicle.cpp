@@ -66,6 +66,7 @@ SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
                   core::deg_per_s(-0.2F).in(core::rad_per_s),
                   core::deg_per_s(0.12F).in(core::rad_per_s)} {
   if (configuration.speed) speed_.emplace(*configuration.speed);
+  if (configuration.reference) references_.emplace(*configuration.reference);
 }
 
 core::Instant SimulatedVehicle::now() const {

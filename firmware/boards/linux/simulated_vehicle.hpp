@@ -46,7 +46,12 @@ class SimulatedVehicle final : public Hardware {
     return speed_ ? speed_->read_pulses(stamps) : odometer_.read_pulses(stamps);
   }
   HardwareReasons reasons(drivers::DriverErrorCode /*code*/) override {
-    return {.gyro = {}, .odometer_error_number = speed_ ? speed_->error_number() : 0};
+    return {.gyro = {},
+            .odometer_error_number = speed_ ? speed_->error_number() : 0,
+            .reference_error_number = references_ ? references_->error_number() : 0};
+  }
+  [[nodiscard]] std::optional<Reference> next_reference() override {
+    return references_ ? references_->next(now()) : std::nullopt;
   }
   std::optional<core::Instant> take_edge() override { return chip_.interrupt().take_edge(); }
   [[nodiscard]] core::Instant now() const override;
@@ -68,6 +73,7 @@ class SimulatedVehicle final : public Hardware {
   hal::sim::SimulatedLsm6dso chip_{clock_};
   hal::sim::SimulatedOdometer odometer_;
   std::optional<SpeedSource> speed_;  ///< in its place
+  std::optional<ReferenceSource> references_;
   Gyro gyro_;
   std::mt19937_64 random_{1};
   std::normal_distribution<float> noise_;

@@ -1,175 +1,54 @@
 #include "firmware/boards/linux/speed_source.hpp"
 
-#include <fmt/format.h>
-#include <linux/can.h>
-#include <linux/can/raw.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
-
-#include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <limits>
-#include <system_error>
+#include <variant>
 
 #include "hal/linux/clock.hpp"
 
 namespace zerorate::linux_node {
 namespace {
 
-using hal::linux_os::Descriptor;
-
-constexpr unsigned kByteBits = 8;
-constexpr std::size_t kLongestPayload = 8;
-
-/// Number of the bit that follows on the way from the highest to the lowest one in Motorola order:
-/// from bit 0 of a byte to bit 7 of the next.
-constexpr unsigned next_lower(unsigned bit) {
-  return bit % kByteBits == 0 ? bit + 2 * kByteBits - 1 : bit - 1;
+std::optional<double> speed_in(const Message& message) {
+  if (const auto* const value = std::get_if<double>(&message)) return *value;
+  return decode_text(std::get<std::string_view>(message));
 }
-
-struct NameOrigin {
-  std::string operator()(const CanSignal& signal) const {
-    return fmt::format("can:{} id {:#x}", signal.interface, signal.id);
-  }
-  std::string operator()(const UdpSettings& udp) const {
-    return fmt::format("udp:{}:{}", udp.address, udp.port);
-  }
-  std::string operator()(const UnixSettings& local) const { return "unix:" + local.path; }
-};
 
 }  // namespace
 
-std::size_t CanSignal::bytes() const {
-  if (length == 0 || length > kLongestPayload * kByteBits) return 0;
-  unsigned last = start_bit;
-  for (unsigned i = 1; i < length; ++i) last = is_big_endian ? next_lower(last) : last + 1;
-  const std::size_t needed = last / kByteBits + 1;
-  return needed <= kLongestPayload ? needed : 0;
-}
-
-std::string name_of(const SpeedOrigin& origin) {
-  return std::visit(NameOrigin{}, origin);
-}
-
-std::optional<double> decode_signal(const CanSignal& signal,
-                                    std::span<const std::uint8_t> payload) {
-  if (signal.bytes() == 0 || payload.size() < signal.bytes()) return std::nullopt;
-  std::uint64_t raw = 0;
-  unsigned bit = signal.start_bit;
-  for (unsigned i = 0; i < signal.length; ++i) {
-    const std::uint64_t value = payload[bit / kByteBits] >> (bit % kByteBits) & 1U;
-    raw = signal.is_big_endian ? raw << 1U | value : raw | value << i;
-    bit = signal.is_big_endian ? next_lower(bit) : bit + 1;
-  }
-  const std::uint64_t sign = std::uint64_t{1} << (signal.length - 1);
-  const bool is_negative = signal.is_signed && (raw & sign) != 0;
-  // Two's complement: the sign's bit counts negatively.
-  const double value = is_negative ? static_cast<double>(raw - sign) - static_cast<double>(sign)
-                                   : static_cast<double>(raw);
-  return value * signal.scale_mps + signal.offset_mps;
-}
-
 std::optional<double> decode_text(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
-  text = text.substr(0, text.find_last_not_of(kSpace) + 1);
+  text = trimmed(text);
   if (text == "still") return 0.0;
   if (text == "moving") return std::numeric_limits<double>::infinity();
-  double speed = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, speed);
-  if (error != std::errc{} || stop != end || !std::isfinite(speed)) return std::nullopt;
-  return speed;
+  return decode_number(text);
 }
 
 core::Result<hal::PulseBatch, hal::BusError> SpeedSource::read_pulses(
     std::span<core::Instant> stamps) {
   constexpr std::size_t kMostMessages = 64;  // messages of one call; the others wait for the next
   const core::Instant now = hal::linux_os::KernelClock::now();
-  if (descriptor() < 0 && !open(now)) return core::Unexpected{hal::BusError::not_present};
+  is_silent_ = false;
+  if (!messages_.open(now)) return core::Unexpected{hal::BusError::not_present};
   hal::PulseBatch batch{};
-  std::array<std::uint8_t, 256> bytes{};
+  MessageSource::Buffer buffer{};
   for (std::size_t i = 0; i < kMostMessages && batch.count < stamps.size(); ++i) {
-    const ssize_t size = recv(descriptor(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (size < 0 && errno != EAGAIN && errno != EINTR) {
-      error_number_ = errno;  // such as ENETDOWN: opened anew
-      socket_.reset(-1);
-      return core::Unexpected{hal::BusError::io};
-    }
-    if (size < 0) break;
-    const auto speed = decode(std::span{bytes}.first(static_cast<std::size_t>(size)));
+    const auto message = messages_.next(buffer);
+    if (!message) return core::Unexpected{message.error()};
+    if (!*message) break;
+    const auto speed = speed_in(**message);
     if (!speed) continue;  // no word of the speed: the timeout decides
     heard_at_ = now;
-    if (std::abs(*speed) > settings_.dead_band_mps) stamps[batch.count++] = now;
+    if (std::abs(*speed) > dead_band_mps_) stamps[batch.count++] = now;
   }
-  if (!heard_at_ || now - *heard_at_ > settings_.timeout) {
-    error_number_ = ETIMEDOUT;
-    return core::Unexpected{hal::BusError::timeout};
-  }
+  is_silent_ = !heard_at_ || now - *heard_at_ > timeout_;
+  if (is_silent_) return core::Unexpected{hal::BusError::timeout};
   return batch;
 }
 
-int SpeedSource::descriptor() const {
-  return named_socket_ ? named_socket_->descriptor() : socket_.get();
-}
-
-bool SpeedSource::open(core::Instant now) {
-  if (tried_at_ && now - *tried_at_ < core::Duration::seconds(1)) return false;
-  tried_at_ = now;
-  if (const auto* const can = std::get_if<CanSignal>(&settings_.origin)) return open_can(*can);
-  if (const auto* const udp = std::get_if<UdpSettings>(&settings_.origin)) return open_udp(*udp);
-  try {
-    named_socket_.emplace(std::get<UnixSettings>(settings_.origin).path, SOCK_DGRAM);
-  } catch (const std::system_error& error) {
-    error_number_ = error.code().value();
-    return false;
-  }
-  return true;
-}
-
-bool SpeedSource::open_can(const CanSignal& signal) {
-  Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
-  ifreq interface = hal::linux_os::interface_request(signal.interface);
-  bool is_open = opened.is_open() && ioctl(opened.get(), SIOCGIFINDEX, &interface) == 0;
-  if (is_open) {
-    const bool is_extended = (signal.id & CAN_EFF_FLAG) != 0;
-    const can_filter filter{
-        .can_id = signal.id,
-        .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | (is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)};
-    sockaddr_can address{};
-    address.can_family = AF_CAN;
-    address.can_ifindex = interface.ifr_ifindex;
-    is_open = setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
-              bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  }
-  if (!is_open) error_number_ = errno;
-  if (is_open) socket_ = std::move(opened);
-  return is_open;
-}
-
-bool SpeedSource::open_udp(const UdpSettings& udp) {
-  const auto address = hal::linux_os::udp_address(udp.address, udp.port);
-  Descriptor opened{
-      socket(address.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
-  const bool is_open = opened.is_open() && bind(opened.get(), address.get(), address.size) == 0;
-  if (!is_open) error_number_ = errno;
-  if (is_open) socket_ = std::move(opened);
-  return is_open;
-}
-
-std::optional<double> SpeedSource::decode(std::span<const std::uint8_t> message) const {
-  if (const auto* const signal = std::get_if<CanSignal>(&settings_.origin)) {
-    can_frame frame{};
-    if (message.size() != sizeof frame) return std::nullopt;
-    std::memcpy(&frame, message.data(), sizeof frame);
-    return decode_signal(*signal, std::span{frame.data}.first(
-                                      std::min<std::size_t>(frame.can_dlc, kLongestPayload)));
-  }
-  return decode_text({reinterpret_cast<const char*>(message.data()), message.size()});
+int SpeedSource::error_number() const {
+  return is_silent_ ? ETIMEDOUT : messages_.error_number();
 }
 
 }  // namespace zerorate::linux_node

@@ -44,8 +44,8 @@ TEST(SignalOfACanFrame, IsThatOfTheDbcFile) {
     const std::uint64_t shifted = number_of(payload, signal.is_big_endian) << above;
     ASSERT_EQ(decode_signal(signal, payload), static_cast<double>(shifted >> (64 - signal.length)));
     signal.is_signed = true;
-    signal.scale_mps = 0.5;
-    signal.offset_mps = -3.0;
+    signal.scale = 0.5;
+    signal.offset = -3.0;
     const auto value = static_cast<std::int64_t>(shifted) >> (64 - signal.length);
     ASSERT_EQ(decode_signal(signal, payload), 0.5 * static_cast<double>(value) - 3.0);
     ++tried;

@@ -325,7 +325,7 @@ TEST(ConfigurationOfASpeedOnCan, IsRefusedWhereTheSignalCannotBe) {
               HasSubstr("\"length\" in [odometer]: the signal does not fit into eight bytes"));
   EXPECT_THAT(message_of(with_can("0x1A0", "0x800")), HasSubstr("\"id\" in [odometer]: expected"));
   EXPECT_THAT(message_of(with_can("scale_mps = 0.01", "scale_mps = 0")),
-              HasSubstr("\"scale_mps\" in [odometer]: expected m/s for one count"));
+              HasSubstr("\"scale_mps\" in [odometer]: expected the value of one count"));
   EXPECT_THAT(message_of(with_can("dead_band_mps = 0.3\n", "")),
               HasSubstr("missing \"dead_band_mps\" in [odometer]"));
   EXPECT_THAT(message_of(with_can("latency_s = 0.1\n", "")),

@@ -52,6 +52,29 @@ class Receiver {
   Descriptor socket_;
 };
 
+TEST(NodeServiceWithReferences, CountsThemAndSaysWhatTheyTaught) {
+  ServiceRig rig;
+  rig.configuration.reference = ReferenceSettings{.origin = UnixSettings{"x"}};
+  rig.restart(kBoot);
+  const auto refer = [&](float heading_deg) {
+    rig.hardware.reference = app::HeadingReference{
+        .time = rig.hardware.now(), .heading = core::deg(heading_deg), .sigma = core::deg(0.5F)};
+  };
+  refer(10.0F);
+  rig.run(104);
+  rig.run(20 * 104);
+  EXPECT_EQ(rig.service->status().references.unusable, 1U) << "no bias yet";
+  refer(10.0F);
+  rig.run(2 * 104);
+  ASSERT_TRUE(rig.service->status().heading);
+  EXPECT_NEAR(rig.service->status().heading->angle.in(core::deg), 10.0F, 0.1F);
+  MetricsBuffer buffer{};
+  const std::string metrics{format_metrics(*rig.service, buffer)};
+  EXPECT_NE(metrics.find("zerorate_references_unusable_total 1\n"), std::string::npos);
+  EXPECT_NE(metrics.find("zerorate_heading_deg 10\n"), std::string::npos);
+  EXPECT_NE(metrics.find("zerorate_scale_factor_sigma_percent 1\n"), std::string::npos);
+}
+
 TEST(NodeServiceOnHealthyHardware, PublishesToEverySink) {
   ServiceRig rig;
   Receiver receiver{rig.folder.path() / "rate"};

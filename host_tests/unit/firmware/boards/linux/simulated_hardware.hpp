@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "firmware/boards/linux/configuration.hpp"
 #include "firmware/boards/linux/hardware.hpp"
@@ -49,6 +50,9 @@ class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
     return excused([&] { return odometer.read_pulses(stamps); });
   }
   std::optional<core::Instant> take_edge() override { return rig.chip.interrupt().take_edge(); }
+  [[nodiscard]] std::optional<Reference> next_reference() override {
+    return std::exchange(reference, std::nullopt);
+  }
   [[nodiscard]] core::Instant now() const override { return rig.clock.now(); }
   void wake() override {}
 
@@ -72,6 +76,7 @@ class SimulatedHardware final : public Hardware, public drivers::AnyGyro {
   core::AngularRate rate = core::deg_per_s(0.35F);
   core::AngularRate sigma = core::deg_per_s(0.04F);
   std::int64_t measured = 0;
+  std::optional<Reference> reference;  ///< the next one
   bool is_moving = false;
   bool odometer_fails = false;
   std::size_t allocations = 0;
