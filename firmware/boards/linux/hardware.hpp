@@ -20,7 +20,7 @@ namespace zerorate::linux_node {
 struct HardwareReasons {
   GyroReason gyro;
   int odometer_error_number = 0;   ///< errno of the kernel; 0: none
-  int reference_error_number = 0;  ///< the same of the references
+  int reference_error_number = 0;  ///< errno of the references
 };
 
 /// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
