@@ -215,8 +215,15 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
   return odometer;
 }
 
-/// @param unit ending of the keys of scale and offset
-CanSignal read_signal(StrictTable& table, std::string_view unit) {
+/// Keys by which the value of a count is stated.
+struct ValueKeys {
+  std::string_view scale;
+  std::string_view offset;
+};
+constexpr ValueKeys kSpeedKeys{.scale = "scale_mps", .offset = "offset_mps"};
+constexpr ValueKeys kHeadingKeys{.scale = "scale_deg", .offset = "offset_deg"};
+
+CanSignal read_signal(StrictTable& table, const ValueKeys& keys) {
   static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
   CanSignal signal{
       .interface = *name_at(table, "interface", Presence::required),
@@ -226,16 +233,15 @@ CanSignal read_signal(StrictTable& table, std::string_view unit) {
       .length = static_cast<unsigned>(*table.integer("length", kLength, Presence::required)),
       .is_big_endian = *table.choice("byte_order", kOrders, Presence::required) == 1,
       .is_signed = table.boolean("signed", Presence::optional).value_or(false),
-      .scale = *table.number(fmt::format("scale_{}", unit), kScale, Presence::required),
-      .offset =
-          table.number(fmt::format("offset_{}", unit), kOffset, Presence::optional).value_or(0.0)};
+      .scale = *table.number(keys.scale, kScale, Presence::required),
+      .offset = table.number(keys.offset, kOffset, Presence::optional).value_or(0.0)};
   at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(signal.interface); });
   if (signal.bytes() == 0) table.fail_at("length", "the signal does not fit into eight bytes");
   return signal;
 }
 
-MessageOrigin read_origin(StrictTable& table, std::string_view type, std::string_view unit) {
-  if (type == "can") return read_signal(table, unit);
+MessageOrigin read_origin(StrictTable& table, std::string_view type, const ValueKeys& keys) {
+  if (type == "can") return read_signal(table, keys);
   if (type == "udp") return read_udp(table);
   return UnixSettings{read_socket_path(table, "path")};
 }
@@ -244,7 +250,7 @@ constexpr std::array<std::string_view, 4> kOdometerTypes{"gpio", "can", "udp", "
 
 SpeedSettings read_speed(StrictTable& table, std::string_view type) {
   SpeedSettings speed;
-  speed.origin = read_origin(table, type, "mps");
+  speed.origin = read_origin(table, type, kSpeedKeys);
   // A threshold that nobody stated would be guessed.
   speed.dead_band_mps = *table.number("dead_band_mps", kDeadBand, Presence::required);
   (void)table.number("latency_s", kSeconds, Presence::required);
@@ -265,7 +271,7 @@ ReferenceSettings read_reference(StrictTable& table) {
   static constexpr std::array<std::string_view, 2> kSenses{"clockwise", "counter-clockwise"};
   const std::string_view type = kTypes.at(*table.choice("type", kTypes, Presence::required));
   return {
-      .origin = read_origin(table, type, "deg"),
+      .origin = read_origin(table, type, kHeadingKeys),
       .counts_clockwise = *table.choice("sense", kSenses, Presence::required) == 0,
       .sigma =
           core::deg(static_cast<float>(*table.number("sigma_deg", kSigma, Presence::required))),

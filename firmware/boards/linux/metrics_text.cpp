@@ -113,11 +113,11 @@ void add_references(Text& text, const NodeService& service) {
   text.counter("references_unusable_total", "References before a bias, or of a time long ago.",
                references.unusable);
   const auto& filter = service.status().state.turn.references.filter;
-  constexpr std::size_t kScale = core::HeadingFilter::kScale;
+  constexpr std::size_t kState = core::HeadingFilter::kScale;
   text.gauge("scale_factor_error_percent", "Error of the scale factor as learnt, in percent.",
-             100.0F * filter.x[kScale]);
+             100.0F * filter.x[kState]);
   text.gauge("scale_factor_sigma_percent", "Its standard deviation.",
-             100.0F * core::square_root(filter.covariance(kScale, kScale)));
+             100.0F * core::square_root(filter.covariance(kState, kState)));
   if (const auto& heading = service.status().heading) {
     text.gauge("heading_deg", "Heading of the vehicle, counter-clockwise.",
                heading->angle.in(core::deg));
