@@ -29,26 +29,25 @@ core::Result<hal::PulseBatch, hal::BusError> SpeedSource::read_pulses(
     std::span<core::Instant> stamps) {
   constexpr std::size_t kMostMessages = 64;  // messages of one call; the others wait for the next
   const core::Instant now = hal::linux_os::KernelClock::now();
-  is_silent_ = false;
-  if (!messages_.open(now)) return core::Unexpected{hal::BusError::not_present};
+  const auto fail = [&](hal::BusError error, int error_number) {
+    error_number_ = error_number;
+    return core::Unexpected{error};
+  };
+  if (!messages_.open(now)) return fail(hal::BusError::not_present, messages_.error_number());
   hal::PulseBatch batch{};
   MessageSource::Buffer buffer{};
   for (std::size_t i = 0; i < kMostMessages && batch.count < stamps.size(); ++i) {
     const auto message = messages_.next(buffer);
-    if (!message) return core::Unexpected{message.error()};
+    if (!message) return fail(message.error(), messages_.error_number());
     if (!*message) break;
     const auto speed = speed_in(**message);
     if (!speed) continue;  // no word of the speed: the timeout decides
     heard_at_ = now;
     if (std::abs(*speed) > dead_band_mps_) stamps[batch.count++] = now;
   }
-  is_silent_ = !heard_at_ || now - *heard_at_ > timeout_;
-  if (is_silent_) return core::Unexpected{hal::BusError::timeout};
+  const bool is_silent = !heard_at_ || now - *heard_at_ > timeout_;
+  if (is_silent) return fail(hal::BusError::timeout, ETIMEDOUT);
   return batch;
-}
-
-int SpeedSource::error_number() const {
-  return is_silent_ ? ETIMEDOUT : messages_.error_number();
 }
 
 }  // namespace zerorate::linux_node

@@ -37,14 +37,14 @@ class SpeedSource {
   /// Becomes readable when there is a message, for poll(); -1 while the socket is not open.
   [[nodiscard]] int descriptor() const { return messages_.descriptor(); }
   /// Reason of the newest failure, as the kernel gave it.
-  [[nodiscard]] int error_number() const;
+  [[nodiscard]] int error_number() const { return error_number_; }
 
  private:
   MessageSource messages_;
   double dead_band_mps_;
   core::Duration timeout_;
   std::optional<core::Instant> heard_at_;
-  bool is_silent_ = false;
+  int error_number_ = 0;
 };
 static_assert(hal::PulseInput<SpeedSource>);
 

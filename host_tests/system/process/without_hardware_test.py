@@ -29,47 +29,6 @@ import zerorated_test
 from zerorated_test import LIMIT_S, REPOSITORY
 
 
-# Stands in for the kernel's CAN where there is none: the socket is a Unix datagram socket that takes the same frames.
-NO_CAN = r"""
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <linux/can.h>
-#include <linux/can/raw.h>
-#include <net/if.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#define REAL(name, ...) ((int (*)(__VA_ARGS__))dlsym(RTLD_NEXT, #name))
-int socket(int family, int type, int protocol) {
-  const int is_can = family == PF_CAN;
-  return REAL(socket, int, int, int)(is_can ? AF_UNIX : family, is_can ? SOCK_DGRAM | SOCK_CLOEXEC : type,
-                                     is_can ? 0 : protocol);
-}
-int ioctl(int file, unsigned long request, ...) {
-  va_list more;
-  va_start(more, request);
-  void* argument = va_arg(more, void*);
-  va_end(more);
-  if (request == SIOCGIFINDEX) return ((struct ifreq*)argument)->ifr_ifindex = 1, 0;
-  return REAL(ioctl, int, unsigned long, void*)(file, request, argument);
-}
-int setsockopt(int file, int level, int name, const void* value, socklen_t size) {
-  return level == SOL_CAN_RAW ? 0 : REAL(setsockopt, int, int, int, const void*, socklen_t)(file, level, name, value, size);
-}
-int bind(int file, const struct sockaddr* address, socklen_t size) {
-  if (address->sa_family != AF_CAN) return REAL(bind, int, const struct sockaddr*, socklen_t)(file, address, size);
-  struct sockaddr_un path = {.sun_family = AF_UNIX};
-  strncpy(path.sun_path, getenv("ZERORATE_TEST_CAN"), sizeof path.sun_path - 1);
-  return REAL(bind, int, const struct sockaddr*, socklen_t)(file, (const struct sockaddr*)&path, sizeof path);
-}
-"""
-
-TRAITS = "dead_band_mps = 0.1\nlatency_s = 0.05\n"
-
-
 class Simulated(zerorated_test.Node):
     def simulate(self, more=""):
         text = self.file.read_text()
@@ -224,89 +183,6 @@ class WithoutHardware(Simulated):
                 process.terminate()
                 errors = process.communicate(timeout=LIMIT_S)[1]
             self.assertEqual(process.returncode, 0, f"{limit_kib} KiB: {errors}")
-
-    def wait_for(self, is_reached, say, words):
-        """Says the speed ten times a second until a message is as it should be."""
-        for _ in range(200):
-            if words is not None:
-                say(words.encode())
-            end = time.monotonic() + 0.1
-            while time.monotonic() < end:
-                message = self.message()
-                if is_reached(message):
-                    return message
-        self.fail("not reached")
-
-    def drive_by_messages(self, say):
-        """Stands, moves, falls silent and stands again, by what is said of the speed."""
-        self.start()
-        self.assertTrue(self.message()["health"] & 0x20, "nobody has said anything: odometer_fault")
-        self.wait_for(lambda message: message["health"] & 0x01 and message["motion"] == 2, say, "0.05")
-        self.wait_for(lambda message: message["motion"] == 0, say, "-0.5")
-        self.wait_for(lambda message: message["motion"] == 2, say, "still")
-        silent_since = time.monotonic()
-        self.wait_for(lambda message: message["health"] & 0x20 and message["motion"] == 0, say, None)
-        self.assertGreater(time.monotonic() - silent_since, 0.8)
-        self.wait_for(lambda message: not message["health"] & 0x20, say, "still")
-        return self.stop()
-
-    def test_takes_the_speed_from_udp(self):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        self.simulate(f'[odometer]\ntype = "udp"\naddress = "127.0.0.1"\nport = {port}\n' + TRAITS)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-            errors = self.drive_by_messages(lambda words: sender.sendto(words, ("127.0.0.1", port)))
-        self.assertIn(f"odometer udp:127.0.0.1:{port}: Connection timed out (no message with a speed comes", errors)
-
-    def test_takes_the_speed_from_a_unix_socket(self):
-        path = self.folder / "speed"
-        self.simulate(f'[odometer]\ntype = "unix"\npath = "{path}"\n' + TRAITS)
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-            self.drive_by_messages(lambda words: sender.sendto(words, str(path)))
-        self.assertFalse(path.exists())
-
-    def drive_by_can(self, interface, send):
-        """Speed as a signed signal of 0.01 m/s in big byte order."""
-        self.simulate(f'[odometer]\ntype = "can"\ninterface = "{interface}"\nid = 0x1A0\nstart_bit = 7\nlength = 16\n'
-                      'byte_order = "big"\nsigned = true\nscale_mps = 0.01\n' + TRAITS)
-
-        def say(words):
-            speed = struct.pack(">h6x", 0 if words == b"still" else round(100 * float(words)))
-            send(struct.pack("=IB3x8s", 0x1A0, 8, speed))
-        errors = self.drive_by_messages(say)
-        self.assertIn(f"odometer can:{interface} id 0x1a0: Connection timed out (no message with a speed comes", errors)
-
-    @unittest.skipUnless(shutil.which("ip"), "no ip")
-    def test_takes_the_speed_from_can(self):
-        name = f"zrt{os.getpid() % 10**6}"
-        made = subprocess.run(["ip", "link", "add", name, "type", "vcan"], capture_output=True, text=True, check=False)
-        if made.returncode != 0:
-            self.skipTest(f"no vcan here: {made.stderr.strip()}")
-        self.addCleanup(subprocess.run, ["ip", "link", "del", name], check=True)
-        subprocess.run(["ip", "link", "set", name, "up"], check=True)
-        with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as sender:
-            sender.bind((name,))
-            self.drive_by_can(name, sender.send)
-
-    @unittest.skipUnless(shutil.which("cc"), "no C compiler named cc")
-    @unittest.skipIf(zerorated_test.is_sanitized(), "the sanitizer's library must be loaded first")
-    def test_takes_the_speed_from_a_stand_in_for_can(self):
-        path, library = self.folder / "can", self.folder / "no_can.so"
-        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, "-x", "c", "-"], input=NO_CAN, text=True, check=True)
-        self.environment = dict(os.environ, LD_PRELOAD=str(library), ZERORATE_TEST_CAN=str(path))
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-            self.drive_by_can("can0", lambda frame: sender.sendto(frame, str(path)))
-
-    def test_says_that_the_can_interface_of_the_speed_is_not_there(self):
-        self.simulate('[odometer]\ntype = "can"\ninterface = "no-can"\nid = 0x1A0\nstart_bit = 0\nlength = 8\n'
-                      'byte_order = "little"\nscale_mps = 0.1\n' + TRAITS)
-        self.start()
-        message = self.wait_for(lambda message: message["health"] & 0x20, None, None)
-        self.assertEqual(message["motion"], 0)
-        for _ in range(200):
-            self.message()
-        self.assertRegex(self.stop(), r"odometer can:no-can id 0x1a0: .+ \(.+\); the vehicle counts as moving")
 
 
 def stand_ins_for_ros(published):
