@@ -9,8 +9,8 @@
 
 #include "core/base/compile_time.hpp"
 #include "core/base/numeric.hpp"
-#include "core/estimator/kalman_coefficients.hpp"
 #include "core/base/symmetric_matrix.hpp"
+#include "core/estimator/kalman_coefficients.hpp"
 
 namespace zerorate::core {
 

@@ -72,6 +72,10 @@ QEMU (`-icount`, boards `mps2-an386`, `mps2-an500` and `microbit`, whose Cortex-
 |---|{lines}
 {rows}
 
+Of a sample through `GyroNode::step`, the room for [references of the heading](../design/references.md) takes 106 on a
+Cortex-M4F at rest and 134 in motion, also where none ever comes: 35 and 45 an axis. A node whose
+`NodeCapacity::takes_references` is false is without.
+
 ## How far from the bound
 
 Predict and update of three axes are 104 multiplications, 180 additions and one division. The covariance, which the
