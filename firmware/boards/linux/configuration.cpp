@@ -220,9 +220,8 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
     if (!sensor) sensor = model::find_model(chip);
     configuration.states_scale_factor = sensor->scale_factor.has_value();
-    const core::UpAxis up = configuration.node.up;
     configuration.node = make_params(root, *sensor, filter, configuration.gyro.rate_hz);
-    configuration.node.up = up;
+    if (configuration.reference) configuration.node.up = configuration.reference->up;
     if (earth) configuration.node.earth = *earth;
   });
 }

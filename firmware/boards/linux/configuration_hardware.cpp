@@ -271,6 +271,7 @@ ReferenceSettings read_reference(StrictTable& table) {
   static constexpr std::array<std::string_view, 2> kSenses{"clockwise", "counter-clockwise"};
   const std::string_view type = kTypes.at(*table.choice("type", kTypes, Presence::required));
   return {
+      .up = read_up(table, Presence::required),
       .origin = read_origin(table, type, kHeadingKeys),
       .counts_clockwise = *table.choice("sense", kSenses, Presence::required) == 0,
       .sigma =
@@ -334,7 +335,6 @@ void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& e
   with_table(root, "reference", Presence::optional, errors, [&](StrictTable& table) {
     configuration.reference = read_reference(table);
     check_real_time(table, configuration.gyro);
-    configuration.node.up = read_up(table, Presence::required);
   });
 }
 

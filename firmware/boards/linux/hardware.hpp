@@ -19,8 +19,7 @@ namespace zerorate::linux_node {
 /// Reasons of the newest faults, beyond the errors of the contract.
 struct HardwareReasons {
   GyroReason gyro;
-  int odometer_error_number = 0;   ///< errno of the kernel; 0: none
-  int reference_error_number = 0;  ///< errno of the references
+  int odometer_error_number = 0;  ///< errno of the kernel; 0: none
 };
 
 /// A gyro, and a PulseInput, a DataReady and a MonotonicClock at once. The product binds it to
@@ -38,6 +37,8 @@ class Hardware {
   virtual std::optional<core::Instant> take_edge() = 0;
   /// The next reference of the heading that waits.
   [[nodiscard]] virtual std::optional<Reference> next_reference() { return std::nullopt; }
+  /// Errno for which no reference can come; 0: none.
+  [[nodiscard]] virtual int reference_error_number() const { return 0; }
   /// For the log, after an error of the gyro or the odometer. May ask the chip.
   virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;

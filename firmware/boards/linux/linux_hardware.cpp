@@ -32,9 +32,7 @@ core::Result<hal::PulseBatch, hal::BusError> LinuxHardware::read_pulses(
 }
 
 HardwareReasons LinuxHardware::reasons(drivers::DriverErrorCode code) {
-  return {.gyro = gyro_->reason(code),
-          .odometer_error_number = odometer_error_number_,
-          .reference_error_number = references_ ? references_->error_number() : 0};
+  return {.gyro = gyro_->reason(code), .odometer_error_number = odometer_error_number_};
 }
 
 core::Instant LinuxHardware::now() const {

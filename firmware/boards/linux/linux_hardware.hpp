@@ -23,6 +23,9 @@ class LinuxHardware final : public Hardware {
       std::span<core::Instant> stamps) override;
   std::optional<core::Instant> take_edge() override;
   [[nodiscard]] std::optional<Reference> next_reference() override;
+  [[nodiscard]] int reference_error_number() const override {
+    return references_ ? references_->error_number() : 0;
+  }
   HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
   [[nodiscard]] core::Duration slept() const override;

@@ -47,6 +47,7 @@ NodeService::NodeService(const Configuration& configuration, Hardware& hardware,
       session_(session),
       log_(std::move(log)),
       odometer_name_(name_of_odometer(configuration)),
+      reference_name_(configuration.reference ? name_of(configuration.reference->origin) : ""),
       node_(configuration.node),
       loop_(node_, hardware.gyro(), hardware, hardware, hardware, queue_),
       save_at_(hardware.now()) {
@@ -115,10 +116,11 @@ void NodeService::hand_over() {
                      .state = node_.state(),
                      .learnt = learnt(),
                      .references = references_,
-                     .heading = node_.heading()};
-  const bool may_fail = !offered_status_.is_running || configuration_.reference ||
-                        offered_status_.counters.odometer_errors != 0;
-  if (may_fail) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
+                     .heading = node_.heading(),
+                     .reference_error_number = hardware_.reference_error_number()};
+  const bool is_failing =
+      !offered_status_.is_running || offered_status_.counters.odometer_errors != 0;
+  if (is_failing) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
   handover_.store(Handover::ready, std::memory_order_release);
 }
 
@@ -242,21 +244,20 @@ void NodeService::report_odometer(const ServiceStatus& now) {
 
 /// Nothing that lasts is told twice.
 void NodeService::report_references(const ServiceStatus& now) {
-  if (!configuration_.reference) return;
-  const std::string name = name_of(configuration_.reference->origin);
-  const int error = now.reasons.reference_error_number;
-  if (error != last_status_.reasons.reference_error_number && error != 0) {
-    log_line(log_, "reference {}: {}{}", name, std::strerror(error), cure_of_speed(error));
+  const int error = now.reference_error_number;
+  if (error != last_status_.reference_error_number && error != 0) {
+    log_line(log_, "reference {}: {}{}", reference_name_, std::strerror(error),
+             cure_of_speed(error));
   }
   const ReferenceCounters& before = last_status_.references;
   if (before.learnt == 0 && now.references.learnt > 0) {
-    log_line(log_, "reference {}: agrees with the gyro, which learns from it", name);
+    log_line(log_, "reference {}: agrees with the gyro, which learns from it", reference_name_);
   }
   if (before.refused == 0 && now.references.refused > 0) {
     log_line(log_,
              "reference {}: refused, too far from the turn of the gyro (does it jump or come late, "
              "or is sense or up another one?)",
-             name);
+             reference_name_);
   }
 }
 

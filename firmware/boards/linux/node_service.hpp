@@ -43,7 +43,8 @@ struct ServiceStatus {
   wire::LearntModel learnt;
   ReferenceCounters references;
   std::optional<app::Heading> heading;
-  HardwareReasons reasons{};  ///< asked for where something fails
+  int reference_error_number = 0;  ///< errno for which no reference can come; 0: none
+  HardwareReasons reasons{};       ///< asked for where something fails
 };
 
 /// Counters of the publishing side since the start.
@@ -132,6 +133,7 @@ class NodeService {
   app::Session session_;
   Log log_;
   std::string odometer_name_;
+  std::string reference_name_;
 
   Node node_;
   MessageQueue queue_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <variant>
 
+#include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "firmware/app/reference_track.hpp"
@@ -14,6 +15,7 @@
 namespace zerorate::linux_node {
 
 struct ReferenceSettings {
+  core::UpAxis up;
   MessageOrigin origin;          ///< origin of headings in degrees
   bool counts_clockwise = true;  ///< sense of a compass and of a GNSS course
   core::Angle sigma;             ///< standard deviation of what states none
@@ -24,8 +26,8 @@ using Reference = std::variant<app::HeadingReference, app::TurnReference>;
 
 /// Reference that a message states; nullopt where it is none.
 ///
-/// A datagram holds `HEADING`, `HEADING SIGMA` or `turn ANGLE SIGMA SECONDS` in degrees: the angle
-/// that the vehicle turned by in the newest seconds. A signal of a CAN bus is a heading.
+/// A datagram holds `HEADING`, `HEADING SIGMA` or `turn ANGLE SIGMA SECONDS`. Angles are in
+/// degrees. The vehicle turned by ANGLE in the newest SECONDS. A signal of a CAN bus is a heading.
 [[nodiscard]] std::optional<Reference> decode_reference(const ReferenceSettings& settings,
                                                         const Message& message, core::Instant now);
 

@@ -46,12 +46,13 @@ class SimulatedVehicle final : public Hardware {
     return speed_ ? speed_->read_pulses(stamps) : odometer_.read_pulses(stamps);
   }
   HardwareReasons reasons(drivers::DriverErrorCode /*code*/) override {
-    return {.gyro = {},
-            .odometer_error_number = speed_ ? speed_->error_number() : 0,
-            .reference_error_number = references_ ? references_->error_number() : 0};
+    return {.gyro = {}, .odometer_error_number = speed_ ? speed_->error_number() : 0};
   }
   [[nodiscard]] std::optional<Reference> next_reference() override {
     return references_ ? references_->next(now()) : std::nullopt;
+  }
+  [[nodiscard]] int reference_error_number() const override {
+    return references_ ? references_->error_number() : 0;
   }
   std::optional<core::Instant> take_edge() override { return chip_.interrupt().take_edge(); }
   [[nodiscard]] core::Instant now() const override;

@@ -59,6 +59,12 @@ int bind(int file, const struct sockaddr* address, socklen_t size) {
 TRAITS = "dead_band_mps = 0.1\nlatency_s = 0.05\n"
 
 
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 class MessageInputs(Simulated):
     def wait_for(self, is_reached, say, words):
         """Says the speed ten times a second until a message is as it should be."""
@@ -86,9 +92,7 @@ class MessageInputs(Simulated):
         return self.stop()
 
     def test_takes_the_speed_from_udp(self):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         self.simulate(f'[odometer]\ntype = "udp"\naddress = "127.0.0.1"\nport = {port}\n' + TRAITS)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             errors = self.drive_by_messages(lambda words: sender.sendto(words, ("127.0.0.1", port)))
@@ -117,9 +121,7 @@ class MessageInputs(Simulated):
         return self.stop()
 
     def test_takes_headings_from_udp(self):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             errors = self.head_by_messages(f'type = "udp"\naddress = "127.0.0.1"\nport = {port}\n',
                                            lambda words: sender.sendto(words, ("127.0.0.1", port)))
