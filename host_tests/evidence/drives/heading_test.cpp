@@ -31,7 +31,7 @@ std::vector<Ending> run(double tolerance, double scale_error, bool turns, std::u
   const Node::Params params = turning_params(tolerance);
   Node node{params};
   const random::RandomStream stream{seed, 0};
-  const std::vector<double> noise = rest_noise_rad_s(kSamples, stream);
+  const std::vector<double> noise = rest_noise_rad_s(kSamples, kPeriod_s, stream);
   std::vector<double> rate_dps(kSamples, 0.0);
   if (turns) rate_dps = corners_dps(kSamples, random::RandomStream{seed, 1});
   std::vector<Ending> endings;

@@ -55,7 +55,7 @@ class Drive {
         samples_(samples_of(drives)),
         params_(turning_params(sensor.tolerance)),
         node_(params_),
-        noise_(rest_noise_rad_s(samples_, random::RandomStream{seed, 0})),
+        noise_(rest_noise_rad_s(samples_, kPeriod_s, random::RandomStream{seed, 0})),
         rate_dps_(corners_dps(samples_, random::RandomStream{seed, 1})),
         errors_(seed, 2) {}
 

@@ -11,6 +11,7 @@
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tests/evidence/drives/made_noise.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
@@ -64,19 +65,6 @@ inline TurningNode::Params turning_params(double tolerance) {
   const core::Duration period = core::Duration::milliseconds(50);
   const core::Duration tick = core::Duration::milliseconds(500);
   return {.model = model::make_node_model<kTurningShape>(sensor, period, tick)};
-}
-
-/// Noise of the sensor at rest, with the figures of its model.
-inline std::vector<double> rest_noise_rad_s(std::size_t samples,
-                                            const random::RandomStream& stream) {
-  const model::SensorModel sensor = model::find_model("lsm6dso");
-  const std::vector<simulate::Effect> effects{
-      simulate::ConstantBias{.bias_rad_s = 0.3 * kRadPerDeg},
-      simulate::WhiteNoise{.angle_random_walk_rad_rt_s =
-                               sensor.white.angle_random_walk_rad_per_sqrt_s},
-      simulate::FlickerNoise{.bias_instability_rad_s = sensor.flicker->bias_instability_rad_s,
-                             .order = 0.5}};
-  return simulate::simulate(simulate::Signal{samples, kPeriod_s}, effects, stream).rate_rad_s;
 }
 
 }  // namespace zerorate::drives

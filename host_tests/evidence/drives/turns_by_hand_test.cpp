@@ -14,9 +14,9 @@
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tests/evidence/drives/made_noise.hpp"
 #include "host_tools/lib/calibrate/calibration.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
-#include "host_tools/lib/simulate/simulate.hpp"
 
 namespace zerorate::drives {
 namespace {
@@ -69,18 +69,6 @@ Drawn draw(const Case& made, const random::RandomStream& draws) {
   return drawn;
 }
 
-/// Noise with the figures of the sensor's model.
-std::vector<double> noise_of(std::size_t samples, const random::RandomStream& stream) {
-  const model::SensorModel sensor = model::find_model("lsm6dso");
-  const std::vector<simulate::Effect> effects{
-      simulate::ConstantBias{.bias_rad_s = 0.3 * kRadPerDeg},
-      simulate::WhiteNoise{.angle_random_walk_rad_rt_s =
-                               sensor.white.angle_random_walk_rad_per_sqrt_s},
-      simulate::FlickerNoise{.bias_instability_rad_s = sensor.flicker->bias_instability_rad_s,
-                             .order = 0.5}};
-  return simulate::simulate(simulate::Signal{samples, kPeriod_s}, effects, stream).rate_rad_s;
-}
-
 calibrate::Calibration calibrate_by_hand(const Case& made, const Drawn& drawn,
                                          const random::RandomStream& stream) {
   const auto period = core::Duration::milliseconds(40);
@@ -90,7 +78,7 @@ calibrate::Calibration calibrate_by_hand(const Case& made, const Drawn& drawn,
       .standstill = {.source = core::StandstillSource::gyro}};
   Node node{params};
   calibrate::TurnGuide guide{{}};
-  const std::vector<double> noise = noise_of(drawn.rate_rad_s.size(), stream);
+  const std::vector<double> noise = rest_noise_rad_s(drawn.rate_rad_s.size(), kPeriod_s, stream);
   for (std::size_t k = 0; k < noise.size(); ++k) {
     const double rate = drawn.rate_rad_s[k];
     const double measured =
