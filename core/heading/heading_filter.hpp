@@ -33,7 +33,7 @@ enum class ReferenceVerdict : std::uint8_t {
 ///
 /// A reference of the heading measures the first state, one of a turn a sum of the others. Their
 /// errors count as independent. The bias in motion differs from drive to drive, with a variance
-/// that is learnt too. ReferenceJudge says whether a reference teaches; docs/design/references.md.
+/// that is learnt too. A ReferenceJudge decides which references teach; docs/design/references.md.
 ///
 /// Angles are counter-clockwise about the axis that points up. Fixed memory; cost: some 100
 /// floating-point operations a tick and a reference.

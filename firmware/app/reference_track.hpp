@@ -173,8 +173,8 @@ class ReferenceTrack {
 
   static constexpr core::Instant kNever = core::kLatestTime;
 
-  /// Stated variance, and that of the time: a clock is right within a tenth of a second. No heading
-  /// of a vehicle is better than a tenth of a degree.
+  /// Sum of the stated variance and of that by the clock, which errs by a tenth of a second. The
+  /// heading of a vehicle errs by a tenth of a degree at least.
   [[nodiscard]] constexpr float variance_of(core::Angle sigma, const Sum& sum) const {
     constexpr float kSmallest_rad = 0.1F * core::kRadPerDeg;
     constexpr float kClockSigma_s = 0.1F;

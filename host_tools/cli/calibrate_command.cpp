@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -20,6 +19,7 @@
 #include "host_tools/lib/calibrate/presentation.hpp"
 #include "host_tools/lib/calibrate/turn_guide.hpp"
 #include "host_tools/lib/live/source.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -93,7 +93,7 @@ void write_model(const TurnsFlags& flags, model::SensorModel model,
 ExitCode run_turns(const TurnsFlags& flags, const PlayRecording& play_recording) {
   const std::optional<model::SensorModel> model = model_of(flags);
   calibrate::CalibrationSettings settings{
-      .turns = flags.turns, .mark_sigma_rad = flags.mark_sigma_deg * std::numbers::pi / 180.0};
+      .turns = flags.turns, .mark_sigma_rad = flags.mark_sigma_deg * units::kRadPerDeg};
   if (model) settings.tolerance = model->scale_factor.value_or(model::ScaleFactor{});
   TurnGuide guide{flags.guide()};
   if (flags.recording.empty()) {

@@ -20,7 +20,8 @@ ShowTally open_page(const std::string& address, std::uint16_t port) {
                 std::chrono::milliseconds silence) { page->show(tally, source, silence); };
 }
 
-/// Rest is what the odometer of the recording says, where it has one.
+/// Replays the recording. Without a column of the odometer or of rest, the gyro alone decides what
+/// is rest.
 void play_recording(const std::string& recording, const std::string& model,
                     const std::function<void(const wire::NumberedMessage&)>& take) {
   recording::Reader reader{recording};

@@ -28,8 +28,8 @@ double tilt_rad(const GuidedTurn& turn) {
   return std::atan2(others, std::abs(turn.angle_rad[axis]));
 }
 
-/// Whether the bias, over the time of the turn, changed by more than its interval and a hundredth
-/// of a round.
+/// Whether the bias took up a part of the turn. The change of the bias, times the length of the
+/// turn, is compared with its interval and with a hundredth of a full turn.
 bool takes_turn_for_bias(const GuidedTurn& turn, std::size_t axis) {
   constexpr double kSmall_rad = 0.02 * std::numbers::pi;
   const double changed_rad = turn.bias_step_rad_s[axis] * turn.length_s;

@@ -39,8 +39,8 @@ struct Calibration {
 /// @param guide at its end
 [[nodiscard]] Calibration calibrate(const TurnGuide& guide, const CalibrationSettings& settings);
 
-/// The scale factor of a model that has this calibration. A node takes no known error off the rate,
-/// so that its tolerance has to hold the error itself and what is not known of it.
+/// The scale factor of a model after this calibration. A node corrects no known scale factor, so
+/// the tolerance contains the measured error and its standard deviation.
 /// @param calibration with a fit
 [[nodiscard]] model::ScaleFactor calibrated_scale_factor(const Calibration& calibration);
 

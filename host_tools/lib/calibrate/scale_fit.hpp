@@ -41,8 +41,8 @@ struct FitSettings {
 /// Fits measured - true = scale * true + asymmetry * |true| by weighted least squares.
 ///
 /// Each stop at the mark is the end of one turn and the beginning of the next, so that its error
-/// enters both with opposite signs. The weights leave that out, and the covariance has it: it is
-/// that of these weights, whatever the errors have in common.
+/// enters both with opposite signs. The weights neglect this correlation. The covariance of the
+/// result contains it.
 /// @param turns in their order, at least one
 [[nodiscard]] ScaleFit fit_scale(std::span<const CountedTurn> turns, const FitSettings& settings);
 

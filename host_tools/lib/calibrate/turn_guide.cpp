@@ -6,6 +6,7 @@
 
 #include "core/base/numeric.hpp"
 #include "firmware/wire/health_bits.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::calibrate {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double seconds(core::Duration duration) {
-  return static_cast<double>(duration.ns()) * 1e-9;
+  return units::seconds(duration.ns());
 }
 
 double angle_rad(const app::RateMessage& message, std::size_t axis) {
@@ -118,7 +119,7 @@ void TurnGuide::take_motion(const app::RateMessage& message) {
 /// Whether the motion that is over interrupted a rest for less than kBump_rad: the noise of the
 /// gyro does so now and then.
 bool TurnGuide::was_bump() const {
-  constexpr double kBump_rad = 2.0 / 180.0 * std::numbers::pi;
+  constexpr double kBump_rad = 2.0 * units::kRadPerDeg;
   if (!rest_before_ || !turn_) return false;
   const std::array<double, 3> before = angle_before_rad_.value_or(std::array<double, 3>{});
   for (std::size_t i = 0; i < 3; ++i) {

@@ -50,8 +50,8 @@ struct GuidedTurn {
 ///
 /// The standard deviation that the node publishes contains the tolerance of the scale factor, which
 /// is looked for here. So the guide sums that of the bias, which each message has, over the time of
-/// the turn: as much as if the error of the bias stayed the same, an upper bound. White noise adds
-/// what neighbouring messages at rest differ by.
+/// the turn: as much as if the error of the bias stayed the same, an upper bound. The white noise
+/// is measured by the differences of neighbouring messages at rest.
 class TurnGuide {
  public:
   enum class Stage : std::uint8_t {
