@@ -4,7 +4,7 @@
 function(build_test name directory)
   cmake_parse_arguments(build "" "REQUIRES" "TARGETS" ${ARGN})
   add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" --build "${directory}" --target ${build_TARGETS})
-  set_tests_properties(${name} PROPERTIES LABELS guards TIMEOUT 600
+  set_tests_properties(${name} PROPERTIES LABELS guards TIMEOUT 1800
     FIXTURES_REQUIRED ${build_REQUIRES} RESOURCE_LOCK "${directory}")
 endfunction()
 
@@ -14,7 +14,7 @@ function(configure_test name source directory processor)
   add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -S "${source}" -B "${directory}" -G Ninja
     --toolchain "${PROJECT_SOURCE_DIR}/toolchains/arm-none-eabi-${processor}.cmake" -DBUILD_TESTING=OFF
     ${configure_OPTIONS})
-  set_tests_properties(${name} PROPERTIES LABELS guards TIMEOUT 120
+  set_tests_properties(${name} PROPERTIES LABELS guards TIMEOUT 360
     FIXTURES_SETUP ${configure_SETS_UP} RESOURCE_LOCK "${directory}")
 endfunction()
 
