@@ -9,21 +9,12 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
-#include "core/base/symmetric_matrix.hpp"
 #include "core/base/units.hpp"
+#include "core/heading/heading_state.hpp"
+#include "core/heading/learnt_motion.hpp"
 #include "core/heading/reference_judge.hpp"
 
 namespace zerorate::core {
-
-/// Outcome of a reference.
-enum class ReferenceVerdict : std::uint8_t {
-  learnt,    ///< it agrees, and was learnt from
-  begun,     ///< a beginning, nothing to compare: the source is new, or has jumped
-  too_soon,  ///< hardly anything was turned since the reference before
-  refused,   ///< too far from what was expected: it jumps, comes late or has another sense
-  no_bias,   ///< no stop was learnt from, or the turn is not known
-  bad_time,  ///< later than the newest sample, or further back than is remembered
-};
 
 /// A Kalman filter of four states about the vertical axis: heading, error of the scale factor,
 /// offset between the bias in motion and at rest, and error of the bias that was predicted at
@@ -39,48 +30,25 @@ enum class ReferenceVerdict : std::uint8_t {
 /// floating-point operations a tick and a reference.
 class HeadingFilter {
  public:
-  static constexpr std::size_t kStates = 4;
-  /// Index of each state.
-  static constexpr std::size_t kHeading = 0;
-  static constexpr std::size_t kScale = 1;
-  static constexpr std::size_t kOffset = 2;
-  static constexpr std::size_t kBias = 3;
+  using State = HeadingState;
+  using Turn = State::Turn;
+  static constexpr std::size_t kStates = State::kStates;
+  static constexpr std::size_t kHeading = State::kHeading;
+  static constexpr std::size_t kScale = State::kScale;
+  static constexpr std::size_t kOffset = State::kOffset;
+  static constexpr std::size_t kBias = State::kBias;
 
   /// Standard deviations before the first reference.
   struct Params {
     float scale_factor = 0.01F;
     float offset_rad_s = 0.007F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
     float between_drives_rad_s = 0.005F * kRadPerDeg;  ///< part of it that another drive has not
+    float scale_factor_per_k = 1e-4F;  ///< change of the scale factor with the temperature
   };
-  /// Turn by the gyro, not yet divided by its scale factor.
-  struct Turn {
-    float turn_rad = 0.0F;
-    float length_s = 0.0F;
-
-    constexpr bool operator==(const Turn&) const = default;
-  };
-  struct State {
-    std::array<float, kStates> x{};
-    SymmetricMatrix<kStates> covariance{};
-    Turn since;                          ///< since the newest reference that was taken
-    float newest_variance_rad2 = 0.0F;   ///< variance of that reference
-    float bias_variance_rad2_s2 = 0.0F;  ///< variance of the predicted bias, newest
-    float bias_variance_at_departure_rad2_s2 = 0.0F;
-    float drift_rad2_s3 = 0.0F;  ///< growth of that variance in the first two minutes, a second
-    float driven_s = 0.0F;       ///< since departure
-    float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
-    float between_drives_weight = 1.0F;   ///< drives that it rests on
-    float bias_prior_rad2_s2 = 0.0F;      ///< variance of the bias, had no reference come
-    ReferenceJudge judge;
-    bool has_heading = false;
-    bool has_learnt = false;
-
-    constexpr bool operator==(const State&) const = default;
-  };
-
   constexpr explicit HeadingFilter(const Params& params)
       : variance_{0.0F, params.scale_factor * params.scale_factor,
-                  params.offset_rad_s * params.offset_rad_s, 0.0F} {
+                  params.offset_rad_s * params.offset_rad_s, 0.0F},
+        scale_factor_per_k_(params.scale_factor_per_k) {
     state_.between_drives_rad2_s2 = params.between_drives_rad_s * params.between_drives_rad_s;
     state_.covariance(kScale, kScale) = variance_[kScale];
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
@@ -88,28 +56,29 @@ class HeadingFilter {
 
   [[nodiscard]] constexpr const State& state() const { return state_; }
   constexpr void restore(const State& state) { state_ = state; }
-  /// Whether memory from outside may be such a state.
-  [[nodiscard]] static bool is_possible(const State& state) {
-    for (std::size_t i = 0; i < kStates; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        if (!is_plausible(state.covariance(i, j))) return false;
-      }
-      if (!(state.covariance(i, i) >= 0.0F)) return false;
-    }
-    constexpr float kLargestFactor = 0.5F;
-    return are_bools(state.has_heading, state.has_learnt) && are_plausible(state.x) &&
-           state.x[kScale] >= -kLargestFactor && state.x[kScale] <= kLargestFactor &&
-           are_plausible(std::array{state.since.turn_rad, state.since.length_s}) &&
-           are_plausible_variances(
-               std::array{state.newest_variance_rad2, state.bias_variance_rad2_s2,
-                          state.bias_variance_at_departure_rad2_s2, state.drift_rad2_s3,
-                          state.driven_s, state.between_drives_rad2_s2, state.between_drives_weight,
-                          state.bias_prior_rad2_s2}) &&
-           state.between_drives_weight >= 1.0F && state.judge.is_possible();
+  /// Goes on, before the first reference, with what another run has learnt.
+  constexpr void resume(const LearntMotion& learnt, float pause_s) {
+    if (learnt.references == 0) return;
+    const LearntMotion now =
+        learnt.aged(pause_s, {kScaleGrowth, kOffsetGrowth * variance_[kOffset]},
+                    {variance_[kScale], variance_[kOffset]});
+    state_.x = {0.0F, now.scale_factor, now.offset_rad_s, 0.0F};
+    state_.covariance(kScale, kScale) = now.scale_variance;
+    state_.covariance(kOffset, kOffset) = now.offset_variance_rad2_s2;
+    state_.covariance(kScale, kOffset) = now.covariance_rad_s;
+    state_.between_drives_rad2_s2 = now.between_drives_rad2_s2;
+    state_.between_drives_weight = now.between_drives_weight;
+    state_.judge = now.judge();
+    state_.lessons = {.references = now.references,
+                      .drives = now.drives,
+                      .references_before = now.references,
+                      .learnt_k = now.temperature_k};
+    state_.has_learnt = true;
   }
 
   /// The vehicle departs with a bias that was learnt at rest.
-  constexpr void depart(float bias_variance_rad2_s2) {
+  /// @param temperature_k of the sensor; 0: not known
+  constexpr void depart(float bias_variance_rad2_s2, float temperature_k = 0.0F) {
     learn_from_drive();
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kBias, i) = 0.0F;
     state_.bias_prior_rad2_s2 = bias_variance_rad2_s2 + state_.between_drives_rad2_s2;
@@ -119,8 +88,9 @@ class HeadingFilter {
     state_.bias_variance_at_departure_rad2_s2 = bias_variance_rad2_s2;
     state_.drift_rad2_s3 = 0.0F;
     state_.driven_s = 0.0F;
-    state_.covariance(kScale, kScale) += kScaleDrift * kScaleDrift;
-    state_.covariance(kOffset, kOffset) += kOffsetShare * kOffsetShare * variance_[kOffset];
+    state_.covariance(kScale, kScale) +=
+        kScaleGrowth + state_.lessons.depart(temperature_k, scale_factor_per_k_);
+    state_.covariance(kOffset, kOffset) += kOffsetGrowth * variance_[kOffset];
   }
 
   /// The vehicle turned.
@@ -237,10 +207,10 @@ class HeadingFilter {
  private:
   using Row = std::array<float, kStates>;
 
-  /// Changes from drive to drive: of the scale factor with the temperature, and of the offset, as a
-  /// share of what was known of it at first.
-  static constexpr float kScaleDrift = 1e-4F;
-  static constexpr float kOffsetShare = 0.02F;
+  /// Growth of the variances from drive to drive: of the scale factor, and of the offset as a share
+  /// of what was known of it at first.
+  static constexpr float kScaleGrowth = 1e-4F * 1e-4F;
+  static constexpr float kOffsetGrowth = 0.02F * 0.02F;
 
   [[nodiscard]] static constexpr float wrapped(float angle_rad) {
     constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
@@ -259,12 +229,12 @@ class HeadingFilter {
     }
     return result;
   }
-  [[nodiscard]] constexpr float spread(const Row& h) const {
-    const Row ph = product(h);
+  [[nodiscard]] static constexpr float dot(const Row& a, const Row& b) {
     float sum = 0.0F;
-    for (std::size_t i = 0; i < kStates; ++i) sum += h[i] * ph[i];
+    for (std::size_t i = 0; i < kStates; ++i) sum += a[i] * b[i];
     return sum;
   }
+  [[nodiscard]] constexpr float spread(const Row& h) const { return dot(h, product(h)); }
 
   /// Growth of the variance of the bias: as predicted, and after two minutes as in these. A bias
   /// that was followed for an hour goes on to wander, while that of the predictor has long done so.
@@ -344,19 +314,17 @@ class HeadingFilter {
   constexpr void learn_from_drive() {
     const float prior = state_.bias_prior_rad2_s2;
     if (!state_.has_learnt || !(prior > 0.0F)) return;
-    constexpr float kMostDrives = 32.0F;
     const float left = state_.covariance(kBias, kBias);
     const float share = state_.between_drives_rad2_s2 / prior;
-    state_.between_drives_weight =
-        std::min(state_.between_drives_weight + share * (1.0F - left / prior), kMostDrives);
+    state_.between_drives_weight = std::min(
+        state_.between_drives_weight + share * (1.0F - left / prior), LearntMotion::kMostDrives);
     const float surplus = state_.x[kBias] * state_.x[kBias] + left - prior;
     state_.between_drives_rad2_s2 = std::max(
         state_.between_drives_rad2_s2 + share * surplus / state_.between_drives_weight, 0.0F);
   }
   constexpr void learn(const Row& h, float error_rad, float variance_rad2, bool teaches) {
     const Row ph = product(h);
-    float expected = variance_rad2;
-    for (std::size_t i = 0; i < kStates; ++i) expected += h[i] * ph[i];
+    const float expected = variance_rad2 + dot(h, ph);
     const std::size_t last = teaches ? kStates : std::size_t{1};
     for (std::size_t i = 0; i < last; ++i) {
       const float gain = ph[i] / expected;
@@ -370,9 +338,11 @@ class HeadingFilter {
     }
     state_.x[kHeading] = wrapped(state_.x[kHeading]);
     state_.has_learnt = state_.has_learnt || teaches;
+    state_.lessons.references += teaches ? 1U : 0U;
   }
 
   Row variance_;  ///< variances before the first reference
+  float scale_factor_per_k_;
   State state_{};
 };
 

@@ -10,6 +10,16 @@
 
 namespace zerorate::core {
 
+/// Outcome of a reference.
+enum class ReferenceVerdict : std::uint8_t {
+  learnt,    ///< it agrees, and was learnt from
+  begun,     ///< a beginning, nothing to compare: the source is new, or has jumped
+  too_soon,  ///< hardly anything was turned since the reference before
+  refused,   ///< too far from what was expected: it jumps, comes late or has another sense
+  no_bias,   ///< no stop was learnt from, or the turn is not known
+  bad_time,  ///< later than the newest sample, or further back than is remembered
+};
+
 /// Follows how large the errors of references are, whether they are noise, and whether references
 /// and gyro can both be right. An error counts in standard deviations of what was expected.
 ///

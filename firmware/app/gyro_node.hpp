@@ -117,8 +117,7 @@ class GyroNode {
     discard_stop(now);
     turn_.lose();
     finish_learning();
-    const std::int64_t ticks =
-        std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
+    const auto ticks = std::clamp(slept / params_.model.modes.tick, std::int64_t{0}, kMostTicks);
     ticks_.pass_pause(static_cast<std::uint32_t>(ticks), has_lost_power);
   }
 
@@ -129,7 +128,6 @@ class GyroNode {
     const bool refused = refuse(sample, message.health);
     const core::Duration since_last = since_newest_sample(sample.time);
     if (!refused) take_in(sample);
-
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;
     message.health.saturated =
@@ -237,6 +235,10 @@ class GyroNode {
   void resume(const Learnt&... learnt) {
     ZERORATE_ASSERT(!learning_.has_sample());
     ticks_.resume(learnt...);
+  }
+  /// Likewise with what references taught. Of nodes that take them.
+  constexpr void resume_motion(const core::LearntMotion& learnt, float pause_s) {
+    turn_.resume(learnt, pause_s);
   }
 
  private:

@@ -88,9 +88,8 @@ class ReferenceTrack {
                                             position.variance_rad2});
     };
     const Marks& marks = state.marks;
-    return core::HeadingFilter::is_possible(state.filter) &&
-           core::RecentTurn::is_possible(state.recent) && is_possible_position(marks.followed) &&
-           is_possible_position(marks.turn_end) &&
+    return state.filter.is_possible() && core::RecentTurn::is_possible(state.recent) &&
+           is_possible_position(marks.followed) && is_possible_position(marks.turn_end) &&
            std::ranges::all_of(
                std::array{marks.turn_ended, marks.departed, marks.rested, marks.stopped},
                core::is_in_range);
@@ -130,10 +129,16 @@ class ReferenceTrack {
     marks_.followed = now;
   }
   /// The vehicle moves after a stop that was learnt from: the sum is about to begin anew.
-  constexpr void depart(const Sum& sum, core::Instant at, float bias_variance_rad2_s2) {
+  /// @param temperature_k of the sensor; 0: not known
+  constexpr void depart(const Sum& sum, core::Instant at, float bias_variance_rad2_s2,
+                        float temperature_k) {
     follow(sum, bias_variance_rad2_s2);
-    filter_.depart(bias_variance_rad2_s2);
+    filter_.depart(bias_variance_rad2_s2, temperature_k);
     marks_ = {.departed = at, .rested = marks_.stopped, .stopped = marks_.stopped};
+  }
+  /// Goes on, before the first sample, with what another run has learnt.
+  constexpr void resume(const core::LearntMotion& learnt, float pause_s) {
+    filter_.resume(learnt, pause_s);
   }
   constexpr void stop(core::Instant at) { marks_.stopped = at; }
   /// The turn is not known any more.

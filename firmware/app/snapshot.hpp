@@ -19,63 +19,9 @@
 #include "core/base/time.hpp"
 #include "firmware/app/fingerprint.hpp"
 #include "firmware/app/gyro_node.hpp"
+#include "firmware/app/resumption.hpp"
 
 namespace zerorate::app {
-
-/// Why a record is not taken up. The node then starts from nothing, as without a record.
-enum class SnapshotRefusal : std::uint8_t {
-  not_a_snapshot,  ///< another size, or not our mark
-  damaged,         ///< the checksum is wrong
-  other_layout,    ///< a version whose records mean something else
-  other_sensor,
-  impossible,       ///< no node remembers such numbers, though the checksum is right
-  nothing_learnt,   ///< it was saved before the node was calibrated
-  turn_on_unknown,  ///< the power was off, and the model does not say what that changes
-};
-
-/// For logs.
-[[nodiscard]] constexpr std::string_view name(SnapshotRefusal refusal) {
-  switch (refusal) {
-    case SnapshotRefusal::not_a_snapshot:
-      return "not a record of a node";
-    case SnapshotRefusal::damaged:
-      return "damaged";
-    case SnapshotRefusal::other_layout:
-      return "saved by another version";
-    case SnapshotRefusal::other_sensor:
-      return "saved with another gyro";
-    case SnapshotRefusal::impossible:
-      return "numbers that no node remembers";
-    case SnapshotRefusal::nothing_learnt:
-      return "saved before anything was learnt";
-    case SnapshotRefusal::turn_on_unknown:
-      return "saved in another boot, and the model has no [turn_on]";
-  }
-  return "unknown";
-}
-
-/// Outcome of a record that was taken up.
-enum class Resumption : std::uint8_t {
-  continued,      ///< bit for bit, as if there had been no pause
-  aged,           ///< aged by the time on the clock since then
-  aged_by_a_day,  ///< no clock: assume a day, so the interval is never too narrow
-  bias_alone,     ///< the model is another: aged likewise, and the noise is learnt anew
-};
-
-/// For logs.
-[[nodiscard]] constexpr std::string_view name(Resumption resumption) {
-  switch (resumption) {
-    case Resumption::continued:
-      return "nothing lost";
-    case Resumption::aged:
-      return "aged by the time since it was saved";
-    case Resumption::aged_by_a_day:
-      return "aged by a day, for the clock does not tell";
-    case Resumption::bias_alone:
-      return "the bias alone, for the model has changed";
-  }
-  return "unknown";
-}
 
 /// One run of the sensor's power and of the monotonic clock: on Linux the kernel's boot id. All
 /// zeros where the board cannot tell: then every start counts as another session.
@@ -98,7 +44,7 @@ struct SnapshotTime {
 
 /// Writes and reads the records of one node. A record is
 ///
-///     header | biases | filters of all axes, or the node's whole state | CRC-32
+///     header | biases | filters and lessons of references, or the node's whole state | CRC-32
 ///
 /// in the byte order and layout that all our processors share; the layout is part of the model's
 /// fingerprint. The filters are enough to go on after the power was off. Within one session the
@@ -114,15 +60,19 @@ class Snapshot {
   using Levels = typename Node::Ticks::Levels;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
+  using Motion = core::LearntMotion;  ///< lessons of references
 
+  static constexpr bool kTakesReferences = Node::Ticks::kTakesReferences;
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
-  static constexpr std::uint16_t kLayout = 9;
+  static constexpr std::uint16_t kLayout = 10;
   static constexpr std::size_t kBytesOfTemperature =
       std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
+  static constexpr std::size_t kBytesOfMotion = kTakesReferences ? sizeof(Motion) : 0;
   static constexpr std::size_t kBytesOfBiases = 4 * (Node::kAxes + 3);
-  static constexpr std::size_t kBytesOfFilters =
-      64 + kBytesOfBiases + sizeof(Filter) + sizeof(Levels) + kBytesOfTemperature + 4;
+  static constexpr std::size_t kBytesOfFilters = 64 + kBytesOfBiases + sizeof(Filter) +
+                                                 sizeof(Levels) + kBytesOfTemperature +
+                                                 kBytesOfMotion + 4;
   static constexpr std::size_t kBytesOfState = 64 + kBytesOfBiases + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -153,6 +103,7 @@ class Snapshot {
     put(rest, filter);
     put(rest, ticks.levels());
     if constexpr (kBytesOfTemperature > 0) put(rest, temperature);
+    if constexpr (kTakesReferences) put(rest, node.heading_filter().state().learnt());
     finish(record);
   }
   /// A record for programs that are restarted.
@@ -185,9 +136,11 @@ class Snapshot {
       return if_possible(node, *header, Resumption::continued);
     }
     const Filter& learnt = state.ticks.predictors.kalman;
+    Motion motion;
+    if constexpr (kTakesReferences) motion = state.turn.references.filter.learnt();
     return resume(node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
                   state.ticks.levels(), Node::TemperatureTrack::measured(state.ticks.temperature),
-                  *header, now);
+                  motion, *header, now);
   }
   /// restore() of records of the filters only: no room for a whole state on the stack.
   core::Result<Resumption, SnapshotRefusal> restore_filters(Node& node,
@@ -210,8 +163,13 @@ class Snapshot {
         return core::Unexpected{SnapshotRefusal::impossible};
       }
     }
+    Motion motion;
+    if constexpr (kTakesReferences) {
+      motion = get<Motion>(after_filter.subspan(sizeof(Levels) + kBytesOfTemperature));
+      if (!motion.is_possible()) return core::Unexpected{SnapshotRefusal::impossible};
+    }
     return resume(node, payload.first<sizeof(Filter)>(), get<Levels>(after_filter), temperature,
-                  *header, now);
+                  motion, *header, now);
   }
 
  private:
@@ -324,12 +282,15 @@ class Snapshot {
 
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
                                                    const Levels& levels, Temperature temperature,
-                                                   const Header& header,
+                                                   const Motion& motion, const Header& header,
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
     if (!pause) return core::Unexpected{pause.error()};
     node.resume(temperature, added(header.ticks_since_measured, pause->ticks), levels.white, learnt,
                 levels.drive);
+    if constexpr (kTakesReferences) {
+      node.resume_motion(motion, static_cast<float>(pause->ticks) * tick_.in_seconds());
+    }
     return if_possible(node, header,
                        pause->is_known ? Resumption::aged : Resumption::aged_by_a_day);
   }

@@ -65,6 +65,10 @@ class TurnTrack {
     sum_.restore(state.sum);
     if constexpr (kTakesReferences) references_.restore(state.references);
   }
+  /// Goes on, before the first sample, with what references taught another run.
+  constexpr void resume(const core::LearntMotion& learnt, float pause_s) requires kTakesReferences {
+    references_.resume(learnt, pause_s);
+  }
   /// Whether memory from outside may be such a state.
   [[nodiscard]] static bool is_possible(const State& state) {
     if constexpr (kTakesReferences) {
@@ -114,7 +118,7 @@ class TurnTrack {
       sample.rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
       sample.bias_sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     }
-    if (sample.moves) follow_motion(message.time, is_learning, ticks);
+    if (sample.moves) follow_motion(message, is_learning, ticks);
     if constexpr (kTakesReferences) add_to_references(message.time, sample);
     sum_.add(sample);
     take_error(ticks);
@@ -148,6 +152,11 @@ class TurnTrack {
   }
 
  private:
+  /// Zero where the chip gave none.
+  [[nodiscard]] static constexpr float temperature_k_of(const RateMessage& message) {
+    constexpr float kZeroCelsius_k = 273.15F;
+    return message.temperature ? kZeroCelsius_k + message.temperature->degc() : 0.0F;
+  }
   /// Time from a motion without pulses to the verdict of the gyro.
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
@@ -180,11 +189,14 @@ class TurnTrack {
   }
 
   /// Notices a departure. A measurement that is learnt after it belongs to the stop before.
-  constexpr void follow_motion(core::Instant at, bool is_learning, const Ticks& ticks) {
+  constexpr void follow_motion(const RateMessage& message, bool is_learning, const Ticks& ticks) {
     if (!sum_.moves() && (is_learning || sum_.has_rested(ticks.measured_ticks()))) {
       typename Sum::Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
-      if constexpr (kTakesReferences) references_.depart(sum_, at, bias_variance_rad2_s2(ticks));
+      if constexpr (kTakesReferences) {
+        references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks),
+                           temperature_k_of(message));
+      }
       sum_.depart(white);
       asked_ticks_ = kShortest;
     }

@@ -341,7 +341,9 @@ zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
       .heading_rad = {.value = c_api::kNone, .sigma = std::numeric_limits<float>::infinity()},
       .scale_factor_error = c_api::figure_of(filter.scale_factor(), filter.scale_factor_variance()),
       .offset_rad_s = c_api::figure_of(filter.offset_rad_s(), filter.offset_variance_rad2_s2()),
-      .quality = filter.quality()};
+      .quality = filter.quality(),
+      .references = filter.state().lessons.references,
+      .drives = filter.state().lessons.drives};
   if (heading) {
     learnt->heading_rad = {.value = heading->angle.in(core::rad),
                            .sigma = heading->sigma.in(core::rad)};

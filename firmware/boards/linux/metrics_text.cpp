@@ -118,6 +118,10 @@ void add_references(Text& text, const NodeService& service) {
              100.0F * filter.x[kState]);
   text.gauge("scale_factor_sigma_percent", "Its standard deviation.",
              100.0F * core::square_root(filter.covariance(kState, kState)));
+  text.gauge("learnt_references", "References that taught, restarts included.",
+             static_cast<float>(filter.lessons.references));
+  text.gauge("learnt_drives", "Drives in which they did.",
+             static_cast<float>(filter.lessons.drives));
   if (const auto& heading = service.status().heading) {
     text.gauge("heading_deg", "Heading of the vehicle, counter-clockwise.",
                heading->angle.in(core::deg));

@@ -25,7 +25,9 @@ typedef struct zerorate_learnt_motion {
   zerorate_figure heading_rad;        /**< at the newest sample; sigma infinite: not known */
   zerorate_figure scale_factor_error; /**< 0.01: the sensor measures 1 % too much */
   zerorate_figure offset_rad_s;       /**< of the bias in motion, which rest does not show */
-  float quality; /**< 0: the scale factor is known as by the model; 1: it is known exactly */
+  float quality;       /**< 0: the scale factor is known as by the model; 1: it is known exactly */
+  uint32_t references; /**< references that taught, those before the newest restore included */
+  uint32_t drives;     /**< drives in which they did */
 } zerorate_learnt_motion;
 
 /**

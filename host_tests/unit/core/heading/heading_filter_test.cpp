@@ -242,15 +242,90 @@ TEST(HeadingFilter, LosesItsHeadingAndKeepsWhatItLearnt) {
   EXPECT_EQ(filter.quality(), quality);
 }
 
+TEST(HeadingFilter, GoesOnWithWhatAnotherRunLearnt) {
+  const HeadingFilter learnt = driven([](std::size_t, float heading) { return heading; });
+  HeadingFilter again{kParams};
+  again.resume(learnt.state().learnt(), 0.0F);
+  EXPECT_TRUE(again.has_learnt());
+  EXPECT_FALSE(again.has_heading());
+  EXPECT_EQ(again.scale_factor(), learnt.scale_factor());
+  EXPECT_EQ(again.scale_factor_variance(), learnt.scale_factor_variance());
+  EXPECT_EQ(again.offset_rad_s(), learnt.offset_rad_s());
+  EXPECT_EQ(again.state().learnt(), learnt.state().learnt());
+  EXPECT_TRUE(again.state().judge.is_new()) << "a receiver aligns after each switching-on";
+}
+
+TEST(HeadingFilter, KnowsNoMoreAfterYearsThanBeforeTheFirst) {
+  const HeadingFilter learnt = driven([](std::size_t, float heading) { return heading; });
+  HeadingFilter day{kParams};
+  day.resume(learnt.state().learnt(), 24.0F * 3600.0F);
+  const float grown = day.scale_factor_variance() - learnt.scale_factor_variance();
+  EXPECT_NEAR(grown, 24.0F * 1e-8F, 1e-10F);
+  HeadingFilter decades{kParams};
+  decades.resume(learnt.state().learnt(), 1e10F);
+  EXPECT_EQ(decades.quality(), 0.0F);
+  EXPECT_EQ(decades.offset_variance_rad2_s2(), kParams.offset_rad_s * kParams.offset_rad_s);
+}
+
+TEST(HeadingFilter, TakesNothingUpWhereNoReferenceTaught) {
+  const HeadingFilter fresh{kParams};
+  HeadingFilter again{kParams};
+  again.resume(fresh.state().learnt(), 10.0F);
+  EXPECT_EQ(again.state(), fresh.state());
+}
+
+/// Variance of the scale factor that departures at other temperatures add.
+float growth_at(HeadingFilter filter, const std::vector<float>& temperatures_k) {
+  const float before = filter.scale_factor_variance();
+  for (const float temperature_k : temperatures_k) filter.depart(kBiasVariance, temperature_k);
+  return filter.scale_factor_variance() - before -
+         1e-8F * static_cast<float>(temperatures_k.size());
+}
+
+TEST(HeadingFilter, IsLessSureAtAnotherTemperature) {
+  HeadingFilter filter = filter_of_known_source();
+  filter.depart(kBiasVariance, 300.0F);
+  (void)filter.take_heading(0.0F, kVariance, {});
+  filter.advance({1.0F, 10.0F}, 0.0F, kBiasVariance);
+  ASSERT_EQ(filter.take_heading(1.0F, kVariance, {}), Verdict::learnt);
+  constexpr float kPerK = HeadingFilter::Params{}.scale_factor_per_k;
+  constexpr float kOfTenK = 10.0F * kPerK * 10.0F * kPerK;
+  EXPECT_NEAR(growth_at(filter, {300.0F}), 0.0F, 0.01F * kOfTenK);
+  EXPECT_NEAR(growth_at(filter, {310.0F}), kOfTenK, 0.01F * kOfTenK);
+  EXPECT_NEAR(growth_at(filter, {302.0F, 304.0F, 306.0F, 308.0F, 310.0F}), kOfTenK,
+              0.01F * kOfTenK);
+  EXPECT_NEAR(growth_at(filter, {310.0F, 300.0F, 310.0F}), kOfTenK, 0.01F * kOfTenK);
+  EXPECT_NEAR(growth_at(filter, {0.0F}), 0.0F, 0.01F * kOfTenK) << "no thermometer";
+}
+
+TEST(LearntMotion, IsRefusedWhereItIsImpossible) {
+  const LearntMotion learnt =
+      driven([](std::size_t, float heading) { return heading; }).state().learnt();
+  EXPECT_TRUE(learnt.is_possible());
+  const auto is_possible = [&](auto member, auto value) {
+    LearntMotion other = learnt;
+    other.*member = value;
+    return other.is_possible();
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(is_possible(&LearntMotion::scale_factor, kNan));
+  EXPECT_FALSE(is_possible(&LearntMotion::scale_factor, -0.6F));
+  EXPECT_FALSE(is_possible(&LearntMotion::scale_variance, -1e-9F));
+  EXPECT_FALSE(is_possible(&LearntMotion::covariance_rad_s, 1.0F));
+  EXPECT_FALSE(is_possible(&LearntMotion::between_drives_weight, 0.5F));
+  EXPECT_FALSE(is_possible(&LearntMotion::noise_factor, 0.0F));
+  EXPECT_FALSE(is_possible(&LearntMotion::drives, learnt.references + 1));
+}
+
 TEST(HeadingFilter, RefusesAStateThatIsImpossible) {
   const HeadingFilter filter = driven([](std::size_t, float heading) { return heading; });
-  EXPECT_TRUE(HeadingFilter::is_possible(filter.state()));
+  EXPECT_TRUE(filter.state().is_possible());
   HeadingFilter::State state = filter.state();
   state.covariance(HeadingFilter::kScale, HeadingFilter::kScale) = -1.0F;
-  EXPECT_FALSE(HeadingFilter::is_possible(state));
+  EXPECT_FALSE(state.is_possible());
   state = filter.state();
   state.x[HeadingFilter::kScale] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(HeadingFilter::is_possible(state));
+  EXPECT_FALSE(state.is_possible());
 }
 
 TEST(RecentTurn, IsTheIntegralSinceATimeThatLiesBack) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zerorate_references.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -87,6 +88,25 @@ TEST_F(ScaledGyro, IsCorrectedByHeadingsAtStops) {
   EXPECT_LT(motion.scale_factor_error.sigma, 0.002F);
   EXPECT_GT(motion.quality, 0.8F);
   EXPECT_TRUE(last.health.usable);
+}
+
+TEST_F(ScaledGyro, GoesOnAfterThePowerWasOff) {
+  for (int drive = 0; drive < 12; ++drive) stop_and_drive();
+  const zerorate_learnt_motion before = learnt();
+  EXPECT_GT(before.references, 0U);
+  EXPECT_GT(before.drives, 0U);
+  std::array<std::uint8_t, ZERORATE_SNAPSHOT_BYTES> record{};
+  ASSERT_EQ(zerorate_save(&node_, 0, record.data(), record.size()), ZERORATE_OK);
+  SetUp();
+  EXPECT_EQ(learnt().quality, 0.0F);
+  ASSERT_EQ(zerorate_restore(&node_, 60, record.data(), record.size()), ZERORATE_OK);
+  const zerorate_learnt_motion after = learnt();
+  EXPECT_EQ(after.references, before.references);
+  EXPECT_EQ(after.drives, before.drives);
+  EXPECT_EQ(after.scale_factor_error.value, before.scale_factor_error.value);
+  EXPECT_GE(after.scale_factor_error.sigma, before.scale_factor_error.sigma);
+  EXPECT_LT(after.scale_factor_error.sigma, 1.5F * before.scale_factor_error.sigma);
+  EXPECT_TRUE(std::isinf(after.heading_rad.sigma));
 }
 
 TEST_F(ScaledGyro, SaysWhereItIsHeading) {
