@@ -152,10 +152,12 @@ class HeadingFilter {
   [[nodiscard]] constexpr float heading_rad(const Turn& ahead) const {
     return wrapped(state_.x[kHeading] + scaled(ahead.turn_rad));
   }
+  /// @param ahead less than a tick, in which the error of the bias makes nothing of an angle
   [[nodiscard]] constexpr float heading_variance_rad2(const Turn& ahead) const {
-    auto h = sensitivity(ahead);
-    h[kHeading] = 1.0F;
-    return std::max(spread(h), 0.0F);
+    const auto& p = state_.covariance;
+    const float m = scaled(ahead.turn_rad);
+    return std::max(
+        p(kHeading, kHeading) + m * (m * p(kScale, kScale) - 2.0F * p(kHeading, kScale)), 0.0F);
   }
   /// Whether anything was learnt of the scale factor and the offset.
   [[nodiscard]] constexpr bool has_learnt() const { return state_.has_learnt; }

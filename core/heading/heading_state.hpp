@@ -12,7 +12,7 @@
 
 namespace zerorate::core {
 
-/// What a HeadingFilter remembers.
+/// Memory of a HeadingFilter.
 struct HeadingState {
   static constexpr std::size_t kStates = 4;
   /// Index of each state.
@@ -66,7 +66,7 @@ struct HeadingState {
            between_drives_weight >= 1.0F && judge.is_possible() && lessons.is_possible();
   }
 
-  /// What outlives a run.
+  /// Lessons, without the heading and the drive.
   [[nodiscard]] constexpr LearntMotion learnt() const {
     return {.scale_factor = x[kScale],
             .scale_variance = covariance(kScale, kScale),

@@ -21,7 +21,7 @@ struct Lessons {
   std::uint32_t references_before = 0;  ///< references up to the newest departure
   float learnt_k = 0.0F;                ///< temperature [K] of the newest such drive; 0: not known
   float drive_k = 0.0F;                 ///< temperature at the newest departure [K]
-  float variance = 0.0F;                ///< of the scale factor, by the difference so far
+  float variance = 0.0F;                ///< variance that the difference has added
 
   constexpr bool operator==(const Lessons&) const = default;
 
@@ -53,15 +53,15 @@ struct Lessons {
   }
 };
 
-/// What references taught, in the form that outlives the power.
+/// Lessons of references, as a record for the time without power.
 struct LearntMotion {
   static constexpr float kMostDrives = 32.0F;  ///< weight of the variance from drive to drive
 
   float scale_factor = 0.0F;  ///< error of it
   float scale_variance = 0.0F;
-  float offset_rad_s = 0.0F;  ///< of the bias in motion
+  float offset_rad_s = 0.0F;  ///< offset of the bias in motion
   float offset_variance_rad2_s2 = 0.0F;
-  float covariance_rad_s = 0.0F;        ///< of both
+  float covariance_rad_s = 0.0F;        ///< covariance of both
   float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
   float between_drives_weight = 1.0F;   ///< drives that it rests on
   float noise_factor = 1.0F;            ///< variance of the references over the stated one

@@ -21,7 +21,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -155,9 +154,8 @@ class GyroNode {
   constexpr core::ReferenceVerdict take_reference(const Reference& reference) {
     return turn_.take(reference, newest_sample(), ticks_);
   }
-  /// Heading by references and gyro at the newest sample; nullopt before the first reference. Of
-  /// nodes that take references, as the filter of them.
-  [[nodiscard]] constexpr std::optional<Heading> heading() const { return turn_.heading(); }
+  /// Heading at the newest sample. Of nodes that take references, as the filter of them.
+  [[nodiscard]] constexpr Heading heading() const { return turn_.heading(); }
   [[nodiscard]] constexpr const core::HeadingFilter& heading_filter() const {
     return turn_.references().filter();
   }

@@ -40,7 +40,7 @@ struct NodeParams {
   core::Standstill::Params standstill;
   core::OdometerCheckParams odometer;
   core::EarthRate earth;                    ///< at the vehicle's latitude; zero: not known
-  core::UpAxis up;                          ///< axis that references of the heading are about
+  std::optional<core::UpAxis> up;           ///< vertical axis; none: not known
   Predictor published = Predictor::kalman;  ///< predictor that corrects the rate
   /// Whether the strength of the white noise is learnt from the calm of the stops. A model of
   /// single samples keeps its own.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "core/standstill/calm_share.hpp"
@@ -70,6 +71,15 @@ struct AxisTurn {
   constexpr bool operator==(const AxisTurn&) const = default;
 };
 
+/// Heading of the vehicle by its references and its gyro, counter-clockwise seen from above.
+struct Heading {
+  core::Angle angle;
+  /// Standard deviation of its error; infinite before a reference, and where the turn was lost.
+  core::Angle sigma = core::rad(std::numeric_limits<float>::infinity());
+
+  constexpr bool operator==(const Heading&) const = default;
+};
+
 struct RateMessage {
   static constexpr std::uint8_t kNoCalm = core::CalmShare::kNoPercent;
 
@@ -82,6 +92,8 @@ struct RateMessage {
   std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
   std::array<AxisTurn, 3> turn{};  ///< x, y, z, since departure
   core::Duration turn_time;        ///< time that was summed since departure
+  Heading heading;
+  std::optional<core::UpAxis> up;  ///< axis that points up or down, where it is given
   std::optional<core::Temperature>
       temperature;  ///< temperature of the sensor, where the chip gave one
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an
@@ -90,6 +102,11 @@ struct RateMessage {
 
   [[nodiscard]] constexpr bool has_rate() const {
     return !health.sample_refused && !health.time_refused && !health.sensor_fault;
+  }
+  /// Corrected rate about the vertical, counter-clockwise seen from above. Needs `up`.
+  [[nodiscard]] constexpr core::AngularRate vertical_rate() const {
+    const core::AngularRate rate = axes[up->axis].corrected;
+    return up->points_down ? core::AngularRate{} - rate : rate;
   }
   constexpr bool operator==(const RateMessage&) const = default;
 };

@@ -14,6 +14,7 @@
 #include "core/heading/heading_filter.hpp"
 #include "core/heading/recent_turn.hpp"
 #include "core/heading/turn_sum.hpp"
+#include "firmware/app/rate_message.hpp"
 
 namespace zerorate::app {
 
@@ -28,12 +29,6 @@ struct HeadingReference {
 struct TurnReference {
   core::Instant from;
   core::Instant to;
-  core::Angle angle;
-  core::Angle sigma;
-};
-
-/// Heading of a node by its references and its gyro.
-struct Heading {
   core::Angle angle;
   core::Angle sigma;
 };
@@ -72,8 +67,8 @@ class ReferenceTrack {
   template <class Params>
   constexpr explicit ReferenceTrack(const Params& params)
       : filter_({.scale_factor = params.model.motion.scale_factor}),
-        axis_(std::min<std::size_t>(params.up.axis, Axes - 1)),
-        sense_(params.up.points_down ? -1.0F : 1.0F) {}
+        axis_(std::min<std::size_t>(params.up.value_or(core::UpAxis{}).axis, Axes - 1)),
+        sense_(params.up.value_or(core::UpAxis{}).points_down ? -1.0F : 1.0F) {}
 
   [[nodiscard]] constexpr State state() const { return {filter_.state(), recent_.state(), marks_}; }
   constexpr void restore(const State& state) {
@@ -106,12 +101,12 @@ class ReferenceTrack {
   [[nodiscard]] constexpr float scale_variance_rad2(const Sum& sum) const {
     return filter_.turn_variance_rad2(between({}, sum.position(axis_)));
   }
-  /// Heading at the newest sample; nullopt before a reference, and after full scale.
-  [[nodiscard]] constexpr std::optional<Heading> heading(const Sum& sum) const {
-    if (!filter_.has_heading()) return std::nullopt;
+  /// Heading at the newest sample.
+  [[nodiscard]] constexpr Heading heading(const Sum& sum) const {
+    if (!filter_.has_heading()) return {};
     const Turn ahead = between(marks_.followed, sum.position(axis_));
-    return Heading{core::rad(filter_.heading_rad(ahead)),
-                   core::rad(core::square_root(filter_.heading_variance_rad2(ahead)))};
+    return {.angle = core::rad(filter_.heading_rad(ahead)),
+            .sigma = core::rad(core::square_root(filter_.heading_variance_rad2(ahead)))};
   }
 
   /// A sample of the vertical axis, as it is summed.

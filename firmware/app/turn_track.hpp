@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <type_traits>
 
 #include "core/base/time.hpp"
@@ -78,10 +77,8 @@ class TurnTrack {
   }
 
   [[nodiscard]] constexpr const References& references() const { return references_; }
-  /// Heading at the newest sample; nullopt before a reference, and after full scale.
-  [[nodiscard]] constexpr std::optional<Heading> heading() const {
-    return references_.heading(sum_);
-  }
+  /// Heading at the newest sample.
+  [[nodiscard]] constexpr Heading heading() const { return references_.heading(sum_); }
   /// Takes a reference of the heading or of a turn.
   template <class Reference>
   constexpr core::ReferenceVerdict take(const Reference& reference, core::Instant newest,
@@ -143,6 +140,7 @@ class TurnTrack {
   }
   /// @param silence time since the newest sample
   constexpr void describe(core::Duration silence, RateMessage& message) const {
+    message.up = params_.up;
     message.turn_time = sum_.duration();
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.turn[i] = {.angle = sum_.angle(i),
@@ -181,6 +179,7 @@ class TurnTrack {
     if (sum_.moves() && !sample.moves) references_.stop(at);
   }
   constexpr void describe_vertical(core::Duration silence, RateMessage& message) const {
+    if (params_.up && silence == core::Duration{}) message.heading = heading();
     const std::size_t axis = references_.axis();
     if (!references_.filter().has_learnt()) return;
     message.turn[axis] = {

@@ -29,8 +29,7 @@ class Instance {
         word_(core::Duration::nanoseconds(config.word_timeout_ns),
               config.standstill == ZERORATE_BY_WORD),
         watch_(given.model.white_variance_rad2_s2, given.model.sample_period),
-        sensor_id_(config.sensor_id),
-        knows_up_(config.up_axis != 0) {
+        sensor_id_(config.sensor_id) {
     watch_.set_step(core::rad_per_s(config.count_rad_s));
   }
 
@@ -38,8 +37,6 @@ class Instance {
   [[nodiscard]] bool is_here() const { return self_ == this; }
   [[nodiscard]] const Node& node() const { return node_; }
   [[nodiscard]] Node& node() { return node_; }
-  /// Whether the vertical axis is known.
-  [[nodiscard]] bool knows_up() const { return knows_up_; }
   [[nodiscard]] Snapshot snapshot() const { return {params_, sensor_id_}; }
 
   /// Whether a stamp is so far behind the newest sample that its clock wrapped, was set, or is
@@ -103,7 +100,6 @@ class Instance {
   app::RateWatch sample_rate_;
   app::SampleWatch<ZERORATE_AXES> watch_;
   std::uint32_t sensor_id_;
-  bool knows_up_;
 };
 static_assert(sizeof(Instance) <= sizeof(zerorate_node));
 static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");

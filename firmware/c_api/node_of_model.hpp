@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/time.hpp"
@@ -87,16 +88,15 @@ template <core::ModelShape Shape>
   return app::Predictor::kalman;
 }
 
-/// Where no axis is known to point up nothing is asked about it.
-[[nodiscard]] inline core::UpAxis up_axis_of(const zerorate_config& config) {
-  if (config.up_axis == 0) return {};
+[[nodiscard]] inline std::optional<core::UpAxis> up_axis_of(const zerorate_config& config) {
+  if (config.up_axis == 0) return std::nullopt;
   const bool points_down = config.up_axis < 0;
   const int axis = (points_down ? -config.up_axis : config.up_axis) - 1;
-  return {.axis = static_cast<std::uint8_t>(axis), .points_down = points_down};
+  return core::UpAxis{.axis = static_cast<std::uint8_t>(axis), .points_down = points_down};
 }
 [[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
-  if (config.up_axis == 0) return {};
-  return core::earth_rate(config.latitude_deg, up_axis_of(config));
+  const auto up = up_axis_of(config);
+  return up ? core::earth_rate(config.latitude_deg, *up) : core::EarthRate{};
 }
 
 [[nodiscard]] inline core::StandstillSource source_of(zerorate_standstill standstill) {

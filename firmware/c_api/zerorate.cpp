@@ -87,6 +87,9 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 zerorate_rate no_rate() {
   zerorate_rate rate{};
   rate.calm_percent = ZERORATE_NO_CALM;
+  rate.vertical_rad_s = kNone;
+  rate.heading_rad = kNone;
+  rate.heading_sigma_rad = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] = kNone;
     rate.bias_rad_s[i] = kNone;
@@ -120,6 +123,11 @@ zerorate_rate rate_of(const app::RateMessage& message) {
                      .turn_rad = {},
                      .turn_sigma_rad = {},
                      .turn_time_ns = message.turn_time.ns(),
+                     .vertical_rad_s = message.up && message.has_rate()
+                                           ? message.vertical_rate().in(core::rad_per_s)
+                                           : kNone,
+                     .heading_rad = message.heading.angle.in(core::rad),
+                     .heading_sigma_rad = message.heading.sigma.in(core::rad),
                      .calm_percent = message.calm_percent};
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] =
@@ -304,7 +312,7 @@ zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns,
                                            float sigma_rad) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->knows_up() || !c_api::is_time(time_ns) ||
+  if (!instance->node().params().up || !c_api::is_time(time_ns) ||
       !c_api::is_reference(heading_rad, sigma_rad)) {
     return ZERORATE_BAD_ARGUMENT;
   }
@@ -318,7 +326,7 @@ zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, in
                                         float angle_rad, float sigma_rad) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->knows_up() || !c_api::is_time(from_ns) || !c_api::is_time(to_ns) ||
+  if (!instance->node().params().up || !c_api::is_time(from_ns) || !c_api::is_time(to_ns) ||
       from_ns >= to_ns || !c_api::is_reference(angle_rad, sigma_rad)) {
     return ZERORATE_BAD_ARGUMENT;
   }
@@ -334,20 +342,16 @@ zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
   if (learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->knows_up()) return ZERORATE_BAD_ARGUMENT;
+  if (!instance->node().params().up) return ZERORATE_BAD_ARGUMENT;
   const core::HeadingFilter& filter = instance->node().heading_filter();
-  const auto heading = instance->node().heading();
+  const app::Heading heading = instance->node().heading();
   *learnt = {
-      .heading_rad = {.value = c_api::kNone, .sigma = std::numeric_limits<float>::infinity()},
+      .heading_rad = {.value = heading.angle.in(core::rad), .sigma = heading.sigma.in(core::rad)},
       .scale_factor_error = c_api::figure_of(filter.scale_factor(), filter.scale_factor_variance()),
       .offset_rad_s = c_api::figure_of(filter.offset_rad_s(), filter.offset_variance_rad2_s2()),
       .quality = filter.quality(),
       .references = filter.state().lessons.references,
       .drives = filter.state().lessons.drives};
-  if (heading) {
-    learnt->heading_rad = {.value = heading->angle.in(core::rad),
-                           .sigma = heading->sigma.in(core::rad)};
-  }
   return ZERORATE_OK;
 }
 #endif

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/numeric.hpp"
 #include "core/base/units.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/wire/health_bits.hpp"
@@ -32,22 +33,27 @@ inline constexpr std::uint16_t kCanInputsOffset = 4;
 /// Identifier of the turn of axis x, from that of the status frame; y and z follow.
 inline constexpr std::uint16_t kCanTurnOffset = 5;
 inline constexpr std::size_t kCanTurnFrames = 3;
+/// Identifier of the vertical's frame, from that of the status frame.
+inline constexpr std::uint16_t kCanVerticalOffset = 8;
 /// Greatest identifier of the status frame: the last frame must still have 11 bits.
-inline constexpr std::uint16_t kGreatestCanId = 0x7FF - (kCanTurnOffset + kCanTurnFrames - 1);
+inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanVerticalOffset;
 /// Messages from one frame of the inputs to the next: they change slowly, and the bus is shared.
 inline constexpr std::uint32_t kCanInputsEvery = 16;
-/// Messages from the frames of the turn to the next: an angle is a sum, and misses nothing.
+/// Messages from the frames of the turn and of the vertical to the next: an angle is a sum, and
+/// misses nothing.
 inline constexpr std::uint32_t kCanTurnEvery = 4;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
 inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
 inline constexpr float kCanTurnLsbDeg = 1e-4F;
 inline constexpr float kCanTurnSigmaLsbDeg = 1e-3F;
+inline constexpr float kCanHeadingLsbDeg = 0.01F;
 /// Content of a signal for which there is no value, or none that fits.
 inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
 inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
 inline constexpr float kCanTemperatureLsbDegC = 0.01F;
 inline constexpr std::uint16_t kCanTemperatureNotAvailable = 0x8000U;
+inline constexpr std::uint16_t kCanHeadingNotAvailable = 0x8000U;
 
 namespace detail {
 /// Signal of 16 or 32 bits: the nearest count of its LSB, ties away from zero.
@@ -73,6 +79,13 @@ template <class Content>
   if (!temperature) return kCanTemperatureNotAvailable;
   return encode_count(temperature->degc() / kCanTemperatureLsbDegC, 32767.0F,
                       kCanTemperatureNotAvailable);
+}
+/// Heading from -180 to 180 deg; not available where its deviation is infinite.
+[[nodiscard]] constexpr std::uint16_t encode_can_heading(const app::Heading& heading) {
+  const bool is_known = core::is_finite(heading.sigma.in(core::deg));
+  if (!is_known) return kCanHeadingNotAvailable;
+  return encode_count(heading.angle.in(core::deg) / kCanHeadingLsbDeg, 32767.0F,
+                      kCanHeadingNotAvailable);
 }
 }  // namespace detail
 
@@ -137,6 +150,21 @@ template <class Content>
     out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
   }
   return frames;
+}
+
+/// Frame of rate and heading about the vertical, of a message with `up`. Send it with every
+/// kCanTurnEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr CanFrame encode_can_vertical(const app::RateMessage& message,
+                                                     std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanVerticalOffset)};
+  LittleEndianWriter out{frame.data};
+  out.put(message.has_rate() ? detail::encode_can_rate(message.vertical_rate())
+                             : kCanRateNotAvailable);
+  out.put(detail::encode_can_heading(message.heading));
+  out.put(detail::encode_can_sigma(message.heading.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
+  return frame;
 }
 
 }  // namespace zerorate::wire

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/base/crc32.hpp"
@@ -16,7 +17,8 @@
 
 namespace zerorate::wire {
 
-inline constexpr std::size_t kRateFrameBytes = 112;
+inline constexpr std::size_t kRateFrameBytes = 120;
+inline constexpr std::size_t kRateFrameBytesOfVersion3 = 112;
 inline constexpr std::size_t kRateFrameBytesOfVersion2 = 80;
 inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
 using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
@@ -41,11 +43,14 @@ struct NumberedMessage {
 namespace detail {
 inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
 inline constexpr std::uint8_t kVersion = 1;      // version of the other frames
-inline constexpr std::uint8_t kRateVersion = 3;
+inline constexpr std::uint8_t kRateVersion = 4;
 inline constexpr std::size_t kChecksumBytes = 4;
-/// Bits of byte 3: which of the last two values the message has.
+/// Bits of byte 3: values that the message has, and its vertical axis.
 inline constexpr unsigned kHasTemperature = 1U << 0U;
 inline constexpr unsigned kHasPulses = 1U << 1U;
+inline constexpr unsigned kHasUp = 1U << 2U;
+inline constexpr unsigned kUpShift = 3;
+inline constexpr unsigned kPointsDown = 1U << 5U;
 
 constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   out.put(std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)));
@@ -53,9 +58,26 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
 [[nodiscard]] constexpr core::AngularRate take_rate(LittleEndianReader& in) {
   return core::rad_per_s(std::bit_cast<float>(in.take<std::uint32_t>()));
 }
+[[nodiscard]] constexpr unsigned up_of(const std::optional<core::UpAxis>& up) {
+  if (!up) return 0;
+  return kHasUp | unsigned{up->axis} << kUpShift | (up->points_down ? kPointsDown : 0U);
+}
+/// @return false where it is an axis that no sensor has
+[[nodiscard]] constexpr bool take_up(unsigned contents, std::optional<core::UpAxis>& up) {
+  if ((contents & kHasUp) == 0) return true;
+  const auto axis = static_cast<std::uint8_t>(contents >> kUpShift & 3U);
+  up = core::UpAxis{.axis = axis, .points_down = (contents & kPointsDown) != 0};
+  return axis < 3;
+}
 [[nodiscard]] constexpr std::uint8_t contents_of(const app::RateMessage& message) {
   return static_cast<std::uint8_t>((message.temperature ? kHasTemperature : 0U) |
-                                   (message.odometer_pulses ? kHasPulses : 0U));
+                                   (message.odometer_pulses ? kHasPulses : 0U) | up_of(message.up));
+}
+constexpr void put_angle(LittleEndianWriter& out, core::Angle angle) {
+  out.put(std::bit_cast<std::uint32_t>(angle.in(core::rad)));
+}
+[[nodiscard]] constexpr core::Angle take_angle(LittleEndianReader& in) {
+  return core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
 }
 constexpr void put_inputs(LittleEndianWriter& out, const app::RateMessage& message) {
   const float degc = message.temperature ? message.temperature->degc() : 0.0F;
@@ -72,15 +94,15 @@ constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateM
 }
 constexpr void put_turn(LittleEndianWriter& out, const app::RateMessage& message) {
   for (const app::AxisTurn& turn : message.turn) {
-    out.put(std::bit_cast<std::uint32_t>(turn.angle.in(core::rad)));
-    out.put(std::bit_cast<std::uint32_t>(turn.sigma.in(core::rad)));
+    put_angle(out, turn.angle);
+    put_angle(out, turn.sigma);
   }
   out.put(static_cast<std::uint64_t>(message.turn_time.ns()));
 }
 constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   for (app::AxisTurn& turn : message.turn) {
-    turn.angle = core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
-    turn.sigma = core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
+    turn.angle = take_angle(in);
+    turn.sigma = take_angle(in);
   }
   message.turn_time =
       core::Duration::nanoseconds(static_cast<std::int64_t>(in.take<std::uint64_t>()));
@@ -88,12 +110,13 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
 /// Version of a frame of this length; 0: of none.
 [[nodiscard]] constexpr std::uint8_t version_of_length(std::size_t bytes) {
   if (bytes == kRateFrameBytes) return kRateVersion;
+  if (bytes == kRateFrameBytesOfVersion3) return 3;
   if (bytes == kRateFrameBytesOfVersion2) return 2;
   return bytes == kRateFrameBytesOfVersion1 ? 1 : 0;
 }
 }  // namespace detail
 
-/// Cost: 112 bytes of stack and their checksum; no heap.
+/// Cost: 120 bytes of stack and their checksum; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
                                                     const app::RateMessage& message) {
   RateFrame frame{};
@@ -113,6 +136,8 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   }
   detail::put_inputs(out, message);
   detail::put_turn(out, message);
+  detail::put_angle(out, message.heading.angle);
+  detail::put_angle(out, message.heading.sigma);
   out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
   return frame;
 }
@@ -121,7 +146,7 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
 }
 
 /// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses,
-/// one of version 2 no turn.
+/// one of version 2 no turn, one of version 3 no heading.
 [[nodiscard]] constexpr core::Result<NumberedMessage, FrameError> decode_rate_frame(
     std::span<const std::uint8_t> bytes) {
   using core::Unexpected;
@@ -153,6 +178,11 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   }
   if (version > 1) detail::take_inputs(in, contents, message);
   if (version > 2) detail::take_turn(in, message);
+  if (version > 3) {
+    message.heading.angle = detail::take_angle(in);
+    message.heading.sigma = detail::take_angle(in);
+    if (!detail::take_up(contents, message.up)) return Unexpected{FrameError::impossible_value};
+  }
   return numbered;
 }
 

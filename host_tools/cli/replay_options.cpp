@@ -225,15 +225,15 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
   app.add_flag("--trust-model", flags.trusts_model,
                "take the strengths of the noise from the model; without it they are learnt from "
                "the stops");
-  auto* latitude =
-      app.add_option("--latitude", flags.latitude_deg,
-                     "latitude [deg], north positive: the Earth's rotation is taken out of the "
-                     "bias; default: not known, it stays there")
-          ->check(CLI::Range(-90.0, 90.0));
-  app.add_option("--up", flags.up, "axis of the sensor that points up, with --latitude")
-      ->check(CLI::IsMember(std::vector<std::string>(kUpAxes.begin(), kUpAxes.end())))
-      ->needs(latitude)
-      ->capture_default_str();
+  app.add_option("--latitude", flags.latitude_deg,
+                 "latitude [deg], north positive: the Earth's rotation is taken out of the "
+                 "bias; default: not known, it stays there")
+      ->check(CLI::Range(-90.0, 90.0));
+  app.add_option("--up", flags.up,
+                 "axis of the sensor that points up: its rate and heading are those about the "
+                 "vertical; default: not known, and z for --latitude; with "
+                 "--learn-from-reference that of the reference")
+      ->check(CLI::IsMember(std::vector<std::string>(kUpAxes.begin(), kUpAxes.end())));
 }
 
 evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
@@ -256,9 +256,10 @@ evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags) {
                         .hold_back = seconds(flags.hold_back_s, "--hold-back"),
                         .source = source_called(flags.still_from)};
   options.learns_noise = !flags.trusts_model;
+  if (!flags.up.empty()) options.up = up_axis_called(flags.up);
   if (flags.latitude_deg) {
-    options.earth =
-        core::earth_rate(static_cast<float>(*flags.latitude_deg), up_axis_called(flags.up));
+    options.earth = core::earth_rate(static_cast<float>(*flags.latitude_deg),
+                                     options.up.value_or(core::UpAxis{}));
   }
   return options;
 }

@@ -33,7 +33,7 @@ struct ReplayFlags {
   double hold_back_s = 0.5;
   std::string still_from = "odometer";
   std::optional<double> latitude_deg;
-  std::string up = "z";
+  std::string up;
   bool trusts_model = false;
 };
 

@@ -1,11 +1,12 @@
-/* Receives the corrected rate of a zerorate node by UDP and prints a line for each message. Needs a C library with
- * sockets alone; bytes are read as docs/reference/rate-frame.md describes them.
+/* Receives the corrected rate of a zerorate node by UDP and prints a line for each message. Needs a
+ * C library with sockets alone; bytes are read as docs/reference/rate-frame.md describes them.
  *
  *   cc -std=c11 -o receive_rate receive_rate.c
  *   ./receive_rate [PORT [MESSAGES]]
  *
- * A line holds: number, time in s, motion, corrected rate of x, y and z in deg/s or "none", temperature in deg C or
- * "none", odometer pulses or "none", "calibrated" or "uncalibrated", and how many messages were lost before it.
+ * A line holds: number, time in s, motion, corrected rate of x, y and z in deg/s or "none",
+ * temperature in deg C or "none", odometer pulses or "none", "calibrated" or "uncalibrated", and
+ * how many messages were lost before it.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -19,9 +20,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { FRAME_BYTES = 112, CHECKED_BYTES = 108, VERSION = 3 };
+enum { FRAME_BYTES = 120, CHECKED_BYTES = 116, VERSION = 4 };
 enum { HAS_TEMPERATURE = 0x01, HAS_PULSES = 0x02 };
-/* Health: a fault is reported in messages without a rate, which must not be taken for standstill. */
+/* Health: a fault is reported in messages without a rate, which must not be taken for standstill.
+ */
 enum { CALIBRATED = 0x001, NO_RATE = 0x002 | 0x004 | 0x040 };
 
 struct rate_message {
@@ -59,14 +61,16 @@ static float float_at(const uint8_t* bytes) {
 
 /* False for anything that is not a whole rate frame, such as the learnt frame once a second. */
 static bool decode(const uint8_t* bytes, size_t size, struct rate_message* message) {
-  if (size != FRAME_BYTES || bytes[0] != 'Z' || bytes[1] != 'R' || bytes[2] != VERSION) return false;
+  if (size != FRAME_BYTES || bytes[0] != 'Z' || bytes[1] != 'R' || bytes[2] != VERSION)
+    return false;
   if (little_endian(bytes + CHECKED_BYTES, 4) != crc32_of(bytes, CHECKED_BYTES)) return false;
   message->contents = bytes[3];
   message->sequence = (uint32_t)little_endian(bytes + 4, 4);
   message->time_ns = (int64_t)little_endian(bytes + 8, 8);
   message->motion = bytes[16];
   message->health = (unsigned)little_endian(bytes + 17, 2);
-  for (int axis = 0; axis < 3; ++axis) message->corrected_rad_s[axis] = float_at(bytes + 24 + 16 * axis);
+  for (int axis = 0; axis < 3; ++axis)
+    message->corrected_rad_s[axis] = float_at(bytes + 24 + 16 * axis);
   message->temperature_c = float_at(bytes + 68);
   message->odometer_pulses = (uint32_t)little_endian(bytes + 72, 4);
   return message->motion <= 2;
@@ -75,7 +79,8 @@ static bool decode(const uint8_t* bytes, size_t size, struct rate_message* messa
 static void print(const struct rate_message* message, uint32_t lost) {
   static const char* const motions[] = {"moving", "settling", "still"};
   static const double deg_per_rad = 57.29577951308232;
-  printf("%" PRIu32 " %.6f %s", message->sequence, (double)message->time_ns * 1e-9, motions[message->motion]);
+  printf("%" PRIu32 " %.6f %s", message->sequence, (double)message->time_ns * 1e-9,
+         motions[message->motion]);
   for (int axis = 0; axis < 3; ++axis) {
     if (message->health & NO_RATE) {
       printf(" none");
@@ -93,7 +98,8 @@ static void print(const struct rate_message* message, uint32_t lost) {
   } else {
     printf(" none");
   }
-  printf(" %s lost=%" PRIu32 "\n", message->health & CALIBRATED ? "calibrated" : "uncalibrated", lost);
+  printf(" %s lost=%" PRIu32 "\n", message->health & CALIBRATED ? "calibrated" : "uncalibrated",
+         lost);
   fflush(stdout);
 }
 

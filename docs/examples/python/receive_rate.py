@@ -25,13 +25,14 @@ def decode(datagram):
     """The message as a dictionary, rates in deg/s; None for anything that is not a whole rate frame."""
     if datagram[:2] != b"ZR":
         return None  # such as the learnt frame, once a second
-    if datagram[2] != 3:
-        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 3")
-    if len(datagram) != 112 or struct.unpack_from("<I", datagram, 108)[0] != zlib.crc32(datagram[:108]):
+    if datagram[2] != 4:
+        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 4")
+    if len(datagram) != 120 or struct.unpack_from("<I", datagram, 116)[0] != zlib.crc32(datagram[:116]):
         return None
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
     temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
     turns = [struct.unpack_from("<2f", datagram, 76 + 8 * axis) for axis in range(3)]
+    heading = struct.unpack_from("<2f", datagram, 108)
     axes = [struct.unpack_from("<4f", datagram, 20 + 16 * axis) for axis in range(3)]
     return {
         "sequence": number,
@@ -48,6 +49,9 @@ def decode(datagram):
         "turn_deg": [math.degrees(turn[0]) for turn in turns],
         "turn_sigma_deg": [math.degrees(turn[1]) for turn in turns],
         "turn_s": struct.unpack_from("<q", datagram, 100)[0] * 1e-9,
+        # Counter-clockwise from the references of the node; infinite deviation before the first one.
+        "heading_deg": math.degrees(heading[0]),
+        "heading_sigma_deg": math.degrees(heading[1]),
         "temperature_c": temperature_c if datagram[3] & 0x01 else None,
         "odometer_pulses": pulses if datagram[3] & 0x02 else None,
     }

@@ -35,7 +35,7 @@ constexpr Rule kPriority{[](double x) { return x >= 0.0 && x <= 99.0; },
                          "a whole number from 0 to 99"};
 constexpr Rule kCanId{
     [](double x) { return x >= 0.0 && x <= wire::kGreatestCanId; },
-    "an identifier from 0 to 0x7F8: axes, inputs and turns take the seven after it"};
+    "an identifier from 0 to 0x7F7: axes, inputs, turns and vertical take the eight after it"};
 
 core::StandstillSource read_source(StrictTable& table) {
   static constexpr std::array<std::string_view, 3> kSources{"odometer", "gyro", "odometer-alone"};

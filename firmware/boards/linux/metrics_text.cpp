@@ -122,10 +122,11 @@ void add_references(Text& text, const NodeService& service) {
              static_cast<float>(filter.lessons.references));
   text.gauge("learnt_drives", "Drives in which they did.",
              static_cast<float>(filter.lessons.drives));
-  if (const auto& heading = service.status().heading) {
+  const app::Heading& heading = service.status().heading;
+  if (core::is_finite(heading.sigma.in(core::deg))) {
     text.gauge("heading_deg", "Heading of the vehicle, counter-clockwise.",
-               heading->angle.in(core::deg));
-    text.gauge("heading_sigma_deg", "Its standard deviation.", heading->sigma.in(core::deg));
+               heading.angle.in(core::deg));
+    text.gauge("heading_sigma_deg", "Its standard deviation.", heading.sigma.in(core::deg));
   }
 }
 

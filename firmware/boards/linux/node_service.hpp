@@ -42,7 +42,7 @@ struct ServiceStatus {
   Node::State state;
   wire::LearntModel learnt;
   ReferenceCounters references;
-  std::optional<app::Heading> heading;
+  app::Heading heading;
   int reference_error_number = 0;  ///< errno for which no reference can come; 0: none
   HardwareReasons reasons{};       ///< asked for where something fails
 };

@@ -232,7 +232,11 @@ typedef struct zerorate_rate {
   float turn_rad[ZERORATE_AXES];       /**< since the departure from the newest learnt stop */
   float turn_sigma_rad[ZERORATE_AXES]; /**< infinite: no departure, or full scale since */
   int64_t turn_time_ns;                /**< time that is summed since departure */
-  uint8_t calm_percent;                /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
+  float vertical_rad_s;    /**< corrected, about the vertical, counter-clockwise seen from above;
+                                NaN where `up_axis` is not known or there is no rate */
+  float heading_rad;       /**< by references (zerorate_references.h), counter-clockwise */
+  float heading_sigma_rad; /**< infinite: no reference yet, or the turn since it was lost */
+  uint8_t calm_percent;    /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
 } zerorate_rate;
 
 /** Heading error that the bias will cause, as far as it can be predicted. */

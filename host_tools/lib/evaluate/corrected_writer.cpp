@@ -23,7 +23,7 @@ CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t 
     fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps,{0}_turn_deg,{0}_turn_sigma_deg",
                    axis);
   }
-  fmt::format_to(out, ",turn_s,motion\n");
+  fmt::format_to(out, ",turn_s,heading_deg,heading_sigma_deg,motion\n");
 }
 
 void CorrectedWriter::write(const ReplayedSample& sample) {
@@ -31,13 +31,13 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
   const std::int64_t ns = sample.time_ns;
   fmt::format_to(out, "{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns / 1'000'000'000),
                  std::abs(ns % 1'000'000'000));
+  const auto cell = [&](bool known, float value) {
+    text_.push_back(',');
+    if (known) fmt::format_to(out, "{:.7g}", value);
+  };
   for (std::size_t i = 0; i < axis_count_; ++i) {
     const app::AxisRate& axis = sample.message.axes[i];
     const bool has_bias = sample.message.health.calibrated;
-    const auto cell = [&](bool known, float value) {
-      text_.push_back(',');
-      if (known) fmt::format_to(out, "{:.7g}", value);
-    };
     cell(sample.message.has_rate(), axis.corrected.in(core::deg_per_s));
     cell(has_bias, axis.bias.in(core::deg_per_s));
     cell(has_bias, axis.sigma.in(core::deg_per_s));
@@ -46,8 +46,12 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
     cell(has_turn, turn.angle.in(core::deg));
     cell(has_turn, turn.sigma.in(core::deg));
   }
-  fmt::format_to(out, ",{:.3f},{}\n", sample.message.turn_time.in_seconds(),
-                 core::name(sample.message.motion));
+  fmt::format_to(out, ",{:.3f}", sample.message.turn_time.in_seconds());
+  const float heading_sigma_deg = sample.message.heading.sigma.in(core::deg);
+  const bool has_heading = core::is_finite(heading_sigma_deg);
+  cell(has_heading, sample.message.heading.angle.in(core::deg));
+  cell(has_heading, heading_sigma_deg);
+  fmt::format_to(out, ",{}\n", core::name(sample.message.motion));
   if (text_.size() >= kFlushAt) flush();
 }
 

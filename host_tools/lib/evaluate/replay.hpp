@@ -67,6 +67,7 @@ struct ReplayOptions {
   /// With a schedule pulses without motion are not checked: the sensor was at rest.
   core::OdometerCheckParams odometer;
   core::EarthRate earth;                   ///< zero: the latitude is not known
+  std::optional<core::UpAxis> up;          ///< vertical axis; none: not known
   std::optional<ReferenceUse> references;  ///< nullopt: they only score
   bool learns_noise = true;  ///< false: the strengths of the noise stay those of the model
 };

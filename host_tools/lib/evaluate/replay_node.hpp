@@ -2,6 +2,8 @@
 /// The node that a recording runs through, with its parameters, its clock and its odometer.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,12 +92,19 @@ class ReplayNode {
                                  .standstill = options.standstill,
                                  .odometer = options.odometer,
                                  .earth = options.earth,
+                                 .up = options.up,
                                  .published = options.published,
                                  .learns_white_noise = options.learns_noise};
     if (options.references) {
       const truth::VerticalAxis& vertical = options.references->vertical;
-      params.up = {.axis = static_cast<std::uint8_t>(vertical.axis),
-                   .points_down = vertical.sign < 0.0};
+      const core::UpAxis turned{.axis = static_cast<std::uint8_t>(vertical.axis),
+                                .points_down = vertical.sign < 0.0};
+      if (options.up.value_or(turned) != turned) {
+        throw std::invalid_argument(
+            fmt::format("--up: the reference turns about {}{}; leave --up away, or mend the axis",
+                        turned.points_down ? "-" : "", "xyz"[turned.axis]));
+      }
+      params.up = turned;
     }
     if (!options.learns_noise) params.model.hypotheses = {};
     if (options.schedule) params.odometer.longest_straight = {};

@@ -267,6 +267,21 @@ void read_turn(const json& line, app::RateMessage& message) {
       core::Duration::nanoseconds(std::llround(line.at("turn_s").get<double>() * 1e9));
 }
 
+/// Vertical axis and heading; unknown in lines of older nodes.
+void read_vertical(const json& line, app::RateMessage& message) {
+  if (const json up = line.value("up", json{}); !up.is_null()) {
+    const auto name = up.get<std::string>();
+    const std::size_t axis = std::string_view{"xyz"}.find(name.empty() ? ' ' : name.back());
+    if (name.size() > 2 || axis > 2) throw json::other_error::create(503, "unknown axis", &up);
+    message.up =
+        core::UpAxis{.axis = static_cast<std::uint8_t>(axis), .points_down = name.front() == '-'};
+  }
+  if (const json sigma = line.value("heading_sigma_deg", json{}); !sigma.is_null()) {
+    message.heading = {.angle = core::deg(line.at("heading_deg").get<float>()),
+                       .sigma = core::deg(sigma.get<float>())};
+  }
+}
+
 wire::NumberedMessage read_message(const json& line) {
   wire::NumberedMessage numbered{.sequence = read_integer<std::uint32_t>(line.at("sequence")),
                                  .message = {}};
@@ -282,6 +297,7 @@ wire::NumberedMessage read_message(const json& line) {
   if (!calm.is_null()) message.calm_percent = read_integer<std::uint8_t>(calm);
   read_inputs(line, message);
   read_turn(line, message);
+  read_vertical(line, message);
   constexpr std::size_t kFirstBits = 11;  // every line has them; nodes of before lack the others
   for (std::size_t i = 0; i < wire::kHealthBits.size(); ++i) {
     const wire::HealthBit& bit = wire::kHealthBits.at(i);

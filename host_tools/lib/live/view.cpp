@@ -55,6 +55,16 @@ std::string figure_text(const app::LearntNoise& axis, const wire::LearntQuantity
                      figure.sigma / quantity.si_per_unit);
 }
 
+/// Rate and heading about the vertical, where its axis is given.
+std::string vertical_line(const app::RateMessage& message, bool is_heard) {
+  if (!message.up) return {};
+  const bool has_rate = is_heard && message.has_rate();
+  return fmt::format(
+      "about the vertical: {} deg/s, heading {} deg, counter-clockwise\n",
+      number(has_rate, has_rate ? message.vertical_rate().in(core::deg_per_s) : 0.0F, 3),
+      turn_text({.angle = message.heading.angle, .sigma = message.heading.sigma}, is_heard));
+}
+
 std::string calm_line(const app::RateMessage& message) {
   if (message.calm_percent == app::RateMessage::kNoCalm) return {};
   return fmt::format("newest stop: {} % calm\n", message.calm_percent);
@@ -105,6 +115,7 @@ std::string format_screen(const Tally& tally, std::string_view source,
     text += fmt::format("{:3} {:>14} {:>13} {:>17} {:>20}\n", "xyz"[i], axis.rate_dps,
                         axis.bias_dps, axis.interval_dph, turn_text(message.turn.at(i), is_heard));
   }
+  text += vertical_line(message, is_heard);
   text += format_learnt(tally);
   if (tally.status) text += format_counters(*tally.status);
   return text;

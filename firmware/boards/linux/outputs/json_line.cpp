@@ -44,12 +44,24 @@ class Line {
     add(",\"turn_s\":{}", message.turn_time.in_seconds());
   }
 
-  void add_inputs(const app::RateMessage& message) {
-    if (message.temperature && core::is_finite(message.temperature->degc())) {
-      add(",\"temperature_c\":{}", message.temperature->degc());
+  void add_vertical(const app::RateMessage& message) {
+    if (message.up) {
+      add(",\"up\":\"{}{}\"", message.up->points_down ? "-" : "", "xyz"[message.up->axis]);
     } else {
-      add(",\"temperature_c\":null");
+      add(",\"up\":null");
     }
+    const bool has_rate = message.up && message.has_rate();
+    add_number("vertical_rate_dps", has_rate,
+               has_rate ? message.vertical_rate().in(core::deg_per_s) : 0.0F);
+    const float sigma_deg = message.heading.sigma.in(core::deg);
+    const bool is_known = core::is_finite(sigma_deg);
+    add_number("heading_deg", is_known, message.heading.angle.in(core::deg));
+    add_number("heading_sigma_deg", is_known, sigma_deg);
+  }
+
+  void add_inputs(const app::RateMessage& message) {
+    add_number("temperature_c", message.temperature.has_value(),
+               message.temperature.value_or(core::Temperature{}).degc());
     if (message.odometer_pulses) {
       add(",\"odometer_pulses\":{}", *message.odometer_pulses);
     } else {
@@ -69,6 +81,13 @@ class Line {
   [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
 
  private:
+  void add_number(std::string_view name, bool is_known, float number) {
+    if (is_known && core::is_finite(number)) {
+      add(",\"{}\":{}", name, number);
+    } else {
+      add(",\"{}\":null", name);
+    }
+  }
   void add_angles(std::string_view name, const app::RateMessage& message,
                   core::Angle app::AxisTurn::*member) {
     add(",\"{}\":", name);
@@ -114,6 +133,7 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
   line.add_rates("bias_dps", message, &app::AxisRate::bias, true);
   line.add_rates("sigma_dps", message, &app::AxisRate::sigma, true);
   line.add_turn(message);
+  line.add_vertical(message);
   if (message.calm_percent == app::RateMessage::kNoCalm) {
     line.add(",\"calm_percent\":null");
   } else {

@@ -195,13 +195,17 @@ class CanSink final : public Sink {
     for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
       if (!write_frame(frame)) return false;
     }
-    return send_turn(message) && send_inputs(message);
+    return send_turn(message) && send_vertical(message) && send_inputs(message);
   }
 
   bool send_turn(const wire::NumberedMessage& message) {
     if (message.sequence % wire::kCanTurnEvery != 0) return true;
     return std::ranges::all_of(wire::encode_can_turn(message.message, id_),
                                [&](const wire::CanFrame& frame) { return write_frame(frame); });
+  }
+  bool send_vertical(const wire::NumberedMessage& message) {
+    return message.sequence % wire::kCanTurnEvery != 0 || !message.message.up ||
+           write_frame(wire::encode_can_vertical(message.message, id_));
   }
   bool send_inputs(const wire::NumberedMessage& message) {
     return message.sequence % wire::kCanInputsEvery != 0 ||

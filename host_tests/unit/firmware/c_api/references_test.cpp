@@ -116,6 +116,11 @@ TEST_F(ScaledGyro, SaysWhereItIsHeading) {
   const double error =
       std::remainder(double{motion.heading_rad.value} - heading_rad_, 2.0 * std::numbers::pi);
   EXPECT_LT(std::abs(error), 3.0 * double{motion.heading_rad.sigma});
+  const zerorate_rate rate = step();
+  const double of_rate =
+      std::remainder(double{rate.heading_rad} - heading_rad_, 2.0 * std::numbers::pi);
+  EXPECT_LT(std::abs(of_rate), 3.0 * double{rate.heading_sigma_rad});
+  EXPECT_EQ(rate.vertical_rad_s, rate.corrected_rad_s[2]);
 }
 
 TEST_F(ScaledGyro, RefusesATimeThatIsNotRemembered) {
@@ -147,6 +152,9 @@ TEST(References, NeedAnAxisThatPointsUp) {
   EXPECT_EQ(zerorate_heading_reference(&node, 0, 0.0F, 0.1F), ZERORATE_NOT_INITIALISED);
   const zerorate_config without = zerorate_default_config();
   ASSERT_EQ(zerorate_init(&node, &front_gyro, &without), ZERORATE_OK);
+  const zerorate_rate rate = feed(node, moment(0));
+  EXPECT_TRUE(std::isnan(rate.vertical_rad_s));
+  EXPECT_TRUE(std::isinf(rate.heading_sigma_rad));
   EXPECT_EQ(zerorate_heading_reference(&node, 0, 0.0F, 0.1F), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_turn_reference(&node, 0, 1, 0.0F, 0.1F), ZERORATE_BAD_ARGUMENT);
   EXPECT_EQ(zerorate_get_learnt_motion(&node, &motion), ZERORATE_BAD_ARGUMENT);

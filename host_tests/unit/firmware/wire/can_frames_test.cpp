@@ -73,6 +73,9 @@ class Reading {
     frames_.push_back(encode_can_inputs(message.message, kDefaultCanId));
     const auto turns = encode_can_turn(message.message, kDefaultCanId);
     frames_.insert(frames_.end(), turns.begin(), turns.end());
+    if (message.message.up) {
+      frames_.push_back(encode_can_vertical(message.message, kDefaultCanId));
+    }
   }
 
   std::int64_t raw(const std::string& name) const {
@@ -103,7 +106,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 TEST(DbcFile, LetsNoTwoSignalsShareABit) {
   const Dbc dbc = read_dbc();
-  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames);
+  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames + 1);
   for (const auto& [id, signals] : dbc) {
     std::set<unsigned> bits;
     for (const auto& [name, signal] : signals) {
@@ -179,6 +182,32 @@ TEST(CanInputsFrame, HoldsTemperatureOdometerAndCalm) {
     EXPECT_EQ(reading.raw("ReferenceDisagreement") == 1, sent.health.reference_disagreement);
     EXPECT_EQ(reading.raw("CalmPercent"), sent.calm_percent);
   }
+}
+
+TEST(CanVerticalFrame, HoldsRateAndHeading) {
+  std::mt19937_64 random{8};
+  for (int i = 0; i < 200; ++i) {
+    app::RateMessage sent = testing::random_message(random).message;
+    sent.health = {};
+    sent.up = core::UpAxis{.axis = static_cast<std::uint8_t>(i % 3), .points_down = i % 2 == 0};
+    const Reading reading{{.sequence = 0, .message = sent}};
+    const double sign = i % 2 == 0 ? -1.0 : 1.0;
+    const double rate =
+        sign * kDegPerRad * double{sent.axes.at(sent.up->axis).corrected.in(core::rad_per_s)};
+    EXPECT_NEAR(reading.value("RateVertical"), rate, 0.5e-6 + 4.0 * 6e-8 * std::abs(rate));
+    EXPECT_NEAR(reading.value("Heading"), kDegPerRad * double{sent.heading.angle.in(core::rad)},
+                0.0051);
+    EXPECT_NEAR(reading.value("HeadingSigma"),
+                kDegPerRad * double{sent.heading.sigma.in(core::rad)}, 0.00051);
+  }
+}
+
+TEST(CanVerticalFrame, HasNoHeadingBeforeAReference) {
+  app::RateMessage message;
+  message.up = core::UpAxis{};
+  const Reading reading{{.sequence = 0, .message = message}};
+  EXPECT_EQ(reading.raw("Heading"), -32768);
+  EXPECT_EQ(reading.raw("HeadingSigma"), 65535);
 }
 
 TEST(CanTurnFrames, HoldTheAngleItsErrorAndItsTime) {

@@ -28,6 +28,12 @@ namespace zerorate::wire::testing {
     turn = {.angle = core::rad(10.0F * rate(random)), .sigma = core::rad(rate(random) + 35.0F)};
   }
   message.turn_time = core::Duration::nanoseconds(static_cast<std::int64_t>(random() >> 16U));
+  message.heading = {.angle = core::rad(rate(random) / 12.0F),
+                     .sigma = core::rad((rate(random) + 35.0F) / 100.0F)};
+  if (random() % 4 != 0) {
+    message.up = core::UpAxis{.axis = static_cast<std::uint8_t>(random() % 3),
+                              .points_down = random() % 2 == 0};
+  }
   if (random() % 4 != 0) message.temperature = core::Temperature::from_degc(rate(random));
   if (random() % 4 != 0) message.odometer_pulses = static_cast<std::uint32_t>(random());
   return numbered;

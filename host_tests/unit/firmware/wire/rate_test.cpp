@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/wire/rate_text.hpp"
@@ -47,9 +48,11 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   sent.message.odometer_pulses = 0x0A0B0C0D;
   sent.message.turn[1].angle = core::rad(-2.0F);
   sent.message.turn_time = core::Duration::nanoseconds(0x0123456789ABCDEF);
+  sent.message.heading = {.angle = core::rad(1.0F), .sigma = core::rad(-2.0F)};
+  sent.message.up = core::UpAxis{.axis = 1, .points_down = true};
   const RateFrame frame = encode_rate_frame(sent);
   const std::vector<std::uint8_t> head(frame.begin(), frame.begin() + 24);
-  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  3,    3,    0x04, 0x03, 0x02, 0x01,
+  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  4,    0x2F, 0x04, 0x03, 0x02, 0x01,
                                              0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01,
                                              2,    0x41, 0x04, 87,   0,    0,    0x80, 0x3F}));
   EXPECT_EQ(frame[66], 0x00);  // -2.0F = 0xC0000000, sigma of z
@@ -60,8 +63,10 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   EXPECT_EQ(frame[87], 0xC0);  // -2.0F, turn of y
   const std::vector<std::uint8_t> time(frame.begin() + 100, frame.begin() + 108);
   EXPECT_EQ(time, (std::vector<std::uint8_t>{0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01}));
-  std::memcpy(&checksum, &frame[108], 4);  // the test runs on little-endian machines
-  EXPECT_EQ(checksum, ::crc32(0, frame.data(), 108));
+  const std::vector<std::uint8_t> heading(frame.begin() + 108, frame.begin() + 116);
+  EXPECT_EQ(heading, (std::vector<std::uint8_t>{0, 0, 0x80, 0x3F, 0, 0, 0, 0xC0}));
+  std::memcpy(&checksum, &frame[116], 4);  // the test runs on little-endian machines
+  EXPECT_EQ(checksum, ::crc32(0, frame.data(), 116));
 }
 
 /// The frame of an older node: without the last values.
@@ -70,11 +75,16 @@ std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, st
                                 frame.begin() + static_cast<std::ptrdiff_t>(checked));
   old[2] = version;
   if (version == 1) old[3] = 0;
+  if (version < 4) old[3] &= 3;
   const auto checksum =
       static_cast<std::uint32_t>(::crc32(0, old.data(), static_cast<uInt>(checked)));
   old.resize(checked + 4);
   std::memcpy(&old[checked], &checksum, 4);
   return old;
+}
+void without_heading(app::RateMessage& message) {
+  message.heading = {};
+  message.up.reset();
 }
 std::vector<std::uint8_t> version_1(const RateFrame& frame) {
   return older(frame, 1, 68);
@@ -88,6 +98,18 @@ TEST(RateFrameOfVersion2, IsReadWithoutTheTurn) {
     ASSERT_TRUE(received);
     sent.message.turn = {};
     sent.message.turn_time = {};
+    without_heading(sent.message);
+    EXPECT_EQ(*received, sent);
+  }
+}
+
+TEST(RateFrameOfVersion3, IsReadWithoutTheHeading) {
+  std::mt19937_64 random{5};
+  for (int i = 0; i < 100; ++i) {
+    NumberedMessage sent = random_message(random);
+    const auto received = decode_rate_frame(older(encode_rate_frame(sent), 3, 108));
+    ASSERT_TRUE(received);
+    without_heading(sent.message);
     EXPECT_EQ(*received, sent);
   }
 }
@@ -102,6 +124,7 @@ TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
     sent.message.odometer_pulses.reset();
     sent.message.turn = {};
     sent.message.turn_time = {};
+    without_heading(sent.message);
     EXPECT_EQ(*received, sent);
   }
   std::vector<std::uint8_t> damaged = version_1(encode_rate_frame({}));
@@ -131,16 +154,20 @@ TEST(BytesThatAreNoRateFrame, AreRefusedForTheirReason) {
   changed[0] = 'z';
   EXPECT_EQ(reason(changed), FrameError::not_a_frame);
   changed = bytes;
-  changed[2] = 4;
+  changed[2] = 5;
   EXPECT_EQ(reason(changed), FrameError::unknown_version);
   changed = bytes;
   changed[30] ^= 1;
   EXPECT_EQ(reason(changed), FrameError::wrong_checksum);
   changed = bytes;
-  changed[16] = 3;  // no such motion, under a checksum that fits
-  const auto checksum = static_cast<std::uint32_t>(::crc32(0, changed.data(), 108));
-  std::memcpy(&changed[108], &checksum, 4);
-  EXPECT_EQ(reason(changed), FrameError::impossible_value);
+  // No such motion, and no such axis, under checksums that fit.
+  for (const auto& [at, value] : {std::pair{16, 3}, std::pair{3, 0x1C}}) {
+    changed = bytes;
+    changed[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(value);
+    const auto checksum = static_cast<std::uint32_t>(::crc32(0, changed.data(), 116));
+    std::memcpy(&changed[116], &checksum, 4);
+    EXPECT_EQ(reason(changed), FrameError::impossible_value);
+  }
 }
 
 std::string line_of(const app::RateMessage& message) {

@@ -21,11 +21,8 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/numeric.hpp"
-#include "firmware/wire/health_bits.hpp"
-#include "host_tools/lib/live/view.hpp"
+#include "host_tools/lib/live/page/page_json.hpp"
 #include "host_tools/lib/report/web_assets.hpp"
-#include "host_tools/lib/statistics/half_width.hpp"
 
 namespace zerorate::live {
 namespace {
@@ -140,86 +137,9 @@ class Connection final : public httplib::Stream {
       std::chrono::steady_clock::now() + kPatienceWithQuestions;
 };
 
-/// A rate in the unit; null where it is none.
-json number(bool is_known, core::AngularRate rate, core::Unit<core::AngularRateDimension> unit) {
-  const float figure = rate.in(unit);
-  return is_known && core::is_finite(figure) ? json(figure) : json(nullptr);
-}
-
 /// Names may be no UTF-8: what is none is replaced.
 std::string as_text(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-json learnt_json(const wire::LearntModel& learnt) {
-  json figures{{"stops", learnt.stops()}};
-  for (const app::LearntNoise& axis : learnt.axes) {
-    for (const wire::LearntQuantity& quantity : wire::kLearntQuantities) {
-      const app::LearntFigure& figure = axis.*quantity.figure;
-      figures[std::string{quantity.name}].push_back(figure.value / quantity.si_per_unit);
-      figures[std::string{quantity.sigma_name}].push_back(figure.sigma / quantity.si_per_unit);
-    }
-  }
-  return figures;
-}
-
-/// State of this moment as the page shows it.
-json now_json(const Tally& tally, const std::string& source, std::chrono::milliseconds silence) {
-  const bool is_heard = is_present(tally, silence);
-  const app::RateMessage message = tally.newest ? tally.newest->message : app::RateMessage{};
-  const bool is_calibrated = message.health.calibrated;
-  json now{{"source", source},
-           {"messages", tally.messages},
-           {"lost", tally.lost},
-           {"damaged", tally.damaged},
-           {"restarts", tally.restarts},
-           {"stops", tally.stops},
-           {"motion", core::name(message.motion)},
-           {"wrong", json::array()},
-           {"axes", json::array()}};
-  now["silent_s"] = is_heard ? json(nullptr) : json(silence.count() / 1000);
-  now["calm_percent"] = message.calm_percent == app::RateMessage::kNoCalm
-                            ? json(nullptr)
-                            : json(message.calm_percent);
-  for (const wire::HealthBit& bit : wire::kHealthBits) {
-    const bool is_set = message.health.*bit.flag;
-    const bool is_good = bit.flag == &app::Health::calibrated;
-    if (is_set != is_good) now["wrong"].push_back(bit.name);
-  }
-  for (std::size_t i = 0; i < message.axes.size(); ++i) {
-    const app::AxisRate& axis = message.axes.at(i);
-    const app::AxisTurn& turn = message.turn.at(i);
-    const bool is_turn_known = is_heard && core::is_finite(turn.sigma.in(core::rad));
-    now["axes"].push_back(
-        {{"rate_dps", number(is_heard && message.has_rate(), axis.corrected, core::deg_per_s)},
-         {"bias_dps", number(is_calibrated, axis.bias, core::deg_per_s)},
-         {"half95_dps",
-          number(is_calibrated, axis.sigma * static_cast<float>(statistics::kHalfWidth95),
-                 core::deg_per_s)},
-         {"turn_deg", is_turn_known ? json(turn.angle.in(core::deg)) : json(nullptr)},
-         {"turn_half95_deg", is_turn_known ? json(turn.sigma.in(core::deg) *
-                                                  static_cast<float>(statistics::kHalfWidth95))
-                                           : json(nullptr)}});
-  }
-  now["learnt"] =
-      tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);
-  return now;
-}
-
-/// Row of the history: time in Unix seconds, bias and half-width of each axis, 1 at rest and 0
-/// otherwise; null in silence.
-json point_json(const json& now) {
-  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
-  json point{std::chrono::duration<double>(unix_time).count()};
-  const bool is_heard = now["silent_s"].is_null();
-  for (const json& axis : now["axes"]) {
-    for (const char* const figure : {"bias_dps", "half95_dps"}) {
-      point.push_back(is_heard ? axis[figure] : json(nullptr));
-    }
-  }
-  point.push_back(is_heard ? json(now["motion"] == core::name(core::Motion::still) ? 1 : 0)
-                           : json(nullptr));
-  return point;
 }
 
 }  // namespace

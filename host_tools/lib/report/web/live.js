@@ -94,6 +94,16 @@ function showAxes(now) {
   });
 }
 
+// Counter-clockwise seen from above, as the node counts.
+function showVertical(vertical) {
+  const line = byId("vertical");
+  line.hidden = vertical === null;
+  if (vertical === null) return;
+  const { rate_dps: rate, heading_deg: heading, heading_half95_deg: half } = vertical;
+  const course = heading === null ? "not known before a reference" : `${fixed(heading, 1)} ± ${fixed(half, 1)} deg`;
+  line.textContent = `About the vertical: ${fixed(rate, 2)} deg/s. Heading: ${course}, counter-clockwise.`;
+}
+
 function showStops(now) {
   const calm = now.calm_percent === null ? "" : ` Of the newest one, ${now.calm_percent} % was calm enough to learn from.`;
   byId("stops").textContent = `${counted(now.stops, "stop", "stops")} since the monitor was started.${calm}`;
@@ -122,6 +132,7 @@ function showNow(now) {
   showHealth(now);
   showAxes(now);
   byId("since").textContent = now.silent_s === null && !now.wrong.includes("odometer_fault") ? since(now) : "";
+  showVertical(now.vertical);
   showStops(now);
   showLearnt(now.learnt);
   byId("link").textContent = `From ${now.source}: ${now.messages} messages, ${now.lost} lost, ${now.damaged} damaged, ` +

@@ -1,5 +1,5 @@
 /// @file
-/// The single parts of the way out: JSON, sinks, the queue between the threads, the service
+/// The single parts of the way out: sinks, the queue between the threads, the service
 /// manager.
 
 #include <arpa/inet.h>
@@ -27,7 +27,6 @@
 
 #include "firmware/boards/linux/message_queue.hpp"
 #include "firmware/boards/linux/node_service.hpp"
-#include "firmware/boards/linux/outputs/json_line.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/error_stream.hpp"
 #include "firmware/boards/linux/process/process.hpp"
@@ -41,95 +40,6 @@ namespace {
 
 using wire::NumberedMessage;
 using wire::testing::random_message;
-
-NumberedMessage widest_message() {
-  NumberedMessage widest{.sequence = std::numeric_limits<std::uint32_t>::max(), .message = {}};
-  widest.message.time = core::Instant::from_ns(std::numeric_limits<std::int64_t>::min());
-  widest.message.motion = core::Motion::settling;
-  for (app::AxisRate& axis : widest.message.axes) {
-    axis.measured = axis.corrected = axis.bias = axis.sigma = core::rad_per_s(-1.17549435e-38F);
-  }
-  for (app::AxisTurn& turn : widest.message.turn) {
-    turn.angle = turn.sigma = core::rad(-1.17549435e-38F);
-  }
-  widest.message.turn_time = core::Duration::nanoseconds(1);
-  widest.message.temperature = core::Temperature::from_degc(-1.17549435e-38F);
-  widest.message.odometer_pulses = std::numeric_limits<std::uint32_t>::max();
-  return widest;
-}
-
-TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
-  std::mt19937_64 random{6};
-  JsonBuffer buffer{};
-  for (int i = 0; i < 500; ++i) {
-    const NumberedMessage sent = random_message(random);
-    const std::string_view line = format_json_line(sent, buffer);
-    ASSERT_EQ(line.find('\n'), line.size() - 1);
-    const auto json = nlohmann::json::parse(line);
-    EXPECT_EQ(json["sequence"], sent.sequence);
-    EXPECT_EQ(json["time_ns"], sent.message.time.ns());
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const app::AxisRate& rate = sent.message.axes[axis];
-      EXPECT_EQ(json["bias_dps"][axis].get<float>(), rate.bias.in(core::deg_per_s));
-      EXPECT_EQ(json["sigma_dps"][axis].get<float>(), rate.sigma.in(core::deg_per_s));
-      EXPECT_EQ(json["rate_dps"][axis].is_null(), !sent.message.has_rate());
-      if (sent.message.has_rate()) {
-        EXPECT_EQ(json["rate_dps"][axis].get<float>(), rate.corrected.in(core::deg_per_s));
-        EXPECT_EQ(json["measured_dps"][axis].get<float>(), rate.measured.in(core::deg_per_s));
-      }
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const app::AxisTurn& turn = sent.message.turn[axis];
-      EXPECT_EQ(json["turn_deg"][axis].get<float>(), turn.angle.in(core::deg));
-      EXPECT_EQ(json["turn_sigma_deg"][axis].get<float>(), turn.sigma.in(core::deg));
-    }
-    EXPECT_EQ(json["turn_s"].get<float>(), sent.message.turn_time.in_seconds());
-    EXPECT_EQ(json["temperature_c"].is_null(), !sent.message.temperature);
-    if (sent.message.temperature) {
-      EXPECT_EQ(json["temperature_c"].get<float>(), sent.message.temperature->degc());
-    }
-    EXPECT_EQ(json["odometer_pulses"].is_null(), !sent.message.odometer_pulses);
-    if (sent.message.odometer_pulses) {
-      EXPECT_EQ(json["odometer_pulses"], *sent.message.odometer_pulses);
-    }
-    for (const wire::HealthBit& bit : wire::kHealthBits) {
-      EXPECT_EQ(json[std::string(bit.name)], sent.message.health.*bit.flag);
-    }
-  }
-}
-
-TEST(JsonLineOfTheWidestMessage, FitsIntoItsBufferWithoutAHeap) {
-  constexpr std::string_view kLongestName = "front-left-of-the-second-machine";
-  JsonBuffer buffer{};
-  const NumberedMessage widest = widest_message();
-  wire::LearntModel learnt;
-  for (app::LearntNoise& axis : learnt.axes) {
-    axis.order = axis.bias_instability_rad_s =
-        axis.angle_random_walk_rad_per_sqrt_s = {1.17549435e-38F, 1.17549435e-38F};
-  }
-  const support::AllocationCounter allocations;
-  const std::string_view line = format_json_line(widest, buffer, kLongestName, &learnt);
-  EXPECT_EQ(allocations.count(), 0U);
-  EXPECT_LT(line.size(), buffer.size());
-  EXPECT_EQ(line.back(), '\n');
-}
-
-TEST(JsonLineWithoutCalibration, HasNoDeviation) {
-  NumberedMessage sent;
-  sent.message.axes[0].sigma = core::rad_per_s(std::numeric_limits<float>::infinity());
-  JsonBuffer buffer{};
-  const auto json = nlohmann::json::parse(format_json_line(sent, buffer));
-  EXPECT_TRUE(json["sigma_dps"][0].is_null());
-  EXPECT_EQ(json["sigma_dps"][1], 0.0);
-}
-
-TEST(JsonLineOfANodeWithAName, BeginsWithIt) {
-  std::mt19937_64 random{6};
-  JsonBuffer buffer{};
-  const std::string_view line = format_json_line(random_message(random), buffer, "front");
-  EXPECT_EQ(line.find("{\"node\":\"front\",\"sequence\":"), 0U);
-  EXPECT_EQ(nlohmann::json::parse(line)["node"], "front");
-}
 
 TEST(UdpSink, SendsOneFrameADatagram) {
   const Descriptor receiver{socket(AF_INET, SOCK_DGRAM, 0)};

@@ -49,8 +49,8 @@ TEST(ConfigurationOfReferences, IsReadAsItStandsThere) {
   EXPECT_TRUE(c.reference->counts_clockwise);
   EXPECT_EQ(c.reference->sigma, core::deg(0.5F));
   EXPECT_EQ(c.reference->latency, core::Duration::milliseconds(200));
-  EXPECT_EQ(c.node.up.axis, 1);
-  EXPECT_TRUE(c.node.up.points_down);
+  EXPECT_EQ(c.node.up->axis, 1);
+  EXPECT_TRUE(c.node.up->points_down);
 }
 
 TEST(ConfigurationOfReferences, MayNameASignalOnCan) {
