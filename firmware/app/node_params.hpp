@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/numeric.hpp"

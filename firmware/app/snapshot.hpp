@@ -135,12 +135,14 @@ class Snapshot {
       node.restore(state);
       return if_possible(node, *header, Resumption::continued);
     }
-    const Filter& learnt = state.ticks.predictors.kalman;
-    Motion motion;
-    if constexpr (kTakesReferences) motion = state.turn.references.filter.learnt();
-    return resume(node, FilterBytes{reinterpret_cast<const std::uint8_t*>(&learnt), sizeof(learnt)},
-                  state.ticks.levels(), Node::TemperatureTrack::measured(state.ticks.temperature),
-                  motion, *header, now);
+    const Filter& filter = state.ticks.predictors.kalman;
+    Learnt learnt{
+        .filter = FilterBytes{reinterpret_cast<const std::uint8_t*>(&filter), sizeof(filter)},
+        .levels = state.ticks.levels(),
+        .temperature = Node::TemperatureTrack::measured(state.ticks.temperature),
+        .motion = {}};
+    if constexpr (kTakesReferences) learnt.motion = state.turn.references.filter.learnt();
+    return resume(node, learnt, *header, now);
   }
   /// restore() of records of the filters only: no room for a whole state on the stack.
   core::Result<Resumption, SnapshotRefusal> restore_filters(Node& node,
@@ -156,20 +158,21 @@ class Snapshot {
     }
     const auto payload = record.subspan(kPayload);
     const auto after_filter = payload.subspan(sizeof(Filter));
-    Temperature temperature{};
+    Learnt learnt{.filter = payload.first<sizeof(Filter)>(),
+                  .levels = get<Levels>(after_filter),
+                  .temperature = {},
+                  .motion = {}};
     if constexpr (kBytesOfTemperature > 0) {
-      temperature = get<Temperature>(after_filter.subspan(sizeof(Levels)));
-      if (!Temperature::is_possible(temperature)) {
+      learnt.temperature = get<Temperature>(after_filter.subspan(sizeof(Levels)));
+      if (!Temperature::is_possible(learnt.temperature)) {
         return core::Unexpected{SnapshotRefusal::impossible};
       }
     }
-    Motion motion;
     if constexpr (kTakesReferences) {
-      motion = get<Motion>(after_filter.subspan(sizeof(Levels) + kBytesOfTemperature));
-      if (!motion.is_possible()) return core::Unexpected{SnapshotRefusal::impossible};
+      learnt.motion = get<Motion>(after_filter.subspan(sizeof(Levels) + kBytesOfTemperature));
+      if (!learnt.motion.is_possible()) return core::Unexpected{SnapshotRefusal::impossible};
     }
-    return resume(node, payload.first<sizeof(Filter)>(), get<Levels>(after_filter), temperature,
-                  motion, *header, now);
+    return resume(node, learnt, *header, now);
   }
 
  private:
@@ -201,6 +204,13 @@ class Snapshot {
       return std::all_of(bias_rad_s.begin(), bias_rad_s.end(), core::is_finite) &&
              core::is_finite_positive(variance_rad2_s2) && age_s >= 0.0F;
     }
+  };
+  /// Content of a record for a node with the same model.
+  struct Learnt {
+    FilterBytes filter;
+    Levels levels;
+    Temperature temperature;
+    Motion motion;
   };
   static constexpr float kMostTicks = 1e9F;
   static constexpr std::size_t kPayload = sizeof(Header) + sizeof(Biases);
@@ -280,16 +290,15 @@ class Snapshot {
     return biases;
   }
 
-  core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
-                                                   const Levels& levels, Temperature temperature,
-                                                   const Motion& motion, const Header& header,
+  core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Learnt& learnt,
+                                                   const Header& header,
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
     if (!pause) return core::Unexpected{pause.error()};
-    node.resume(temperature, added(header.ticks_since_measured, pause->ticks), levels.white, learnt,
-                levels.drive);
+    node.resume(learnt.temperature, added(header.ticks_since_measured, pause->ticks),
+                learnt.levels.white, learnt.filter, learnt.levels.drive);
     if constexpr (kTakesReferences) {
-      node.resume_motion(motion, static_cast<float>(pause->ticks) * tick_.in_seconds());
+      node.resume_motion(learnt.motion, static_cast<float>(pause->ticks) * tick_.in_seconds());
     }
     return if_possible(node, header,
                        pause->is_known ? Resumption::aged : Resumption::aged_by_a_day);
