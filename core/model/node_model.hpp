@@ -12,6 +12,7 @@
 #include "core/noise/temperature_drift.hpp"
 #include "core/samples/rounding_watch.hpp"
 #include "core/samples/sample_model.hpp"
+#include "core/samples/scale_correction.hpp"
 
 namespace zerorate::core {
 
@@ -30,9 +31,10 @@ struct NodeModel {
   Gate gate;  ///< gate of the Kalman predictor; off by default
   /// Dependence on the temperature that the Kalman predictor starts from; off by default.
   [[no_unique_address]] TemperatureBlock<Shape.temperature_weights> temperature{};
-  SampleModel samples{};   ///< model of single samples; off by default
-  MotionModel motion{};    ///< errors that rest does not show
-  Duration sample_period;  ///< nominal; the stamps of the samples decide
+  SampleModel samples{};    ///< model of single samples; off by default
+  MotionModel motion{};     ///< errors that rest does not show
+  ScaleCorrection scale{};  ///< known errors of the scale factors; off by default
+  Duration sample_period;   ///< nominal; the stamps of the samples decide
   /// Slow noises that the sensor may have; none: the model is taken at its word.
   [[no_unique_address]] HypothesesOf<Shape> hypotheses{};
   /// Step that samples are rounded to. The filter treats the rounding error as noise, and the two

@@ -88,6 +88,9 @@ template <class Node>
   print.add(params.learns_white_noise);
   print.add(params.model.hypotheses);
   for (const float rate_rad_s : params.earth.vertical_rad_s) print.add(rate_rad_s);
+  if (params.model.scale.is_on()) {
+    for (const float factor : params.model.scale.factor) print.add(factor);
+  }
   return print.value();
 }
 

@@ -126,12 +126,13 @@ class GyroNode {
     RateMessage message{.time = sample.time};
     const bool refused = refuse(sample, message.health);
     const core::Duration since_last = since_newest_sample(sample.time);
-    if (!refused) take_in(sample);
+    const Rate rate = refused ? Rate{} : params_.model.scale.corrected(sample.rate);
+    if (!refused) take_in(sample, rate);
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;
     message.health.saturated =
         sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
-    describe(message, refused ? Rate{} : sample.rate);
+    describe(message, refused ? Rate{} : sample.rate, rate);
     if (!refused) turn_.add(message, since_last, sample.saturated_axes, is_learning(), ticks_);
     turn_.describe({}, message);
     return message;
@@ -142,7 +143,7 @@ class GyroNode {
   constexpr RateMessage step_without_sample(core::Instant now) {
     RateMessage message{.time = now};
     message.health.sensor_fault = true;
-    describe(message, {});
+    describe(message, {}, {});
     turn_.describe(since_newest_sample(now), message);
     return message;
   }
@@ -277,7 +278,7 @@ class GyroNode {
     health.time_refused = !learning_.can_take(sample.time);
     return health.sample_refused || health.time_refused;
   }
-  constexpr void take_in(const core::GyroSample& sample) {
+  constexpr void take_in(const core::GyroSample& sample, const Rate& rate) {
     const bool begins_tick = learning_.begin_sample(sample.time);
     if (begins_tick) {
       catch_up();
@@ -288,7 +289,7 @@ class GyroNode {
                             sample.has_temperature ? sample.temperature.degc() : kNone);
     Rates rate_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      rate_rad_s[i] = sample.rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
+      rate_rad_s[i] = rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
     }
     ticks_.white().rounding().take(rate_rad_s);
     learning_.add(sample.time, begins_tick, rate_rad_s,
@@ -357,7 +358,8 @@ class GyroNode {
   }
 
   /// Fills in what does not depend on whether there was a sample.
-  constexpr void describe(RateMessage& message, const Rate& rate) {
+  /// @param rate measured, without the known errors of the scale factors
+  constexpr void describe(RateMessage& message, const Rate& measured, const Rate& rate) {
     const auto& predicted = ticks_.predicted();
     const auto& predictors = ticks_.predictors();
     message.health.calibrated = predicted[0].is_available() && predictors.has_learnt();
@@ -374,7 +376,7 @@ class GyroNode {
           !predictors.is_consistent(i) || params_.is_beyond_zero_rate(predicted[i].bias_rad_s);
       const core::AngularRate bias = core::rad_per_s(predicted[i].bias_rad_s);
       message.axes[i] = {
-          .measured = rate[i],
+          .measured = measured[i],
           .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
           .bias = bias,
           .sigma = core::rad_per_s(with_constants(predicted[i], i).sigma_rad_s())};

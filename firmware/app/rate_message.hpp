@@ -54,8 +54,10 @@ struct Health {
 };
 
 struct AxisRate {
-  core::AngularRate measured;
-  core::AngularRate corrected;  ///< measured - bias, over the scale factor where it was learnt
+  core::AngularRate measured;  ///< rate of the chip
+  /// Measured without the known error of the scale factor, less the bias, over the scale factor
+  /// where that was learnt.
+  core::AngularRate corrected;
   core::AngularRate bias;
   core::AngularRate sigma;  ///< standard deviation of the bias; infinite until measured
 

@@ -81,6 +81,7 @@ class Snapshot {
         sensor_(sensor),
         tick_(params.model.modes.tick),
         reference_degc_(reference_of(params)),
+        scale_(params.model.scale),
         turn_on_is_known_(core::is_finite(params.model.turn_on_variance_rad2_s2)) {}
 
   /// A record for boards that lose their power, of all that is certain (GyroNode::finish_learning).
@@ -193,7 +194,7 @@ class Snapshot {
     std::uint32_t ticks_since_measured = 0;
   };
   static_assert(sizeof(Header) == 64 && std::has_unique_object_representations_v<Header>);
-  /// Biases, which mean the same whatever the model is.
+  /// Biases on the scale of the chip, which mean the same whatever the model is.
   struct Biases {
     std::array<float, Node::kAxes> bias_rad_s{};
     float variance_rad2_s2 = 0.0F;  ///< variance of the axis with the largest one
@@ -279,7 +280,7 @@ class Snapshot {
                   .age_s = static_cast<float>(ticks_since_measured) * tick_.in_seconds()};
     const auto newest = filter.newest();
     for (std::size_t i = 0; i < Node::kAxes; ++i) {
-      biases.bias_rad_s[i] = newest[i].bias_rad_s;
+      biases.bias_rad_s[i] = newest[i].bias_rad_s / scale_.factor[i];
       biases.variance_rad2_s2 = std::max(biases.variance_rad2_s2, newest[i].variance_rad2_s2);
     }
     if constexpr (kBytesOfTemperature > 0) {
@@ -316,8 +317,10 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
     }
+    std::array<float, Node::kAxes> bias_rad_s = learnt.bias_rad_s;
+    for (std::size_t i = 0; i < Node::kAxes; ++i) bias_rad_s[i] *= scale_.factor[i];
     node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks), 0.0F,
-                learnt.bias_rad_s, learnt.variance_rad2_s2);
+                bias_rad_s, learnt.variance_rad2_s2);
     return if_possible(node, header, Resumption::bias_alone);
   }
   /// Begins the node anew where a record does not say of itself what it holds, or holds what
@@ -356,6 +359,7 @@ class Snapshot {
   std::uint32_t sensor_;
   core::Duration tick_;
   float reference_degc_;
+  core::ScaleCorrection scale_;
   bool turn_on_is_known_;
 };
 

@@ -69,6 +69,10 @@ inline constexpr float kLargestStrength = 1e8F;
   constexpr float kLargestTolerance = 0.2F;
   return value >= 0.0F && value <= kLargestTolerance;
 }
+[[nodiscard]] inline bool is_scale_error(float value) {
+  constexpr float kLargestError = 0.2F;
+  return value > -kLargestError && value < kLargestError;
+}
 /// A model that follows the temperature is refused by a library that does not.
 [[nodiscard]] inline bool is_followed(const zerorate_temperature_drift& drift) {
   return ZERORATE_TEMPERATURE != 0 ||
@@ -90,6 +94,7 @@ inline constexpr float kLargestStrength = 1e8F;
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
+         std::ranges::all_of(model.scale_factor_error, is_scale_error) &&
          is_magnitude(model.largest_bias_rad_s) && is_magnitude(model.gate_threshold_sigma) &&
          is_sound(model.temperature) && are_sound_hypotheses(model);
 }

@@ -76,6 +76,14 @@ template <core::ModelShape Shape>
   return hypotheses;
 }
 
+[[nodiscard]] inline core::ScaleCorrection scale_of(const zerorate_model& model) {
+  core::ScaleCorrection scale;
+  for (std::size_t i = 0; i < ZERORATE_AXES; ++i) {
+    scale.factor[i] = core::ScaleCorrection::factor_of(model.scale_factor_error[i]);
+  }
+  return scale;
+}
+
 [[nodiscard]] inline app::Predictor predictor_of(zerorate_predictor predictor) {
   switch (predictor) {
     case ZERORATE_MOVING_AVERAGE:
@@ -143,7 +151,7 @@ template <core::ModelShape Shape>
     .motion = {.scale_factor = model.scale_factor_sigma > 0.0F ? model.scale_factor_sigma
                                                                : core::MotionModel{}.scale_factor,
                .asymmetry = model.asymmetry_sigma},
-    .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+    .scale = scale_of(model), .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
     .hypotheses = hypotheses_of<kShape>(model)
   };
   return {.model = noise,

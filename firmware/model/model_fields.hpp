@@ -34,6 +34,8 @@ inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
 
 inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 20.0; },
                                  "a tolerance from 0 to 20 %"};
+inline constexpr Rule kScaleError{[](double x) { return x > -20.0 && x < 20.0; },
+                                  "three numbers, of x, y and z, each between -20 and 20 %"};
 inline constexpr Rule kTilt{[](double x) { return x >= 0.0 && x <= 45.0; },
                             "an angle from 0 to 45 deg"};
 inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || x == 12.0; },
@@ -177,10 +179,11 @@ void visit_fields(auto& visitor, MaybeConst<ZeroRate> auto& zero_rate) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
-  auto& [sigma, asymmetry_sigma, source] = scale_factor;
+  auto& [sigma, asymmetry_sigma, error, source] = scale_factor;
   visitor.number("sigma_percent", sigma, FileUnit::percent, kTolerance, Presence::required);
   visitor.number("asymmetry_percent", asymmetry_sigma, FileUnit::percent, kTolerance,
                  Presence::optional);
+  visitor.axes("error_percent", error, FileUnit::percent, kScaleError);
   visitor.text("source", source, Presence::optional);
 }
 

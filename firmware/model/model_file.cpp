@@ -1,6 +1,7 @@
 #include "firmware/model/model_file.hpp"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -31,6 +32,14 @@ class TableReader {
   void number(std::string_view key, int& value, FileUnit /*unit*/, const Rule& rule,
               Presence presence) {
     if (const auto read = table_.integer(key, rule, presence)) value = static_cast<int>(*read);
+  }
+  /// A number of each axis; zeros where the key is absent.
+  void axes(std::string_view key, std::array<double, 3>& si, FileUnit unit, const Rule& rule) {
+    const auto nodes = table_.numbers(key, si.size(), rule);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const double value = table_.checked_number(*nodes[i], key, rule);
+      si.at(i) = si_from_decimal(table_.document().decimal(*nodes[i], value), unit);
+    }
   }
   /// B itself, or the floor of the Allan deviation that data sheets state.
   void bias_instability(double& si, const Rule& rule) {
@@ -121,6 +130,13 @@ class Writer {
   void number(std::string_view key, double si, FileUnit unit, const Rule& /*rule*/,
               Presence /*presence*/) {
     line(key, decimal_from_si(si, unit));
+  }
+  /// Nothing where all are zero, which is the default.
+  void axes(std::string_view key, const std::array<double, 3>& si, FileUnit unit,
+            const Rule& /*rule*/) {
+    if (si == std::array<double, 3>{}) return;
+    line(key, "[" + decimal_from_si(si[0], unit) + ", " + decimal_from_si(si[1], unit) + ", " +
+                  decimal_from_si(si[2], unit) + "]");
   }
   void bias_instability(double si, const Rule& rule) {
     number("bias_instability_dph", si, FileUnit::degree_per_hour, rule, Presence::required);

@@ -160,6 +160,15 @@ core::MotionModel motion_model_of(const SensorModel& model) {
           .asymmetry = single(scale_factor.asymmetry_sigma)};
 }
 
+core::ScaleCorrection scale_correction_of(const SensorModel& model) {
+  const ScaleFactor scale_factor = model.scale_factor.value_or(ScaleFactor{});
+  core::ScaleCorrection scale;
+  for (std::size_t i = 0; i < scale.factor.size(); ++i) {
+    scale.factor[i] = core::ScaleCorrection::factor_of(single_or_zero(scale_factor.error[i]));
+  }
+  return scale;
+}
+
 /// Share of the strongest hypothesis that a lag has at least, so that there is something to
 /// multiply where the model gives it no weight. The slowest lag of a strong walk has two million
 /// times the variance of the model's.
@@ -265,6 +274,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
   }
   node.samples = samples_of(model, seconds(sample_period), tick_s);
   node.motion = motion_model_of(model);
+  node.scale = scale_correction_of(model);
   if (node.white_variance_rad2_s2 == 0.0F) {
     throw std::invalid_argument("the model \"" + model.name + "\" leaves no white noise");
   }

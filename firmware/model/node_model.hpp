@@ -130,6 +130,7 @@ template <core::ModelShape Shape>
   if constexpr (Shape.temperature_weights > 0) fitting.temperature = full.temperature;
   fitting.samples = full.samples;
   fitting.motion = full.motion;
+  fitting.scale = full.scale;
   fitting.sample_period = full.sample_period;
   fitting.quantization_step_rad_s = full.quantization_step_rad_s;
   if constexpr (Shape.hypotheses > 1) {

@@ -6,6 +6,7 @@
 /// spectra are two-sided. docs/reference/model-format.md describes the file it is kept in.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -183,6 +184,8 @@ struct ZeroRate {
 struct ScaleFactor {
   double sigma = 0.01;           ///< relative standard deviation over the parts of a kind
   double asymmetry_sigma = 0.0;  ///< half the difference between both senses of rotation
+  /// Known errors of x, y and z, relative, which a node takes off; `sigma` is about what is left.
+  std::array<double, 3> error{};
   std::string source{};
 
   bool operator==(const ScaleFactor&) const = default;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <stdexcept>
+#include <vector>
 
 #include "core/standstill/hold_back_line.hpp"
 #include "core/standstill/standstill.hpp"
@@ -144,6 +145,21 @@ std::string hypothesis_lines(const core::Hypotheses<Shape>& hypotheses, std::siz
   return text;
 }
 
+/// Known errors of the scale factors, to the last axis that has one.
+std::vector<float> scale_factor_errors(const SensorModel& model) {
+  std::vector<float> errors;
+  for (const double error : model.scale_factor.value_or(ScaleFactor{}).error) {
+    errors.push_back(static_cast<float>(error));
+  }
+  while (!errors.empty() && errors.back() == 0.0F) errors.pop_back();
+  return errors;
+}
+/// Nothing where none is known: C makes zeros of it.
+std::string scale_factor_error(const std::vector<float>& errors) {
+  if (errors.empty()) return {};
+  return field("scale_factor_error", numbers(errors.data(), errors.size()));
+}
+
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
 std::string hypotheses(const core::Hypotheses<kCApiShape>& all, std::size_t decaying) {
   if (all.count == 0) return {};
@@ -172,6 +188,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
         "saturation); the C interface takes none of these tables");
   }
   require_places(filter_tick, held_ticks, "ZERORATE_HELD_TICKS");
+  const std::vector<float> errors = scale_factor_errors(model);
   const std::int64_t places = places_needed(filter_tick);
   const std::string constant{name};
   std::string guard = constant + "_H";
@@ -190,6 +207,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          "#include <zerorate.h>\n\n" +
          size_guard("ZERORATE_DECAYING_MODES", decaying) +
          size_guard("ZERORATE_ROTATING_MODES", rotating) +
+         size_guard("ZERORATE_AXES", errors.size()) +
          size_guard("ZERORATE_TEMPERATURE", node.temperature.is_on() ? 1 : 0) +
          size_guard("ZERORATE_HELD_TICKS",
                     places > kCApiHeldTicks ? static_cast<std::size_t>(places) : 0) +
@@ -207,7 +225,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
               ? field("largest_bias_rad_s", node.largest_bias_rad_s)
               : std::string{}) +
          field("scale_factor_sigma", node.motion.scale_factor) +
-         field("asymmetry_sigma", node.motion.asymmetry) +
+         field("asymmetry_sigma", node.motion.asymmetry) + scale_factor_error(errors) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying, decaying) +
@@ -276,6 +294,12 @@ std::string hypotheses_member(const core::Hypotheses<kLargestLearningShape>& all
          "    }}},\n";
 }
 
+/// Nothing where no error of a scale factor is known, which is the default.
+std::string scale_member(const core::ScaleCorrection& scale) {
+  if (!scale.is_on()) return {};
+  return "    .scale = {.factor = {" + numbers(scale.factor.data(), scale.factor.size()) + "}},\n";
+}
+
 /// Nothing where the model names no step, which is the default.
 std::string step_member(float step_rad_s) {
   if (step_rad_s == 0.0F) return {};
@@ -334,7 +358,7 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          temperature_member(node.temperature) + samples(node.samples) +
          "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
-         ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" +
+         ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" + scale_member(node.scale) +
          "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
          hypotheses_member(node.hypotheses, decaying) + step_member(node.quantization_step_rad_s) +
          "}};\n"

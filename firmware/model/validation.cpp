@@ -1,5 +1,6 @@
 #include "firmware/model/sensor_model.hpp"
 
+#include <array>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -25,6 +26,10 @@ class Validator {
       message << prefix_ << key << " is " << value << "; expected " << rule.words;
       throw std::invalid_argument(message.str());
     }
+  }
+  void axes(std::string_view key, const std::array<double, 3>& si, FileUnit unit,
+            const Rule& rule) {
+    for (const double one : si) number(key, one, unit, rule, Presence::optional);
   }
   void bias_instability(double si, const Rule& rule) {
     number("bias_instability_dph", si, FileUnit::degree_per_hour, rule, Presence::required);

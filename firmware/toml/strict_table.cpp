@@ -123,6 +123,22 @@ std::optional<std::int64_t> StrictTable::integer(std::string_view key, const Rul
   return node->as_integer()->get();
 }
 
+std::vector<const toml::node*> StrictTable::numbers(std::string_view key, std::size_t count,
+                                                    const Rule& rule) {
+  std::vector<const toml::node*> numbers;
+  const toml::node* const node = find(key, rule.words, Presence::optional);
+  if (node == nullptr) return numbers;
+  const toml::array* const array = node->as_array();
+  if (array == nullptr || array->size() != count) {
+    expected(*node, key, rule.words);
+  }
+  for (const toml::node& element : *array) {
+    (void)checked_number(element, key, rule);
+    numbers.push_back(&element);
+  }
+  return numbers;
+}
+
 std::optional<std::string> StrictTable::text(std::string_view key, Presence presence) {
   const toml::node* const node = find(key, "text in quotes", presence);
   if (node == nullptr) return std::nullopt;

@@ -64,6 +64,9 @@ class StrictTable {
                                              Presence presence);
   [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key, const Rule& rule,
                                                     Presence presence);
+  /// The numbers of an array of so many, each by the rule; none where the key is absent.
+  [[nodiscard]] std::vector<const toml::node*> numbers(std::string_view key, std::size_t count,
+                                                       const Rule& rule);
   [[nodiscard]] std::optional<std::string> text(std::string_view key, Presence presence);
   [[nodiscard]] std::optional<bool> boolean(std::string_view key, Presence presence);
   /// Index of the name that stands at the key.

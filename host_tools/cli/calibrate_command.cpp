@@ -34,10 +34,18 @@ struct TurnsFlags {
   bool is_one_way = false;
   double rest_s = 10.0;
   double mark_sigma_deg = 2.0;
+  double drift_percent = 0.2;
   std::string model;
   std::string model_out;
   std::string summary;
 
+  /// Model that the node runs with, by name or file; empty: not known.
+  [[nodiscard]] std::string model_of_node() const {
+    if (chip.is_given()) return model_of_chip(chip);
+    return recording.empty() ? model : recorded_model();
+  }
+  /// Model of the node that a recording is run through.
+  [[nodiscard]] std::string recorded_model() const { return model.empty() ? "lsm6dso" : model; }
   [[nodiscard]] TurnGuide::Settings guide() const {
     const std::size_t wanted = is_one_way ? 1 : 2;
     return {.wanted = recording.empty() ? wanted : 0, .rest_s = rest_s};
@@ -47,9 +55,21 @@ struct TurnsFlags {
 /// Model whose tolerance is held against the result; none where none is given.
 std::optional<model::SensorModel> model_of(const TurnsFlags& flags) {
   if (!flags.model.empty()) return model::load_model(flags.model);
+  if (!flags.chip.configuration.empty()) return model::load_model(model_of_chip(flags.chip));
   if (flags.model_out.empty()) return std::nullopt;
   throw std::invalid_argument(
       "--model-out: give --model, too, whose other tables the written one has");
+}
+
+model::ScaleFactor scale_factor_of(const std::optional<model::SensorModel>& model) {
+  return model ? model->scale_factor.value_or(model::ScaleFactor{}) : model::ScaleFactor{};
+}
+
+/// Known errors of the scale factors that the node takes off before its turn is summed.
+std::optional<std::array<double, 3>> taken_off(const TurnsFlags& flags) {
+  const std::string model = flags.model_of_node();
+  if (model.empty()) return std::nullopt;
+  return scale_factor_of(model::load_model(model)).error;
 }
 
 /// Follows a node until the guide is done, the messages end, or a signal says so.
@@ -92,14 +112,17 @@ void write_model(const TurnsFlags& flags, model::SensorModel model,
 
 ExitCode run_turns(const TurnsFlags& flags, const PlayRecording& play_recording) {
   const std::optional<model::SensorModel> model = model_of(flags);
-  calibrate::CalibrationSettings settings{
-      .turns = flags.turns, .mark_sigma_rad = flags.mark_sigma_deg * units::kRadPerDeg};
-  if (model) settings.tolerance = model->scale_factor.value_or(model::ScaleFactor{});
+  const calibrate::CalibrationSettings settings{
+      .turns = flags.turns,
+      .mark_sigma_rad = flags.mark_sigma_deg * units::kRadPerDeg,
+      .tolerance = scale_factor_of(model),
+      .taken_off = taken_off(flags),
+      .drift_sigma = 0.01 * flags.drift_percent};
   TurnGuide guide{flags.guide()};
   if (flags.recording.empty()) {
     guide_live(flags, guide);
   } else {
-    play_recording(flags.recording, flags.model.empty() ? "lsm6dso" : flags.model,
+    play_recording(flags.recording, flags.recorded_model(),
                    [&](const wire::NumberedMessage& message) { guide.take(message); });
   }
   guide.finish();
@@ -129,11 +152,19 @@ void add_turns_options(CLI::App& command, TurnsFlags& flags) {
                   "error of a stop at the mark, standard deviation [deg]")
       ->check(CLI::Range(0.001, 90.0))
       ->capture_default_str();
-  command.add_option("--model", flags.model,
-                     "sensor model: a TOML file or a name from 'zerorate model list'; its "
-                     "tolerance is held against the result, 1 % without it");
+  command
+      .add_option(
+          "--drift-percent", flags.drift_percent,
+          "change of the scale factor after this by temperature and age, standard deviation")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command.add_option(
+      "--model", flags.model,
+      "sensor model: a TOML file or a name from 'zerorate model list'; the one that "
+      "the node runs with. Its tolerance is held against the result, 1 % without it");
   command.add_option("--model-out", flags.model_out,
-                     "write the model with the tolerance that this axis has now");
+                     "write the model with the known error of this axis, and the tolerance of what "
+                     "is left");
   command.add_option("--summary", flags.summary,
                      "write the figures as JSON; - for standard output");
 }

@@ -108,6 +108,10 @@ class ChipSource final : public live::Source {
 
 }  // namespace
 
+std::string model_of_chip(const ChipOptions& options) {
+  return read_configuration(options).model_name;
+}
+
 std::unique_ptr<live::Source> open_chip(const ChipOptions& options) {
   return std::make_unique<ChipSource>(read_configuration(options));
 }

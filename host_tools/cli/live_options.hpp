@@ -56,6 +56,10 @@ void add_chip_options(CLI::App& command, ChipOptions& chip);
 /// that cannot be used, std::runtime_error where a zerorated that runs has the state.
 [[nodiscard]] std::unique_ptr<live::Source> open_chip(const ChipOptions& options);
 
+/// The sensor model that the node of open_chip() runs with, by name or file. Throws
+/// toml_file::Error.
+[[nodiscard]] std::string model_of_chip(const ChipOptions& options);
+
 struct Endpoint {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;

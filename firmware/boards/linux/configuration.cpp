@@ -43,9 +43,16 @@ core::StandstillSource read_source(StrictTable& table) {
       table.choice("source", kSources, Presence::optional).value_or(0));
 }
 
-core::EarthRate read_earth(StrictTable& table) {
+/// @param reference states the axis that points up, too
+core::EarthRate read_earth(StrictTable& table, const std::optional<ReferenceSettings>& reference) {
   const double latitude = *table.number("latitude_deg", kLatitude, Presence::required);
-  return core::earth_rate(static_cast<float>(latitude), read_up(table, Presence::optional));
+  const core::UpAxis up = read_up(table, Presence::optional);
+  if (reference && reference->up != up) {
+    table.fail_at("up",
+                  "not the axis of \"up\" in [reference], and a sensor has one that points up; "
+                  "expected the same in both, and z where it is absent");
+  }
+  return core::earth_rate(static_cast<float>(latitude), up);
 }
 
 /// @param told  becomes the name or the file
@@ -211,7 +218,7 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
              [&](StrictTable& table) { filter.standstill.source = read_source(table); });
   std::optional<core::EarthRate> earth;
   with_table(root, "earth", Presence::optional, errors,
-             [&](StrictTable& table) { earth = read_earth(table); });
+             [&](StrictTable& table) { earth = read_earth(table, configuration.reference); });
   // Values that depend on each other can be judged when each of them is right.
   if (!errors.is_empty()) return;
   errors.attempt([&] {

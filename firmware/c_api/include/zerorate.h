@@ -167,6 +167,9 @@ typedef struct zerorate_model {
   float largest_bias_rad_s; /**< by the chip's specification; a larger one is flagged. 0: unknown */
   float scale_factor_sigma; /**< relative tolerance, of a tilted axis too, to 0.2. 0: 0.01 */
   float asymmetry_sigma;    /**< of half the difference between both senses; 0: none */
+  /** Known relative error of each scale factor, which is taken off the rate; below 0.2 either way.
+      0.01: a turn by 100 deg is measured as 101 deg. Zeros: none is known. */
+  float scale_factor_error[ZERORATE_AXES];
   float gate_threshold_sigma; /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
@@ -225,8 +228,8 @@ typedef struct zerorate_rate {
   int64_t time_ns;
   zerorate_motion motion;
   zerorate_health health;
-  float corrected_rad_s[ZERORATE_AXES]; /**< measured - bias, over the scale factor where it was
-                                           learnt; NaN where there is no rate */
+  float corrected_rad_s[ZERORATE_AXES]; /**< measured, without scale_factor_error, - bias, over the
+                                           scale factor where it was learnt; NaN: no rate */
   float bias_rad_s[ZERORATE_AXES];
   float sigma_rad_s[ZERORATE_AXES];    /**< of the bias; infinite until measured */
   float turn_rad[ZERORATE_AXES];       /**< since the departure from the newest learnt stop */

@@ -6,20 +6,44 @@ usage: calibrate_test.py ZERORATE [unittest arguments]
 
 import json
 import math
+import os
 import pathlib
+import pty
 import random
+import re
+import signal
 import socket
 import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import tomllib
 import unittest
 import zlib
 
 ZERORATE = sys.argv.pop(1)
+PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs/reference/calibrate-turns-json.md"
 LIMIT_S = 60.0
+CONFIGURATION = """schema = "zerorate.daemon/1"
+[real_time]
+lock_memory = false
+[gyro]
+chip = "simulated"
+time_factor = 20
+[model]
+file = "{model}"
+"""
+
+
+def keys_of(value, path=""):
+    """Paths of all keys, those of a list's elements together."""
+    if isinstance(value, list):
+        return set().union(*(keys_of(element, path) for element in value))
+    if not isinstance(value, dict):
+        return set()
+    return {f"{path}.{key}" for key in value}.union(*(keys_of(one, f"{path}.{key}") for key, one in value.items()))
 
 
 def recording(rounds, seed=1):
@@ -75,10 +99,33 @@ class Calibrate(unittest.TestCase):
         figures = json.loads((self.folder / "turns.json").read_text(encoding="utf-8"))
         self.assertAlmostEqual(figures["scale_factor"]["percent"], 0.6, delta=0.03)
         written = tomllib.loads((self.folder / "mine.toml").read_text(encoding="utf-8"))
-        self.assertAlmostEqual(written["scale_factor"]["sigma_percent"], 0.604, delta=0.03)
+        self.assertAlmostEqual(written["scale_factor"]["error_percent"][2], 0.6, delta=0.03)
+        self.assertEqual(written["scale_factor"]["error_percent"][:2], [0, 0])
+        # The stop at the mark by 2 deg, and a drift of 0.2 %.
+        self.assertAlmostEqual(written["scale_factor"]["sigma_percent"], math.hypot(0.068, 0.2), delta=0.003)
         checked = subprocess.run([ZERORATE, "model", "check", self.folder / "mine.toml"], capture_output=True, text=True,
                                  timeout=LIMIT_S, check=False)
         self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+
+    def test_with_the_written_model_finds_nothing_more(self):
+        self.assertEqual(self.run_on(10.06, "--model", "lsm6dso", "--model-out", "mine.toml").returncode, 0)
+        done = self.run_on(10.06, "--model", "mine.toml", "--model-out", "again.toml", "--summary", "turns.json")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("takes +0.6", done.stdout)
+        figures = json.loads((self.folder / "turns.json").read_text(encoding="utf-8"))
+        self.assertAlmostEqual(figures["scale_factor"]["percent"], 0.0, delta=0.001)
+        first, second = (tomllib.loads((self.folder / name).read_text(encoding="utf-8"))["scale_factor"]["error_percent"]
+                         for name in ("mine.toml", "again.toml"))
+        self.assertAlmostEqual(first[2], second[2], delta=0.001)
+
+    def test_summary_has_the_keys_of_its_page(self):
+        self.run_on(10.06, "--model", "lsm6dso", "--summary", "turns.json")
+        figures = json.loads((self.folder / "turns.json").read_text(encoding="utf-8"))
+        page = PAGE.read_text(encoding="utf-8")
+        shown = json.loads(re.search(r"^```json\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)[1])
+        self.assertEqual(keys_of(figures), keys_of(shown))
+        explained = set(re.findall(r"`(\w+)`", page))
+        self.assertLessEqual({key.rpartition(".")[2] for key in keys_of(figures)}, explained)
 
     def test_refuses_a_wrong_count_and_writes_no_model(self):
         done = self.run_on(9.02, "--model", "lsm6dso", "--model-out", "mine.toml")
@@ -114,6 +161,54 @@ class Calibrate(unittest.TestCase):
         self.assertEqual((process.returncode, errors), (0, ""))
         self.assertAlmostEqual(json.loads(out)["scale_factor"]["percent"], 0.5, delta=0.001)
         self.assertFalse(path.exists())
+
+    def test_follows_a_pico_on_its_serial_line(self):
+        line, device = pty.openpty()
+        os.set_blocking(line, False)
+        try:
+            with subprocess.Popen([ZERORATE, "calibrate", "turns", "--serial", os.ttyname(device), "--summary", "-"],
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True) as process:
+                deadline = time.monotonic() + LIMIT_S
+                while termios.tcgetattr(device)[3] & termios.ICANON and time.monotonic() < deadline:
+                    time.sleep(0.01)  # until it reads raw bytes
+                for one in frames(9.95):
+                    blocks = (one + b"\0").split(b"\0")[:-1]  # stuffed, the plain way
+                    left = b"".join(bytes([len(block) + 1]) + block for block in blocks) + b"\0"
+                    while left and process.poll() is None and time.monotonic() < deadline:
+                        try:
+                            left = left[os.write(line, left):]
+                        except BlockingIOError:
+                            time.sleep(0.001)  # it reads more slowly
+                out, errors = process.communicate(timeout=LIMIT_S)
+        finally:
+            os.close(line)
+            os.close(device)
+        self.assertEqual((process.returncode, errors), (0, ""))
+        figures = json.loads(out)
+        self.assertAlmostEqual(figures["scale_factor"]["percent"], -0.5, delta=0.001)
+        self.assertIsNone(figures["taken_off_percent"])
+        self.assertIn("the model of the node is not known here", figures["notes"][0])
+
+    def test_reads_the_chip_of_a_configuration(self):
+        # The simulated vehicle rests and drives bends, but never turns around.
+        self.assertEqual(self.run_on(10.06, "--model", "lsm6dso", "--model-out", "mine.toml").returncode, 0)
+        model = (self.folder / "mine.toml").read_text(encoding="utf-8")
+        (self.folder / "mine.toml").write_text(re.sub(r"error_percent = .*", "error_percent = [1.5, 0, 0]", model),
+                                               encoding="utf-8")
+        file = self.folder / "zerorated.toml"
+        file.write_text(CONFIGURATION.format(model=self.folder / "mine.toml"), encoding="utf-8")
+        with subprocess.Popen([ZERORATE, "calibrate", "turns", "--config", file, "--summary", "turns.json"],
+                              cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True) as process:
+            time.sleep(6.0)  # two minutes by its clock
+            process.send_signal(signal.SIGINT)
+            out, errors = process.communicate(timeout=LIMIT_S)
+        self.assertEqual((process.returncode, out), (3, ""))
+        self.assertIn("no turn was seen; turn it at least once around after it stood still", errors)
+        figures = json.loads((self.folder / "turns.json").read_text(encoding="utf-8"))
+        self.assertAlmostEqual(figures["taken_off_percent"], 1.5)
+        self.assertLess(figures["tolerance_percent"], 0.3, "that of the model of the configuration")
 
 
 if __name__ == "__main__":

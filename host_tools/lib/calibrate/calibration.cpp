@@ -19,7 +19,7 @@ constexpr double kSmallTilt_rad = 3.0 / kDegPerRad;
 /// The rate of a turn by hand changes by 20 deg/s within a second: over such a gap the turn is sure
 /// to 0.7 deg (TurnSum).
 constexpr double kLongestSilence_s = 0.25;
-/// Largest scale factor error that a model holds.
+/// Scale factor errors that a model states are below.
 constexpr double kLargestError = 0.2;
 
 double tilt_rad(const GuidedTurn& turn) {
@@ -140,6 +140,17 @@ void note_fit(Calibration& calibration) {
         "contains that. It is right for a vehicle in which the sensor stands the same way",
         calibration.tilt_rad * kDegPerRad, 100.0 * calibration.tilt_loss()));
   }
+  if (!calibration.settings.taken_off) {
+    calibration.notes.emplace_back(
+        "the model of the node is not known here (--model): the error comes on top of the one that "
+        "this model states in error_percent");
+  } else if (const double known = (*calibration.settings.taken_off).at(calibration.axis);
+             known != 0.0) {
+    calibration.notes.push_back(
+        fmt::format("the node takes {:+.3f} % off already, and the turns show what is left: "
+                    "error_percent is of both",
+                    100.0 * known));
+  }
   if (!calibration.fit->asymmetry) {
     calibration.notes.emplace_back(
         "all turns had the same sense: an asymmetry is part of the figure; turn the other way, "
@@ -163,6 +174,11 @@ bool Calibration::contradicts_tolerance() const {
   return std::abs(fit->scale.value) > statistics::kHalfWidth95 * sigma;
 }
 
+double whole_error(const Calibration& calibration, double found) {
+  const auto taken_off = calibration.settings.taken_off.value_or(std::array<double, 3>{});
+  return (1.0 + taken_off.at(calibration.axis)) * (1.0 + found) - 1.0;
+}
+
 Calibration calibrate(const TurnGuide& guide, const CalibrationSettings& settings) {
   Calibration calibration{.settings = settings, .turns = guide.turns()};
   if (!calibration.turns.empty()) calibration.axis = calibration.turns.front().axis();
@@ -173,11 +189,12 @@ Calibration calibrate(const TurnGuide& guide, const CalibrationSettings& setting
   note_turns(guide, calibration);
   if (!calibration.problems.empty()) return calibration;
   const ScaleFit fit = fit_of(calibration);
-  if (std::abs(fit.scale.value) > kLargestError) {
+  const double error = whole_error(calibration, fit.scale.value);
+  if (!(std::abs(error) < kLargestError)) {
     calibration.problems.push_back(fmt::format(
         "the scale factor would be off by {:.0f} %, more than a gyro's; stop at the mark "
         "from which it began",
-        100.0 * fit.scale.value));
+        100.0 * error));
     return calibration;
   }
   calibration.fit = fit;
@@ -187,15 +204,16 @@ Calibration calibrate(const TurnGuide& guide, const CalibrationSettings& setting
 
 model::ScaleFactor calibrated_scale_factor(const Calibration& calibration) {
   const ScaleFit& fit = *calibration.fit;
-  model::ScaleFactor scale_factor{
-      .sigma = std::hypot(fit.scale.value, fit.scale.sigma),
-      .asymmetry_sigma = calibration.settings.tolerance.asymmetry_sigma,
-      .source =
-          fmt::format("zerorate calibrate turns: {} turns about axis {}, error {:+.3f} +- {:.3f} "
-                      "%, which the node does not take off: its square and that of the "
-                      "standard deviation added",
-                      calibration.settings.turns, "xyz"[calibration.axis], 100.0 * fit.scale.value,
-                      100.0 * fit.scale.half_width())};
+  const CalibrationSettings& settings = calibration.settings;
+  model::ScaleFactor scale_factor = settings.tolerance;
+  const double error = whole_error(calibration, fit.scale.value);
+  scale_factor.error.at(calibration.axis) = error;
+  scale_factor.sigma = std::hypot(fit.scale.sigma, settings.drift_sigma);
+  scale_factor.source = fmt::format(
+      "zerorate calibrate turns: {} turns about axis {}, error {:+.3f} +- {:.3f} %; the tolerance "
+      "is what is left, with a drift of {:g} %",
+      settings.turns, "xyz"[calibration.axis], 100.0 * error, 100.0 * fit.scale.half_width(),
+      100.0 * settings.drift_sigma);
   const auto& asymmetry = fit.asymmetry;
   if (asymmetry && std::abs(asymmetry->value) > asymmetry->half_width()) {
     scale_factor.asymmetry_sigma = std::hypot(asymmetry->value, asymmetry->sigma);

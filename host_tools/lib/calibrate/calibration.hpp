@@ -2,6 +2,7 @@
 /// Calibration of a scale factor by the turns of a guide: its result, and what speaks against it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,7 +17,12 @@ namespace zerorate::calibrate {
 struct CalibrationSettings {
   int turns = 10;                ///< full turns of each sense
   double mark_sigma_rad = 0.03;  ///< error of a stop at the mark, standard deviation
-  model::ScaleFactor tolerance;  ///< tolerance of the data sheet
+  model::ScaleFactor tolerance;  ///< tolerance of the data sheet or of the model
+  /// Known errors of x, y and z that the node takes off already; nullopt: its model is not known
+  /// here, and what is found comes on top.
+  std::optional<std::array<double, 3>> taken_off = std::array<double, 3>{};
+  /// Change of the scale factor after the calibration by temperature and age, standard deviation.
+  double drift_sigma = 0.002;
 };
 
 struct Calibration {
@@ -39,8 +45,13 @@ struct Calibration {
 /// @param guide at its end
 [[nodiscard]] Calibration calibrate(const TurnGuide& guide, const CalibrationSettings& settings);
 
-/// The scale factor of a model after this calibration. A node corrects no known scale factor, so
-/// the tolerance contains the measured error and its standard deviation.
+/// Error of the scale factor of the axis that was turned: what the turns show and what the node
+/// took off before they were summed.
+/// @param found as the turns show it
+[[nodiscard]] double whole_error(const Calibration& calibration, double found);
+
+/// The scale factor of a model after this calibration: the whole error of the axis that was turned
+/// as known, and the tolerance of what is left. Other axes keep their errors.
 /// @param calibration with a fit
 [[nodiscard]] model::ScaleFactor calibrated_scale_factor(const Calibration& calibration);
 

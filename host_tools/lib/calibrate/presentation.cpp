@@ -22,6 +22,14 @@ nlohmann::ordered_json to_json(const RelativeError& error) {
           {"half_width95_percent", kPercent * error.half_width()}};
 }
 
+nlohmann::ordered_json to_json(const model::ScaleFactor& scale_factor) {
+  nlohmann::ordered_json errors = nlohmann::ordered_json::array();
+  for (const double error : scale_factor.error) errors.push_back(kPercent * error);
+  return {{"error_percent", errors},
+          {"sigma_percent", kPercent * scale_factor.sigma},
+          {"asymmetry_percent", kPercent * scale_factor.asymmetry_sigma}};
+}
+
 nlohmann::ordered_json to_json(const GuidedTurn& turn, std::size_t axis) {
   // A deviation that is not finite is null.
   return {{"begin_s", turn.begin_s},
@@ -42,12 +50,13 @@ std::string verdict(const Calibration& calibration) {
       tolerance);
 }
 
-/// A table for the model file. A known error would be a line of its own here, and `sigma_percent`
-/// the rest, as soon as a node takes it off.
+/// A table for the model file.
 std::string table(const Calibration& calibration) {
   const model::ScaleFactor scale_factor = calibrated_scale_factor(calibration);
-  std::string text =
-      fmt::format("[scale_factor]\nsigma_percent = {:.3f}\n", kPercent * scale_factor.sigma);
+  const auto& error = scale_factor.error;
+  std::string text = fmt::format(
+      "[scale_factor]\nerror_percent = [{:.3f}, {:.3f}, {:.3f}]\nsigma_percent = {:.3f}\n",
+      kPercent * error[0], kPercent * error[1], kPercent * error[2], kPercent * scale_factor.sigma);
   if (scale_factor.asymmetry_sigma > 0.0) {
     text += fmt::format("asymmetry_percent = {:.3f}\n", kPercent * scale_factor.asymmetry_sigma);
   }
@@ -92,10 +101,10 @@ std::string to_text(const Calibration& calibration) {
   for (const std::string& note : calibration.notes) text += "note: " + note + "\n";
   return text +
          fmt::format(
-             "\nA node does not take the error off the rate yet: divide its turn by {:.5f}. Until\n"
-             "then the tolerance of axis {}, and of no other, is what the error and its deviation "
-             "add up to:\n\n{}",
-             1.0 + fit.scale.value, "xyz"[calibration.axis], table(calibration));
+             "\nWith this in its model (--model-out) a node takes the error off. The tolerance is "
+             "that of axis\n{} and of what is left, with {:g} % for temperature and age:\n\n{}",
+             "xyz"[calibration.axis], kPercent * calibration.settings.drift_sigma,
+             table(calibration));
 }
 
 std::string to_json(const Calibration& calibration) {
@@ -105,14 +114,20 @@ std::string to_json(const Calibration& calibration) {
       {"turns_wanted", calibration.settings.turns},
       {"mark_sigma_deg", calibration.settings.mark_sigma_rad * kDegPerRad},
       {"tolerance_percent", kPercent * calibration.settings.tolerance.sigma},
+      {"taken_off_percent", nullptr},
       {"scale_factor", nullptr},
       {"asymmetry", nullptr},
+      {"model", nullptr},
       {"contradicts_tolerance", calibration.contradicts_tolerance()},
       {"tilt_deg", calibration.tilt_rad * kDegPerRad},
       {"turns", nlohmann::ordered_json::array()},
       {"problems", calibration.problems},
       {"notes", calibration.notes}};
+  if (calibration.settings.taken_off) {
+    json["taken_off_percent"] = kPercent * calibration.settings.taken_off->at(calibration.axis);
+  }
   if (calibration.fit) {
+    json["model"] = to_json(calibrated_scale_factor(calibration));
     json["scale_factor"] = to_json(calibration.fit->scale);
     if (calibration.fit->asymmetry) json["asymmetry"] = to_json(*calibration.fit->asymmetry);
   }

@@ -255,9 +255,10 @@ class Run {
       }
     }
   }
-  /// Rate over the Earth, with the bias still in it.
+  /// Rate over the Earth as the node takes it in, with the bias still in it.
   [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
-    return double{message.axes[axis].measured.in(core::rad_per_s)} -
+    const core::ScaleCorrection& scale = replayed_.params().model.scale;
+    return double{scale.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
            double{replayed_.params().earth.vertical_rad_s[axis]};
   }
   void predict_biases() {

@@ -109,6 +109,20 @@ TEST_F(ScaledGyro, GoesOnAfterThePowerWasOff) {
   EXPECT_TRUE(std::isinf(after.heading_rad.sigma));
 }
 
+TEST_F(ScaledGyro, IsCorrectedByTheErrorThatItsModelStates) {
+  constexpr double kTurn_rad = double{kTurn_rad_s} * double{kPeriod_s} * double{kDriveSamples};
+  const zerorate_rate raw = stop_and_drive();
+  zerorate_model model = front_gyro;
+  model.scale_factor_error[2] = 0.01F;
+  const zerorate_config config = config_with_up();
+  ASSERT_EQ(zerorate_init(&node_, &model, &config), ZERORATE_OK);
+  k_ = 0;
+  heading_rad_ = 0.0;
+  const zerorate_rate corrected = stop_and_drive();
+  // The noise is the same: its hundredth and that of the bias are left.
+  EXPECT_NEAR(double{raw.turn_rad[2] - corrected.turn_rad[2]}, 0.01 * kTurn_rad, 1e-3);
+}
+
 TEST_F(ScaledGyro, SaysWhereItIsHeading) {
   EXPECT_TRUE(std::isinf(learnt().heading_rad.sigma));
   stop_and_drive();

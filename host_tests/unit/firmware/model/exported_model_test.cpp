@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <full_model_params.hpp>
 
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstring>
@@ -34,6 +35,9 @@ class Change {
   void number(std::string_view key, int& value, FileUnit /*unit*/, const Rule& rule,
               Presence /*presence*/) {
     if (is_turn_of(key)) value = rule.holds(value + 1) ? value + 1 : value / 3;
+  }
+  void axes(std::string_view key, std::array<double, 3>& si, FileUnit unit, const Rule& rule) {
+    for (double& one : si) number(key, one, unit, rule, Presence::optional);
   }
   void bias_instability(double& si, const Rule& rule) {
     number("bias_instability", si, FileUnit::si, rule, Presence::required);

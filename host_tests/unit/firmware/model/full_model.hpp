@@ -92,6 +92,7 @@ limit_dps = 3
 [scale_factor]
 sigma_percent = 1.5
 asymmetry_percent = 0.25
+error_percent = [0.5, -1.25, 2]
 
 [mounting]
 tilt_sigma_deg = 8

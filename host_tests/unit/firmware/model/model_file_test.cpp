@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <string>
 #include <system_error>
 
+#include "firmware/model/node_model.hpp"
 #include "host_tests/unit/firmware/model/full_model.hpp"
 
 namespace zerorate::model {
@@ -71,6 +73,7 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.motion_contamination->duration_s, 0.8);
   EXPECT_DOUBLE_EQ(model.variable_noise->variance_sigma, 0.2);
   EXPECT_DOUBLE_EQ(model.saturation->lower_rad_s, -240.5 * kDeg);
+  EXPECT_DOUBLE_EQ(model.scale_factor->error[1], -0.0125);
   EXPECT_EQ(model.gate->threshold_sigma, 5.0);
   EXPECT_EQ(model.gate->longest_knock_s, 3.0);
   EXPECT_EQ(model.learning->hypotheses, 4);
@@ -209,7 +212,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:97:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:98:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"
@@ -229,6 +232,24 @@ TEST(ModelFileWithAnImpossibleValue, TellsTheRule) {
   EXPECT_THAT(message_of(with("frequency_hz = 0.55", "frequency_hz = 1e10")),
               testing::HasSubstr("expected a positive frequency, at most 100 000 Hz"));
   EXPECT_THAT(message_of(with("decades = 5", "decades = 9")), testing::HasSubstr("from 1 to 8"));
+}
+
+TEST(ModelFileWithAScaleFactorError, HasThreeNumbersBelow20Percent) {
+  for (const char* value :
+       {"2", "[2]", "[0, 0, 0, 2]", "[0, 0, -20]", "[0, nan, 0]", "[0, 0, \"2\"]"}) {
+    EXPECT_THAT(
+        message_of(with("[0.5, -1.25, 2]", value)),
+        testing::HasSubstr("\"error_percent\" in [scale_factor]: expected three numbers, of x, "
+                           "y and z, each between -20 and 20 %"))
+        << value;
+  }
+}
+
+TEST(ModelFileWithNoScaleFactorError, HasNone) {
+  SensorModel model = parse_model(with("error_percent = [0.5, -1.25, 2]\n", ""), "m.toml");
+  EXPECT_EQ(model.scale_factor->error, (std::array<double, 3>{}));
+  EXPECT_FALSE(make_full_node_model(model, kFullPeriod, kFullTick).scale.is_on());
+  EXPECT_THAT(format_model(model), testing::Not(testing::HasSubstr("error_percent")));
 }
 
 TEST(ModelFileThatIsNotToml, TellsThePlace) {

@@ -192,14 +192,42 @@ TEST(Calibration, FindsScaleAndAsymmetry) {
       << to_text(calibration);
 }
 
-TEST(Calibration, GivesAModelAToleranceThatHoldsTheError) {
+TEST(Calibration, GivesAModelTheErrorAndTheToleranceOfWhatIsLeft) {
   MadeNode node;
   node.there_and_back(10.06, -10.02);
-  const Calibration calibration = calibrate(node.guide, ten_turns());
+  CalibrationSettings settings = ten_turns();
+  settings.tolerance.error = {0.03, 0.0, 0.0};
+  const Calibration calibration = calibrate(node.guide, settings);
   const model::ScaleFactor scale_factor = calibrated_scale_factor(calibration);
-  EXPECT_NEAR(scale_factor.sigma, std::hypot(0.004, calibration.fit->scale.sigma), 1e-6);
+  EXPECT_NEAR(scale_factor.error[2], 0.004, 1e-6);
+  EXPECT_EQ(scale_factor.error[0], 0.03);
+  EXPECT_EQ(scale_factor.sigma, std::hypot(calibration.fit->scale.sigma, settings.drift_sigma));
   EXPECT_NEAR(scale_factor.asymmetry_sigma, std::hypot(0.002, calibration.fit->asymmetry->sigma),
               1e-6);
+}
+
+TEST(Calibration, AddsWhatTheNodeTakesOffAlready) {
+  MadeNode node;
+  node.there_and_back(10.06, -10.02);
+  CalibrationSettings settings = ten_turns();
+  settings.taken_off = {0.0, 0.0, 0.05};
+  Calibration calibration = calibrate(node.guide, settings);
+  EXPECT_NEAR(calibrated_scale_factor(calibration).error[2], 1.05 * 1.004 - 1.0, 1e-6);
+  EXPECT_NEAR(calibration.fit->scale.value, 0.004, 1e-6);
+  ASSERT_EQ(calibration.notes.size(), 1U);
+  EXPECT_TRUE(has(calibration.notes[0], "takes +5.000 % off already")) << calibration.notes[0];
+
+  settings.taken_off = {0.0, 0.0, 0.198};
+  calibration = calibrate(node.guide, settings);
+  EXPECT_FALSE(calibration.fit) << "more than a model may state";
+
+  settings.taken_off.reset();
+  calibration = calibrate(node.guide, settings);
+  EXPECT_NEAR(calibrated_scale_factor(calibration).error[2], 0.004, 1e-6);
+  EXPECT_TRUE(has(calibration.notes[0], "is not known here")) << calibration.notes[0];
+  const auto json = nlohmann::json::parse(to_json(calibration));
+  EXPECT_TRUE(json["taken_off_percent"].is_null());
+  EXPECT_NEAR(json["model"]["error_percent"][2].get<double>(), 0.4, 1e-4);
 }
 
 TEST(Calibration, RefusesAWrongCount) {

@@ -53,6 +53,16 @@ TEST(ConfigurationOfReferences, IsReadAsItStandsThere) {
   EXPECT_TRUE(c.node.up->points_down);
 }
 
+TEST(ConfigurationOfReferences, HasTheAxisThatPointsUpOfTheEarth) {
+  const auto with_earth = [](const std::string& up) {
+    return with_reference("[reference]", "[earth]\nlatitude_deg = 60\n" + up + "[reference]");
+  };
+  EXPECT_EQ(refusal_of(with_earth("up = \"-y\"\n")), "");
+  EXPECT_THAT(refusal_of(with_earth("up = \"y\"\n")),
+              HasSubstr("z.toml:6:6: \"up\" in [earth]: not the axis of \"up\" in [reference]"));
+  EXPECT_THAT(refusal_of(with_earth("")), HasSubstr("z.toml:4:1: \"up\" in [earth]: not the axis"));
+}
+
 TEST(ConfigurationOfReferences, MayNameASignalOnCan) {
   const Configuration c = parse_configuration(
       with_reference("type = \"udp\"\naddress = \"127.0.0.1\"\nport = 4001\n",

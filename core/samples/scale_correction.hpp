@@ -1,0 +1,44 @@
+/// @file
+/// Known errors of the scale factors of a gyro, taken off its samples.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// Correction of the measured rates, before anything is learnt or published. Off by default, and
+/// then each rate keeps its bits.
+///
+/// Cost of a sample: one comparison; where it is on, three products.
+struct ScaleCorrection {
+  using Rates = std::array<AngularRate, 3>;
+
+  std::array<float, 3> factor{1.0F, 1.0F, 1.0F};  ///< factor of the rates of x, y and z
+
+  constexpr bool operator==(const ScaleCorrection&) const = default;
+  /// Factor of an axis.
+  /// @param error relative error of its scale factor: 0.01 where a turn by 100 deg is measured as
+  /// 101 deg
+  [[nodiscard]] static constexpr float factor_of(float error) { return 1.0F / (1.0F + error); }
+  /// In bits, for processors without floating point.
+  [[nodiscard]] constexpr bool is_on() const {
+    using Bits = std::array<std::uint32_t, 3>;
+    return std::bit_cast<Bits>(factor) != std::bit_cast<Bits>(ScaleCorrection{}.factor);
+  }
+  [[nodiscard]] constexpr AngularRate corrected(AngularRate measured, std::size_t axis) const {
+    return measured * factor[axis];
+  }
+  [[nodiscard]] constexpr Rates corrected(const Rates& measured) const {
+    if (!is_on()) return measured;
+    Rates rates{};
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = corrected(measured[i], i);
+    return rates;
+  }
+};
+
+}  // namespace zerorate::core
