@@ -152,7 +152,7 @@ class Snapshot {
     const auto header = read_header(record);
     if (!header) return core::Unexpected{header.error()};
     if (header->model != model_) {
-      return resume(node, get<Biases>(record.subspan(sizeof(Header))), *header, now);
+      return resume(node, scaled(get<Biases>(record.subspan(sizeof(Header)))), *header, now);
     }
     if (header->content != Content::filters || record.size() != kBytesOfFilters) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
@@ -291,6 +291,12 @@ class Snapshot {
     return biases;
   }
 
+  /// Not inlined: a board counts its stack.
+  [[gnu::noinline]] [[nodiscard]] Biases scaled(Biases biases) const {
+    for (std::size_t i = 0; i < Node::kAxes; ++i) biases.bias_rad_s[i] *= scale_.factor[i];
+    return biases;
+  }
+
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, const Learnt& learnt,
                                                    const Header& header,
                                                    const SnapshotTime& now) const {
@@ -317,10 +323,8 @@ class Snapshot {
     if constexpr (kBytesOfTemperature > 0) {
       temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
     }
-    std::array<float, Node::kAxes> bias_rad_s = learnt.bias_rad_s;
-    for (std::size_t i = 0; i < Node::kAxes; ++i) bias_rad_s[i] *= scale_.factor[i];
     node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks), 0.0F,
-                bias_rad_s, learnt.variance_rad2_s2);
+                learnt.bias_rad_s, learnt.variance_rad2_s2);
     return if_possible(node, header, Resumption::bias_alone);
   }
   /// Begins the node anew where a record does not say of itself what it holds, or holds what
