@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -68,7 +69,7 @@ std::vector<Leg> motorway_legs(std::uint64_t seed) {
 
 /// Up a ramp that winds by 540 deg, along the rows of a floor, a wait for a place.
 void park(Draws& draws, Route& route) {
-  constexpr double kRamp = 0.12;
+  constexpr double kRamp = 0.10;
   constexpr double kBank = 0.03;
   route.turn(540.0, 9.0, 3.5, kRamp, kBank);
   for (int row = 0; row < 4; ++row) {
@@ -91,11 +92,9 @@ ScenarioDrive scale_1_percent(std::uint64_t seed) {
 }
 
 ScenarioDrive mounted_askew(std::uint64_t seed) {
-  constexpr double kRoll_rad = 3.0 * kRadPerDeg;
-  constexpr double kPitch_rad = -4.0 * kRadPerDeg;  // the vertical lies 5.0 deg off the axis z
   const VehicleMotion motion = streets({}, seed);
-  ScenarioDrive drive = record(
-      motion, {.errors = {.mounting = {.roll_rad = kRoll_rad, .pitch_rad = kPitch_rad}}}, seed);
+  ScenarioDrive drive =
+      record(motion, {.errors = {.mounting = {.roll_rad = 5.0 * kRadPerDeg}}}, seed);
   refer(TwoAntennas{}, motion, seed, drive);
   return drive;
 }
@@ -136,6 +135,7 @@ ScenarioDrive car_park(std::uint64_t seed) {
 
 ScenarioDrive spinning_robot(std::uint64_t seed) {
   constexpr double kHalfTrack_m = 0.25;
+  constexpr double kShake_rad_s = 0.3 * kRadPerDeg;  // of hard wheels on tiles, at 7 Hz
   Draws draws{random::RandomStream{seed}.substream("robot")};
   std::vector<Leg> legs{{.length_s = 30.0}};
   for (int move = 0; move < 60; ++move) {
@@ -143,21 +143,23 @@ ScenarioDrive spinning_robot(std::uint64_t seed) {
     const double spin_dps = draws.uniform(30.0, 90.0);
     const double turned_deg = draws.uniform(90.0, 900.0);
     const double driven_s = draws.uniform(2.0, 10.0);
-    legs.push_back({turned_deg / spin_dps + 1.0, 0.0, sense * spin_dps});
+    legs.push_back({turned_deg / spin_dps, 0.0, sense * spin_dps});
     legs.push_back({.length_s = 1.0});
     legs.push_back({driven_s, 0.8});
     legs.push_back({.length_s = draws.uniform(8.0, 20.0)});
   }
   VehicleMotion motion = follow(legs, kScenarioPeriod_s);
-  // Its wheels count, also where they turn against each other.
   for (std::size_t k = 0; k < motion.size(); ++k) {
+    // Its wheels count also where they turn against each other.
     motion.speed_m_s[k] += std::abs(motion.turn_rad_s[k]) * kHalfTrack_m;
+    const double phase = 2.0 * std::numbers::pi * 7.0 * static_cast<double>(k) * kScenarioPeriod_s;
+    if (motion.speed_m_s[k] > 0.0) motion.rate_rad_s[k][1] += kShake_rad_s * std::sin(phase);
   }
   motion.odometer_pulses =
       count_pulses(motion.speed_m_s, kScenarioPeriod_s, {.metres_per_pulse = 0.005});
-  ScenarioDrive drive = record(
-      motion,
-      {.errors = {.scale_factor = {kScale, kScale, kScale}, .asymmetry = {0.0, 0.0, 0.002}}}, seed);
+  MotionErrors errors = kScaleError;
+  errors.asymmetry = {0.0, 0.0, kRobotAsymmetry};
+  ScenarioDrive drive = record(motion, {.errors = errors}, seed);
   refer(Mark{}, motion, seed, drive);
   return drive;
 }

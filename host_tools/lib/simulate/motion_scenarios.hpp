@@ -17,7 +17,10 @@ namespace zerorate::simulate {
 [[nodiscard]] ScenarioDrive motorway_hour(std::uint64_t seed);
 /// Streets, ramps and tight turns of a car park, streets again; a course in the streets only.
 [[nodiscard]] ScenarioDrive car_park(std::uint64_t seed);
-/// A robot that spins on the spot to both sides; a mark at each stop.
+/// Asymmetry of the robot's gyro about z.
+inline constexpr double kRobotAsymmetry = 0.002;
+/// A robot that spins on the spot to both sides, with a scale factor that is 1 % too large and an
+/// asymmetry; a mark at each stop. Its speed is that of its wheels.
 [[nodiscard]] ScenarioDrive spinning_robot(std::uint64_t seed);
 
 }  // namespace zerorate::simulate

@@ -48,8 +48,8 @@ struct StreetParams {
   double duration_s = 1800.0;
   double shortest_stop_s = 6.0;
   double mean_stop_s = 20.0;
-  double manoeuvres_per_drive = 5.0;  ///< mean number of corners, roundabouts and U-turns
-  double mean_straight_s = 12.0;      ///< before each of them
+  double manoeuvres_per_drive = 3.0;  ///< mean number of corners, roundabouts and U-turns
+  double mean_straight_s = 6.0;       ///< before each of them
   double speed_m_s = 10.0;            ///< on straights; each one's own lies within 40 % of it
   double u_turn_share = 0.1;          ///< share of the manoeuvres
   double roundabout_share = 0.25;     ///< share of the manoeuvres; the others are corners
