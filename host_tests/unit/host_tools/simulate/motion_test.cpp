@@ -150,9 +150,9 @@ TEST(Streets, AreTheSameForASeedAndOthersForAnother) {
 
 /// Straight on at one speed, heading 1 rad.
 struct Steady {
-  explicit Steady(double speed_m_s, double length_s = 20'000.0)
-      : heading_rad(static_cast<std::size_t>(length_s / kPeriod_s), 1.0),
-        speed_m_s(heading_rad.size(), speed_m_s) {}
+  explicit Steady(double speed, double length_s = 20'000.0)
+      : heading_rad(static_cast<std::size_t>(std::lround(length_s / kPeriod_s)), 1.0),
+        speed_m_s(heading_rad.size(), speed) {}
 
   [[nodiscard]] TrueCourse course() const {
     return {.period_s = kPeriod_s, .heading_rad = heading_rad, .speed_m_s = speed_m_s};
