@@ -161,7 +161,7 @@ TEST(ScaleOnePercent, IsLearntFromTheHeadingAtStops) {
   expect_taught("scale-1-percent", Teaches::only_at_stops, 0.15);
 }
 
-// What remains is the slope of the place where it parks, a share of which the tilted axis measures.
+// The slope of the place where it parks remains: the tilted axis measures a share of it.
 TEST(MountedAskew, IsLearntAsScaleFactorFromTwoAntennas) {
   expect_taught("mounted-askew", Teaches::always, 0.4);
 }

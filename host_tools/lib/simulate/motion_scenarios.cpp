@@ -135,7 +135,7 @@ ScenarioDrive car_park(std::uint64_t seed) {
 
 ScenarioDrive spinning_robot(std::uint64_t seed) {
   constexpr double kHalfTrack_m = 0.25;
-  constexpr double kShake_rad_s = 0.3 * kRadPerDeg;  // of hard wheels on tiles, at 7 Hz
+  constexpr double kShake_rad_s = 0.3 * kRadPerDeg;  // hard wheels on tiles, at 7 Hz
   Draws draws{random::RandomStream{seed}.substream("robot")};
   std::vector<Leg> legs{{.length_s = 30.0}};
   for (int move = 0; move < 60; ++move) {

@@ -10,7 +10,7 @@ namespace zerorate::simulate {
 
 /// Half an hour in streets with a scale factor that is 1 % too large; exact headings.
 [[nodiscard]] ScenarioDrive scale_1_percent(std::uint64_t seed);
-/// The same streets with a gyro that is tilted by 5 deg; two antennas.
+/// Half an hour in the same streets with a gyro that is tilted by 5 deg; two antennas.
 [[nodiscard]] ScenarioDrive mounted_askew(std::uint64_t seed);
 /// An hour at 33 m/s between two stops, with bends, tunnels and a bias that is another in motion; a
 /// course each second.

@@ -1,6 +1,6 @@
 /// @file
-/// What a street asks of a vehicle, as legs: corners, roundabouts, U-turns and grades; and a driver
-/// who meets all of them between stops.
+/// Streets as legs of a vehicle: corners, roundabouts, U-turns and grades; and a driver who meets
+/// all of them between stops.
 #pragma once
 
 #include <vector>
