@@ -108,6 +108,9 @@ class Tutorial(unittest.TestCase):
     def test_commands_of_tuning_print_what_it_shows(self):
         self.assertEqual(self.shown_lines_of("docs/how-to/tune-the-stops.md"), 8)
 
+    def test_commands_of_the_scenarios_print_what_it_shows(self):
+        self.assertEqual(self.shown_lines_of("docs/reference/scenarios.md"), 4)
+
     def shown_lines_of(self, page):
         text = (REPOSITORY / page).read_text(encoding="utf-8")
         printed, shown = [], 0

@@ -105,8 +105,10 @@ struct Played {
 /// Whether true drives are scored against the scenario's reference too.
 enum class Scored : bool { no, against_reference };
 
+/// @param references that the node learns from
 [[nodiscard]] inline Played play(simulate::ScenarioDrive scenario, const model::SensorModel& model,
-                                 Scored scored = Scored::no) {
+                                 Scored scored = Scored::no,
+                                 const std::optional<evaluate::ReferenceUse>& references = {}) {
   Played played{.drive = std::move(scenario), .result = {}, .messages = {}, .drives = {}};
   const zerorate::testing::ScratchFolder folder;
   const auto path = folder.path() / "scenario.csv";
@@ -131,7 +133,8 @@ enum class Scored : bool { no, against_reference };
   played.result = evaluate::replay(reader,
                                    {.model = model,
                                     .through = evaluate::Through::chip,
-                                    .has_data_ready = played.drive.has_data_ready},
+                                    .has_data_ready = played.drive.has_data_ready,
+                                    .references = references},
                                    observer);
   smooth_biases(played.drive.rows);
   return played;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "host_tools/lib/simulate/motion_scenarios.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -275,6 +276,11 @@ constexpr std::array kScenarios{
     Scenario{"inching", "the same in queues, forward bit by bit within the stops", inching},
     Scenario{"parking-turn", "the same, and each creep turns at 2 to 9 deg/s", parking_turn},
     Scenario{"speed-by-can", "dead-band with a new speed once a second", speed_by_can},
+    Scenario{"scale-1-percent", "streets; the scale factor is 1 % too large", scale_1_percent},
+    Scenario{"mounted-askew", "the same, with a gyro tilted by 5 deg; two antennas", mounted_askew},
+    Scenario{"motorway-hour", "no stop for an hour, tunnels; a GNSS course", motorway_hour},
+    Scenario{"car-park", "ramps and tight turns without GNSS, streets around", car_park},
+    Scenario{"spinning-robot", "spins on the spot, both senses; a mark at stops", spinning_robot},
 };
 
 }  // namespace

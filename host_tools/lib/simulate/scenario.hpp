@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "host_tools/lib/recording/row.hpp"
+#include "host_tools/lib/simulate/gyro_in_motion.hpp"
+#include "host_tools/lib/simulate/heading_references.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 #include "host_tools/lib/simulate/vehicle.hpp"
 
@@ -18,13 +20,17 @@ namespace zerorate::simulate {
 /// A row of a recording, and what nobody but the simulator knows about it.
 struct ScenarioRow {
   recording::Row row;
-  std::array<float, 3> true_rate_rad_s{};  ///< rate of the vehicle
-  std::array<float, 3> bias_rad_s{};       ///< bias of the gyro: all that is slow and not motion
+  std::array<float, 3> true_rate_rad_s{};  ///< rate of the vehicle about its own axes
+  /// Bias of the gyro: all that is slow and not motion, its offset in motion included.
+  std::array<float, 3> bias_rad_s{};
+  double true_heading_rad = 0.0;  ///< since the start, about the vertical, whole turns included
 };
 
 struct ScenarioDrive {
   recording::Columns columns;
   std::vector<ScenarioRow> rows;
+  /// Headings in the column ref_heading_deg; empty: that column has the true heading in each row.
+  std::vector<SensedHeading> references{};
   bool has_data_ready = true;  ///< false: the pin's wire is broken
 };
 
@@ -66,6 +72,7 @@ struct ScenarioGyro {
   double bias_instability_dph = kScenarioBiasInstabilityDph;
   std::vector<Effect> drift{};        ///< drift of the bias about z
   std::vector<Effect> disturbance{};  ///< disturbance of the measurement about every axis
+  MotionErrors errors{};              ///< errors that rest does not show
   std::function<double(double)> temperature_degc{};  ///< at a time in seconds; none: no thermometer
 };
 
@@ -73,5 +80,10 @@ struct ScenarioGyro {
 /// reference.
 [[nodiscard]] ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro,
                                    std::uint64_t seed);
+
+/// Puts headings of a source in the place of the true ones: each stands in the first row at or
+/// after its time, and all other rows have none.
+/// @param headings in order of time
+void show_references(std::vector<SensedHeading> headings, ScenarioDrive& drive);
 
 }  // namespace zerorate::simulate

@@ -1,8 +1,11 @@
 #include "host_tools/lib/simulate/scenario.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/units/units.hpp"
@@ -22,20 +25,26 @@ Signal signal_of(const VehicleMotion& motion, const ScenarioGyro& gyro) {
   return signal;
 }
 
+double within_a_turn(double heading_rad) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  return heading_rad - kTurn * std::floor(heading_rad / kTurn);
+}
+
 /// Heading within a turn, counter-clockwise from that at the start.
 void add_reference(const VehicleMotion& motion, ScenarioDrive& drive) {
   drive.columns.ref_heading = true;
   drive.columns.ref_rate = true;
   drive.columns.ref_speed = true;
-  constexpr double kTurn = 2.0 * std::numbers::pi;
+  double wrapped = 0.0;
   double heading = 0.0;
   for (std::size_t k = 0; k < motion.size(); ++k) {
     recording::Row& row = drive.rows[k].row;
-    row.ref_heading_rad = static_cast<float>(heading);
-    row.ref_rate_rad_s = static_cast<float>(motion.rate_rad_s[k][kYaw]);
+    drive.rows[k].true_heading_rad = heading;
+    row.ref_heading_rad = static_cast<float>(wrapped);
+    row.ref_rate_rad_s = static_cast<float>(motion.turn_rad_s[k]);
     row.ref_speed_m_s = static_cast<float>(motion.speed_m_s[k]);
-    heading += motion.rate_rad_s[k][kYaw] * motion.sample_period_s;
-    heading -= kTurn * std::floor(heading / kTurn);
+    heading += motion.turn_rad_s[k] * motion.sample_period_s;
+    wrapped = within_a_turn(wrapped + motion.turn_rad_s[k] * motion.sample_period_s);
   }
 }
 
@@ -62,10 +71,11 @@ ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro, std:
     const Signal fast = simulate(empty, noise, stream.substream(axis));
     for (std::size_t k = 0; k < motion.size(); ++k) {
       ScenarioRow& row = drive.rows[k];
-      const double rate = motion.rate_rad_s[k][axis];
-      row.true_rate_rad_s[axis] = static_cast<float>(rate);
-      row.bias_rad_s[axis] = static_cast<float>(bias.rate_rad_s[k]);
-      row.row.rate_rad_s[axis] = static_cast<float>(rate + bias.rate_rad_s[k] + fast.rate_rad_s[k]);
+      const double rate = gyro.errors.measured(motion.rate_rad_s[k])[axis];
+      const double slow = bias.rate_rad_s[k] + gyro.errors.offset(axis, motion.speed_m_s[k]);
+      row.true_rate_rad_s[axis] = static_cast<float>(motion.rate_rad_s[k][axis]);
+      row.bias_rad_s[axis] = static_cast<float>(slow);
+      row.row.rate_rad_s[axis] = static_cast<float>(rate + slow + fast.rate_rad_s[k]);
     }
   }
   const random::RandomStream thermometer = stream.substream("thermometer");
@@ -78,6 +88,20 @@ ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro, std:
     row.temperature_degc = static_cast<float>(empty.temperature_degc[k] + noise_k);
   }
   return drive;
+}
+
+void show_references(std::vector<SensedHeading> headings, ScenarioDrive& drive) {
+  for (ScenarioRow& row : drive.rows) {
+    row.row.ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
+  }
+  for (const SensedHeading& heading : headings) {
+    const auto row =
+        std::ranges::lower_bound(drive.rows, std::llround(heading.time_s * 1e9), {},
+                                 [](const ScenarioRow& each) { return each.row.time_ns; });
+    if (row == drive.rows.end()) break;
+    row->row.ref_heading_rad = static_cast<float>(within_a_turn(heading.heading_rad));
+  }
+  drive.references = std::move(headings);
 }
 
 }  // namespace zerorate::simulate

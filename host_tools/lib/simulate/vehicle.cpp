@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
-#include <stdexcept>
 
+#include "host_tools/lib/simulate/draws.hpp"
+#include "host_tools/lib/simulate/require.hpp"
+#include "host_tools/lib/simulate/tilt.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::simulate {
@@ -14,18 +16,6 @@ namespace zerorate::simulate {
 namespace {
 
 constexpr double kAcceleration = 1.8;  // m/s2, brisk town driving
-
-/// Draws one after another from an addressable stream.
-class Draws {
- public:
-  explicit Draws(const random::RandomStream& stream) : stream_(stream) {}
-  double uniform(double from, double to) { return from + (to - from) * stream_.uniform(next_++); }
-  double exponential(double mean) { return -mean * std::log(stream_.uniform(next_++)); }
-
- private:
-  random::RandomStream stream_;
-  std::int64_t next_ = 0;
-};
 
 /// A half-sine of yaw rate.
 struct Turn {
@@ -89,8 +79,7 @@ class VehicleDrive {
 VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
                                const random::RandomStream& stream) {
   Draws draws(stream.substream("vehicle"));
-  VehicleMotion motion{
-      .sample_period_s = sample_period_s, .rate_rad_s = {}, .speed_m_s = {}, .odometer_pulses = {}};
+  VehicleMotion motion{.sample_period_s = sample_period_s};
   // A trip begins with some time at the kerb.
   double next_drive_s = params.mean_stop_s + draws.exponential(params.mean_stop_s);
   VehicleDrive drive(params, -1e9, 0.0, draws);
@@ -106,6 +95,7 @@ VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period
     }
     distance_m += drive.speed(t) * sample_period_s;
     motion.rate_rad_s.push_back(drive.rate(t));
+    motion.turn_rad_s.push_back(motion.rate_rad_s.back()[2]);
     motion.speed_m_s.push_back(drive.speed(t));
     motion.odometer_pulses.push_back(
         static_cast<std::int64_t>(distance_m / params.metres_per_pulse));
@@ -220,8 +210,8 @@ std::vector<Leg> drive_in_traffic(const DriverParams& params, const random::Rand
 
 VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double metres_per_pulse) {
   using units::kRadPerDeg;
-  VehicleMotion motion{
-      .sample_period_s = sample_period_s, .rate_rad_s = {}, .speed_m_s = {}, .odometer_pulses = {}};
+  VehicleMotion motion{.sample_period_s = sample_period_s};
+  Tilt tilt_before;
   Leg before = legs.front();
   double distance_m = 0.0;
   double start_s = 0.0;
@@ -234,8 +224,16 @@ VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double m
       const double yaw = std::lerp(before.turn_dps, leg.turn_dps, share) * kRadPerDeg;
       const double nod =
           0.004 * std::sin(2.0 * std::numbers::pi * 1.3 * t_s) * std::min(1.0, speed / 14.0);
+      const Tilt tilt{.roll_rad = std::atan(std::lerp(before.bank, leg.bank, share)),
+                      .pitch_rad = -std::atan(std::lerp(before.grade, leg.grade, share))};
+      if (motion.size() == 0) tilt_before = tilt;
+      const auto turn = seen_by(tilt, {0.0, 0.0, yaw});
+      const double rolls = (tilt.roll_rad - tilt_before.roll_rad) / sample_period_s;
+      const double pitches = (tilt.pitch_rad - tilt_before.pitch_rad) / sample_period_s;
+      tilt_before = tilt;
       distance_m += speed * sample_period_s;
-      motion.rate_rad_s.push_back({0.05 * yaw, nod, yaw});
+      motion.rate_rad_s.push_back({0.05 * yaw + rolls + turn[0], nod + pitches + turn[1], turn[2]});
+      motion.turn_rad_s.push_back(yaw);
       motion.speed_m_s.push_back(speed);
       motion.odometer_pulses.push_back(static_cast<std::int64_t>(distance_m / metres_per_pulse));
     }
@@ -246,10 +244,6 @@ VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double m
 }
 
 namespace {
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 void validate(const OdometerParams& params, double sample_period_s) {
   require(sample_period_s > 0.0, "sample_period_s: expected a time above 0");

@@ -27,9 +27,11 @@ struct VehicleParams {
 /// Motion of the vehicle, sample by sample.
 struct VehicleMotion {
   double sample_period_s = 0.0;
-  std::vector<std::array<double, 3>> rate_rad_s;  ///< true rate about x (roll), y (pitch), z (yaw)
-  std::vector<double> speed_m_s;                  ///< magnitude
-  std::vector<std::int64_t> odometer_pulses;      ///< cumulative
+  /// True rate about the body's x (roll), y (pitch), z (yaw).
+  std::vector<std::array<double, 3>> rate_rad_s{};
+  std::vector<double> turn_rad_s{};             ///< rate of the heading: about the vertical
+  std::vector<double> speed_m_s{};              ///< magnitude
+  std::vector<std::int64_t> odometer_pulses{};  ///< cumulative
 
   [[nodiscard]] std::size_t size() const { return odometer_pulses.size(); }
 };
@@ -39,15 +41,18 @@ struct VehicleMotion {
 [[nodiscard]] VehicleMotion simulate_vehicle(const VehicleParams& params, double sample_period_s,
                                              const random::RandomStream& stream);
 
-/// A stretch at one speed and one yaw rate, to which both change from those of the leg before.
+/// A stretch at one speed, yaw rate and slope, to which all change from those of the leg before.
 struct Leg {
   double length_s = 0.0;
   double speed_m_s = 0.0;
-  double turn_dps = 0.0;
-  double ramp_s = 1.0;  ///< time of that change, from the leg's beginning
+  double turn_dps = 0.0;  ///< about the vertical
+  double ramp_s = 1.0;    ///< time of that change, from the leg's beginning
+  double grade = 0.0;     ///< rise of the road per distance; 0.05: 5 % uphill
+  double bank = 0.0;      ///< rise of its left side per width
 };
 
-/// The body leans and nods as that of simulate_vehicle(); it does not rock after braking.
+/// The body leans and nods as that of simulate_vehicle(); it does not rock after braking. On a
+/// slope its axes are tilted, and share the turn about the vertical.
 [[nodiscard]] VehicleMotion follow(std::span<const Leg> legs, double sample_period_s,
                                    double metres_per_pulse = 0.05);
 
