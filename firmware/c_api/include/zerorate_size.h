@@ -70,7 +70,7 @@
     (40 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
    (ZERORATE_AXES *                                                                               \
     ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))) +               \
-   (408 * ZERORATE_TAKES_REFERENCES))
+   (380 * ZERORATE_TAKES_REFERENCES))
 /** Bytes that zerorate_save() writes. */
 #define ZERORATE_SNAPSHOT_BYTES                                                                 \
   (88 + (12 * ZERORATE_AXES) + (32 * ZERORATE_TEMPERATURE) + (48 * ZERORATE_TAKES_REFERENCES) + \
