@@ -324,11 +324,11 @@ class Snapshot {
   }
 
   /// Not inlined: a board counts its stack.
-  [[gnu::noinline]] [[nodiscard]] Biases scaled(Biases biases) const {
+  [[gnu::noinline]] [[nodiscard]] Biases scaled(const Biases& chip) const {
+    Biases biases = chip;
     for (std::size_t i = 0; i < Node::kAxes; ++i) biases.bias_rad_s[i] *= scale_.factor[i];
     return biases;
   }
-
   core::Result<Resumption, SnapshotRefusal> resume(Node& node, FilterBytes learnt,
                                                    const Levels& levels, Temperature temperature,
                                                    const Header& header,
