@@ -60,9 +60,10 @@ class Snapshot {
   using Levels = typename Node::Ticks::Levels;
   using Temperature = typename Node::TickTemperature;
   using Params = typename Node::Params;
-  using Motion = core::LearntMotion;  ///< lessons of references
 
   static constexpr bool kTakesReferences = Node::Ticks::kTakesReferences;
+  /// Lessons of references.
+  using Motion = std::conditional_t<kTakesReferences, core::LearntMotion, NoReferences>;
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
   static constexpr std::uint16_t kLayout = 10;
@@ -211,7 +212,7 @@ class Snapshot {
     FilterBytes filter;
     Levels levels;
     Temperature temperature;
-    Motion motion;
+    [[no_unique_address]] Motion motion;
   };
   static constexpr float kMostTicks = 1e9F;
   static constexpr std::size_t kPayload = sizeof(Header) + sizeof(Biases);
@@ -292,7 +293,8 @@ class Snapshot {
   }
 
   /// Not inlined: a board counts its stack.
-  [[gnu::noinline]] [[nodiscard]] Biases scaled(Biases biases) const {
+  [[gnu::noinline]] [[nodiscard]] Biases scaled(const Biases& chip) const {
+    Biases biases = chip;
     for (std::size_t i = 0; i < Node::kAxes; ++i) biases.bias_rad_s[i] *= scale_.factor[i];
     return biases;
   }
