@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "host_tools/lib/recording/error.hpp"
@@ -99,8 +100,8 @@ bool is_followed(const VerticalAxis& candidate) {
 /// Looks for jumps: places where reference and gyro part for good, not only for a latency.
 class JumpFinder {
  public:
-  JumpFinder(const Track& track, const VerticalAxis& vertical)
-      : heading_(track.heading_rad), longest_ns_(heading_.longest_interval_ns()) {
+  JumpFinder(const Track& track, const Series& heading, const VerticalAxis& vertical)
+      : heading_(heading), longest_ns_(heading_.longest_interval_ns()) {
     Series parted;
     for (std::size_t k = 0; k < heading_.size(); ++k) {
       parted.add(heading_.time_ns(k),
@@ -160,10 +161,29 @@ double error_at_stops(const Series& heading_rad, const std::vector<Stop>& stops)
   return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : kNan;
 }
 
-void find_drives(const Track& track, Truth& truth) {
+/// The headings with as many whole turns between two of them as the gyro measured.
+Series with_whole_turns(const Track& track, const VerticalAxis& vertical) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
   const Series& heading = track.heading_rad;
+  Series counted;
+  double missed_rad = 0.0;
+  for (std::size_t k = 0; k < heading.size(); ++k) {
+    if (k > 0) {
+      const double by_gyro = vertical.sign * (track.turned_rad[k][vertical.axis] -
+                                              track.turned_rad[k - 1][vertical.axis]);
+      const double by_reference = heading.value(k) - heading.value(k - 1);
+      missed_rad += kTurn_rad * std::round((by_gyro - by_reference) / kTurn_rad);
+    }
+    counted.add(heading.time_ns(k), heading.value(k) + missed_rad);
+  }
+  return counted;
+}
+
+void find_drives(const Track& track, Truth& truth) {
+  truth.heading_rad = with_whole_turns(track, truth.vertical);
+  const Series& heading = truth.heading_rad;
   const std::int64_t longest_ns = heading.longest_interval_ns();
-  const JumpFinder jumps{track, truth.vertical};
+  const JumpFinder jumps{track, heading, truth.vertical};
   for (std::size_t k = 1; k < truth.stops.size(); ++k) {
     const Stop& stop = truth.stops[k - 1];
     Drive drive{.from_ns = stop.middle_ns(),

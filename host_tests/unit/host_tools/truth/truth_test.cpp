@@ -160,6 +160,23 @@ TEST_F(ReferenceOfADrive, MayBeSlowerThanTheGyro) {
   }
 }
 
+TEST_F(ReferenceOfADrive, MayBeAMarkAtStopsBetweenWholeTurns) {
+  // Each drive turns by 450 deg, and a mark shows 90 deg.
+  const auto spins = [](double time_s, recording::Row& row) {
+    const double phase = std::fmod(time_s, 60.0);
+    if (phase > 30.0 && phase < 50.0) row.rate_rad_s[2] += static_cast<float>(18.0 * kRadPerDeg);
+    if (std::abs(phase - 9.9) > 0.04) row.ref_heading_rad = std::nanf("");
+  };
+  const Truth found = truth({.spoil = spins}, {.vertical = VerticalAxis{}});
+  ASSERT_EQ(found.drives.size(), 4U);
+  // The last drive has no mark after it.
+  for (std::size_t k = 0; k < 3; ++k) {
+    // The middle of a stop lies within 0.2 s of its mark, a minute from the next one.
+    EXPECT_NEAR(found.drives[k].turn_rad / kRadPerDeg, 450.0, 450.0 * 0.4 / 60.0);
+    EXPECT_EQ(found.drives[k].flaw, Flaw::none);
+  }
+}
+
 TEST_F(ReferenceOfADrive, FlagsDrivesWithGapsAndJumps) {
   const auto spoilt = [](double time_s, recording::Row& row) {
     if (time_s > 100.0 && time_s < 105.0) row.ref_heading_rad = std::nanf("");
