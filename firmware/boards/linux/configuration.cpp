@@ -43,16 +43,17 @@ core::StandstillSource read_source(StrictTable& table) {
       table.choice("source", kSources, Presence::optional).value_or(0));
 }
 
-/// @param reference states the axis that points up, too
-core::EarthRate read_earth(StrictTable& table, const std::optional<ReferenceSettings>& reference) {
+/// @param up the axis that [reference] states, if there is one; becomes that of the table
+core::EarthRate read_earth(StrictTable& table, std::optional<core::UpAxis>& up) {
   const double latitude = *table.number("latitude_deg", kLatitude, Presence::required);
-  const core::UpAxis up = read_up(table, Presence::optional);
-  if (reference && reference->up != up) {
+  const core::UpAxis of_earth = read_up(table, Presence::optional);
+  if (up.value_or(of_earth) != of_earth) {
     table.fail_at("up",
                   "not the axis of \"up\" in [reference], and a sensor has one that points up; "
                   "expected the same in both, and z where it is absent");
   }
-  return core::earth_rate(static_cast<float>(latitude), up);
+  up = of_earth;
+  return core::earth_rate(static_cast<float>(latitude), of_earth);
 }
 
 /// @param told  becomes the name or the file
@@ -217,8 +218,10 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
   with_table(root, "standstill", Presence::optional, errors,
              [&](StrictTable& table) { filter.standstill.source = read_source(table); });
   std::optional<core::EarthRate> earth;
+  std::optional<core::UpAxis> up;
+  if (configuration.reference) up = configuration.reference->up;
   with_table(root, "earth", Presence::optional, errors,
-             [&](StrictTable& table) { earth = read_earth(table, configuration.reference); });
+             [&](StrictTable& table) { earth = read_earth(table, up); });
   // Values that depend on each other can be judged when each of them is right.
   if (!errors.is_empty()) return;
   errors.attempt([&] {
@@ -228,7 +231,7 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     if (!sensor) sensor = model::find_model(chip);
     configuration.states_scale_factor = sensor->scale_factor.has_value();
     configuration.node = make_params(root, *sensor, filter, configuration.gyro.rate_hz);
-    if (configuration.reference) configuration.node.up = configuration.reference->up;
+    configuration.node.up = up;
     if (earth) configuration.node.earth = *earth;
   });
 }

@@ -345,6 +345,7 @@ TEST(ConfigurationAtALatitude, KnowsTheEarthsRotation) {
   const Configuration c = parse_configuration(
       with("[model]", "[earth]\nlatitude_deg = 60.2\nup = \"-x\"\n[model]"), "z.toml");
   EXPECT_EQ(c.node.earth, core::earth_rate(60.2F, {.axis = 0, .points_down = true}));
+  EXPECT_EQ(c.node.up, (core::UpAxis{.axis = 0, .points_down = true}));
 }
 
 TEST(ConfigurationWithoutAnOdometer, TakesTheCalmOfTheGyro) {
