@@ -3,9 +3,7 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 
 #include "core/base/units.hpp"
 
@@ -25,11 +23,7 @@ struct ScaleCorrection {
   /// @param error relative error of its scale factor: 0.01 where a turn by 100 deg is measured as
   /// 101 deg
   [[nodiscard]] static constexpr float factor_of(float error) { return 1.0F / (1.0F + error); }
-  /// In bits, for processors without floating point.
-  [[nodiscard]] constexpr bool is_on() const {
-    using Bits = std::array<std::uint32_t, 3>;
-    return std::bit_cast<Bits>(factor) != std::bit_cast<Bits>(ScaleCorrection{}.factor);
-  }
+  [[nodiscard]] constexpr bool is_on() const { return *this != ScaleCorrection{}; }
   [[nodiscard]] constexpr AngularRate corrected(AngularRate measured, std::size_t axis) const {
     return measured * factor[axis];
   }

@@ -61,7 +61,7 @@
 #define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (900 + (238 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (892 + (238 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
