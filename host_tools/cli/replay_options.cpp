@@ -231,8 +231,8 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags) {
       ->check(CLI::Range(-90.0, 90.0));
   app.add_option("--up", flags.up,
                  "axis of the sensor that points up: its rate and heading are those about the "
-                 "vertical; default: not known, and z for --latitude; with "
-                 "--learn-from-reference that of the reference")
+                 "vertical; default: not known, z for --latitude, and that of the reference where "
+                 "its headings teach")
       ->check(CLI::IsMember(std::vector<std::string>(kUpAxes.begin(), kUpAxes.end())));
 }
 
