@@ -61,6 +61,7 @@ void TrueDriveScorer::open() {
   is_open_ = true;
   has_departed_ = false;
   turned_rad_ = 0.0;
+  path_rad_ = 0.0;
   moved_s_ = 0.0;
   motion_.reset();
   squared_intervals_s2_ = 0.0;
@@ -77,6 +78,7 @@ void TrueDriveScorer::integrate(ScoredTrueDrive& scored, std::int64_t time_ns, d
   if (time_ns - begin_ns > longest_ns_) scored.flaw = truth::Flaw::rate_missing;
   const double elapsed_s = seconds(overlap_ns);
   turned_rad_ += rate_rad_s * elapsed_s;
+  path_rad_ += std::abs(rate_rad_s) * elapsed_s;
   moved_s_ += moves ? elapsed_s : 0.0;
   squared_intervals_s2_ += elapsed_s * elapsed_s;
   const double now_s = seconds(std::min(time_ns, drive.to_ns));
@@ -94,7 +96,9 @@ DriveOutcome TrueDriveScorer::outcome(double corrected_rad, double variance_rad2
   const double turn_rad = corrected_rad - double{motion_->offset_rad_s()} * moved_s_;
   const core::HeadingFilter::Turn turn{static_cast<float>(turn_rad), static_cast<float>(moved_s_)};
   result.drift_rad = double{motion_->scaled(turn.turn_rad)} - true_turn_rad;
-  result.sigma_rad = std::sqrt(variance_rad2 + double{motion_->turn_variance_rad2(turn)});
+  const double of_asymmetry = asymmetry_ * path_rad_;
+  result.sigma_rad = std::sqrt(variance_rad2 + double{motion_->turn_variance_rad2(turn)} +
+                               of_asymmetry * of_asymmetry);
   return result;
 }
 

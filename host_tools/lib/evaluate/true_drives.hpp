@@ -56,8 +56,9 @@ struct TrueDrives {
 
 /// Integrates the measured rate over each true drive, less the bias that the node published at its
 /// departure, and compares with the reference's turn. The interval is the node's prediction at
-/// departure over a time as long as from middle to middle. Where the node learns from references,
-/// scale factor and offset in motion are taken off as they were known at departure.
+/// departure over a time as long as from middle to middle, with the tolerance of the scale factor.
+/// Where the node learns from references, scale factor and offset in motion are taken off as they
+/// were known at departure, and what is known of them stands in place of the tolerance.
 class TrueDriveScorer {
  public:
   /// @param shift of the node's clock over the recording's
@@ -97,7 +98,8 @@ class TrueDriveScorer {
     const core::Instant from = core::Instant::from_ns(drive.departure_ns) + shift_;
     const core::Instant to = from + core::Duration::nanoseconds(drive.to_ns - drive.from_ns);
     white_variance_rad2_s2_ = double{node.white_variance_rad2_s2(axis)};
-    if (node.heading_filter().has_learnt()) motion_.emplace(node.heading_filter());
+    motion_.emplace(node.heading_filter());
+    asymmetry_ = double{node.params().model.motion.asymmetry};
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       const auto predictor = static_cast<app::Predictor>(p);
       biases_[p] = double{node.bias(predictor, axis).in(core::rad_per_s)};
@@ -121,8 +123,10 @@ class TrueDriveScorer {
   bool has_departed_ = false;
   std::int64_t newest_ns_ = 0;
   double turned_rad_ = 0.0;
+  double path_rad_ = 0.0;  ///< sum of the sizes of its parts
   double moved_s_ = 0.0;
   std::optional<core::HeadingFilter> motion_;  ///< filter of the references at departure
+  double asymmetry_ = 0.0;                     ///< tolerance of the model
   double squared_intervals_s2_ = 0.0;
   double white_variance_rad2_s2_ = 0.0;  ///< variance of a sample, known at departure
   std::array<double, app::kPredictors> biases_{};
