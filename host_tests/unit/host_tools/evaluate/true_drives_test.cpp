@@ -151,14 +151,33 @@ TEST(DrivesAgainstAReference, CountTheReferencesOwnError) {
         3.0 * kRadPerDeg * std::sin(0.9 * std::floor(static_cast<double>(k + 300) / 1000.0)));
   }
   const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference, rows);
+  model::SensorModel exact = sensor_model();
+  exact.scale_factor = model::ScaleFactor{.sigma = 1e-6};
   const auto score = [&](double error_deg) {
-    const auto scored = replay_with_truth(path, {.model = sensor_model()},
-                                          {.reference_error_rad = error_deg * kRadPerDeg});
+    const auto scored =
+        replay_with_truth(path, {.model = exact}, {.reference_error_rad = error_deg * kRadPerDeg});
     return scored.result.true_drives->score(app::Predictor::kalman);
   };
   EXPECT_LT(score(0.0).coverage95, 0.5);
   EXPECT_EQ(score(3.0).coverage95, 1.0);
   EXPECT_EQ(score(3.0).coverage95_of_node, score(0.0).coverage95);
+}
+
+TEST(DrivesAgainstAReference, HaveTheToleranceOfTheScaleFactor) {
+  const zerorate::testing::ScratchFolder folder;
+  auto rows = rows_of_a_drive(1000.0, 9);
+  for (recording::Row& row : rows) {
+    row.rate_rad_s[2] += 0.03F * std::abs(row.ref_rate_rad_s);  // 3 % too much
+  }
+  const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference, rows);
+  const auto coverage = [&](double tolerance) {
+    model::SensorModel model = sensor_model();
+    model.scale_factor = model::ScaleFactor{.sigma = tolerance};
+    const auto scored = replay_with_truth(path, {.model = model});
+    return scored.result.true_drives->score(app::Predictor::kalman).coverage95_of_node;
+  };
+  EXPECT_EQ(coverage(0.03), 1.0);
+  EXPECT_EQ(coverage(1e-6), 0.0);
 }
 
 TEST(DrivesAgainstAReference, AreNotScoredWithoutABiasOrAcrossAGap) {
