@@ -17,7 +17,7 @@ for (const name of [undefined, LEARNING]) test(`what ${name ?? 'the Pico'} sends
   const line = Buffer.from(rig.board.uart.sent);
   const sent = [];
   for (let start = 0, end = line.indexOf(0); end >= 0; start = end + 1, end = line.indexOf(0, start)) {
-    if (end + 1 - start === 114) sent.push(line.subarray(start, end + 1));
+    if (end + 1 - start === 122) sent.push(line.subarray(start, end + 1));
   }
   assert.ok(Buffer.concat(sent).equals(expected), 'the bytes differ from those of the replay');
   assert.ok(rig.board.flash.pages > 0, 'the state is saved on the way');

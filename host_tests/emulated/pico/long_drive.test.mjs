@@ -8,12 +8,12 @@ import { LEARNING, drive, driveText, replayed } from './rig.mjs';
 
 const DURATION_S = 600, SEED = 1;
 
-// The bytes of whole rate frames (114 with stuffing) among all that was sent.
+// The bytes of whole rate frames (122 with stuffing) among all that was sent.
 function rateFrames(sent) {
   const line = Buffer.from(sent);
   const pieces = [];
   for (let start = 0, end = line.indexOf(0); end >= 0; start = end + 1, end = line.indexOf(0, start)) {
-    if (end + 1 - start === 114) pieces.push(line.subarray(start, end + 1));
+    if (end + 1 - start === 122) pieces.push(line.subarray(start, end + 1));
   }
   return Buffer.concat(pieces);
 }
