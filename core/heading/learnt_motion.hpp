@@ -89,8 +89,8 @@ struct LearntMotion {
   [[nodiscard]] constexpr ReferenceJudge judge() const {
     return ReferenceJudge{{.noise_factor = noise_factor, .noise_weight = noise_weight}};
   }
-  /// Variances after a pause: each hour ages like a drive, and nobody can know less than a node to
-  /// which no reference ever came.
+  /// Lessons after a pause. Each hour ages like a drive. No variance grows beyond that before the
+  /// first reference.
   /// @param growth variances that an hour adds to the scale factor and to the offset
   /// @param widest variances before the first reference
   [[nodiscard]] constexpr LearntMotion aged(float pause_s, const std::array<float, 2>& growth,
