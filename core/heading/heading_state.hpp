@@ -55,9 +55,8 @@ struct HeadingState {
       }
       if (!(covariance(i, i) >= 0.0F)) return false;
     }
-    constexpr float kLargestFactor = 0.5F;
-    return are_bools(has_heading, has_learnt) && are_plausible(x) && x[kScale] >= -kLargestFactor &&
-           x[kScale] <= kLargestFactor &&
+    return are_bools(has_heading, has_learnt) && are_plausible(x) &&
+           is_plausible_scale_error(x[kScale]) &&
            are_plausible(std::array{since.turn_rad, since.length_s}) &&
            are_plausible_variances(std::array{newest_variance_rad2, bias_variance_rad2_s2,
                                               bias_variance_at_departure_rad2_s2, drift_rad2_s3,

@@ -11,6 +11,12 @@
 
 namespace zerorate::core {
 
+/// Whether memory from outside may hold such an error of a scale factor.
+[[nodiscard]] constexpr bool is_plausible_scale_error(float error) {
+  constexpr float kLargest = 0.5F;
+  return error >= -kLargest && error <= kLargest;
+}
+
 /// Count of the references that taught, and the temperature at which they did.
 ///
 /// Another temperature has another scale factor: the variance grows with the square of the
@@ -74,10 +80,9 @@ struct LearntMotion {
 
   /// Whether memory from outside may be such a lesson.
   [[nodiscard]] bool is_possible() const {
-    constexpr float kLargestFactor = 0.5F;
     constexpr float kRounded = 1.001F;
     return are_plausible(std::array{scale_factor, offset_rad_s, covariance_rad_s}) &&
-           scale_factor >= -kLargestFactor && scale_factor <= kLargestFactor &&
+           is_plausible_scale_error(scale_factor) &&
            are_plausible_variances(std::array{scale_variance, offset_variance_rad2_s2,
                                               between_drives_rad2_s2, temperature_k}) &&
            covariance_rad_s * covariance_rad_s <=
