@@ -53,6 +53,7 @@ class Unit {
   float si_per_unit_;
 };
 
+using Acceleration = Quantity<struct AccelerationDimension>;
 using Angle = Quantity<struct AngleDimension>;
 using AngularRate = Quantity<struct AngularRateDimension>;
 using Frequency = Quantity<struct FrequencyDimension>;
@@ -60,6 +61,10 @@ using TemperatureDifference = Quantity<struct TemperatureDimension>;
 
 inline constexpr float kRadPerDeg = std::numbers::pi_v<float> / 180.0F;
 
+inline constexpr float kStandardGravity_m_s2 = 9.80665F;  // 3rd CGPM, 1901
+
+inline constexpr Unit<AccelerationDimension> m_per_s2{1.0F};
+inline constexpr Unit<AccelerationDimension> standard_gravity{kStandardGravity_m_s2};
 inline constexpr Unit<AngleDimension> rad{1.0F};
 inline constexpr Unit<AngleDimension> deg{kRadPerDeg};
 inline constexpr Unit<AngularRateDimension> rad_per_s{1.0F};

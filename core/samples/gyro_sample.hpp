@@ -10,7 +10,7 @@
 
 namespace zerorate::core {
 
-/// Rates and temperature that a gyro measured at one time.
+/// Rates, temperature and acceleration that a chip measured at one time.
 struct GyroSample {
   Instant time;  ///< on the node's monotonic clock
   /// x, y, z of the chip; raw 0 is exactly 0. A chip with one axis gives its rate on all three, so
@@ -18,7 +18,11 @@ struct GyroSample {
   std::array<AngularRate, 3> rate;
   Temperature temperature;  ///< valid only if has_temperature
   bool has_temperature = false;
-  std::uint8_t saturated_axes = 0;  ///< bit i: axis i is at or beyond full scale
+  bool has_acceleration = false;
+  std::uint8_t saturated_axes = 0;  ///< bit i: axis i of the gyro is at or beyond full scale
+  /// Specific force along x, y, z of the chip, which at rest is 1 g upwards; valid only if
+  /// has_acceleration. An axis at the end of its range makes it invalid.
+  std::array<Acceleration, 3> acceleration;
 };
 
 }  // namespace zerorate::core
