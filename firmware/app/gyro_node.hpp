@@ -13,7 +13,8 @@
 ///                                        hold back                             Motion
 ///                                           ^
 ///     odometer pulse -----------------------+
-///     temperature ---> TickNode: weights of the tick, held beside its mean
+///     temperature, ---> TickNode: inputs of the tick, held beside its mean
+///     acceleration
 #pragma once
 
 #include <algorithm>
@@ -43,14 +44,15 @@ namespace zerorate::app {
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
+  static constexpr ModelShape kShape = Shape;
   static constexpr std::size_t kAxes = Capacity.axes;
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<Shape>;
   using Ticks = TickNode<Shape, Capacity>;
   using Predictors = typename Ticks::Predictors;
   using Transition = typename Ticks::Transition;
-  using TemperatureTrack = typename Ticks::TemperatureTrack;
-  using TickTemperature = typename Ticks::TickTemperature;
+  using InputTrack = typename Ticks::InputTrack;
+  using TickInputs = typename Ticks::TickInputs;
   using Screening = typename Ticks::Screening;
   using Turn = TurnTrack<Ticks>;
   using Learning = core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks>;
@@ -90,6 +92,17 @@ class GyroNode {
   constexpr void pulse(core::Instant at) {
     learning_.pulse(at);
     ticks_.end_stop();
+  }
+
+  /// Specific force along the axes of the chip, at the newest sample or after it. A sample that has
+  /// its own needs no call.
+  constexpr void take_acceleration(core::Instant at,
+                                   const std::array<core::Acceleration, 3>& acceleration) {
+    core::SpecificForce force_g{};
+    for (std::size_t i = 0; i < force_g.size(); ++i) {
+      force_g[i] = acceleration[i].in(core::standard_gravity);
+    }
+    ticks_.take_force(at, force_g);
   }
 
   /// The odometer input failed or dropped edges: the vehicle was moving, and it is unknown since
@@ -287,6 +300,7 @@ class GyroNode {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     ticks_.take_temperature(sample.time, begins_tick,
                             sample.has_temperature ? sample.temperature.degc() : kNone);
+    if (sample.has_acceleration) take_acceleration(sample.time, sample.acceleration);
     Rates rate_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
       rate_rad_s[i] = rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
@@ -370,7 +384,8 @@ class GyroNode {
     message.calm_percent = learning_.calm().share().percent();
     message.health.measurement_rejected =
         ticks_.screening().is_disturbed() || predictors.filter().rejected > 0;
-    message.health.temperature_missing = ticks_.temperature().is_missed(message.time);
+    message.health.temperature_missing = ticks_.inputs().misses_temperature(message.time);
+    message.health.acceleration_missing = ticks_.inputs().misses_acceleration(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.health.model_inconsistent |=
           !predictors.is_consistent(i) || params_.is_beyond_zero_rate(predicted[i].bias_rad_s);

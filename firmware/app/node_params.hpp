@@ -30,6 +30,7 @@ enum class ParamsError : std::uint8_t {
   white_variance_not_positive,
   negative_time,
   no_room_for_samples,  ///< a model of single samples, and NodeCapacity::screens_samples is false
+  no_accelerometer,     ///< a term follows the acceleration, and the shape has none
   predictor_not_run,    ///< the published one, by NodeCapacity
   hold_back_too_long,   ///< more than NodeCapacity::held_ticks: slow the filter or shorten it
 };
@@ -104,6 +105,9 @@ template <ModelShape Shape>
   }
   if (!capacity.screens_samples && params.model.samples.is_on()) {
     return Unexpected{ParamsError::no_room_for_samples};
+  }
+  if (!Shape.has_accelerometer && params.model.inputs.follows(core::is_inertial)) {
+    return Unexpected{ParamsError::no_accelerometer};
   }
   if (!capacity.runs(params.published)) return Unexpected{ParamsError::predictor_not_run};
   if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||

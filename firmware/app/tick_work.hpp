@@ -39,7 +39,7 @@ enum class TickStage : std::uint8_t {
 template <core::ModelShape Shape, std::size_t Axes>
 struct TickCosts {
   static constexpr auto kStates =
-      static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.temperature_weights);
+      static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.inputs);
   static constexpr std::uint32_t kBeginning = 2 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
   static constexpr std::uint32_t kAdvance = 1 + kStates * kStates / 13;
   static constexpr std::uint32_t kComparison = 1 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;

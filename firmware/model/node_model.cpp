@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "core/noise/terms.hpp"
 #include "core/samples/rounding_watch.hpp"
 #include "firmware/model/flicker_fit.hpp"
+#include "firmware/model/model_fields.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
@@ -100,6 +103,56 @@ core::TemperatureDrift temperature_of(const TemperatureDrift& drift) {
           .curvature_rad_s_per_k2 = single(drift.curvature_rad_s_per_k2),
           .curvature_sigma_rad_s_per_k2 = single(drift.curvature_sigma_rad_s_per_k2),
           .lag_s = single(drift.lag_s)};
+}
+
+/// Inputs of the filter that a table stands for.
+std::vector<core::Input> inputs_of(InputQuantity quantity) {
+  switch (quantity) {
+    case InputQuantity::acceleration:
+      return {core::Input::acceleration_x, core::Input::acceleration_y,
+              core::Input::acceleration_z};
+    case InputQuantity::acceleration_x:
+      return {core::Input::acceleration_x};
+    case InputQuantity::acceleration_y:
+      return {core::Input::acceleration_y};
+    case InputQuantity::acceleration_z:
+      return {core::Input::acceleration_z};
+    case InputQuantity::vibration:
+      return {core::Input::vibration};
+    case InputQuantity::temperature_rate:
+      return {core::Input::temperature_rate};
+  }
+  return {};
+}
+
+std::array<float, 3> single(const std::array<double, 3>& values) {
+  return {single_or_zero(values[0]), single_or_zero(values[1]), single_or_zero(values[2])};
+}
+
+core::InputTerms<kLargestShape.inputs> inputs_of(const SensorModel& model) {
+  core::InputTerms<kLargestShape.inputs> inputs;
+  std::size_t used = 0;
+  if (model.temperature) {
+    temperature_of(*model.temperature).put_into(inputs);
+    used = core::TemperatureDrift::kTerms;
+  }
+  for (const Input& given : model.inputs) {
+    const auto name = std::string{kInputQuantities.at(static_cast<std::size_t>(given.quantity))};
+    const auto coefficient = single(given.coefficient_rad_s_per_unit);
+    if (given.quantity == InputQuantity::acceleration && coefficient != std::array<float, 3>{}) {
+      throw std::invalid_argument(
+          "[[input]] of \"acceleration\" has a coefficient_dps_per_unit: give acceleration_x, "
+          "acceleration_y and acceleration_z a table each");
+    }
+    for (const core::Input input : inputs_of(given.quantity)) {
+      const auto is_there = [&](const core::InputTerm& term) { return term.input == input; };
+      if (std::ranges::any_of(inputs.terms, is_there)) {
+        throw std::invalid_argument("two tables [[input]] have the quantity \"" + name + "\"");
+      }
+      inputs.terms.at(used++) = {input, single_or_zero(given.sigma_rad_s_per_unit), coefficient};
+    }
+  }
+  return inputs;
 }
 
 core::WarmUp warm_up_of(const WarmUp& transient) {
@@ -217,7 +270,8 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
 
 bool fits_six_decades(const SensorModel& model) {
   return model.gauss_markov.empty() && model.harmonic.empty() && !model.warm_up &&
-         !model.rate_ramp && !model.temperature && (!model.flicker || model.flicker->decades <= 6);
+         !model.rate_ramp && !model.temperature && model.inputs.empty() &&
+         (!model.flicker || model.flicker->decades <= 6);
 }
 
 NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
@@ -269,9 +323,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
     node.turn_on_variance_rad2_s2 = single(sigma * sigma);
   }
   if (model.zero_rate) node.largest_bias_rad_s = single(model.zero_rate->limit_rad_s);
-  if (model.temperature) {
-    node.temperature = temperature_of(*model.temperature);
-  }
+  node.inputs = inputs_of(model);
   node.samples = samples_of(model, seconds(sample_period), tick_s);
   node.motion = motion_model_of(model);
   node.scale = scale_correction_of(model);

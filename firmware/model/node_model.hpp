@@ -10,8 +10,8 @@
 
 #include "core/base/time.hpp"
 #include "core/model/node_model.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/model_shape.hpp"
-#include "core/noise/temperature_drift.hpp"
 #include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
@@ -24,7 +24,8 @@ inline constexpr std::size_t kMostLines = 2;
 inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
-    .temperature_weights = core::TemperatureDrift::kWeights};
+    .inputs = core::kInputs - 1,
+    .has_accelerometer = true};
 /// Shape of the full model with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
@@ -66,6 +67,14 @@ template <class Mode, std::size_t N, class Moved>
   return active;
 }
 }  // namespace detail
+
+/// Number of the terms of a model; they stand first.
+template <std::size_t K>
+[[nodiscard]] constexpr std::size_t count_inputs(const core::InputTerms<K>& inputs) {
+  return static_cast<std::size_t>(
+      std::count_if(inputs.terms.begin(), inputs.terms.end(),
+                    [](const auto& term) { return term.input != core::Input::none; }));
+}
 
 /// Modes of a model with an effect; they stand first.
 struct ActiveModes {
@@ -111,9 +120,10 @@ template <core::ModelShape Shape>
         std::to_string(rotating) + " rotating modes; this node has " +
         std::to_string(Shape.decaying) + " and " + std::to_string(Shape.rotating));
   }
-  if (full.temperature.is_on() && Shape.temperature_weights == 0) {
+  if (count_inputs(full.inputs) > Shape.inputs ||
+      (full.inputs.follows(core::is_inertial) && !Shape.has_accelerometer)) {
     throw std::invalid_argument("the model \"" + model.name +
-                                "\" follows the temperature; this node does not");
+                                "\" follows inputs for which this node has no room");
   }
   NodeModel<Shape> fitting;
   fitting.modes.tick = full.modes.tick;
@@ -127,7 +137,11 @@ template <core::ModelShape Shape>
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.largest_bias_rad_s = full.largest_bias_rad_s;
   fitting.gate = full.gate;
-  if constexpr (Shape.temperature_weights > 0) fitting.temperature = full.temperature;
+  if constexpr (Shape.inputs > 0) {
+    fitting.inputs.reference_degc = full.inputs.reference_degc;
+    fitting.inputs.lag_s = full.inputs.lag_s;
+    std::copy_n(full.inputs.terms.begin(), Shape.inputs, fitting.inputs.terms.begin());
+  }
   fitting.samples = full.samples;
   fitting.motion = full.motion;
   fitting.scale = full.scale;

@@ -352,6 +352,8 @@ std::string_view explain(app::ParamsError error) {
       return "the model's white noise must be positive";
     case app::ParamsError::no_room_for_samples:
       return "the model describes single samples, and the node has no room for that";
+    case app::ParamsError::no_accelerometer:
+      return "the model follows the acceleration, and the node has no room for that";
     case app::ParamsError::predictor_not_run:
       return "the node does not run the predictor that it is to publish";
     case app::ParamsError::negative_time:

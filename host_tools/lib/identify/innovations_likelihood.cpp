@@ -8,8 +8,8 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr core::ModelShape kLargestWithoutTemperature{.decaying = model::kLargestShape.decaying,
-                                                      .rotating = model::kLargestShape.rotating};
+constexpr core::ModelShape kLargestWithoutInputs{.decaying = model::kLargestShape.decaying,
+                                                 .rotating = model::kLargestShape.rotating};
 
 }  // namespace
 
@@ -49,7 +49,7 @@ Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
 }
 
 Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
-  return model::with_shape_of<kLargestWithoutTemperature>(
+  return model::with_shape_of<kLargestWithoutInputs>(
       model, [&]<core::ModelShape Shape>() { return run<Shape>(model); });
 }
 
