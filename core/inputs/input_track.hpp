@@ -6,11 +6,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "core/inputs/accelerometer.hpp"
 #include "core/inputs/thermometer.hpp"
 #include "core/inputs/tick_inputs.hpp"
+#include "core/samples/gyro_sample.hpp"
 
 namespace zerorate::core {
 
@@ -78,9 +80,23 @@ class InputTrack {
     }
     if (begins_tick) begin_tick(at);
   }
+  /// Every sample, with what its chip measured beside the rate.
+  constexpr void take(const GyroSample& sample, bool begins_tick) {
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    take(sample.time, begins_tick, sample.has_temperature ? sample.temperature.degc() : kNone);
+    if (sample.has_acceleration) take_acceleration(sample.time, sample.acceleration);
+  }
   /// A reading of the accelerometer, after take() of a sample that is not later.
-  constexpr void take_force(Instant at, const SpecificForce& force_g) {
-    if constexpr (Shape.has_accelerometer) accelerometer_.take(at, force_g);
+  constexpr void take_acceleration(
+      [[maybe_unused]] Instant at,
+      [[maybe_unused]] const std::array<Acceleration, 3>& acceleration) {
+    if constexpr (Shape.has_accelerometer) {
+      SpecificForce force_g{};
+      for (std::size_t i = 0; i < force_g.size(); ++i) {
+        force_g[i] = acceleration[i].in(standard_gravity);
+      }
+      accelerometer_.take(at, force_g);
+    }
   }
 
   /// Inputs of the tick being filled, as they were known when it began.
@@ -226,7 +242,9 @@ requires(Shape.inputs == 0) class InputTrack<Shape> {
   constexpr void restore(State /*state*/) {}
   [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
   constexpr void take(Instant /*at*/, bool /*begins_tick*/, float /*degc*/) {}
-  constexpr void take_force(Instant /*at*/, const SpecificForce& /*force_g*/) {}
+  constexpr void take(const GyroSample& /*sample*/, bool /*begins_tick*/) {}
+  constexpr void take_acceleration(Instant /*at*/,
+                                   const std::array<Acceleration, 3>& /*acceleration*/) {}
   [[nodiscard]] constexpr Tick tick() const { return {}; }
   [[nodiscard]] constexpr Tick measurement() const { return {}; }
   [[nodiscard]] constexpr Tick measured() const { return {}; }

@@ -18,7 +18,7 @@ namespace zerorate::core {
 class Thermometer {
  public:
   static constexpr Duration kHold = Duration::seconds(5);
-  static constexpr float kRateTime_s = 60.0F;  ///< over which the rate of change is smoothed
+  static constexpr float kRateTime_s = 60.0F;  ///< smoothing of the rate of change
 
   struct State {
     bool has_started = false;

@@ -25,7 +25,8 @@ template <ModelShape Shape>
 struct TickInputs {
   static constexpr std::size_t kSources = Shape.has_accelerometer ? 3 : 1;
 
-  std::array<float, Shape.inputs> weights{};  ///< as InputTerms names them; the last known ones
+  std::array<float, Shape.inputs>
+      weights{};  ///< values in the order of InputTerms; the last known ones
   /// How long each source had not measured when the tick began; 0: it measures.
   std::array<float, kSources> unknown_s{};
 

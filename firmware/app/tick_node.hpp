@@ -167,14 +167,6 @@ class TickNode {
     screening_.begin_tick(predicted_, white_.model_level() * params_.model.white_variance_rad2_s2,
                           params_.model.measurement_floor_variance_rad2_s2);
   }
-  /// Temperature at the time of a sample; no number where there is no reading.
-  constexpr void take_temperature(core::Instant at, bool begins_tick, float degc) {
-    inputs_.take(at, begins_tick, degc);
-  }
-  /// Specific force at the time of the newest sample, or after it.
-  constexpr void take_force(core::Instant at, const core::SpecificForce& force_g) {
-    inputs_.take_force(at, force_g);
-  }
   /// A sample at standstill.
   /// @return whether it may be learnt from
   [[nodiscard]] constexpr bool take(const Rates& rate_rad_s) { return screening_.take(rate_rad_s); }
@@ -277,6 +269,8 @@ class TickNode {
   [[nodiscard]] constexpr const Screening& screening() const { return screening_; }
   [[nodiscard]] constexpr const WhiteLevel& white() const { return white_; }
   [[nodiscard]] constexpr WhiteLevel& white() { return white_; }
+  /// Temperature and acceleration, to be fed with every sample.
+  [[nodiscard]] constexpr InputTrack& inputs() { return inputs_; }
   [[nodiscard]] constexpr const InputTrack& inputs() const { return inputs_; }
   [[nodiscard]] constexpr Levels levels() const {
     return {.white = white_.reference(), .drive = predictors_.drive_memory()};

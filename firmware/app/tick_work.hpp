@@ -97,6 +97,21 @@ struct TickCosts {
            kConclusion + static_cast<std::uint32_t>(Axes) * (kWeighing + kPrediction) + kRest +
            kPieces * (of_piece(kShortLead) + (publishes_average ? of_piece(kLongWindow) : 0));
   }
+
+  static constexpr std::int32_t kAtOnce = 0;  ///< pace where a tick has a single sample
+  /// Cost units a sample that do the work of a tick before the next one begins.
+  [[nodiscard]] static constexpr std::int32_t pace(std::uint32_t samples_of_tick,
+                                                   bool publishes_average) {
+    if (samples_of_tick == 1) return kAtOnce;
+    // The last step of a tick may wait for one more share.
+    const std::uint32_t cost = of_tick(publishes_average) + kLongest;
+    return static_cast<std::int32_t>((cost + samples_of_tick - 1) / samples_of_tick);
+  }
+  /// Where a share is less than a step, steps are done one by one and still keep up.
+  [[nodiscard]] static constexpr std::int32_t longest_call(std::int32_t share) {
+    constexpr auto kLongestStep = static_cast<std::int32_t>(kLongest);
+    return share < kLongestStep ? kLongestStep : share + kLongestStep - 1;
+  }
 };
 
 /// Question about the integral of the bias over the newest ticks, and its answer.

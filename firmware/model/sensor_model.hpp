@@ -106,7 +106,7 @@ enum class InputQuantity : std::uint8_t {
 /// sensor.
 struct Input {
   InputQuantity quantity = InputQuantity::acceleration;
-  double sigma_rad_s_per_unit = 0.0;                   ///< of the coefficient of an axis
+  double sigma_rad_s_per_unit = 0.0;                   ///< standard deviation of a coefficient
   std::array<double, 3> coefficient_rad_s_per_unit{};  ///< expected on x, y and z
   std::string source{};
 

@@ -41,7 +41,7 @@ using LeaningNode = app::GyroNode<kLeaning>;
 /// size; zero: it does not.
 LeaningNode::Params params_of(std::string_view name, core::Duration period, double sigma_dps_g) {
   model::SensorModel sensor = model::find_model(name);
-  sensor.scale_factor = model::ScaleFactor{.sigma = 0.0};  // of that is nothing here
+  sensor.scale_factor = model::ScaleFactor{.sigma = 0.0};  // known: the subject is the bias
   if (sigma_dps_g > 0.0) {
     sensor.inputs = {{.quantity = model::InputQuantity::acceleration,
                       .sigma_rad_s_per_unit = sigma_dps_g * kDps}};
@@ -64,7 +64,7 @@ core::GyroSample sample_of(core::Instant time, const Vector& rate_rad_s, const V
 struct Row {
   double time_s = 0.0;
   Vector rate_rad_s;
-  Vector counts;  ///< of the accelerometer
+  Vector counts;  ///< counts of the accelerometer
   bool is_still = false;
 };
 
@@ -133,8 +133,8 @@ Sphere fit_sphere(const std::vector<Vector>& means) {
 
 /// Errors of the bias that is predicted for a stop before the stop is measured.
 struct NextStop {
-  std::array<double, 3> rms_dps{};  ///< of the stops after the eighth
-  double coverage = 0.0;            ///< of all stops after the first and of all axes
+  std::array<double, 3> rms_dps{};  ///< error of the stops after the eighth
+  double coverage = 0.0;            ///< share of all stops after the first, and of all axes
 };
 NextStop predict_next_stops(const std::vector<Row>& rows, double sigma_dps_g) {
   const std::vector<Stop> stops = stops_of(rows);

@@ -351,17 +351,16 @@ std::string_view explain(app::ParamsError error) {
     case app::ParamsError::white_variance_not_positive:
       return "the model's white noise must be positive";
     case app::ParamsError::no_room_for_samples:
-      return "the model describes single samples, and the node has no room for that";
     case app::ParamsError::no_accelerometer:
-      return "the model follows the acceleration, and the node has no room for that";
+      return "the model describes what the node has no room for";
     case app::ParamsError::predictor_not_run:
       return "the node does not run the predictor that it is to publish";
     case app::ParamsError::negative_time:
       return "settle time and hold-back must not be negative";
     case app::ParamsError::hold_back_too_long:
-      return "the hold-back is longer than the node can hold at this filter rate: lower the rate";
+      break;
   }
-  return "unknown";
+  return "the hold-back is longer than the node can hold at this filter rate: lower the rate";
 }
 
 std::string_view name(app::Predictor predictor) {

@@ -138,7 +138,8 @@ template <class Force>
 void run_with_force(MovingTrack& track, std::int64_t from_ms, std::int64_t to_ms, Force force_at) {
   for (std::int64_t ms = from_ms; ms < to_ms; ms += 100) {
     track.take(at_ms(ms), ms % 500 == 0, kNan);
-    track.take_force(at_ms(ms), {force_at(ms), 0.0F, 1.0F});
+    track.take_acceleration(at_ms(ms), {standard_gravity(force_at(ms)), standard_gravity(0.0F),
+                                        standard_gravity(1.0F)});
   }
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "firmware/app/gyro_node.hpp"
-#include "firmware/c_api/include/zerorate.h"
 #include "firmware/c_api/node_of_model.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
@@ -18,7 +17,7 @@ namespace {
 constexpr std::int64_t kPeriod_ns = 20'000'000;
 constexpr std::int64_t kMinute = 3000;  ///< samples
 constexpr float kBias_rad_s = 0.01F;
-constexpr float kSensitivity_rad_s_g = 1e-3F;  ///< of z to x; 0.057 deg/s
+constexpr float kSensitivity_rad_s_g = 1e-3F;  ///< sensitivity of z to x; 0.057 deg/s
 
 /// The model of the catalogue as the C structure, with coefficients of forces that are not known.
 zerorate_model leaning_model() {
@@ -58,7 +57,9 @@ zerorate_rate feed(zerorate_node& node, std::int64_t k, bool has_force) {
   const float noise = 1e-4F * static_cast<float>(k * 7919 % 11 - 5);
   measured.rate_rad_s[0] = measured.rate_rad_s[1] = kBias_rad_s + noise;
   measured.rate_rad_s[2] = kBias_rad_s + noise + kSensitivity_rad_s_g * now.force_g;
-  if (!now.stands) EXPECT_EQ(zerorate_pulse(&node, measured.time_ns), ZERORATE_OK);
+  if (!now.stands) {
+    EXPECT_EQ(zerorate_pulse(&node, measured.time_ns), ZERORATE_OK);
+  }
   zerorate_rate rate{};
   EXPECT_EQ(zerorate_sample(&node, &measured, &rate), ZERORATE_OK);
   const std::array<float, 3> force_m_s2{now.force_g * core::kStandardGravity_m_s2, 0.0F,
