@@ -16,13 +16,19 @@ using support::OverI2c;
 /// Lists of types as googletest takes them, one after the other.
 template <class... Lists>
 struct AsTestTypes;
-template <class... First, class... Second>
-struct AsTestTypes<core::TypeList<First...>, core::TypeList<Second...>> {
-  using Types = ::testing::Types<First..., Second...>;
+template <class... Types>
+struct AsTestTypes<core::TypeList<Types...>> {
+  using Joined = ::testing::Types<Types...>;
 };
+template <class... First, class... Second, class... Others>
+struct AsTestTypes<core::TypeList<First...>, core::TypeList<Second...>, Others...>
+    : AsTestTypes<core::TypeList<First..., Second...>, Others...> {};
 
-using GyrosWithFifo = AsTestTypes<support::WiringsWithFifo, core::TypeList<>>::Types;
-using AllGyros = AsTestTypes<support::WiringsWithFifo, support::WiringsWithoutFifo>::Types;
+using GyrosWithFifo =
+    AsTestTypes<support::WiringsWithFifo, support::WiringsWithAcceleration>::Joined;
+using AllGyros = AsTestTypes<support::WiringsWithFifo, support::WiringsWithAcceleration,
+                             support::WiringsWithoutFifo>::Joined;
+using GyrosWithAcceleration = AsTestTypes<support::WiringsWithAcceleration>::Joined;
 
 /// A wiring's name in the test's name.
 struct WiringName {
