@@ -87,13 +87,11 @@ configuration_with_accelerometer(const Chosen& settings, AccelerationRange range
                     watermark > 0xFF ? b::kFifoCtrl2Wtm8 : std::uint8_t{0}));
   replace(configure(kFifoCtrl3, b::kFifoCtrl3BdrGy | b::kFifoCtrl3BdrXl,
                     static_cast<std::uint8_t>(settings.rate * 0x11U)));
-  std::array<ConfigurationEntry, kGyroEntries + kAccelerometerEntries> both{
-      gyro[0],
-      is_new ? configure(kDsvCtrl8, b::kDsvCtrl8All, static_cast<std::uint8_t>(range))
-             : configure(kCtrl6C, b::kCtrl6CXlHmMode, 0),
-      is_new ? configure(kDsvCtrl9, b::kDsvCtrl9Off, 0) : configure(kCtrl8Xl, b::kCtrl8XlOff, 0)};
-  std::copy(gyro.begin() + 1, gyro.end(), both.begin() + 3);
-  return both;
+  return joined(gyro, std::array{is_new ? configure(kDsvCtrl8, b::kDsvCtrl8All,
+                                                    static_cast<std::uint8_t>(range))
+                                        : configure(kCtrl6C, b::kCtrl6CXlHmMode, 0),
+                                 is_new ? configure(kDsvCtrl9, b::kDsvCtrl9Off, 0)
+                                        : configure(kCtrl8Xl, b::kCtrl8XlOff, 0)});
 }
 
 }  // namespace zerorate::drivers::lsm6dso

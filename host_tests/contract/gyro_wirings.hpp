@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "host_tests/support/simulated_accelerometers.hpp"
 #include "host_tests/support/simulated_gyros.hpp"
 
 namespace zerorate::contract {

@@ -110,40 +110,6 @@ struct Lsm6dsv16x
   static constexpr core::Duration kLatest = core::Duration::microseconds(111'700);
 };
 
-/// A chip whose driver reads its accelerometer, too.
-template <class Chip, class Line>
-struct WithAcceleration : Chip {
-  using Plain = Chip;
-  template <class Bus>
-  using Driver = typename Line::template DriverWithAcceleration<Bus>;
-  /// Range that the driver takes unless another one is asked for.
-  static constexpr float kRangeG = static_cast<float>(Line::kUsualAccelerationRange_g);
-};
-
-/// Half the FIFO: a sample takes two words.
-struct Lsm6dsoWithAcceleration : WithAcceleration<Lsm6dso, drivers::lsm6dso::Chip> {
-  static constexpr const char* kName = "Lsm6dsoWithAcceleration";
-  static constexpr float kLsbG = 0.122e-3F;
-  static constexpr std::size_t kFifoCapacity = 256;
-  static constexpr std::array kConfigured{
-      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x15, 0x10}, ConfiguredBits{0x17, 0x06},
-      ConfiguredBits{0x18, 0x02}, ConfiguredBits{0x13, 0x42}, ConfiguredBits{0x16, 0xC0},
-      ConfiguredBits{0x10, 0xFE}, ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
-      ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF}, ConfiguredBits{0x0A, 0xF7},
-      ConfiguredBits{0x11, 0xFF}};
-};
-struct Lsm6dsv16xWithAcceleration : WithAcceleration<Lsm6dsv16x, drivers::lsm6dso::Lsm6dsv16x> {
-  static constexpr const char* kName = "Lsm6dsv16xWithAcceleration";
-  static constexpr float kLsbG = 0.122e-3F;
-  static constexpr std::size_t kFifoCapacity = 128;
-  static constexpr std::array kConfigured{
-      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x17, 0x0B}, ConfiguredBits{0x18, 0x18},
-      ConfiguredBits{0x15, 0x7F}, ConfiguredBits{0x13, 0x0A}, ConfiguredBits{0x16, 0x81},
-      ConfiguredBits{0x10, 0x7F}, ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
-      ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF}, ConfiguredBits{0x0A, 0xF7},
-      ConfiguredBits{0x11, 0x7F}};
-};
-
 struct Icm42688 {
   static constexpr const char* kName = "Icm42688";
   using Simulated = hal::sim::SimulatedIcm42688;
@@ -340,10 +306,6 @@ using WiringsWithFifo =
                    OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
                    OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
                    OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>>;
-/// Chips with an accelerometer, which their driver reads.
-using WiringsWithAcceleration =
-    core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
-                   OverSpi<Lsm6dsv16xWithAcceleration>>;
 /// The other chips.
 using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
 

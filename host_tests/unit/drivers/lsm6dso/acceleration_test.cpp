@@ -10,7 +10,7 @@
 #include "drivers/lsm6dso/codec.hpp"
 #include "drivers/lsm6dso/driver.hpp"
 #include "drivers/lsm6dso/slots.hpp"
-#include "host_tests/support/simulated_gyros.hpp"
+#include "host_tests/support/simulated_accelerometers.hpp"
 
 namespace zerorate::drivers::lsm6dso {
 namespace {

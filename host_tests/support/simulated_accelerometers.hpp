@@ -1,0 +1,65 @@
+/// @file
+/// The simulated gyros whose driver reads the accelerometer, too.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "drivers/chips/chips.hpp"
+#include "host_tests/support/simulated_gyros.hpp"
+
+namespace zerorate::support {
+
+/// A chip whose driver reads its accelerometer, too.
+template <class Chip, class Line>
+struct WithAcceleration : Chip {
+  using Plain = Chip;
+  template <class Bus>
+  using Driver = typename Line::template DriverWithAcceleration<Bus>;
+  /// Range that the driver takes unless another one is asked for.
+  static constexpr float kRangeG = static_cast<float>(Line::kUsualAccelerationRange_g);
+};
+
+/// Half the FIFO: a sample takes two words.
+struct Lsm6dsoWithAcceleration : WithAcceleration<Lsm6dso, drivers::lsm6dso::Chip> {
+  static constexpr const char* kName = "Lsm6dsoWithAcceleration";
+  static constexpr float kLsbG = 0.122e-3F;
+  static constexpr std::size_t kFifoCapacity = 256;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x15, 0x10}, ConfiguredBits{0x17, 0x06},
+      ConfiguredBits{0x18, 0x02}, ConfiguredBits{0x13, 0x42}, ConfiguredBits{0x16, 0xC0},
+      ConfiguredBits{0x10, 0xFE}, ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
+      ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF}, ConfiguredBits{0x0A, 0xF7},
+      ConfiguredBits{0x11, 0xFF}};
+};
+struct Lsm6dsv16xWithAcceleration : WithAcceleration<Lsm6dsv16x, drivers::lsm6dso::Lsm6dsv16x> {
+  static constexpr const char* kName = "Lsm6dsv16xWithAcceleration";
+  static constexpr float kLsbG = 0.122e-3F;
+  static constexpr std::size_t kFifoCapacity = 128;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x17, 0x0B}, ConfiguredBits{0x18, 0x18},
+      ConfiguredBits{0x15, 0x7F}, ConfiguredBits{0x13, 0x0A}, ConfiguredBits{0x16, 0x81},
+      ConfiguredBits{0x10, 0x7F}, ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
+      ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF}, ConfiguredBits{0x0A, 0xF7},
+      ConfiguredBits{0x11, 0x7F}};
+};
+
+struct Icm42688WithAcceleration : WithAcceleration<Icm42688, drivers::icm42688::Chip> {
+  static constexpr const char* kName = "Icm42688WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr std::size_t kFifoCapacity = 128;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x76, 0x07}, ConfiguredBits{0x50, 0xEF}, ConfiguredBits{0x4C, 0xF0},
+      ConfiguredBits{0x4D, 0xC0}, ConfiguredBits{0x14, 0x07}, ConfiguredBits{0x64, 0x10},
+      ConfiguredBits{0x65, 0x7F}, ConfiguredBits{0x52, 0xFF}, ConfiguredBits{0x5F, 0x7F},
+      ConfiguredBits{0x60, 0xFF}, ConfiguredBits{0x61, 0x0F}, ConfiguredBits{0x16, 0xC0},
+      ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};
+};
+
+/// Their wirings.
+using WiringsWithAcceleration =
+    core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
+                   OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
+                   OverI2c<Icm42688WithAcceleration>>;
+
+}  // namespace zerorate::support
