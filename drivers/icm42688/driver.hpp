@@ -251,11 +251,9 @@ class Icm42688 {
     for (int burst = 1; burst < kMostBursts && outputs && is_new(*outputs); ++burst) {
       const auto again = read_outputs();
       if (!again) return again;
-      if (!is_new(*again)) {
-        if (!std::ranges::equal(gyro_of(*outputs), gyro_of(*again))) return again;
-        if constexpr (kHasAccelerometer) spoil_unless_equal(*outputs, *again);
-        return outputs;
-      }
+      if constexpr (kHasAccelerometer) spoil_unless_equal(*outputs, *again);
+      if (!is_new(*again))
+        return std::ranges::equal(gyro_of(*outputs), gyro_of(*again)) ? outputs : again;
       outputs = again;
     }
     return outputs;
