@@ -108,16 +108,16 @@ TYPED_TEST(GyroAcceleration, StaysWithItsSampleInABatch) {
   typename TestFixture::Rig rig{TypeParam::Gyro::kFifo};
   ASSERT_TRUE(rig.start_and_settle());
   const auto force = [](int i) { return in_g(0.01F * static_cast<float>(i), -0.5F, 1.0F); };
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 30; ++i) {
     rig.chip.set_specific_force(force(i));
     rig.sample({deg_per_s(static_cast<float>(i)), {}, {}});
   }
   const std::vector<GyroSample> all = read_all(rig);
-  ASSERT_EQ(all.size(), 40U);
-  for (int i = 0; i < 40; ++i) {
+  ASSERT_EQ(all.size(), 30U);
+  for (int i = 0; i < 30; ++i) {
     const GyroSample& sample = all[static_cast<std::size_t>(i)];
     EXPECT_NEAR(sample.rate[0].in(deg_per_s), static_cast<float>(i), 0.005F);
-    EXPECT_EQ(sample.time, rig.clock.now() - rig.driver.sample_period() * (39 - i));
+    EXPECT_EQ(sample.time, rig.clock.now() - rig.driver.sample_period() * (29 - i));
     TestFixture::expect_force(sample, force(i));
   }
 }
@@ -181,6 +181,7 @@ TYPED_TEST(GyroAcceleration, LeavesTheSamplesOfTheGyroBitForBit) {
 }
 
 TYPED_TEST(GyroAcceleration, MayBeLostWithoutLossOfTheRate) {
+  if (!TypeParam::Gyro::kCanLoseAcceleration) GTEST_SKIP() << "a frame has both or neither";
   for (const int lost : {1, 2, 5}) {
     typename TestFixture::Rig rig{TypeParam::Gyro::kFifo};
     ASSERT_TRUE(rig.start_and_settle());

@@ -14,6 +14,7 @@ namespace zerorate::support {
 template <class Chip, class Line>
 struct WithAcceleration : Chip {
   using Plain = Chip;
+  static constexpr bool kCanLoseAcceleration = true;
   template <class Bus>
   using Driver = typename Line::template DriverWithAcceleration<Bus>;
   /// Range that the driver takes unless another one is asked for.
@@ -56,10 +57,35 @@ struct Icm42688WithAcceleration : WithAcceleration<Icm42688, drivers::icm42688::
       ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};
 };
 
+/// Rates and accelerations are in one frame: neither can be lost alone.
+struct Mpu6500WithAcceleration : WithAcceleration<Mpu6500, drivers::mpu6500::Chip> {
+  static constexpr const char* kName = "Mpu6500WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 42;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x1C, 0xFF}, ConfiguredBits{0x1D, 0x0F},
+      ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F}, ConfiguredBits{0x19, 0xFF},
+      ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
+      ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+};
+struct Mpu6050WithAcceleration : WithAcceleration<Mpu6050, drivers::mpu6500::Chip> {
+  static constexpr const char* kName = "Mpu6050WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 85;
+  static constexpr std::array kConfigured{ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x1C, 0xFF},
+                                          ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
+                                          ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB},
+                                          ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
+                                          ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+};
+
 /// Their wirings.
 using WiringsWithAcceleration =
     core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
-                   OverI2c<Icm42688WithAcceleration>>;
+                   OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
+                   OverI2c<Mpu6050WithAcceleration>>;
 
 }  // namespace zerorate::support
