@@ -20,12 +20,14 @@ namespace {
 using Spi = hal::linux_os::SpidevDevice<>;
 using I2c = hal::linux_os::I2cDevBus<>;
 
+/// Code of a value, which must be among the choices.
+auto code_of(double value, const auto& choices) {
+  return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
+}
+
 /// Driver settings that `wanted` names; it must be possible by the chip's description.
 template <class Chip>
 auto settings_of(const GyroSettings& wanted) {
-  const auto code_of = [](double value, const auto& choices) {
-    return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
-  };
   return Chip::settings(code_of(wanted.rate_hz, Chip::kRates),
                         code_of(wanted.full_scale_dps, Chip::kFullScales), wanted.fifo);
 }
@@ -47,17 +49,15 @@ std::optional<std::uint32_t> identity_of(Bus bus) {
 }
 
 /// @tparam Link  makes from a wire what the driver talks through
-template <class Chip, class Wire, class Link>
-using DriverOver = typename Chip::template Driver<std::invoke_result_t<Link, Wire&>>;
-
-template <class Chip, class Wire, class Link>
-class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro> {
+template <class Chip, class Wire, class Link, class Driver>
+class BoundGyro final : public drivers::ErasedGyro<Wire, Driver, DeviceGyro> {
  public:
-  template <class Settings, class Node>
-  BoundGyro(const Settings& settings, Link link, const Node& node)
-      : drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro>(
+  /// @param settings  what the driver takes besides the link
+  template <class Node, class... Settings>
+  BoundGyro(Link link, const Node& node, const Settings&... settings)
+      : drivers::ErasedGyro<Wire, Driver, DeviceGyro>(
             [&](Wire& wire) {
-              return DriverOver<Chip, Wire, Link>{link(wire), settings};
+              return Driver{link(wire), settings...};
             },
             node),
         link_(link) {}
@@ -74,30 +74,39 @@ class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, 
   Link link_;
 };
 
-template <class Chip, class Wire, class Settings, class Link, class Node>
-std::unique_ptr<DeviceGyro> bind(const Settings& settings, Link link, const Node& node) {
-  return std::make_unique<BoundGyro<Chip, Wire, Link>>(settings, link, node);
+template <class Chip, class Wire, class Link, class Node>
+std::unique_ptr<DeviceGyro> bind(const GyroSettings& wanted, Link link, const Node& node) {
+  using Bus = std::invoke_result_t<Link, Wire&>;
+  const auto settings = settings_of<Chip>(wanted);
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) {
+    if (wanted.acceleration_range_g) {
+      using Driver = typename Chip::template DriverWithAcceleration<Bus>;
+      const auto range = code_of(*wanted.acceleration_range_g, Chip::kAccelerationRanges);
+      return std::make_unique<BoundGyro<Chip, Wire, Link, Driver>>(link, node, settings, range);
+    }
+  }
+  using Driver = typename Chip::template Driver<Bus>;
+  return std::make_unique<BoundGyro<Chip, Wire, Link, Driver>>(link, node, settings);
 }
 
 template <class Chip>
 std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
-  const auto settings = settings_of<Chip>(wanted);
   const hal::linux_os::SpiSettings spi{wanted.device, wanted.speed_hz, Chip::kSpiMode};
   if constexpr (drivers::RegisterChipEntry<Chip>) {
     if (wanted.bus == BusKind::i2c) {
       const hal::I2cAddress address{wanted.address};
       return bind<Chip, I2c>(
-          settings,
+          wanted,
           [address](I2c& wire) {
             return drivers::I2cRegisters{wire, address};
           },
           wanted.device);
     }
     return bind<Chip, Spi>(
-        settings, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
+        wanted, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
   } else {
     return bind<Chip, Spi>(
-        settings, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
+        wanted, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
   }
 }
 
@@ -107,6 +116,17 @@ constexpr auto kValues = [] {
   std::ranges::transform(Choices, values.begin(), [](const auto& choice) { return choice.value; });
   return values;
 }();
+
+template <class Chip>
+constexpr std::span<const double> acceleration_ranges() {
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) return kValues<Chip::kAccelerationRanges>;
+  return {};
+}
+template <class Chip>
+constexpr double usual_acceleration_range() {
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) return Chip::kUsualAccelerationRange_g;
+  return 0.0;
+}
 
 template <class Chip>
 constexpr auto kAddresses = [] {
@@ -133,6 +153,8 @@ ChipDescription describe() {
   return {.name = Chip::kName,
           .rates_hz = kValues<Chip::kRates>,
           .full_scales_dps = kValues<Chip::kFullScales>,
+          .acceleration_ranges_g = acceleration_ranges<Chip>(),
+          .usual_acceleration_range_g = usual_acceleration_range<Chip>(),
           .addresses = kAddresses<Chip>,
           .highest_speed_hz = Chip::kHighestSpi_hz,
           .has_fifo = Chip::kHasFifo,
