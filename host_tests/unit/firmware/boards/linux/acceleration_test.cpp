@@ -33,7 +33,7 @@ std::string mistake_in(const std::string& toml) {
   return "no error";
 }
 
-TEST(ConfigurationWithAcceleration, TakesTheUsualRangeOrTheGivenOne) {
+TEST(ConfigurationOfAcceleration, TakesTheUsualOrTheGivenRange) {
   const auto range_of = [](const std::string& lines) {
     return parse_configuration(gyro_with(lines), "z.toml").gyro.acceleration_range_g;
   };
@@ -43,7 +43,7 @@ TEST(ConfigurationWithAcceleration, TakesTheUsualRangeOrTheGivenOne) {
   EXPECT_EQ(range_of("acceleration = true\nacceleration_range_g = 16\n"), 16.0);
 }
 
-TEST(ConfigurationWithAcceleration, IsRefusedWithPlaceReasonAndCure) {
+TEST(ConfigurationOfAcceleration, IsRefusedWithReasonAndCure) {
   struct Mistake {
     std::string toml;
     std::string message;
