@@ -59,6 +59,13 @@ concept AccelerometerChipEntry = ChipEntry<Chip> && requires {
   { Chip::kUsualAccelerationRange_g } -> std::convertible_to<double>;
 };
 
+/// A chip whose accelerometer answers apart: `kAccelerometerAddresses` on I2C,
+/// `AccelerometerSpi<Device>`, and `buses(gyro, accelerometer)`, over which the driver goes.
+template <class Chip>
+concept TwoDieChipEntry = AccelerometerChipEntry<Chip> && requires {
+  Chip::kAccelerometerAddresses[0];
+};
+
 /// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
 /// identifies the chip by its reset value. Where the driver takes relatives too, which give other
 /// values, `is_identity(value)`.

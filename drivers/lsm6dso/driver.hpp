@@ -243,7 +243,6 @@ class Lsm6dso {
     const core::Temperature degrees =
         lsm6dso::decode_temperature(decode_int16(temperature[0], temperature[1]));
     if constexpr (kHasAccelerometer) {
-      slots_.begin_batch(sample_clock_, now, *words);
       const auto count = drain_slots(now, *words, out, degrees);
       if (!count) forget_words();
       return count;
@@ -283,7 +282,8 @@ class Lsm6dso {
     return drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
   }
 
-  /// Words of two sensors.
+  /// Words of two sensors. How many samples they make shows when they are read: the samples are
+  /// stamped then.
   core::Result<std::size_t, DriverError> drain_slots(core::Instant now, std::size_t words,
                                                      std::span<GyroSample> out,
                                                      core::Temperature temperature) {
@@ -292,10 +292,9 @@ class Lsm6dso {
       const auto payload = word.template subspan<1, 6>();
       const std::uint8_t slot = lsm6dso::time_slot(word[0]);
       bool is_sample = false;
+      --words;
       if (lsm6dso::is_gyro_tag(variant, word[0])) {
-        const core::Instant time = slots_.next(sample_clock_, now);
-        if (time < settled_at_) return Frame::no_sample;
-        is_sample = slots_.add_gyro(slot, make_sample(time, payload, temperature), sample);
+        is_sample = slots_.add_gyro(slot, make_sample(now, payload, temperature), sample);
       } else if (lsm6dso::is_tag_of(variant, lsm6dso::kTagAccelerometer, word[0])) {
         is_sample = slots_.add_acceleration(slot, raw_of(payload), sample);
       } else {
@@ -303,7 +302,21 @@ class Lsm6dso {
       }
       return is_sample ? Frame::sample : Frame::no_sample;
     };
-    return drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
+    const auto count = drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
+    return count ? stamp(now, out.first(*count), words) : count;
+  }
+
+  /// @param words  left in the FIFO
+  /// @return samples that are settled, which are moved to the front
+  std::size_t stamp(core::Instant now, std::span<GyroSample> samples, std::size_t words) {
+    const std::size_t waiting = samples.size() + slots_.samples_to_come(words);
+    if (waiting > 0) sample_clock_.begin_batch(now, waiting);
+    std::size_t settled = 0;
+    for (GyroSample& sample : samples) {
+      sample.time = sample_clock_.next();
+      if (sample.time >= settled_at_) samples[settled++] = sample;
+    }
+    return settled;
   }
 
   constexpr void forget_words() {

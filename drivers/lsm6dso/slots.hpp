@@ -7,10 +7,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/base/time.hpp"
 #include "drivers/common/acceleration.hpp"
 #include "drivers/common/gyro_source.hpp"
-#include "drivers/common/sample_clock.hpp"
 
 namespace zerorate::drivers::lsm6dso {
 
@@ -61,17 +59,9 @@ class Slots {
     return true;
   }
 
-  /// Fixes the stamps of the samples that wait in the FIFO, of two words each.
-  constexpr void begin_batch(SampleClock& clock, core::Instant now, std::size_t words) {
-    stamps_ = (words + 1) / 2;
-    clock.begin_batch(now, stamps_);
-  }
-  /// Stamp of the next sample of the gyro. Where accelerometer's words are lost, more of them come
-  /// than the level showed.
-  constexpr core::Instant next(SampleClock& clock, core::Instant now) {
-    if (stamps_ == 0) begin_batch(clock, now, 1);
-    --stamps_;
-    return clock.next();
+  /// Samples of the gyro that are still to come, from those words and the one that waits here.
+  [[nodiscard]] constexpr std::size_t samples_to_come(std::size_t words) const {
+    return (words + (gyro_ ? 1 : 0) + 1) / 2;
   }
 
   [[nodiscard]] constexpr const AccelerationScale& scale() const { return scale_; }
@@ -89,7 +79,6 @@ class Slots {
   AccelerationScale scale_;
   std::optional<Gyro> gyro_;
   std::optional<Acceleration> acceleration_;
-  std::size_t stamps_ = 0;
 };
 
 }  // namespace zerorate::drivers::lsm6dso

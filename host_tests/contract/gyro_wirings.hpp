@@ -36,7 +36,9 @@ struct WiringName {
   template <class Wiring>
   static std::string GetName(int) {
     const std::string gyro = Wiring::Gyro::kName;
-    const bool is_i2c = std::is_same_v<Wiring, OverI2c<typename Wiring::Gyro>>;
+    using Gyro = typename Wiring::Gyro;
+    const bool is_i2c = std::is_same_v<Wiring, OverI2c<Gyro>> ||
+                        std::is_same_v<Wiring, support::OverI2cTwice<Gyro>>;
     return gyro + (is_i2c ? "OverI2c" : "OverSpi");
   }
 };

@@ -15,6 +15,8 @@ template <class Chip, class Line>
 struct WithAcceleration : Chip {
   using Plain = Chip;
   static constexpr bool kCanLoseAcceleration = true;
+  /// Whether the frames show which sample an acceleration belongs to.
+  static constexpr bool kAccelerationIsMarked = true;
   template <class Bus>
   using Driver = typename Line::template DriverWithAcceleration<Bus>;
   /// Range that the driver takes unless another one is asked for.
@@ -81,11 +83,43 @@ struct Mpu6050WithAcceleration : WithAcceleration<Mpu6050, drivers::mpu6500::Chi
                                           ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
 };
 
+/// Two dies on one I2C bus. The gyro's samples come 55 ms later: the accelerometer needs so long.
+struct Bmi088WithAcceleration : WithAcceleration<Bmi088, drivers::bmi088::Chip> {
+  static constexpr const char* kName = "Bmi088WithAcceleration";
+  using Simulated = hal::sim::SimulatedBmi088Module;
+  static constexpr hal::I2cAddress kAccelerometerAddress{0x18};
+  static constexpr bool kAccelerationIsMarked = false;
+  static constexpr float kLsbG = 6.0F / 32768.0F;
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(85);
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x1E, 0x88}, ConfiguredBits{0x11, 0xA0}, ConfiguredBits{0x0F, 0x07},
+      ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x16, 0x03}, ConfiguredBits{0x18, 0xA5},
+      ConfiguredBits{0x15, 0xC0}, ConfiguredBits{0x3D, 0xFF}, ConfiguredBits{0x3E, 0xC0},
+      ConfiguredBits{0x40, 0xFF}, ConfiguredBits{0x41, 0x03}, ConfiguredBits{0x48, 0x01},
+      ConfiguredBits{0x49, 0x4C}, ConfiguredBits{0x7C, 0xFF}, ConfiguredBits{0x7D, 0xFF}};
+};
+
+/// How the two dies are attached.
+template <class G>
+struct OverI2cTwice {
+  using Gyro = G;
+  using Bus = hal::sim::SimulatedBmi088I2c;
+  using Registers = drivers::I2cRegisters<hal::testing::FaultInjector<Bus>>;
+  using Link = drivers::bmi088::Buses<Registers, Registers>;
+  using Driver = typename G::template Driver<Link>;
+  static Bus attach(typename G::Simulated& chip) {
+    return {chip, G::kAddress, G::kAccelerometerAddress};
+  }
+  static Link link(hal::testing::FaultInjector<Bus>& bus) {
+    return {Registers{bus, G::kAddress}, Registers{bus, G::kAccelerometerAddress}};
+  }
+};
+
 /// Their wirings.
 using WiringsWithAcceleration =
     core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
                    OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
-                   OverI2c<Mpu6050WithAcceleration>>;
+                   OverI2c<Mpu6050WithAcceleration>, OverI2cTwice<Bmi088WithAcceleration>>;
 
 }  // namespace zerorate::support

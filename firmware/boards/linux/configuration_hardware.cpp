@@ -148,6 +148,22 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
 }
 
+/// Address or node of an accelerometer that answers apart.
+void read_second_die(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
+  const auto& addresses = chip.accelerometer_addresses;
+  if (addresses.empty()) return;
+  if (gyro.bus == BusKind::spi) {
+    gyro.accelerometer_device = *name_at(table, "accelerometer_device", Presence::required);
+    return;
+  }
+  const auto address = table.integer("accelerometer_address", kAddress, Presence::optional);
+  gyro.accelerometer_address = static_cast<std::uint8_t>(address.value_or(addresses[0]));
+  if (std::ranges::find(addresses, gyro.accelerometer_address) == addresses.end()) {
+    table.fail_at("accelerometer_address",
+                  fmt::format("it answers at {:#04x}", fmt::join(addresses, ", ")));
+  }
+}
+
 void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
   constexpr std::string_view kRange = "acceleration_range_g";
   const bool has_range = table.find(kRange, "", Presence::optional) != nullptr;
@@ -158,12 +174,15 @@ void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSett
   }
   if (has_range && !is_on) table.fail_at(kRange, "stands only beside acceleration = true");
   if (!is_on) return;
+  read_second_die(table, chip, gyro);
   gyro.acceleration_range_g =
       one_of(table, kRange, chip.acceleration_ranges_g, chip.usual_acceleration_range_g);
 }
 
 void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
-  static constexpr std::array<std::string_view, 11> kKeys{"bus",
+  static constexpr std::array<std::string_view, 13> kKeys{"accelerometer_address",
+                                                          "accelerometer_device",
+                                                          "bus",
                                                           "device",
                                                           "speed_hz",
                                                           "address",

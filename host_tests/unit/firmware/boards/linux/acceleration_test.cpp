@@ -68,6 +68,39 @@ TEST(ConfigurationOfAcceleration, IsRefusedWithReasonAndCure) {
   }
 }
 
+constexpr const char* kTwoDies =
+    "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"bmi088\"\nrate_hz = 100\nfull_scale_dps = "
+    "250\n"
+    "acceleration = true\n";
+constexpr const char* kSomeOdometer = "[odometer]\nchip = \"/dev/gpiochip0\"\nline = 24\n";
+
+TEST(ConfigurationOfTwoDies, NamesTheSecondOnItsBus) {
+  const auto read = [](const std::string& lines) {
+    return parse_configuration(kTwoDies + lines + kSomeOdometer, "z.toml").gyro;
+  };
+  const GyroSettings on_i2c = read("bus = \"i2c\"\ndevice = \"/dev/i2c-1\"\n");
+  EXPECT_EQ(on_i2c.accelerometer_address, 0x18);
+  EXPECT_EQ(on_i2c.acceleration_range_g, 6.0);
+  EXPECT_NE(find_chip("bmi088")->make(on_i2c), nullptr);
+  const GyroSettings on_spi = read(
+      "bus = \"spi\"\ndevice = \"/dev/spidev0.1\"\naccelerometer_device = \"/dev/spidev0.0\"\n");
+  EXPECT_EQ(on_spi.accelerometer_device, "/dev/spidev0.0");
+  EXPECT_NE(find_chip("bmi088")->make(on_spi), nullptr);
+}
+
+TEST(ConfigurationOfTwoDies, IsRefusedWithoutTheSecond) {
+  const auto mistake = [](const std::string& lines) {
+    return mistake_in(kTwoDies + lines + kSomeOdometer);
+  };
+  EXPECT_THAT(mistake("bus = \"spi\"\ndevice = \"/dev/spidev0.1\"\n"),
+              HasSubstr("z.toml:2:1: missing \"accelerometer_device\" in [gyro]"));
+  EXPECT_THAT(
+      mistake("bus = \"i2c\"\ndevice = \"/dev/i2c-1\"\naccelerometer_address = 0x68\n"),
+      HasSubstr("z.toml:9:25: \"accelerometer_address\" in [gyro]: it answers at 0x18, 0x19"));
+  EXPECT_THAT(mistake_in(gyro_with("accelerometer_address = 0x18\n")),
+              HasSubstr("z.toml:8:1: unknown key \"accelerometer_address\""));
+}
+
 TEST(ChipsWithAcceleration, AreMadeInEveryRange) {
   std::size_t count = 0;
   for (const ChipDescription& chip : chips()) {
@@ -82,7 +115,7 @@ TEST(ChipsWithAcceleration, AreMadeInEveryRange) {
       ++count;
     }
   }
-  EXPECT_GE(count, 24U);
+  EXPECT_GE(count, 28U);
 }
 
 /// Samples of half a second of the simulated vehicle.
