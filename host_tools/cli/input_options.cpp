@@ -33,11 +33,11 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
   add("--columns", flags.columns,
-      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, "
-      "pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
+      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, ax, "
+      "ay, az, pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
       "units that names do not give: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
-      "counts), temp=c|k|f, speed=mps|kmh|mph, angle=deg|rad");
+      "counts), temp=c|k|f, acceleration=mps2|g, speed=mps|kmh|mph, angle=deg|rad");
   add("--delimiter", flags.delimiter,
       ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
   command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")

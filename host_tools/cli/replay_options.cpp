@@ -295,6 +295,8 @@ void print_findings(const recording::Findings& findings) {
                  count, findings.first_line(finding));
     }
   }
+  const std::string doubt = recording::doubt_of_acceleration(findings);
+  if (!doubt.empty()) fmt::print("  note: {}\n", doubt);
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {

@@ -250,13 +250,15 @@ void add_node(py::module_& module) {
           "replay",
           [](Node& node, Array<std::int64_t> time_ns, Array<float> rate_rad_s,
              std::optional<Array<float>> temperature_degc, std::optional<Array<bool>> still,
-             std::optional<Array<std::int64_t>> odometer_pulses) {
+             std::optional<Array<std::int64_t>> odometer_pulses,
+             std::optional<Array<float>> acceleration_m_s2) {
             return node.replay({std::move(time_ns), std::move(rate_rad_s),
                                 std::move(temperature_degc), std::move(still),
-                                std::move(odometer_pulses)});
+                                std::move(odometer_pulses), std::move(acceleration_m_s2)});
           },
           py::arg("time_ns"), py::arg("rate_rad_s"), py::arg("temperature_degc") = py::none(),
-          py::arg("still") = py::none(), py::arg("odometer_pulses") = py::none());
+          py::arg("still") = py::none(), py::arg("odometer_pulses") = py::none(),
+          py::arg("acceleration_m_s2") = py::none());
 }
 
 }  // namespace zerorate::python

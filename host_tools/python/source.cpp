@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -18,6 +19,16 @@ const T* elements(const std::optional<Array<T>>& array, std::size_t rows, const 
   if (!array) return nullptr;
   if (array->ndim() != 1 || static_cast<std::size_t>(array->shape(0)) != rows) {
     throw std::invalid_argument(std::string(name) + ": expected one element per sample");
+  }
+  return array->data();
+}
+
+/// The accelerations, of which there must be three a sample.
+const float* accelerations(const std::optional<Array<float>>& array, std::size_t rows) {
+  if (!array) return nullptr;
+  if (array->ndim() != 2 || static_cast<std::size_t>(array->shape(0)) != rows ||
+      static_cast<std::size_t>(array->shape(1)) != recording::kMaxAxes) {
+    throw std::invalid_argument("acceleration_m_s2: expected n by 3 elements, a row per sample");
   }
   return array->data();
 }
@@ -41,6 +52,7 @@ struct Table {
   std::vector<float> temperature_degc;
   std::vector<std::uint8_t> still;
   std::vector<std::int64_t> odometer_pulses;
+  std::vector<float> acceleration_m_s2;
 
   void add(const recording::Row& row) {
     time_ns.push_back(row.time_ns);
@@ -49,6 +61,10 @@ struct Table {
     if (columns.temperature) temperature_degc.push_back(row.temperature_degc);
     if (columns.still) still.push_back(row.still ? 1 : 0);
     if (columns.odometer) odometer_pulses.push_back(row.odometer_pulses);
+    if (columns.acceleration) {
+      acceleration_m_s2.insert(acceleration_m_s2.end(), row.acceleration_m_s2.begin(),
+                               row.acceleration_m_s2.end());
+    }
   }
 };
 
@@ -76,6 +92,10 @@ py::dict read(const Source& source) {
     arrays["still"] = to_array(std::move(table.still), {rows}).attr("view")("bool");
   if (table.columns.odometer)
     arrays["odometer_pulses"] = to_array(std::move(table.odometer_pulses), {rows});
+  if (table.columns.acceleration) {
+    constexpr auto kAxes = static_cast<py::ssize_t>(recording::kMaxAxes);
+    arrays["acceleration_m_s2"] = to_array(std::move(table.acceleration_m_s2), {rows, kAxes});
+  }
   return arrays;
 }
 
@@ -104,10 +124,12 @@ ArrayRows::ArrayRows(const Samples& samples)
   temperature_ = elements(samples.temperature_degc, rows_, "temperature_degc");
   still_ = elements(samples.still, rows_, "still");
   pulses_ = elements(samples.odometer_pulses, rows_, "odometer_pulses");
+  acceleration_ = accelerations(samples.acceleration_m_s2, rows_);
   columns_ = {.axis_count = static_cast<std::size_t>(rate.shape(1)),
               .temperature = temperature_ != nullptr,
               .odometer = pulses_ != nullptr,
-              .still = still_ != nullptr};
+              .still = still_ != nullptr,
+              .acceleration = acceleration_ != nullptr};
 }
 
 bool ArrayRows::next(recording::Row& row) {
@@ -119,6 +141,10 @@ bool ArrayRows::next(recording::Row& row) {
   if (temperature_ != nullptr) row.temperature_degc = temperature_[row_];
   if (still_ != nullptr) row.still = still_[row_];
   if (pulses_ != nullptr) row.odometer_pulses = pulses_[row_];
+  if (acceleration_ != nullptr) {
+    std::copy_n(acceleration_ + row_ * recording::kMaxAxes, recording::kMaxAxes,
+                row.acceleration_m_s2.begin());
+  }
   ++row_;
   return true;
 }
@@ -141,14 +167,17 @@ void add_source(py::module_& module) {
           "of_arrays",
           [](Array<std::int64_t> time_ns, Array<float> rate_rad_s,
              std::optional<Array<float>> temperature_degc, std::optional<Array<bool>> still,
-             std::optional<Array<std::int64_t>> odometer_pulses) {
-            Samples samples{std::move(time_ns), std::move(rate_rad_s), std::move(temperature_degc),
-                            std::move(still), std::move(odometer_pulses)};
+             std::optional<Array<std::int64_t>> odometer_pulses,
+             std::optional<Array<float>> acceleration_m_s2) {
+            Samples samples{std::move(time_ns),          std::move(rate_rad_s),
+                            std::move(temperature_degc), std::move(still),
+                            std::move(odometer_pulses),  std::move(acceleration_m_s2)};
             static_cast<void>(ArrayRows{samples});  // complains here rather than later
             return Source{std::move(samples)};
           },
           py::arg("time_ns"), py::arg("rate_rad_s"), py::arg("temperature_degc") = py::none(),
-          py::arg("still") = py::none(), py::arg("odometer_pulses") = py::none())
+          py::arg("still") = py::none(), py::arg("odometer_pulses") = py::none(),
+          py::arg("acceleration_m_s2") = py::none())
       .def("read", &read);
 }
 

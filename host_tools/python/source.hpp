@@ -28,6 +28,7 @@ struct Samples {
   std::optional<Array<float>> temperature_degc;
   std::optional<Array<bool>> still;
   std::optional<Array<std::int64_t>> odometer_pulses;
+  std::optional<Array<float>> acceleration_m_s2;  ///< n by 3
 };
 
 /// Gives the rows of arrays; they must live as long. Needs no lock of the interpreter.
@@ -48,6 +49,7 @@ class ArrayRows : public recording::RowSource {
   const float* rate_;
   const float* temperature_ = nullptr;
   const bool* still_ = nullptr;
+  const float* acceleration_ = nullptr;
   const std::int64_t* pulses_ = nullptr;
   std::size_t rows_;
   std::size_t row_ = 0;

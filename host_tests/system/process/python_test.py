@@ -118,6 +118,18 @@ class Package(unittest.TestCase):
         self.assertEqual(self.recording.still.dtype, np.bool_)
         self.assertEqual(self.recording.time_ns[3], 300_000_000)
         self.assertIsNone(self.recording.temperature_degc)
+        self.assertIsNone(self.recording.acceleration_m_s2)
+
+    def test_gives_accelerations_and_takes_them(self):
+        path = self.folder / "accelerated.csv"
+        path.write_text("t_s,rate_dps,still,ax_g,ay_g,az_g\n0,0.1,1,0,0,1\n0.1,0.2,1,,,\n0.2,0.1,1,0,-1,0\n", encoding="utf-8")
+        recording = zerorate.read(path)
+        g = np.float32(9.80665)
+        np.testing.assert_array_equal(recording.acceleration_m_s2, np.array([[0, 0, g], [np.nan] * 3, [0, -g, 0]], np.float32))
+        self.assertEqual(len(zerorate.Node("lsm6dso").replay_recording(recording).time_ns), 3)
+        with self.assertRaisesRegex(ValueError, "acceleration_m_s2: expected n by 3 elements"):
+            zerorate.Node("lsm6dso").replay(recording.time_ns, recording.rate_rad_s, still=recording.still,
+                                            acceleration_m_s2=recording.acceleration_m_s2[:, :2])
 
     def test_allan_deviation_is_that_of_its_definition(self):
         rate = np.random.default_rng(1).normal(size=4000)

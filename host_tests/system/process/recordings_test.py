@@ -76,12 +76,62 @@ class ExitCode(unittest.TestCase):
         self.assert_ends(WRONG_USAGE, "characterize", "--order", "2")
 
 
+class Accelerations(unittest.TestCase):
+    """A recording with accelerations beside the same one without them."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        noise = random.Random(5)
+        rows = [",".join([f"{0.1 * k:.1f}"] + [f"{noise.gauss(0.2, 0.1):.5f}" for _ in range(3)]) for k in range(1500)]
+        self.write("plain.csv", "", rows)
+        self.write("accelerated.csv", ",ax_g,ay_g,az_g",
+                   [row + (",,," if k % 50 == 7 else ",0.5,0,-0.875") for k, row in enumerate(rows)])
+
+    def write(self, name, columns, rows):
+        (self.folder / name).write_text("\n".join(["t_s,gx_dps,gy_dps,gz_dps" + columns, *rows]) + "\n", encoding="utf-8")
+
+    def run_zerorate(self, command, name, *options):
+        run = subprocess.run([ZERORATE, command, self.folder / name, *options], capture_output=True, text=True, timeout=60,
+                             check=False)
+        self.assertIn(run.returncode, (0, 1), run.stderr)
+        return run.stdout
+
+    def test_pass_through_the_node_and_change_nothing_that_its_model_does_not_follow(self):
+        schedule = ("--schedule", "still=20,drive=30,seed=1")
+        corrected = []
+        for name in ("plain", "accelerated"):
+            out = self.folder / f"{name}.out.csv"
+            self.run_zerorate("replay", f"{name}.csv", *schedule, "--out", out)
+            corrected.append(out.read_bytes())
+        self.assertEqual(*corrected)
+        self.assertIn("acceleration is empty, nan or infinite in 30 rows, first in line 9",
+                      self.run_zerorate("replay", "accelerated.csv", *schedule))
+
+    def test_are_converted_to_si(self):
+        output = self.folder / "si.csv"
+        self.run_zerorate("convert", "accelerated.csv", "-o", output)
+        header, first = output.read_text(encoding="utf-8").splitlines()[:2]
+        self.assertEqual(header, "t_s,gx_dps,gy_dps,gz_dps,ax_mps2,ay_mps2,az_mps2")
+        along = [float(number) for number in first.split(",")[4:]]
+        for found, expected in zip(along, (0.5 * 9.80665, 0.0, -0.875 * 9.80665)):
+            self.assertAlmostEqual(found, expected, delta=1e-6)
+
+    def test_whose_size_is_not_that_of_gravity_are_doubted(self):
+        text = (self.folder / "accelerated.csv").read_text(encoding="utf-8").replace("_g", "_mps2")
+        (self.folder / "wrong.csv").write_text(text, encoding="utf-8")
+        self.assertIn("acceleration of 1.008 m/s2 in the mean, where gravity is 9.8 m/s2 (g taken for m/s2?)",
+                      self.run_zerorate("convert", "wrong.csv", "-o", self.folder / "si.csv"))
+
+
 def imu(stamp, rates=(0.0, 0.0, 0.0), covariance=0.0):
     message = Imu()
     message.header.stamp = stamp
     message.header.frame_id = "imu_link"
     message.angular_velocity.x, message.angular_velocity.y, message.angular_velocity.z = rates
     message.angular_velocity_covariance[0] = covariance
+    message.linear_acceleration_covariance[0] = -1.0
     return message
 
 

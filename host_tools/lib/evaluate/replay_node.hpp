@@ -124,6 +124,10 @@ class ReplayNode {
     if (sample.has_temperature) {
       sample.temperature = core::Temperature::from_degc(row.temperature_degc);
     }
+    sample.has_acceleration = row.has_acceleration();
+    if (sample.has_acceleration) {
+      std::ranges::transform(row.acceleration_m_s2, sample.acceleration.begin(), core::m_per_s2);
+    }
     return sample;
   }
 

@@ -33,12 +33,12 @@ Recorder::Recorder(RecorderSettings settings) : settings_(std::move(settings)) {
 void Recorder::check_columns() const {
   const recording::Columns& columns = writer_->columns();
   const std::size_t axes = settings_.axis ? 1 : recording::kMaxAxes;
-  const bool is_too_much =
-      columns.still || columns.ref_heading || columns.ref_rate || columns.ref_speed;
+  const bool is_too_much = columns.acceleration || columns.still || columns.ref_heading ||
+                           columns.ref_rate || columns.ref_speed;
   if (columns.axis_count == axes && !is_too_much) return;
   throw recording::Error{{settings_.path.string()},
                          "other columns than this recording has",
-                         "the same axes, and no still or reference column",
+                         "the same axes, and no acceleration, still or reference column",
                          "Name the same axis, or choose another file."};
 }
 

@@ -88,13 +88,21 @@ std::int64_t take_stamp(FieldReader& message) {
   return stamp_ns;
 }
 
+/// A vector with its covariance, which begins with -1 where the vector is not measured: then NaN.
+void take_vector(FieldReader& message, std::array<float, kMaxAxes>& vector) {
+  constexpr std::size_t kCovariance = 9;
+  for (float& along : vector) along = static_cast<float>(message.float64());
+  const bool is_absent = message.float64() == -1.0;
+  if (is_absent) vector.fill(std::numeric_limits<float>::quiet_NaN());
+  message.skip_float64(kCovariance - 1);
+}
+
 /// Rest of a sensor_msgs/Imu behind its header.
 void take_rates(FieldReader& message, Row& row) {
   constexpr std::size_t kOrientation = 4 + 9;
   message.skip_float64(kOrientation);
-  for (float& rate : row.rate_rad_s) rate = static_cast<float>(message.float64());
-  const bool is_absent = message.float64() == -1.0;
-  if (is_absent) row.rate_rad_s.fill(std::numeric_limits<float>::quiet_NaN());
+  take_vector(message, row.rate_rad_s);
+  take_vector(message, row.acceleration_m_s2);
 }
 
 /// Rest of a nav_msgs/Odometry behind its header.
@@ -157,26 +165,34 @@ BagRows::BagRows(std::unique_ptr<Bag> bag, Needs needs, const std::string& topic
       needs_(needs),
       topic_(choose_topic(*bag_, needs, topic)),
       columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion},
-      messages_known_(bag_->select(topic_, needs)) {}
+      messages_known_(bag_->select(topic_, needs)),
+      first_(take_first()) {
+  columns_.acceleration = first_->has_acceleration();
+}
+
+Row BagRows::take_first() {
+  BagMessage message;
+  if (bag_->next(message)) return decode(message, 1);
+  throw Error{{bag_->file().string()},
+              "no messages of " + topic_,
+              "at least one message",
+              "Check that the bag was recorded to its end."};
+}
 
 bool BagRows::next(Row& row) {
   BagMessage message;
-  if (!bag_->next(message)) {
-    if (messages_ > 0) return false;
-    throw Error{{bag_->file().string()},
-                "no messages of " + topic_,
-                "at least one message",
-                "Check that the bag was recorded to its end."};
-  }
+  if (!first_ && !bag_->next(message)) return false;
   ++messages_;
-  row = decode(message);
+  row = first_ ? *first_ : decode(message, messages_);
+  if (!columns_.acceleration) row.acceleration_m_s2 = kNoAcceleration;
+  first_.reset();
   return true;
 }
 
-Row BagRows::decode(const BagMessage& message) const {
+Row BagRows::decode(const BagMessage& message, std::uint64_t number) const {
   const auto bad = [&](const char* found, std::string_view expected) {
     return Error{{bag_->file().string()},
-                 fmt::format("{} as message {} of {}", found, messages_, topic_),
+                 fmt::format("{} as message {} of {}", found, number, topic_),
                  std::string(expected),
                  "The bag may be damaged, or its type of message another one."};
   };

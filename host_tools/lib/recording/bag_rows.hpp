@@ -15,7 +15,8 @@ namespace zerorate::recording {
 
 /// Reads the messages of one topic: sensor_msgs/Imu for rates, nav_msgs/Odometry for motion, whose
 /// speed is that of its twist. A row has the stamp of the message's header, or where that is zero
-/// the time at which it was recorded. A rate whose covariance begins with -1 is lost (REP 145).
+/// the time at which it was recorded. A rate or an acceleration whose covariance begins with -1 is
+/// lost (REP 145); a bag whose first message lacks the acceleration has no column of it.
 class BagRows : public RowSource {
  public:
   /// @param topic  empty: the only one with such messages
@@ -28,14 +29,16 @@ class BagRows : public RowSource {
   [[nodiscard]] std::optional<double> fraction_read() const override;
 
  private:
-  [[nodiscard]] Row decode(const BagMessage& message) const;
+  [[nodiscard]] Row take_first();
+  [[nodiscard]] Row decode(const BagMessage& message, std::uint64_t number) const;
 
   std::unique_ptr<Bag> bag_;
   Needs needs_;
   std::string topic_;
   Columns columns_;
-  std::uint64_t messages_ = 0;  ///< read so far
+  std::uint64_t messages_ = 0;  ///< given so far
   std::uint64_t messages_known_;
+  std::optional<Row> first_;  ///< shows the columns; until it is given
 };
 
 }  // namespace zerorate::recording

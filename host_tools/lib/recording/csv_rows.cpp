@@ -93,6 +93,9 @@ void CsvRows::parse_field(const Column& column, const Fields& fields, Row& row) 
     case Meaning::temperature:
       row.temperature_degc = parse_measured(column, fields);
       break;
+    case Meaning::acceleration:
+      row.acceleration_m_s2[column.axis] = parse_measured(column, fields);
+      break;
     case Meaning::odometer:
       row.odometer_pulses = parse_count(column, fields);
       break;

@@ -1,10 +1,13 @@
 #include "host_tools/lib/recording/findings.hpp"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "core/base/units.hpp"
 #include "host_tools/lib/recording/row.hpp"
 
 namespace zerorate::recording {
@@ -46,6 +49,8 @@ std::string_view description(Finding finding) {
       return "rate beyond 4000 deg/s (raw counts, or the wrong unit?)";
     case Finding::temperature_lost:
       return "temperature is empty, nan or infinite";
+    case Finding::acceleration_lost:
+      return "acceleration is empty, nan or infinite";
     case Finding::time_backwards:
       return "time runs backwards";
     case Finding::time_duplicate:
@@ -101,6 +106,7 @@ void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
   if (columns.temperature && !std::isfinite(row.temperature_degc)) {
     row.findings.add(Finding::temperature_lost);
   }
+  if (columns.acceleration) examine_acceleration(row);
   if (misses_reference(row, columns)) {
     row.findings.add(Finding::reference_missing);
   }
@@ -115,6 +121,37 @@ void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
   last_odometer_pulses_ = row.odometer_pulses;
   ++rows_;
   count(row.findings, line);
+}
+
+void Findings::examine_acceleration(Row& row) {
+  if (!row.has_acceleration()) {
+    row.findings.add(Finding::acceleration_lost);
+    return;
+  }
+  const auto& [x, y, z] = row.acceleration_m_s2;
+  sum_of_accelerations_m_s2_ += std::hypot(double{x}, double{y}, double{z});
+  ++accelerations_;
+}
+
+std::optional<double> Findings::mean_acceleration_m_s2() const {
+  if (accelerations_ == 0) return std::nullopt;
+  return sum_of_accelerations_m_s2_ / static_cast<double>(accelerations_);
+}
+
+std::string doubt_of_acceleration(const Findings& findings) {
+  // Errors of offset and scale, and a rough road, change the mean by less than this share.
+  constexpr double kPlausible = 0.3;
+  constexpr double kGravity_m_s2 = core::kStandardGravity_m_s2;
+  const auto is_near = [](double size, double expected) {
+    return std::abs(size / expected - 1.0) <= kPlausible;
+  };
+  const std::optional<double> mean = findings.mean_acceleration_m_s2();
+  if (!mean || is_near(*mean, kGravity_m_s2)) return "";
+  std::string_view reason = "raw counts, another unit, or gravity taken off?";
+  if (is_near(*mean, 1.0)) reason = "g taken for m/s2?";
+  if (is_near(*mean, kGravity_m_s2 * kGravity_m_s2)) reason = "m/s2 taken for g?";
+  return fmt::format("acceleration of {:.4g} m/s2 in the mean, where gravity is 9.8 m/s2 ({})",
+                     *mean, reason);
 }
 
 void Findings::examine_time(Row& row, std::uint64_t line) {

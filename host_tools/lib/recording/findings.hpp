@@ -6,6 +6,8 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 
 namespace zerorate::recording {
@@ -18,6 +20,7 @@ enum class Finding : std::uint8_t {
   rate_lost,           ///< a rate is empty, nan or infinite: the sample cannot be used
   rate_implausible,    ///< a rate beyond 4000 deg/s, the widest range sold: raw counts, wrong unit?
   temperature_lost,    ///< the temperature is empty, nan or infinite
+  acceleration_lost,   ///< an acceleration is empty, nan or infinite
   time_backwards,      ///< the time is before that of an earlier row
   time_duplicate,      ///< the time equals the latest time so far
   gap,                 ///< more than kGapPeriods median periods since the latest time so far
@@ -26,7 +29,7 @@ enum class Finding : std::uint8_t {
   reference_missing,   ///< heading, rate or speed of the reference is empty, nan or infinite
   motion_unknown,      ///< no word of the speed for too long: the vehicle counts as moving
 };
-inline constexpr std::size_t kFindingCount = 10;
+inline constexpr std::size_t kFindingCount = 11;
 
 /// A gap is an interval longer than this many median intervals.
 inline constexpr std::int64_t kGapPeriods = 10;
@@ -90,6 +93,9 @@ class Findings {
   [[nodiscard]] std::uint64_t first_line(Finding finding) const {
     return first_lines_[static_cast<std::size_t>(finding)];
   }
+  /// Mean size of the acceleration over the rows that have one, which is near that of gravity even
+  /// in a vehicle that moves [m/s2]; nullopt without any.
+  [[nodiscard]] std::optional<double> mean_acceleration_m_s2() const;
   /// Median interval between rows (see IntervalMedian); 0 below two rows.
   [[nodiscard]] std::int64_t median_interval_ns() const { return median_.value_ns(); }
   /// Mean interval between rows, holes left out: gaps that are longer than kShortestHole. Where a
@@ -102,6 +108,7 @@ class Findings {
 
  private:
   void examine_time(Row& row, std::uint64_t line);
+  void examine_acceleration(Row& row);
   void count(const FindingSet& set, std::uint64_t line);
 
   std::uint64_t rows_ = 0;
@@ -114,6 +121,12 @@ class Findings {
   std::uint64_t longest_interval_line_ = 0;
   std::int64_t latest_time_ns_ = 0;
   std::int64_t last_odometer_pulses_ = 0;
+  double sum_of_accelerations_m_s2_ = 0.0;
+  std::uint64_t accelerations_ = 0;  ///< rows in this sum
 };
+
+/// Sentence about accelerations whose mean size is not that of gravity, with the figure and the
+/// likely reason, such as "g taken for m/s2?"; empty where it is, or where there are none.
+[[nodiscard]] std::string doubt_of_acceleration(const Findings& findings);
 
 }  // namespace zerorate::recording

@@ -9,48 +9,12 @@
 #include <optional>
 #include <utility>
 
+#include "host_tools/lib/recording/column_names.hpp"
 #include "host_tools/lib/recording/fields.hpp"
 #include "host_tools/lib/recording/number.hpp"
 
 namespace zerorate::recording {
 namespace {
-
-struct AcceptedName {
-  std::string_view name;
-  std::string_view key;   ///< key of the quantity
-  std::string_view unit;  ///< empty: a count, or stated in brackets behind the name
-};
-
-/// Names of zerorate's own format; of two with one meaning the first is the one that is written.
-constexpr std::array kAcceptedNames = {
-    AcceptedName{"t_s", "t", "s"},
-    AcceptedName{"time_s", "t", "s"},
-    AcceptedName{"gx_dps", "gx", "dps"},
-    AcceptedName{"gy_dps", "gy", "dps"},
-    AcceptedName{"gz_dps", "gz", "dps"},
-    AcceptedName{"gx_radps", "gx", "radps"},
-    AcceptedName{"gy_radps", "gy", "radps"},
-    AcceptedName{"gz_radps", "gz", "radps"},
-    AcceptedName{"rate_dps", "rate", "dps"},
-    AcceptedName{"rate_radps", "rate", "radps"},
-    AcceptedName{"temp_c", "temp", "c"},
-    AcceptedName{"temperature_c", "temp", "c"},
-    AcceptedName{"odometer_pulses", "pulses", ""},
-    AcceptedName{"still", "still", ""},
-    AcceptedName{"speed_mps", "speed", "mps"},
-    AcceptedName{"ref_heading_deg", "ref_heading", "deg"},
-    AcceptedName{"ref_rate_dps", "ref_rate", "dps"},
-    AcceptedName{"ref_speed_mps", "ref_speed", "mps"},
-};
-
-/// Names of other formats, known where a unit in brackets follows: "timestamp [ns]".
-constexpr std::array kNamesBeforeUnits = {
-    AcceptedName{"timestamp", "t", ""}, AcceptedName{"time", "t", ""},
-    AcceptedName{"w_RS_S_x", "gx", ""}, AcceptedName{"w_RS_S_y", "gy", ""},
-    AcceptedName{"w_RS_S_z", "gz", ""}, AcceptedName{"gyro_x", "gx", ""},
-    AcceptedName{"gyro_y", "gy", ""},   AcceptedName{"gyro_z", "gz", ""},
-    AcceptedName{"temp", "temp", ""},   AcceptedName{"speed", "speed", ""},
-};
 
 constexpr std::string_view kRateNames =
     "gx_dps,gy_dps,gz_dps or rate_dps (deg/s), or gx_radps,gy_radps,gz_radps or rate_radps (rad/s)";
@@ -70,36 +34,6 @@ struct NamedColumn {
 };
 
 using NamedColumns = std::vector<NamedColumn>;
-
-template <std::size_t N>
-const AcceptedName* find_name(const std::array<AcceptedName, N>& names, std::string_view name) {
-  const auto* const found = std::ranges::find(names, name, &AcceptedName::name);
-  return found != names.end() ? found : nullptr;
-}
-
-/// The unit in brackets behind a name; empty where there is none.
-std::string_view unit_in_brackets(std::string_view name) {
-  const std::size_t open = name.find(" [");
-  if (open == std::string_view::npos || !name.ends_with(']')) return {};
-  return name.substr(open + 2, name.size() - open - 3);
-}
-
-std::optional<Unit> unit_in_name(Dimension dimension, std::string_view name) {
-  const AcceptedName* const accepted = find_name(kAcceptedNames, name);
-  return parse_unit(dimension, accepted != nullptr ? accepted->unit : unit_in_brackets(name));
-}
-
-const Quantity* quantity_in_name(std::string_view name) {
-  if (const AcceptedName* const accepted = find_name(kAcceptedNames, name)) {
-    return find_quantity(accepted->key);
-  }
-  const std::string_view unit = unit_in_brackets(name);
-  if (unit.empty()) return nullptr;
-  const AcceptedName* const stem = find_name(kNamesBeforeUnits, name.substr(0, name.find(" [")));
-  if (stem == nullptr) return nullptr;
-  const Quantity* const quantity = find_quantity(stem->key);
-  return parse_unit(quantity->dimension, unit) ? quantity : nullptr;
-}
 
 /// Gives columns their meaning: by the user's word, else by their names.
 class ColumnNaming {
@@ -216,12 +150,20 @@ const NamedColumn* find_single(const LineReader& lines, const NamedColumns& colu
   return found;
 }
 
-/// Finds the set of rate columns: all of one unit, all axes, each once.
-const NamedColumn& find_rates(const LineReader& lines, const NamedColumns& columns) {
+/// Words of the errors about a set of columns, one an axis.
+struct AxesWords {
+  std::string_view once;      ///< quantity that is expected once
+  std::string_view all_axes;  ///< axes that are expected
+  std::string_view cure;      ///< for a missing axis
+};
+
+/// Finds the first of a set of columns: all of one unit, all axes, each once; nullptr for none.
+const NamedColumn* find_axes(const LineReader& lines, const NamedColumns& columns, Meaning meaning,
+                             const AxesWords& words) {
   const NamedColumn* first = nullptr;
   std::array<const NamedColumn*, kMaxAxes> axes{};
   for (const NamedColumn& column : columns) {
-    if (column.quantity == nullptr || column.quantity->meaning != Meaning::rate) {
+    if (column.quantity == nullptr || column.quantity->meaning != meaning) {
       continue;
     }
     first = first != nullptr ? first : &column;
@@ -230,22 +172,53 @@ const NamedColumn& find_rates(const LineReader& lines, const NamedColumns& colum
         column.quantity->axis_count != first->quantity->axis_count) {
       throw Error{lines.place(column.position),
                   fmt::format("both {} and {}", seen ? seen->name : first->name, column.name),
-                  "the rate once and in one unit", "Remove or rename one of the two."};
+                  fmt::format("the {} once and in one unit", words.once),
+                  "Remove or rename one of the two."};
     }
     seen = &column;
   }
-  if (first == nullptr) {
-    throw missing(lines, columns, {"gx", "gy", "gz", "gyro", "rate"},
-                  fmt::format("gyro columns named {}", kRateNames), kNameRates);
-  }
+  if (first == nullptr) return nullptr;
   for (std::size_t axis = 0; axis < first->quantity->axis_count; ++axis) {
     if (axes[axis] == nullptr) {
       throw Error{lines.place(), fmt::format("{} but not all three axes", first->name),
-                  "x, y and z; or a single axis named rate_dps or rate_radps",
-                  "Add the missing axis, or call the only one the rate: --columns rate=NAME."};
+                  std::string(words.all_axes), std::string(words.cure)};
     }
   }
-  return *first;
+  return first;
+}
+
+const NamedColumn& find_rates(const LineReader& lines, const NamedColumns& columns) {
+  constexpr AxesWords kWords{
+      .once = "rate",
+      .all_axes = "x, y and z; or a single axis named rate_dps or rate_radps",
+      .cure = "Add the missing axis, or call the only one the rate: --columns rate=NAME."};
+  if (const NamedColumn* const first = find_axes(lines, columns, Meaning::rate, kWords))
+    return *first;
+  throw missing(lines, columns, {"gx", "gy", "gz", "gyro", "rate"},
+                fmt::format("gyro columns named {}", kRateNames), kNameRates);
+}
+
+bool has_accelerations(const LineReader& lines, const NamedColumns& columns) {
+  constexpr AxesWords kWords{.once = "acceleration",
+                             .all_axes = "the acceleration along x, y and z, or none of them",
+                             .cure = "Add the missing axis, or rename the column."};
+  return find_axes(lines, columns, Meaning::acceleration, kWords) != nullptr;
+}
+
+/// Accelerations count together only: where the names of a file give not all three, and its user
+/// names none, their columns are not needed.
+void leave_out_partial_accelerations(NamedColumns& columns, const Layout& layout) {
+  std::array<bool, kMaxAxes> seen{};
+  for (const NamedColumn& column : columns) {
+    if (column.quantity == nullptr || column.quantity->meaning != Meaning::acceleration) continue;
+    if (layout.columns.contains(column.quantity->key)) return;
+    seen[column.quantity->axis] = true;
+  }
+  if (seen == std::array{true, true, true}) return;
+  for (NamedColumn& column : columns) {
+    if (column.quantity != nullptr && column.quantity->meaning == Meaning::acceleration)
+      column.quantity = nullptr;
+  }
 }
 
 void refuse_binary(const LineReader& lines, std::string_view line) {
@@ -326,6 +299,7 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs nee
   if (needs == Needs::rates) {
     const NamedColumn& rates = find_rates(lines, named);
     columns.axis_count = rates.quantity->axis_count;
+    columns.acceleration = has_accelerations(lines, named);
     const bool is_in_degrees = rates.unit == parse_unit(Dimension::rate, "dps");
     columns.rate_unit = is_in_degrees ? RateUnit::deg_per_s : RateUnit::rad_per_s;
   } else if (!columns.odometer && !columns.still && !columns.speed) {
@@ -362,6 +336,7 @@ Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
     naming.name(named[i], i);
   }
   naming.check(named);
+  leave_out_partial_accelerations(named, layout);
   header.columns = columns_of(lines, named, needs);
   for (const NamedColumn& column : named) {
     const Quantity ignored;
@@ -381,6 +356,7 @@ std::string header_line(const Columns& columns) {
     line += fmt::format(",gx_{0},gy_{0},gz_{0}", unit);
   }
   line += columns.temperature ? ",temp_c" : "";
+  line += columns.acceleration ? ",ax_mps2,ay_mps2,az_mps2" : "";
   line += columns.odometer ? ",odometer_pulses" : "";
   line += columns.still ? ",still" : "";
   line += columns.ref_heading ? ",ref_heading_deg" : "";

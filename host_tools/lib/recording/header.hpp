@@ -18,7 +18,7 @@ namespace zerorate::recording {
 struct Column {
   std::string name;
   Meaning meaning = Meaning::ignored;
-  std::size_t axis = 0;  ///< index of a rate in Row::rate_rad_s
+  std::size_t axis = 0;  ///< index in Row::rate_rad_s or Row::acceleration_m_s2
   Unit unit;
 };
 

@@ -14,6 +14,7 @@ namespace zerorate::recording {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kGravity_m_s2 = 9.80665;  // 3rd CGPM, 1901
 
 constexpr std::array kQuantities = {
     Quantity{"t", Meaning::time, Dimension::time},
@@ -22,6 +23,9 @@ constexpr std::array kQuantities = {
     Quantity{"gz", Meaning::rate, Dimension::rate, 2, 3},
     Quantity{"rate", Meaning::rate, Dimension::rate, 0, 1},
     Quantity{"temp", Meaning::temperature, Dimension::temperature},
+    Quantity{"ax", Meaning::acceleration, Dimension::acceleration, 0, 3},
+    Quantity{"ay", Meaning::acceleration, Dimension::acceleration, 1, 3},
+    Quantity{"az", Meaning::acceleration, Dimension::acceleration, 2, 3},
     Quantity{"pulses", Meaning::odometer},
     Quantity{"still", Meaning::still},
     Quantity{"speed", Meaning::speed, Dimension::speed},
@@ -53,6 +57,11 @@ constexpr std::array kUnits = {
     NamedUnit{"degc", Dimension::temperature, {}},
     NamedUnit{"k", Dimension::temperature, {.zero = 273.15}},
     NamedUnit{"f", Dimension::temperature, {.si_per_unit = 5.0 / 9.0, .zero = 32.0}},
+    NamedUnit{"mps2", Dimension::acceleration, {}},
+    NamedUnit{"m/s2", Dimension::acceleration, {}},
+    NamedUnit{"m/s^2", Dimension::acceleration, {}},
+    NamedUnit{"m s^-2", Dimension::acceleration, {}},
+    NamedUnit{"g", Dimension::acceleration, {.si_per_unit = kGravity_m_s2}},
     NamedUnit{"mps", Dimension::speed, {}},
     NamedUnit{"m/s", Dimension::speed, {}},
     NamedUnit{"kmh", Dimension::speed, {.si_per_unit = 1.0 / 3.6}},
@@ -73,6 +82,7 @@ constexpr std::array kDimensions = {
     NamedDimension{"rate", Dimension::rate,
                    "dps, radps, mdps or dph, with a factor for raw counts (0.00875dps)"},
     NamedDimension{"temp", Dimension::temperature, "c, k or f"},
+    NamedDimension{"acceleration", Dimension::acceleration, "mps2 or g"},
     NamedDimension{"speed", Dimension::speed, "mps, kmh or mph"},
     NamedDimension{"angle", Dimension::angle, "deg or rad"},
 };
@@ -153,7 +163,9 @@ void Layout::set_units(std::string_view text) {
     const auto* const found = std::ranges::find(kDimensions, key, &NamedDimension::name);
     if (found == kDimensions.end()) {
       throw std::invalid_argument(
-          fmt::format("expected time, rate, temp, speed or angle before =, found \"{}\"", key));
+          fmt::format("expected time, rate, temp, acceleration, speed or angle before =, "
+                      "found \"{}\"",
+                      key));
     }
     const auto parsed = parse_unit(found->dimension, unit);
     if (!parsed) {

@@ -18,6 +18,7 @@ enum class Meaning : std::uint8_t {
   time,
   rate,
   temperature,
+  acceleration,
   odometer,
   still,
   speed,
@@ -28,7 +29,7 @@ enum class Meaning : std::uint8_t {
 };
 
 /// Dimension of a quantity: columns of one dimension share a unit in `--units`.
-enum class Dimension : std::uint8_t { none, time, rate, temperature, speed, angle };
+enum class Dimension : std::uint8_t { none, time, rate, temperature, acceleration, speed, angle };
 
 /// Unit of a column. A measured value is (number - zero) * si_per_unit; a time is read exactly.
 struct Unit {
@@ -45,8 +46,8 @@ struct Quantity {
   std::string_view key;  ///< key in `--columns key=NAME`
   Meaning meaning = Meaning::ignored;
   Dimension dimension = Dimension::none;
-  std::size_t axis = 0;        ///< axis of a rate
-  std::size_t axis_count = 0;  ///< columns that make the set of rates
+  std::size_t axis = 0;        ///< axis of a rate or an acceleration
+  std::size_t axis_count = 0;  ///< columns that make the set
 };
 
 [[nodiscard]] std::span<const Quantity> quantities();

@@ -2,7 +2,9 @@
 /// Columns of a recording, and one row of them in SI units.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -13,6 +15,10 @@
 namespace zerorate::recording {
 
 inline constexpr std::size_t kMaxAxes = 3;
+
+inline constexpr std::array<float, kMaxAxes> kNoAcceleration = {
+    std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN(),
+    std::numeric_limits<float>::quiet_NaN()};
 
 /// The unit in which Writer writes rates. In a Row they are always rad/s.
 enum class RateUnit : std::uint8_t { deg_per_s, rad_per_s };
@@ -38,6 +44,7 @@ struct Columns {
   bool ref_rate = false;
   bool ref_speed = false;
   bool speed = false;  ///< speed of the vehicle's own odometer; WithMotion makes the others of it
+  bool acceleration = false;  ///< ax, ay and az
 
   bool operator==(const Columns&) const = default;
 };
@@ -55,7 +62,14 @@ struct Row {
   float ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
   float ref_rate_rad_s = std::numeric_limits<float>::quiet_NaN();  ///< about the vertical
   float ref_speed_m_s = std::numeric_limits<float>::quiet_NaN();
+  /// Specific force along x, y, z: 1 g upwards at rest; NaN where it was not measured.
+  std::array<float, kMaxAxes> acceleration_m_s2 = kNoAcceleration;
   FindingSet findings;  ///< oddities of this row; set by the reader, ignored by the writer
+
+  /// True if the acceleration was measured along all axes.
+  [[nodiscard]] bool has_acceleration() const {
+    return std::ranges::all_of(acceleration_m_s2, [](float along) { return std::isfinite(along); });
+  }
 };
 
 }  // namespace zerorate::recording

@@ -59,6 +59,9 @@ void append_row(std::string& text, const Columns& columns, const Row& row) {
     append_measured(text, row.rate_rad_s[axis], rad_per_s_in(columns.rate_unit));
   }
   if (columns.temperature) append_measured(text, row.temperature_degc, 1.0);
+  if (columns.acceleration) {
+    for (const float along : row.acceleration_m_s2) append_measured(text, along, 1.0);
+  }
   if (columns.odometer) fmt::format_to(std::back_inserter(text), ",{}", row.odometer_pulses);
   if (columns.still) fmt::format_to(std::back_inserter(text), ",{:d}", row.still);
   const double rad_per_deg = rad_per_s_in(RateUnit::deg_per_s);

@@ -107,10 +107,15 @@ class Node:
         self._node = _native.Node(options, sample_period_s)
 
     def replay(self, time_ns: np.ndarray, rate_rad_s: np.ndarray, *, temperature_degc: Optional[np.ndarray] = None,
-               still: Optional[np.ndarray] = None, odometer_pulses: Optional[np.ndarray] = None) -> Corrected:
-        """Takes n samples: times, n by 3 rates (n by 1 of a single axis) and what decides about rest, one element a sample."""
+               still: Optional[np.ndarray] = None, odometer_pulses: Optional[np.ndarray] = None,
+               acceleration_m_s2: Optional[np.ndarray] = None) -> Corrected:
+        """Takes n samples: times, n by 3 rates (n by 1 of a single axis) and what decides about rest, one element a sample.
+
+        Accelerations are n by 3, specific force (1 g upwards at rest), NaN where there is none.
+        """
         _require_whole_numbers(time_ns, odometer_pulses)
-        arrays = self._node.replay(time_ns, rate_rad_s, temperature_degc, still, odometer_pulses)
+        arrays = self._node.replay(time_ns, rate_rad_s, temperature_degc, still, odometer_pulses,
+                                   acceleration_m_s2)
         return Corrected(time_ns=np.asarray(time_ns), **arrays)
 
     def replay_recording(self, recording: Recording) -> Corrected:

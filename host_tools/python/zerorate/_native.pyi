@@ -19,6 +19,7 @@ class Source:
         temperature_degc: Optional[NDArray[np.float32]] = None,
         still: Optional[NDArray[np.bool_]] = None,
         odometer_pulses: Optional[NDArray[np.int64]] = None,
+        acceleration_m_s2: Optional[NDArray[np.float32]] = None,
     ) -> "Source": ...
     def read(self) -> dict[str, NDArray]: ...
 
@@ -39,6 +40,7 @@ class Node:
         temperature_degc: Optional[NDArray[np.float32]] = None,
         still: Optional[NDArray[np.bool_]] = None,
         odometer_pulses: Optional[NDArray[np.int64]] = None,
+        acceleration_m_s2: Optional[NDArray[np.float32]] = None,
     ) -> dict[str, NDArray]: ...
 
 _Outcome = tuple[str, dict[str, str], list[str]]

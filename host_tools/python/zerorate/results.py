@@ -73,11 +73,13 @@ class Recording:
     still: Optional[np.ndarray] = None
     odometer_pulses: Optional[np.ndarray] = None
     name: str = "recording"
+    acceleration_m_s2: Optional[np.ndarray] = None
 
     def arrays(self) -> "dict[str, Optional[np.ndarray]]":
         """The arrays by name, as Node.replay() takes them."""
         return {"time_ns": self.time_ns, "rate_rad_s": self.rate_rad_s, "temperature_degc": self.temperature_degc,
-                "still": self.still, "odometer_pulses": self.odometer_pulses}
+                "still": self.still, "odometer_pulses": self.odometer_pulses,
+                "acceleration_m_s2": self.acceleration_m_s2}
 
     @property
     def time_s(self) -> np.ndarray:

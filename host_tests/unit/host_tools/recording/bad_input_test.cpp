@@ -99,7 +99,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"axis_twice", "t_s,gx_dps,gx_dps\n", 1, 12, "both gx_dps and gx_dps", "once"},
         BadText{"time_twice", "t_s,time_s,rate_dps\n", 1, 5, "both t_s and time_s", "one of them"},
         BadText{"temperature_twice", "t_s,rate_dps,temp_c,temperature_c\n", 1, 21,
-                "both temp_c and temperature_c", "one of them"}),
+                "both temp_c and temperature_c", "one of them"},
+        BadText{"accelerations_in_two_units", "t_s,rate_dps,ax_g,ay_g,az_g,ax_mps2\n", 1, 29,
+                "both ax_g and ax_mps2", "the acceleration once and in one unit"}),
     [](const auto& tested) { return tested.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(

@@ -66,15 +66,22 @@ class Message {
   bool is_big_endian_;
 };
 
-std::string imu(std::uint32_t second, double rate, bool is_big_endian = false,
-                double covariance = 0.0) {
-  return Message(is_big_endian)
+struct ImuFields {
+  bool is_big_endian = false;
+  double rate_covariance = 0.0;
+  double acceleration_covariance = 0.0;
+};
+
+std::string imu(std::uint32_t second, double rate, const ImuFields& fields = {}) {
+  return Message(fields.is_big_endian)
       .u32(second)
       .u32(500'000'000)
       .text("imu")
       .zeros(4 + 9)
-      .f64({rate, 2.0, 3.0, covariance})
-      .zeros(8 + 3 + 9)
+      .f64({rate, 2.0, 3.0, fields.rate_covariance})
+      .zeros(8)
+      .f64({0.5, -0.25, 9.75, fields.acceleration_covariance})
+      .zeros(8)
       .bytes();
 }
 
@@ -154,7 +161,7 @@ TEST_F(Bag, GivesRatesWithTheStampsOfTheirHeaders) {
   topic(1, "/other", "std_msgs/msg/String");
   topic(2, "/imu", "sensor_msgs/msg/Imu");
   message(1, 5, "not looked at");
-  message(2, 20, imu(8, 0.25, true));
+  message(2, 20, imu(8, 0.25, {.is_big_endian = true}));
   message(2, 10, imu(7, -0.5));
   const auto rows = read({path_});
   ASSERT_EQ(rows.size(), 2);
@@ -162,13 +169,35 @@ TEST_F(Bag, GivesRatesWithTheStampsOfTheirHeaders) {
   EXPECT_THAT(rows[0].rate_rad_s, ElementsAre(-0.5F, 2.0F, 3.0F));
   EXPECT_EQ(rows[1].time_ns, 8'500'000'000);
   EXPECT_FLOAT_EQ(rows[1].rate_rad_s[0], 0.25F);
+  EXPECT_TRUE(columns_.acceleration);
+  EXPECT_THAT(rows[0].acceleration_m_s2, ElementsAre(0.5F, -0.25F, 9.75F));
+  EXPECT_EQ(rows[1].acceleration_m_s2, rows[0].acceleration_m_s2);
   EXPECT_FALSE(columns_.still);
 }
 
 TEST_F(Bag, MarksRatesThatTheirSenderDoesNotKnow) {
   topic(1, "/imu", "sensor_msgs/msg/Imu");
-  message(1, 10, imu(7, 0.0, false, -1.0));
+  message(1, 10, imu(7, 0.0, {.rate_covariance = -1.0}));
   EXPECT_TRUE(read({path_})[0].findings.has(Finding::rate_lost));
+}
+
+TEST_F(Bag, WhoseFirstMessageHasNoAccelerationHasNone) {
+  topic(1, "/imu", "sensor_msgs/msg/Imu");
+  message(1, 10, imu(7, 0.0, {.acceleration_covariance = -1.0}));
+  message(1, 20, imu(8, 0.0));
+  const auto rows = read({path_});
+  EXPECT_FALSE(columns_.acceleration);
+  EXPECT_TRUE(rows[0].findings.empty());
+  EXPECT_TRUE(std::isnan(rows[1].acceleration_m_s2[2]));
+}
+
+TEST_F(Bag, MarksAccelerationsThatAreAbsentLater) {
+  topic(1, "/imu", "sensor_msgs/msg/Imu");
+  message(1, 10, imu(7, 0.0));
+  message(1, 20, imu(8, 0.0, {.acceleration_covariance = -1.0}));
+  const auto rows = read({path_});
+  EXPECT_TRUE(columns_.acceleration);
+  EXPECT_TRUE(rows[1].findings.has(Finding::acceleration_lost));
 }
 
 TEST_F(Bag, TellsRestByTheSpeedOfItsOdometry) {

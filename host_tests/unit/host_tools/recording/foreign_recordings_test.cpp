@@ -60,6 +60,16 @@ TEST_F(NamedColumns, AreReadInTheirUnits) {
   EXPECT_FLOAT_EQ(rows[0].temperature_degc, 27.0F);
 }
 
+TEST_F(NamedColumns, HoldAccelerationsOfAllAxes) {
+  input_.layout.set_columns("ax=a,ay=b,az=c");
+  input_.layout.set_units("acceleration=0.001g");
+  const auto rows = read("t_s,rate_dps,a,b,c\n0,0,1000,-500,0\n");
+  EXPECT_THAT(rows[0].acceleration_m_s2, ElementsAre(9.80665F, -4.903325F, 0.0F));
+  EXPECT_THAT(complaint("t_s,rate_dps,a,b\n0,0,1000,-500\n"), HasSubstr("no column \"c\""));
+  input_.layout.columns.erase("az");
+  EXPECT_THAT(complaint("t_s,rate_dps,a,b,c\n0,0,1000,-500,0\n"), HasSubstr("not all three axes"));
+}
+
 TEST_F(NamedColumns, MayHoldRawCounts) {
   input_.layout.set_columns("t=#1,rate=#3");
   input_.layout.set_units("time=us,rate=0.00875dps");
@@ -140,14 +150,15 @@ TEST_F(FolderOfEuroc, IsReadByItsHeaderInAComment) {
   static_cast<void>(folder_.write(
       "mav0/imu0/data.csv",
       "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m "
-      "s^-2]\n"
-      "1403636579758555392,-0.099134701513277898,0.14730578886832138,0.02722713633111154,8.1\n"));
+      "s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
+      "1403636579758555392,-0.099134701513277898,0.14730578886832138,0.02722713633111154,8.1,-0."
+      "375,-2.5\n"));
   Reader reader{Input{folder_.path()}};
   Row row;
   ASSERT_TRUE(reader.next(row));
   EXPECT_EQ(row.time_ns, 1'403'636'579'758'555'392);
   EXPECT_FLOAT_EQ(row.rate_rad_s[1], 0.14730578886832138F);
-  EXPECT_THAT(reader.ignored_columns(), ElementsAre("a_RS_S_x [m s^-2]"));
+  EXPECT_THAT(row.acceleration_m_s2, ElementsAre(8.1F, -0.375F, -2.5F));
 }
 
 TEST(CalendarTime, CountsFrom1970) {
@@ -301,9 +312,11 @@ TEST_P(RealRecording, IsReadWholeWithoutALostOrMisplacedRow) {
   EXPECT_EQ(findings.rows(), GetParam().rows);
   for (const Finding finding :
        {Finding::rate_lost, Finding::rate_implausible, Finding::temperature_lost,
-        Finding::time_backwards, Finding::time_duplicate, Finding::line_unterminated}) {
+        Finding::acceleration_lost, Finding::time_backwards, Finding::time_duplicate,
+        Finding::line_unterminated}) {
     EXPECT_EQ(findings.count(finding), 0) << description(finding);
   }
+  EXPECT_EQ(doubt_of_acceleration(findings), "");
 }
 
 constexpr Columns kDegrees{3, RateUnit::deg_per_s, false, false, false};
@@ -311,23 +324,24 @@ constexpr Columns kRadians{3, RateUnit::rad_per_s, false, false, false};
 
 INSTANTIATE_TEST_SUITE_P(
     Of, RealRecording,
-    ::testing::Values(Expected{"adis16405_static/run1_100hz_raw.csv.gz", kDegrees, 1'000'000, 0},
-                      Expected{"adis16405_static/run2_10hz_mean.csv.gz", kDegrees, 100'000, 0},
-                      Expected{"adis16405_static/run3_1hz_mean_with_accel.csv.gz", kDegrees, 10'000,
-                               3},
-                      Expected{"thermal_sweep/imu_thermal_2hz.csv.gz",
-                               {3, RateUnit::rad_per_s, true, false, false},
-                               8'400,
-                               3},
-                      Expected{"mpu6050_static_temp/mpu6050_100hz.csv.gz",
-                               {3, RateUnit::deg_per_s, true, false, false},
-                               65'067,
-                               0},
-                      Expected{"xsens_multiposition/xsens_mti_100hz.csv.gz",
-                               {3, RateUnit::rad_per_s, false, false, true},
-                               51'175,
-                               6},
-                      Expected{"husky_robot/imu_30hz.csv.gz", kRadians, 11'865, 0}));
+    ::testing::Values(
+        Expected{"adis16405_static/run1_100hz_raw.csv.gz", kDegrees, 1'000'000, 0},
+        Expected{"adis16405_static/run2_10hz_mean.csv.gz", kDegrees, 100'000, 0},
+        Expected{
+            "adis16405_static/run3_1hz_mean_with_accel.csv.gz", {.acceleration = true}, 10'000, 0},
+        Expected{"thermal_sweep/imu_thermal_2hz.csv.gz",
+                 {.rate_unit = RateUnit::rad_per_s, .temperature = true, .acceleration = true},
+                 8'400,
+                 0},
+        Expected{"mpu6050_static_temp/mpu6050_100hz.csv.gz",
+                 {3, RateUnit::deg_per_s, true, false, false},
+                 65'067,
+                 0},
+        Expected{"xsens_multiposition/xsens_mti_100hz.csv.gz",
+                 {3, RateUnit::rad_per_s, false, false, true},
+                 51'175,
+                 6},
+        Expected{"husky_robot/imu_30hz.csv.gz", kRadians, 11'865, 0}));
 
 TEST(RealWheelOdometry, IsRefusedForWantOfAGyro) {
   const auto folder = zerorate::testing::find_recordings(ZERORATE_REPOSITORY);

@@ -54,6 +54,22 @@ TEST(LostTemperature, DoesNotSpoilTheRate) {
   EXPECT_FALSE(reading.rows[1].findings.has(Finding::rate_lost));
 }
 
+TEST(MeanAcceleration, IsDoubtedWhereItIsNotThatOfGravity) {
+  const auto doubt = [](const std::string& unit, const std::string& size) {
+    return doubt_of_acceleration(read("t_s,rate_dps,ax_" + unit + ",ay_" + unit + ",az_" + unit +
+                                      "\n0,1,0,0,-" + size + "\n1,1," + size + ",0,0\n2,1,,0,9\n")
+                                     .findings);
+  };
+  EXPECT_EQ(doubt("mps2", "9.5"), "");
+  EXPECT_EQ(doubt("g", "1.02"), "");
+  EXPECT_EQ(doubt("mps2", "1.02"),
+            "acceleration of 1.02 m/s2 in the mean, where gravity is 9.8 m/s2 (g taken for m/s2?)");
+  EXPECT_NE(doubt("g", "9.81").find("96.2 m/s2 in the mean"), std::string::npos);
+  EXPECT_NE(doubt("g", "9.81").find("m/s2 taken for g?"), std::string::npos);
+  EXPECT_NE(doubt("mps2", "0.01").find("gravity taken off?"), std::string::npos);
+  EXPECT_EQ(doubt_of_acceleration(read("t_s,rate_dps\n0,1\n").findings), "");
+}
+
 TEST(RawCountsNamedAsDegrees, AreFlaggedAsImplausible) {
   const Reading reading = read("t_s,rate_dps\n0,3999\n1,32786\n");
   EXPECT_TRUE(reading.rows[0].findings.empty());

@@ -81,6 +81,31 @@ TEST_F(RecordingWithAllColumns, IsReadByNameInAnyOrder) {
   EXPECT_EQ(row.odometer_pulses, 13) << "the row stays as it was at the end of the file";
 }
 
+class RecordingWithAccelerations : public Files {};
+
+TEST_F(RecordingWithAccelerations, IsReadInEitherUnit) {
+  for (const auto& [unit, per_unit] : {std::pair{"mps2", 1.0F}, std::pair{"g", 9.80665F}}) {
+    const std::string name = unit;
+    Reader reader{folder_.write("run.csv", "t_s,az_" + name + ",ax_" + name + ",rate_dps,ay_" +
+                                               name + "\n0,1.5,-0.25,3,0.125\n1,,0,3,nan\n")};
+    EXPECT_TRUE(reader.columns().acceleration);
+    Row row;
+    ASSERT_TRUE(reader.next(row));
+    EXPECT_THAT(row.acceleration_m_s2,
+                ElementsAre(-0.25F * per_unit, 0.125F * per_unit, 1.5F * per_unit));
+    ASSERT_TRUE(reader.next(row));
+    EXPECT_TRUE(row.findings.has(Finding::acceleration_lost));
+    EXPECT_FALSE(row.findings.has(Finding::rate_lost));
+    EXPECT_EQ(reader.findings().count(Finding::acceleration_lost), 1);
+  }
+}
+
+TEST_F(RecordingWithAccelerations, OfTwoAxesOnlyLeavesThemOut) {
+  Reader reader{folder_.write("run.csv", "t_s,ax_g,ay_g,rate_dps\n0,1,2,3\n")};
+  EXPECT_FALSE(reader.columns().acceleration);
+  EXPECT_THAT(reader.ignored_columns(), ElementsAre("ax_g", "ay_g"));
+}
+
 class RecordingWithReference : public Files {};
 
 TEST_F(RecordingWithReference, GivesRadiansAndFlagsMissing) {

@@ -49,6 +49,7 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
       rate = scale * normal(random);
     }
     row.temperature_degc = 25.0F + 30.0F * normal(random);
+    for (float& along : row.acceleration_m_s2) along = scale * normal(random);
     written.push_back(row);
   }
   written[1].rate_rad_s[0] = std::nanf("");
@@ -71,6 +72,9 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
       } else {
         ASSERT_EQ(row.rate_rad_s[axis], expected.rate_rad_s[axis]) << "line " << reader.line();
       }
+    }
+    if (columns.acceleration) {
+      ASSERT_EQ(row.acceleration_m_s2, expected.acceleration_m_s2);
     }
     if (columns.temperature) {
       EXPECT_EQ(row.temperature_degc, expected.temperature_degc);
@@ -100,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
                           Columns{3, RateUnit::rad_per_s, false, true, false, false, false, true},
                           Columns{3, RateUnit::rad_per_s, false, true, false},
                           Columns{1, RateUnit::deg_per_s, true, false, false},
+                          Columns{.temperature = true, .odometer = true, .acceleration = true},
                           Columns{1, RateUnit::rad_per_s, false, false, true})));
 
 TEST(RewrittenText, IsTheSameText) {
