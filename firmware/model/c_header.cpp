@@ -17,11 +17,7 @@ namespace {
 using namespace source;
 
 /// Shape of a library that was compiled for every input.
-constexpr core::ModelShape kWidestCApiShape{.decaying = kCApiShape.decaying,
-                                            .rotating = kCApiShape.rotating,
-                                            .inputs = core::kInputs - 1,
-                                            .has_accelerometer = true,
-                                            .hypotheses = kCApiShape.hypotheses};
+constexpr core::ModelShape kWidestCApiShape = with_all_inputs(kCApiShape);
 
 bool is_identifier(std::string_view name) {
   const auto is_letter = [](char c) {

@@ -76,7 +76,7 @@ std::string samples(const core::SampleModel& samples) {
 }
 
 /// Hypotheses of the flicker; nothing where the model is taken at its word.
-std::string hypotheses_member(const core::Hypotheses<kLargestLearningShape>& all,
+std::string hypotheses_member(const core::Hypotheses<kWidestLearningShape>& all,
                               std::size_t decaying) {
   if (all.count == 0) return {};
   return "    .hypotheses = {.count = " + std::to_string(all.count) +

@@ -54,7 +54,7 @@ Decades decades_of(const FlickerFit& fit) {
 }
 
 /// Squares of single-precision numbers may still overflow.
-void require_finite(const core::ModesOf<kLargestLearningShape>& modes) {
+void require_finite(const core::ModesOf<kWidestLearningShape>& modes) {
   bool finite = core::is_finite(modes.walk_variance);
   for (const auto& mode : modes.decaying) {
     finite = finite && core::is_finite(mode.noise_variance) &&
@@ -129,8 +129,8 @@ std::array<float, 3> single(const std::array<double, 3>& values) {
   return {single_or_zero(values[0]), single_or_zero(values[1]), single_or_zero(values[2])};
 }
 
-core::InputTerms<kLargestShape.inputs> inputs_of(const SensorModel& model) {
-  core::InputTerms<kLargestShape.inputs> inputs;
+core::InputTerms<kWidestShape.inputs> inputs_of(const SensorModel& model) {
+  core::InputTerms<kWidestShape.inputs> inputs;
   std::size_t used = 0;
   if (model.temperature) {
     temperature_of(*model.temperature).put_into(inputs);
@@ -229,9 +229,9 @@ constexpr double kTrace = 1e-7;
 
 /// The hypotheses of a model beside the fit of its own flicker, whose lags without weight get a
 /// trace.
-core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model, double tick_s,
-                                                       FlickerFit& own) {
-  core::Hypotheses<kLargestLearningShape> weighed;
+core::Hypotheses<kWidestLearningShape> weigh_flickers(const SensorModel& model, double tick_s,
+                                                      FlickerFit& own) {
+  core::Hypotheses<kWidestLearningShape> weighed;
   const std::vector<FlickerHypothesis> guesses = hypotheses_of(model);
   std::vector<FlickerFit> fits;
   for (const FlickerHypothesis& guess : guesses) {
@@ -247,7 +247,7 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
     // White noise at the tick, flicker or not, is the unit of a hypothesis.
     const double white = arw * arw / tick_s + fits[m].white_variance_rad2_s2;
     const double unit = own_white > 0.0 && white > 0.0 ? own_white / white : 1.0;
-    core::NoiseHypothesis<kLargestShape.decaying>& one = weighed.all[m];
+    core::NoiseHypothesis<kWidestShape.decaying>& one = weighed.all[m];
     one.strength.fill(1.0F);
     for (std::size_t i = 0; i < own.variances_rad2_s2.size(); ++i) {
       const double of_own = own.variances_rad2_s2[i];
@@ -274,9 +274,9 @@ bool fits_six_decades(const SensorModel& model) {
          (!model.flicker || model.flicker->decades <= 6);
 }
 
-NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                                      core::Duration sample_period,
-                                                      core::Duration filter_tick) {
+NodeModel<kWidestLearningShape> make_full_node_model(const SensorModel& model,
+                                                     core::Duration sample_period,
+                                                     core::Duration filter_tick) {
   validate(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(
@@ -285,7 +285,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
   const double tick_s = seconds(filter_tick);
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   double white_variance_of_tick = arw * arw / tick_s;
-  NodeModel<kLargestLearningShape> node{.sample_period = sample_period};
+  NodeModel<kWidestLearningShape> node{.sample_period = sample_period};
   Decades decades = decades_of({});
   if (model.flicker) {
     FlickerFit fit = fit_flicker(*model.flicker, tick_s);

@@ -21,14 +21,24 @@ namespace zerorate::model {
 inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
 inline constexpr std::size_t kMostLines = 2;
+/// Shape of every model without [[input]] tables.
 inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
-    .inputs = core::kInputs - 1,
-    .has_accelerometer = true};
-/// Shape of the full model with every hypothesis.
+    .inputs = core::TemperatureDrift::kTerms};
+/// The same with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
+
+/// A shape with room for every input.
+[[nodiscard]] constexpr core::ModelShape with_all_inputs(core::ModelShape shape) {
+  shape.inputs = core::kInputs - 1;
+  shape.has_accelerometer = true;
+  return shape;
+}
+/// Shape of every model.
+inline constexpr core::ModelShape kWidestShape = with_all_inputs(kLargestShape);
+inline constexpr core::ModelShape kWidestLearningShape = with_all_inputs(kLargestLearningShape);
 
 template <core::ModelShape Shape>
 using NodeModel = core::NodeModel<Shape>;
@@ -38,12 +48,15 @@ using NodeModel = core::NodeModel<Shape>;
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
 /// Calls `run` with the shape of the filter for a model as a template argument: six decades where
-/// they are enough, otherwise `Largest`.
+/// they are enough, otherwise `Largest`, where need be with all inputs.
 template <core::ModelShape Largest, class Run>
 auto with_shape_of(const SensorModel& model, Run run) {
   if (fits_six_decades(model)) {
     return run
         .template operator()<core::ModelShape{.decaying = 6, .hypotheses = Largest.hypotheses}>();
+  }
+  if constexpr (Largest.inputs > 0) {
+    if (!model.inputs.empty()) return run.template operator()<with_all_inputs(Largest)>();
   }
   return run.template operator()<Largest>();
 }
@@ -91,9 +104,9 @@ struct ActiveModes {
 /// Throws std::invalid_argument for an impossible model (see validate()), unless
 /// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
 /// nothing white is left (a filter needs some: it never trusts a single sample completely).
-[[nodiscard]] NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                                                    core::Duration sample_period,
-                                                                    core::Duration filter_tick);
+[[nodiscard]] NodeModel<kWidestLearningShape> make_full_node_model(const SensorModel& model,
+                                                                   core::Duration sample_period,
+                                                                   core::Duration filter_tick);
 
 /// Moves the modes that do something to the front, and the strengths of the hypotheses with them.
 template <core::ModelShape Shape>
