@@ -96,11 +96,7 @@ class DriveScale {
   /// @param span from the measurement before
   constexpr void begin_stop(const BankState& bank, [[maybe_unused]] const Transition& span) {
     state_.before = bank.newest();
-    if constexpr (kHasInputs) {
-      for (std::size_t i = 0; i < kAxes; ++i) {
-        state_.noise_share[i] = 1.0F - share_of_inputs(bank, span, i);
-      }
-    }
+    if constexpr (kHasInputs) find_noise_shares(bank, span);
     for (std::size_t m = 0; m < kHypotheses; ++m) {
       state_.variances_before[m] = bank.filters[m].bias_variance;
     }
@@ -154,18 +150,24 @@ class DriveScale {
     }
     return 1.0F - after / before;
   }
-  /// Share of the variance before the stop that the doubt in the coefficients of the inputs has.
-  [[nodiscard]] static constexpr float share_of_inputs(const BankState& bank,
-                                                       const Transition& span, std::size_t axis) {
-    float of_inputs = 0.0F;
-    float all = 0.0F;
+  /// Shares of the variance before the stop that are not the doubt in coefficients of inputs.
+  constexpr void find_noise_shares(const BankState& bank, const Transition& span) {
+    state_.noise_share.fill(1.0F);
+    if (!span.inputs.has_changed()) return;
+    Variances of_inputs{};
     for (std::size_t m = 0; m < kHypotheses; ++m) {
-      const float level =
-          bank.evidence.hypotheses[m][axis].weight * bank.evidence.mean_scale(m, axis);
-      of_inputs += level * bank.filters[m].input_variance(span);
-      all += level * bank.filters[m].bias_variance;
+      of_inputs[m] = bank.filters[m].input_variance(span);
     }
-    return std::clamp(of_inputs / all, 0.0F, 1.0F);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      float doubt = 0.0F;
+      float all = 0.0F;
+      for (std::size_t m = 0; m < kHypotheses; ++m) {
+        const float level = bank.evidence.hypotheses[m][i].weight * bank.evidence.mean_scale(m, i);
+        doubt += level * of_inputs[m];
+        all += level * bank.filters[m].bias_variance;
+      }
+      state_.noise_share[i] = std::clamp(1.0F - doubt / all, 0.0F, 1.0F);
+    }
   }
   /// Least estimate: from here it soon exceeds 1 if the sensor grows noisier.
   static constexpr float kLeast = 0.1F;

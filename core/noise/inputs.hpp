@@ -42,7 +42,7 @@ inline constexpr std::size_t kInputs = 8;
 /// roughly known value, which a filter learns; the input is its weight in a measurement.
 struct InputTerm {
   Input input = Input::none;
-  float sigma = 0.0F;                  ///< deviation of the coefficient [rad/s per unit of the input]
+  float sigma = 0.0F;  ///< deviation of the coefficient [rad/s per unit of the input]
   std::array<float, 3> coefficient{};  ///< expected on x, y and z [rad/s per unit of the input]
 
   constexpr bool operator==(const InputTerm&) const = default;
@@ -124,6 +124,9 @@ struct InputTransition {
 
   constexpr bool operator==(const InputTransition&) const = default;
 
+  [[nodiscard]] constexpr bool has_changed() const {
+    return std::any_of(change.begin(), change.end(), [](float one) { return one != 0.0F; });
+  }
   [[nodiscard]] constexpr bool is_known() const {
     return std::all_of(unknown.begin(), unknown.end(), [](float sigma) { return sigma == 0.0F; });
   }
