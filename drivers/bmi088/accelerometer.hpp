@@ -151,8 +151,8 @@ class AccelerometerDie {
   Frame take() {
     Frame frame{};
     if (is_lost_ || (buffered_ == 0 && !fill())) return frame;
-    const auto place = buffer_.begin() + static_cast<std::ptrdiff_t>(first_ * frame.size());
-    std::copy_n(place, frame.size(), frame.begin());
+    const auto oldest = std::span{buffer_}.subspan(first_ * frame.size(), frame.size());
+    std::ranges::copy(oldest, frame.begin());
     ++first_;
     --buffered_;
     return frame;

@@ -29,7 +29,8 @@ using core::GyroSample;
 ///   samples are stamped one sample period apart, the newest in the chip no later than now and less
 ///   than one period before it (sample_clock.hpp). What does not fit into out stays in the FIFO: an
 ///   out that comes back full means that there may be more. An error loses the samples of that
-///   call.
+///   call. A driver that reads the accelerometer (acceleration.hpp) gives samples the acceleration
+///   of the same time; one whose acceleration is saturated or was lost comes without it.
 /// - `verify_next()`: re-reads one configuration register; call it once a tick.
 ///   configuration_lost: the chip was reset or upset; start again.
 /// - `sample_period()`: the chip's own period, trimmed where the chip has a trim register.

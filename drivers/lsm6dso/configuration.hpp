@@ -21,11 +21,11 @@ enum class Mode : std::uint8_t {
 
 /// Settings of any chip.
 struct Chosen {
-  const Variant* variant;
-  FullScale full_scale;
-  std::uint8_t rate;  ///< its code
-  Mode mode;
-  std::uint8_t fifo_watermark;
+  const Variant* variant = nullptr;
+  FullScale full_scale = FullScale::dps_250;
+  std::uint8_t rate = 0;  ///< its code
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 0;
 };
 
 inline constexpr std::size_t kGyroEntries = 11;

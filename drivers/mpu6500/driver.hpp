@@ -119,7 +119,7 @@ class Mpu6500 {
 
   struct ChosenAccelerometer {
     AccelerationScale scale;
-    mpu6500::AccelerationRange range;
+    mpu6500::AccelerationRange range = mpu6500::AccelerationRange::g_4;
   };
   using MaybeAccelerometer = MemberWith<kAccelerometer, ChosenAccelerometer>;
   static constexpr MaybeAccelerometer accelerometer(mpu6500::AccelerationRange range) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "hal/sim/conversion.hpp"
 
@@ -172,7 +173,8 @@ void SimulatedIcm42688::push_packet(core::Temperature temperature) {
   }
   Packet packet{static_cast<std::uint8_t>(has_acceleration ? 0x60 : 0x20)};
   const auto append = [&](std::size_t first) {
-    packet.insert(packet.end(), &registers_[first], &registers_[first] + 6);
+    const auto words = std::span{registers_}.subspan(first, 6);
+    packet.insert(packet.end(), words.begin(), words.end());
   };
   if (has_acceleration) append(accel_data_x1);
   append(gyro_data_x1);
@@ -210,6 +212,13 @@ std::uint8_t SimulatedIcm42688::read_register(std::uint8_t address) {
   return value;
 }
 
+/// Begins the start-up of a sensor that this write may switch on.
+void SimulatedIcm42688::note_power(std::uint8_t address) {
+  if (address != pwr_mgmt0) return;
+  if (!is_powered()) powered_at_ = clock_->now();
+  if (!is_accelerometer_powered()) accelerometer_powered_at_ = clock_->now();
+}
+
 void SimulatedIcm42688::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
   if (is_resetting()) return;
@@ -224,9 +233,7 @@ void SimulatedIcm42688::write_register(std::uint8_t address, std::uint8_t value)
     reset_until_ = clock_->now() + kResetTime;
     return;
   }
-  if (address == pwr_mgmt0 && !is_powered()) powered_at_ = clock_->now();
-  if (address == pwr_mgmt0 && !is_accelerometer_powered())
-    accelerometer_powered_at_ = clock_->now();
+  note_power(address);
   registers_.at(address) = value;
   const bool is_flush = address == signal_path_reset && (value & 0x02U) != 0;
   const bool is_bypass = (registers_[fifo_config] >> 6U) == 0;

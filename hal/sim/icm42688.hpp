@@ -64,6 +64,7 @@ class SimulatedIcm42688 : public SimulatedRegisters<128>, public SimulatedAccele
   void reset_registers();
   void set_word(std::uint8_t address, std::int16_t value);
   void measure_acceleration();
+  void note_power(std::uint8_t address);
   [[nodiscard]] std::size_t fifo_level() const;
   void push_packet(core::Temperature temperature);
   std::uint8_t read_fifo_byte();

@@ -1,5 +1,6 @@
-// Links everything that is meant to be flashed into one image that nobody runs: what compiles on
-// the host but allocates, throws or computes in double precision is found here, on the first day.
+// Links everything that is meant to be flashed into images that nobody runs: what compiles on the
+// host but allocates, throws or computes in double precision is found here, on the first day. The
+// drivers that read the accelerometer, too, are in an image of their own.
 
 #include <cstdint>
 #include <type_traits>
@@ -153,7 +154,9 @@ template <drivers::GyroSource Source>
   const SomeClock now;
   std::array<drivers::GyroSample, 4> samples{};
   if (!gyro.start(now.now()) || !gyro.verify_next()) return;
-  if (gyro.read(now.now(), samples)) report = samples[0].rate[0].in(core::rad_per_s);
+  if (!gyro.read(now.now(), samples)) return;
+  report = samples[0].rate[0].in(core::rad_per_s);
+  if (samples[0].has_acceleration) report = samples[0].acceleration[0].in(core::m_per_s2);
 }
 
 /// A driver in memory of its own, but not once more the one that the loop above is bound to.
@@ -180,14 +183,41 @@ void exercise_drivers() {
   drivers::AllChips::for_each([]<class Chip> { exercise_driver<Chip>(); });
 }
 
+template <class Chip>
+void exercise_accelerometer() {
+  using Link = drivers::SpiRegisters<SomeSpi>;
+  if constexpr (drivers::TwoDieChipEntry<Chip>) {
+    using Die = typename Chip::template AccelerometerSpi<SomeSpi>;
+    using Buses = decltype(Chip::buses(Link{spi}, Die{spi}));
+    exercise_on<typename Chip::template DriverWithAcceleration<Buses>>(
+        Chip::buses(Link{spi}, Die{spi}));
+  } else if constexpr (drivers::AccelerometerChipEntry<Chip>) {
+    exercise_on<typename Chip::template DriverWithAcceleration<Link>>(Link{spi});
+  }
+}
+
+void exercise_accelerometers() {
+  drivers::AllChips::for_each([]<class Chip> { exercise_accelerometer<Chip>(); });
+}
+
+#ifdef ZERORATE_CHECK_ACCELERATION
+constexpr bool kChecksAcceleration = true;
+#else
+constexpr bool kChecksAcceleration = false;
+#endif
+
 }  // namespace
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 extern "C" [[noreturn]] int main() {
   while (true) {
-    exercise_base();
-    exercise_estimators();
-    exercise_node();
-    exercise_drivers();
+    if constexpr (kChecksAcceleration) {
+      exercise_accelerometers();
+    } else {
+      exercise_base();
+      exercise_estimators();
+      exercise_node();
+      exercise_drivers();
+    }
   }
 }

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
@@ -97,6 +98,41 @@ TEST(Saturation, OfTheSampleBeforeIsForgotten) {
   GyroSample sample = sample_of(kMax, kMax, kMax);
   set_rates(sample, {0, 0, 0}, core::rad_per_s(0.1F), 28571);
   EXPECT_EQ(sample.saturated_axes, 0);
+}
+
+constexpr AccelerationScale kMilliG{
+    .lsb = core::standard_gravity(1e-3F), .highest_raw = 2000, .lowest_raw = -2000};
+
+TEST(Acceleration, IsTheLsbTimesTheCount) {
+  GyroSample sample;
+  set_acceleration(sample, {1999, 0, -1999}, kMilliG);
+  EXPECT_TRUE(sample.has_acceleration);
+  EXPECT_FLOAT_EQ(sample.acceleration[0].in(core::m_per_s2), 1.999F * 9.80665F);
+  EXPECT_EQ(sample.acceleration[1].in(core::m_per_s2), 0.0F);
+  EXPECT_FLOAT_EQ(sample.acceleration[2].in(core::m_per_s2), -1.999F * 9.80665F);
+}
+
+TEST(Acceleration, IsNoneWhereAnAxisIsAtTheEndOfItsRange) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const int raw : {2000, 32767, -2000, -32768}) {
+      GyroSample sample;
+      sample.has_acceleration = true;
+      std::array<std::int16_t, 3> counts{};
+      counts.at(axis) = static_cast<std::int16_t>(raw);
+      set_acceleration(sample, counts, kMilliG);
+      EXPECT_FALSE(sample.has_acceleration) << axis << ' ' << raw;
+      set_acceleration(sample, {}, kMilliG);
+      EXPECT_TRUE(sample.has_acceleration) << "the next one is valid again";
+    }
+  }
+}
+
+TEST(ConfigurationEntries, AreJoinedBehindTheFirst) {
+  constexpr std::array kFirst{ConfigurationEntry{1, 0, 0}, ConfigurationEntry{2, 0, 0}};
+  constexpr std::array kMore{ConfigurationEntry{7, 0, 0}, ConfigurationEntry{8, 0, 0}};
+  constexpr std::array<std::uint8_t, 4> kOrder{1, 7, 8, 2};
+  constexpr auto kAll = joined(kFirst, kMore);
+  for (std::size_t i = 0; i < kAll.size(); ++i) EXPECT_EQ(kAll.at(i).address, kOrder.at(i));
 }
 
 TEST(Int16, IsTwosComplement) {

@@ -182,7 +182,7 @@ TEST(Lsm6dsoWithAcceleration, AFlippedTagIsCorruptData) {
     AccelerationRig rig{kBatched};
     ASSERT_TRUE(rig.start_and_settle());
     rig.sample({});
-    constexpr std::size_t kSecondWord = 7 * 8;
+    constexpr std::size_t kSecondWord = 56;  // bits
     rig.faults.inject({.kind = Fault::Kind::flipped_bit,
                        .first = rig.faults.calls() + 2,
                        .bit = kSecondWord + bit});
