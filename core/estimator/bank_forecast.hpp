@@ -76,7 +76,7 @@ class BankForecast {
     for (std::size_t i = 0; i < Axes; ++i) {
       const float scale = state_.mean_scale(m, i);
       biases[i].add(state_.weight(m, i), filter.axes[i].bias_rad_s + filter.moved(g, i),
-                    scale * variance + filter.unknown_variance(lead, i, scale));
+                    scale * variance + filter.unknown_variance(coefficients_, lead, i, scale));
     }
   }
   /// Answers of a mixture that all hypotheses were added to.
@@ -118,10 +118,10 @@ class BankForecast {
     const float constant = filter.bias_variance + largest_unknown_variance(m, lead);
     for (std::size_t i = 0; i < Axes; ++i) {
       const float scale = state_.mean_scale(m, i);
-      sums[i].add(
-          state_.weight(m, i), ticks * filter.axes[i].bias_rad_s + filter.moved(h, i),
-          scale * variance +
-              ticks * ticks * (scale * constant + filter.unknown_variance(drive, i, scale)));
+      sums[i].add(state_.weight(m, i), ticks * filter.axes[i].bias_rad_s + filter.moved(h, i),
+                  scale * variance + ticks * ticks *
+                                         (scale * constant +
+                                          filter.unknown_variance(coefficients_, drive, i, scale)));
     }
   }
   /// Answers of a mixture that the integrals of all hypotheses were added to.
@@ -154,10 +154,11 @@ class BankForecast {
   [[nodiscard]] constexpr float largest_unknown_variance(std::size_t m,
                                                          const Transition& span) const {
     float largest = 0.0F;
-    if constexpr (Shape.temperature_weights > 0) {
+    if constexpr (Shape.inputs > 0) {
       for (std::size_t i = 0; i < Axes; ++i) {
         const float scale = state_.mean_scale(m, i);
-        largest = std::max(largest, state_.filters[m].unknown_variance(span, i, scale) / scale);
+        largest = std::max(
+            largest, state_.filters[m].unknown_variance(coefficients_, span, i, scale) / scale);
       }
     }
     return largest;

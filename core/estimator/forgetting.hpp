@@ -13,14 +13,14 @@
 namespace zerorate::core {
 
 /// The block-diagonal matrix F of eq. 7 (docs/design/kalman-predictor.md): 1 - alpha for a decaying
-/// mode, 1 - alpha (complex) for the two drifts of a rotating one, 1 for the constants of the
-/// temperature. Slow modes forget a small share, which is subtracted: no factor near one is formed.
+/// mode, 1 - alpha (complex) for the two drifts of a rotating one, 1 for the coefficients of
+/// the inputs. Slow modes forget a small share, which is subtracted: no factor near one is formed.
 template <ModelShape Shape>
 class Forgetting {
  public:
   static constexpr std::size_t kDecaying = Shape.decaying;
   static constexpr std::size_t kRotating = Shape.rotating;
-  static constexpr std::size_t kDrifts = kDecaying + 2 * kRotating + Shape.temperature_weights;
+  static constexpr std::size_t kDrifts = kDecaying + 2 * kRotating + Shape.inputs;
   using Drifts = std::array<float, kDrifts>;
   using Covariance = SymmetricMatrix<kDrifts>;
 

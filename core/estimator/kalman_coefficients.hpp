@@ -10,31 +10,32 @@
 #include "core/estimator/forgetting.hpp"
 #include "core/estimator/gate.hpp"
 #include "core/noise/hypotheses.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/model_shape.hpp"
-#include "core/noise/temperature_drift.hpp"
 
 namespace zerorate::core {
 
 /// Hypotheses of a filter whose model is known.
 template <ModelShape Shape>
 inline constexpr HypothesesOf<Shape> kKnownModel{};
+/// Terms of a filter whose bias follows no input.
+template <ModelShape Shape>
+inline constexpr InputBlock<Shape.inputs> kNoInputs{};
 
 /// The filter does not hold a mode z but its drift w = beta z, scaled so that the bias moves over
 /// one tick by the plain sum of the drifts: w = -alpha z for a decaying mode; for a rotating one
 /// beta = -(1 + j) alpha / 2, so that the sum of its two components is Re(-alpha z).
 /// docs/design/kalman-predictor.md, eq. 6.
 ///
-/// Behind the drifts of the modes stand slope and curvature of the temperature, if the filter
-/// follows it: constants, which move the bias by the changes of their weights.
+/// Behind the drifts of the modes stand the coefficients of the inputs, if the filter follows any:
+/// constants, which move the bias by the changes of their weights.
 template <ModelShape Shape>
 struct KalmanCoefficients {
-  static_assert(Shape.temperature_weights == 0 ||
-                Shape.temperature_weights == TemperatureDrift::kWeights);
   static constexpr std::size_t kDecaying = Shape.decaying;
   static constexpr std::size_t kRotating = Shape.rotating;
-  static constexpr std::size_t kWeights = Shape.temperature_weights;
-  static constexpr std::size_t kTemperature = kDecaying + 2 * kRotating;  ///< the first constant
-  static constexpr std::size_t kDrifts = kTemperature + kWeights;
+  static constexpr std::size_t kInputs = Shape.inputs;
+  static constexpr std::size_t kFirstInput = kDecaying + 2 * kRotating;
+  static constexpr std::size_t kDrifts = kFirstInput + kInputs;
   using Drifts = std::array<float, kDrifts>;
   using ModeTransitions = TransitionOf<Shape>;
   using Transition = FilterTransition<Shape>;
@@ -56,18 +57,22 @@ struct KalmanCoefficients {
   std::array<Complex, kRotating> rotating_alpha{};
   Drifts initial_variance{};
   Drifts initial_mean{};
+  const InputBlock<Shape.inputs>* inputs;
   const HypothesesOf<Shape>* hypotheses;
   std::array<Noise, Shape.hypotheses> tick_noise;
   Forgetting<Shape> tick_forgetting;
 
-  /// @param guesses hypotheses of the slow noise; must outlive the coefficients
+  /// @param terms inputs of the bias  @param guesses hypotheses of the slow noise; both must
+  /// outlive
+  ///   the coefficients
   constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
                                         const Gate& innovation_gate = {},
-                                        const TemperatureBlock<kWeights>& temperature = {},
+                                        const InputBlock<Shape.inputs>& terms = kNoInputs<Shape>,
                                         const HypothesesOf<Shape>& guesses = kKnownModel<Shape>)
       : tick_s(modes.tick.in_seconds()),
         gate(innovation_gate),
         confirmations(confirmations_at(modes.tick)),
+        inputs(&terms),
         hypotheses(&guesses),
         tick_forgetting(forgetting_of(modes.one_tick())) {
     for (std::size_t i = 0; i < kDecaying; ++i) {
@@ -82,13 +87,11 @@ struct KalmanCoefficients {
       initial_variance[rotating(i)] = initial_variance[rotating(i) + 1] =
           squared_magnitude(rotating_scale(i)) * mode.initial_variance;
     }
-    if constexpr (kWeights > 0) {
-      initial_mean[kTemperature] = temperature.slope_rad_s_per_k;
-      initial_mean[kTemperature + 1] = temperature.curvature_rad_s_per_k2;
-      initial_variance[kTemperature] =
-          temperature.slope_sigma_rad_s_per_k * temperature.slope_sigma_rad_s_per_k;
-      initial_variance[kTemperature + 1] =
-          temperature.curvature_sigma_rad_s_per_k2 * temperature.curvature_sigma_rad_s_per_k2;
+    if constexpr (kInputs > 0) {
+      for (std::size_t i = 0; i < kInputs; ++i) {
+        const float sigma = terms.terms[i].sigma;
+        initial_variance[kFirstInput + i] = sigma * sigma;
+      }
     }
     for (std::size_t m = 0; m < Shape.hypotheses; ++m) {
       tick_noise[m] = noise_of(modes.one_tick(), m);
@@ -106,6 +109,16 @@ struct KalmanCoefficients {
     } else {
       return StrengthOf{*this, hypothesis};
     }
+  }
+  /// Expectation of the drifts of an axis before the first measurement.
+  [[nodiscard]] constexpr Drifts initial_mean_of(std::size_t axis) const {
+    Drifts mean = initial_mean;
+    if constexpr (kInputs > 0) {
+      for (std::size_t i = 0; i < kInputs; ++i) {
+        mean[kFirstInput + i] = inputs->terms[i].coefficient[axis];
+      }
+    }
+    return mean;
   }
   [[nodiscard]] constexpr float initial_variance_of(std::size_t hypothesis, std::size_t i) const {
     return i < kDecaying ? strength(hypothesis)[i] * initial_variance[i] : initial_variance[i];
@@ -164,7 +177,7 @@ struct KalmanCoefficients {
   }
 
   /// How far the bias moves over a span by each drift: (1 - F^m) / (1 - F), all ones for a tick;
-  /// and by each constant: the change of its weight.
+  /// and by each coefficient: the change of its input.
   [[nodiscard]] static constexpr Drifts movement(const Transition& span) {
     Drifts weight{};
     for (std::size_t i = 0; i < kDecaying; ++i) {
@@ -173,7 +186,7 @@ struct KalmanCoefficients {
     for (std::size_t i = 0; i < kRotating; ++i) {
       set_rotating(weight, i, span.rotating[i].sum_gain + span.rotating[i].one_minus_phi_m);
     }
-    if constexpr (kWeights > 0) set_temperature(weight, span.temperature.change);
+    if constexpr (kInputs > 0) set_inputs(weight, span.inputs.change);
     return weight;
   }
   /// Movement of the sum of the bias over the ticks of a span: sum_lag / alpha.
@@ -187,7 +200,7 @@ struct KalmanCoefficients {
       set_rotating(weight, i,
                    span.rotating[i].sum_lag * conjugate(rotating_alpha[i]) * over_square);
     }
-    if constexpr (kWeights > 0) set_temperature(weight, span.temperature.sum);
+    if constexpr (kInputs > 0) set_inputs(weight, span.inputs.sum);
     return weight;
   }
 
@@ -214,9 +227,8 @@ struct KalmanCoefficients {
     return Complex{-0.5F, -0.5F} * rotating_alpha[i];
   }
 
-  static constexpr void set_temperature(Drifts& weight,
-                                        const std::array<float, kWeights>& of_constants) {
-    for (std::size_t i = 0; i < kWeights; ++i) weight[kTemperature + i] = of_constants[i];
+  static constexpr void set_inputs(Drifts& weight, const std::array<float, kInputs>& of_inputs) {
+    for (std::size_t i = 0; i < kInputs; ++i) weight[kFirstInput + i] = of_inputs[i];
   }
   /// The bias moves by Re((1 - j) share w).
   static constexpr void set_rotating(Drifts& weight, std::size_t i, Complex share) {

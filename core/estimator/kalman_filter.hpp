@@ -34,12 +34,12 @@ struct KalmanFilter {
   using Noise = typename Coefficients::Noise;
   using Residuals = std::array<float, Axes>;
   static constexpr std::size_t kDrifts = Coefficients::kDrifts;
-  static constexpr std::size_t kWeights = Coefficients::kWeights;
+  static constexpr std::size_t kInputs = Coefficients::kInputs;
   static_assert(kDrifts > 0);
 
   struct Axis {
     float bias_rad_s = 0.0F;  ///< s, relative to the first measurement
-    Drifts drift{};           ///< w [rad/s a tick]; behind those of the modes slope and curvature
+    Drifts drift{};           ///< w [rad/s a tick]; behind those of the modes the coefficients
 
     constexpr bool operator==(const Axis&) const = default;
   };
@@ -51,14 +51,14 @@ struct KalmanFilter {
 
   constexpr bool operator==(const KalmanFilter&) const = default;
 
-  /// Weights of a tick: a drift moves the bias by itself, without a multiplication; a constant of
-  /// the temperature by the change of its weight.
+  /// Weights of a tick: a drift moves the bias by itself, without a multiplication; a coefficient
+  /// by the change of its input.
   struct TickWeights {
     const Transition& span;
     [[nodiscard]] constexpr float weighted(std::size_t i, float x) const {
-      if constexpr (kWeights > 0) {
-        if (i >= Coefficients::kTemperature) {
-          return span.temperature.change[i - Coefficients::kTemperature] * x;
+      if constexpr (kInputs > 0) {
+        if (i >= Coefficients::kFirstInput) {
+          return span.inputs.change[i - Coefficients::kFirstInput] * x;
         }
       }
       return x;
@@ -74,7 +74,7 @@ struct KalmanFilter {
     for (std::size_t i = 0; i < kDrifts; ++i) {
       covariance(i, i) = coefficients.initial_variance_of(hypothesis, i);
     }
-    for (Axis& axis : axes) axis.drift = coefficients.initial_mean;
+    for (std::size_t k = 0; k < Axes; ++k) axes[k].drift = coefficients.initial_mean_of(k);
   }
 
   /// Eq. 7: s' = s + g'w, v' = v + g'(2 p + W g) + Q, p' = F (p + W g) + cross noise,
@@ -95,7 +95,7 @@ struct KalmanFilter {
     ZERORATE_UNROLLED for (std::size_t i = 0; i < kDrifts; ++i) bias_covariance[i] += moved[i];
     forgetting.apply(bias_covariance);
     forgetting.apply(covariance);
-    ZERORATE_UNROLLED for (std::size_t i = 0; i < Coefficients::kTemperature; ++i) {
+    ZERORATE_UNROLLED for (std::size_t i = 0; i < Coefficients::kFirstInput; ++i) {
       bias_covariance[i] += noise.cross[i];
       covariance(i, i) += noise.drift[i];
     }
@@ -137,14 +137,14 @@ struct KalmanFilter {
   }
 
   /// The unit of the variances is larger by this factor than was assumed. What is known of the
-  /// temperature is no noise, and stays.
+  /// inputs is no noise, and stays.
   constexpr void change_unit(float factor) {
     const float per_root = 1.0F / square_root(factor);
     const float per_unit = 1.0F / factor;
-    for (std::size_t i = Coefficients::kTemperature; i < kDrifts; ++i) {
+    for (std::size_t i = Coefficients::kFirstInput; i < kDrifts; ++i) {
       bias_covariance[i] *= per_root;
-      for (std::size_t j = 0; j < Coefficients::kTemperature; ++j) covariance(i, j) *= per_root;
-      for (std::size_t j = Coefficients::kTemperature; j <= i; ++j) covariance(i, j) *= per_unit;
+      for (std::size_t j = 0; j < Coefficients::kFirstInput; ++j) covariance(i, j) *= per_root;
+      for (std::size_t j = Coefficients::kFirstInput; j <= i; ++j) covariance(i, j) *= per_unit;
     }
   }
 
@@ -175,18 +175,37 @@ struct KalmanFilter {
     return 2.0F * x * dot(g, bias_covariance) + quadratic(g);
   }
 
-  /// Variance of the bias of an axis where the temperature was not known: the expectation of the
-  /// square of (unknown change of the weights)' (constants).
+  /// Variance of the bias after a span by the doubt in the coefficients of the inputs alone.
+  [[nodiscard]] constexpr float input_variance(const Transition& span) const {
+    float variance = 0.0F;
+    if constexpr (kInputs > 0) {
+      constexpr std::size_t kFirst = Coefficients::kFirstInput;
+      const auto& change = span.inputs.change;
+      for (std::size_t i = 0; i < kInputs; ++i) {
+        for (std::size_t j = 0; j < kInputs; ++j) {
+          variance += change[i] * change[j] * covariance(kFirst + i, kFirst + j);
+        }
+      }
+    }
+    return variance;
+  }
+
+  /// Variance of the bias of an axis where inputs were not known: the expectation of the square of
+  /// (unknown change of the inputs)' (coefficients).
   /// @param scale of the covariance
-  [[nodiscard]] constexpr float unknown_variance(const Transition& span, std::size_t axis,
+  [[nodiscard]] constexpr float unknown_variance(const Coefficients& coefficients,
+                                                 const Transition& span, std::size_t axis,
                                                  float scale) const {
     float variance = 0.0F;
-    if constexpr (kWeights > 0) {
-      const auto& u = span.temperature.unknown;
+    if constexpr (kInputs > 0) {
+      if (span.inputs.is_known()) return variance;
+      const auto& u = span.inputs.unknown;
+      const auto& terms = coefficients.inputs->terms;
       const Drifts& drift = axes[axis].drift;
-      constexpr std::size_t kFirst = Coefficients::kTemperature;
-      for (std::size_t i = 0; i < kWeights; ++i) {
-        for (std::size_t j = 0; j < kWeights; ++j) {
+      constexpr std::size_t kFirst = Coefficients::kFirstInput;
+      for (std::size_t i = 0; i < kInputs; ++i) {
+        for (std::size_t j = 0; j < kInputs; ++j) {
+          if (!change_together(terms[i].input, terms[j].input)) continue;
           variance +=
               u[i] * u[j] *
               (drift[kFirst + i] * drift[kFirst + j] + scale * covariance(kFirst + i, kFirst + j));

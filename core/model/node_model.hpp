@@ -8,8 +8,8 @@
 #include "core/estimator/gate.hpp"
 #include "core/heading/turn_sum.hpp"
 #include "core/noise/hypotheses.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/model_shape.hpp"
-#include "core/noise/temperature_drift.hpp"
 #include "core/samples/rounding_watch.hpp"
 #include "core/samples/sample_model.hpp"
 #include "core/samples/scale_correction.hpp"
@@ -29,8 +29,8 @@ struct NodeModel {
   /// Largest magnitude of a bias by the chip's specification. A larger one is learnt and flagged.
   float largest_bias_rad_s = std::numeric_limits<float>::infinity();
   Gate gate;  ///< gate of the Kalman predictor; off by default
-  /// Dependence on the temperature that the Kalman predictor starts from; off by default.
-  [[no_unique_address]] TemperatureBlock<Shape.temperature_weights> temperature{};
+  /// Inputs that the bias follows, as the Kalman predictor starts; off by default.
+  [[no_unique_address]] InputBlock<Shape.inputs> inputs{};
   SampleModel samples{};    ///< model of single samples; off by default
   MotionModel motion{};     ///< errors that rest does not show
   ScaleCorrection scale{};  ///< known errors of the scale factors; off by default

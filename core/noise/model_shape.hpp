@@ -11,10 +11,11 @@ namespace zerorate::core {
 /// States of a filter beside the bias itself. A constant of the program: memory and time follow
 /// from it.
 struct ModelShape {
-  std::size_t decaying = 0;             ///< first-order Gauss-Markov modes
-  std::size_t rotating = 0;             ///< damped oscillations, two states each
-  std::size_t temperature_weights = 0;  ///< TemperatureDrift::kWeights; 0: no temperature
-  std::size_t hypotheses = 1;           ///< strengths of the slow noise; 1: it is known
+  std::size_t decaying = 0;        ///< first-order Gauss-Markov modes
+  std::size_t rotating = 0;        ///< damped oscillations, two states each
+  std::size_t inputs = 0;          ///< terms that follow a temperature or a specific force
+  bool has_accelerometer = false;  ///< a term may follow the specific force
+  std::size_t hypotheses = 1;      ///< strengths of the slow noise; 1: it is known
 
   constexpr bool operator==(const ModelShape&) const = default;
 };

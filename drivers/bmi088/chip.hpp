@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "drivers/bmi088/accelerometer.hpp"
 #include "drivers/bmi088/codec.hpp"
 #include "drivers/bmi088/driver.hpp"
 #include "drivers/bmi088/registers.hpp"
@@ -19,6 +20,9 @@ struct Chip {
   static constexpr std::string_view kName = "bmi088";
   template <RegisterBus Bus>
   using Driver = Bmi088<Bus>;
+  /// @tparam Buses  of both dies: bmi088::Buses
+  template <class Buses>
+  using DriverWithAcceleration = Bmi088<typename Buses::Gyro, typename Buses::Accelerometer>;
   using Settings = bmi088::Settings;
   static constexpr std::size_t kAxes = 3;
   // The wider filter of each rate: the node averages what it lets through.
@@ -34,6 +38,20 @@ struct Chip {
                                         {500.0, FullScale::dps_500},
                                         {1000.0, FullScale::dps_1000},
                                         {2000.0, FullScale::dps_2000}});
+  template <class Device>
+  using AccelerometerSpi = bmi088::AccelerometerSpi<Device>;
+  template <class GyroBus, class AccelerometerBus>
+  static constexpr Buses<GyroBus, AccelerometerBus> buses(GyroBus gyro,
+                                                          AccelerometerBus accelerometer) {
+    return {gyro, accelerometer};
+  }
+  static constexpr auto kAccelerationRanges =
+      std::to_array<Choice<AccelerationRange>>({{3.0, AccelerationRange::g_3},
+                                                {6.0, AccelerationRange::g_6},
+                                                {12.0, AccelerationRange::g_12},
+                                                {24.0, AccelerationRange::g_24}});
+  static constexpr double kUsualAccelerationRange_g = 6.0;
+  static constexpr std::array kAccelerometerAddresses{kAccAddressSdo1Low, kAccAddressSdo1High};
   static constexpr double kCounts = 32768.0;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
@@ -49,5 +67,6 @@ struct Chip {
   }
 };
 static_assert(RegisterChipEntry<Chip>);
+static_assert(TwoDieChipEntry<Chip>);
 
 }  // namespace zerorate::drivers::bmi088

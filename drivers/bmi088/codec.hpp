@@ -3,6 +3,8 @@
 /// README.md gives the source of each fact.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "core/base/time.hpp"
@@ -42,6 +44,36 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
   return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
 }
 
+/// Full scale of the accelerometer; the values are the code of ACC_RANGE.
+enum class AccelerationRange : std::uint8_t { g_3 = 0, g_6 = 1, g_12 = 2, g_24 = 3 };
+
+/// The specific force of one LSB: full scale by 2^15 (DS001, 5.3.4; README.md).
+[[nodiscard]] constexpr core::Acceleration acceleration_lsb(AccelerationRange range) {
+  const unsigned code = static_cast<unsigned>(range);
+  return core::standard_gravity(static_cast<float>(3U << code) / 32768.0F);
+}
+
+/// ACC_CONF: the accelerometer's rate next to the gyro's, with the normal filter.
+[[nodiscard]] constexpr std::uint8_t encode_acc_conf(OutputDataRate rate) {
+  // 100, 200, 400, 800 and 1600 Hz
+  constexpr std::array<std::uint8_t, 8> kCodes{0xC, 0xC, 0xB, 0xA, 0x9, 0x8, 0x9, 0x8};
+  return static_cast<std::uint8_t>(bits::kAccConfNormalFilter |
+                                   kCodes[static_cast<std::size_t>(rate)]);
+}
+
+/// Frames in the accelerometer's FIFO by FIFO_LENGTH_0 and 1; 0 where it cannot hold so much, and
+/// where it is empty, which is 8000h.
+[[nodiscard]] constexpr std::size_t decode_acc_fifo_frames(std::uint8_t low, std::uint8_t high) {
+  constexpr unsigned kCount = 0x3FFF;
+  const unsigned bytes = ((high * 256U) | low) & kCount;
+  return bytes > kAccFifoBytes ? 0U : bytes / kAccFifoFrameBytes;
+}
+
+/// True for the header of a frame of acceleration, whatever the levels of the interrupt pins.
+[[nodiscard]] constexpr bool is_acceleration_header(std::uint8_t header) {
+  return (header & 0xFCU) == 0x84;
+}
+
 /// FIFO_STATUS.
 struct FifoStatus {
   std::uint8_t frames;  ///< frames that wait, at most 100
@@ -75,6 +107,10 @@ struct FifoStatus {
 
 /// Time without access after a software reset.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(30);
+
+/// Time from switching the accelerometer on to the next access, and from its activation to data.
+inline constexpr core::Duration kAccPowerTime = core::Duration::milliseconds(5);
+inline constexpr core::Duration kAccWakeTime = core::Duration::milliseconds(50);
 
 /// Time after configuration until the output may be used: the start-up time of 30 ms, and ten
 /// samples, which in every setting are longer than one period of the filter's corner frequency.

@@ -1,5 +1,5 @@
 /// @file
-/// Driver of the gyro in Bosch's BMI088, over SPI or I2C.
+/// Driver of the gyro, and on demand of the accelerometer, in Bosch's BMI088, over SPI or I2C.
 #pragma once
 
 #include <array>
@@ -9,8 +9,10 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "drivers/bmi088/accelerometer.hpp"
 #include "drivers/bmi088/codec.hpp"
 #include "drivers/bmi088/registers.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
@@ -44,28 +46,43 @@ struct Settings {
 ///
 /// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
 /// back end's.
-template <RegisterBus Bus>
+/// @tparam AccelerometerBus  where samples carry the acceleration: the bus of its die, which
+///         measures at the rate next to the gyro's, by a clock of its own
+template <RegisterBus Bus, class AccelerometerBus = NoMember>
 class Bmi088 {
  public:
   static constexpr std::size_t kAxes = 3;
 
-  constexpr explicit Bmi088(Bus bus, bmi088::Settings settings = {})
+  constexpr explicit Bmi088(Bus bus,
+                            bmi088::Settings settings = {}) requires(!RegisterBus<AccelerometerBus>)
       : bus_(bus),
         settings_(settings),
         lsb_(bmi088::lsb(settings.full_scale)),
         configuration_(configuration(settings)) {}
+  constexpr explicit Bmi088(
+      const bmi088::Buses<Bus, AccelerometerBus>& buses, bmi088::Settings settings = {},
+      bmi088::AccelerationRange range = bmi088::AccelerationRange::g_6) requires
+      RegisterBus<AccelerometerBus> : bus_(buses.gyro),
+                                      settings_(settings),
+                                      lsb_(bmi088::lsb(settings.full_scale)),
+                                      configuration_(configuration(settings)),
+                                      accelerometer_(buses.accelerometer, settings.rate, range) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
-  /// 30 ms have passed, then identity, configuration (27 transactions) and success. When it runs,
-  /// or after any other error, a call begins anew.
+  /// 30 ms have passed, then identity, configuration (27 transactions) and success; with the
+  /// accelerometer, 55 ms later. When it runs, or after any other error, a call begins anew.
   core::Result<void, DriverError> start(core::Instant now) {
-    const bool is_reset_pending = stage_ == Stage::resetting;
-    if (is_reset_pending && now - reset_at_ < bmi088::kResetTime) {
-      return refused(DriverErrorCode::not_ready, bmi088::kGyroSoftreset.address);
+    if constexpr (kHasAccelerometer) {
+      return start_both(now);
+    } else {
+      const bool is_reset_pending = stage_ == Stage::resetting;
+      if (is_reset_pending && now - reset_at_ < bmi088::kResetTime) {
+        return refused(DriverErrorCode::not_ready, bmi088::kGyroSoftreset.address);
+      }
+      stage_ = Stage::off;
+      if (const auto known = check_identity(); !known) return known;
+      return is_reset_pending ? finish_start(now) : begin_reset(now);
     }
-    stage_ = Stage::off;
-    if (const auto known = check_identity(); !known) return known;
-    return is_reset_pending ? finish_start(now) : begin_reset(now);
   }
 
   /// One transaction if there is no sample; else three, and one more for every 16 samples
@@ -80,6 +97,11 @@ class Bmi088 {
     const auto frames = read_fifo_level();
     if (!frames) return core::Unexpected{frames.error()};
     if (*frames == 0) return std::size_t{0};
+    if constexpr (kHasAccelerometer) {
+      if (const auto begun = accelerometer_.begin_reading(*frames); !begun) {
+        return core::Unexpected{begun.error()};
+      }
+    }
     if (!is_batched()) sample_clock_.lose_count();  // each sample has an edge: nothing to count on
     sample_clock_.begin_batch(now, *frames);
     const auto count = unless_stuck(drain(*frames, out));
@@ -93,7 +115,11 @@ class Bmi088 {
     if (stage_ != Stage::running) {
       return refused(DriverErrorCode::not_ready, bmi088::kGyroLpm1.address);
     }
-    return configuration_.verify_next(bus_);
+    if constexpr (kHasAccelerometer) {
+      return accelerometer_.verify_next(configuration_, bus_);
+    } else {
+      return configuration_.verify_next(bus_);
+    }
   }
 
   /// Nominal: the chip has no trim register.
@@ -104,7 +130,8 @@ class Bmi088 {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == bmi088::Mode::fifo; }
 
  private:
-  enum class Stage : std::uint8_t { off, resetting, running };
+  enum class Stage : std::uint8_t { off, resetting, powering, waking, running };
+  static constexpr bool kHasAccelerometer = RegisterBus<AccelerometerBus>;
   static constexpr std::size_t kEntries = 9;
   static constexpr std::size_t kFrameBytes = bmi088::kFifoFrameBytes;
 
@@ -137,6 +164,36 @@ class Bmi088 {
     return {};
   }
 
+  /// Steps of the accelerometer's start, with the gyro's in the first and the last.
+  core::Result<void, DriverError> start_both(core::Instant now) {
+    const Stage stage = stage_;
+    if (is_waiting(now)) return refused(DriverErrorCode::not_ready, bmi088::kAccPwrCtrl.address);
+    stage_ = Stage::off;
+    if (stage == Stage::resetting)
+      return next_stage(accelerometer_.power_up(), now, Stage::powering);
+    if (stage == Stage::powering) return next_stage(accelerometer_.wake(), now, Stage::waking);
+    auto done = check_identity();
+    if (done && stage == Stage::waking) done = accelerometer_.finish();
+    if (done && stage == Stage::waking) return finish_start(now);
+    if (done) done = accelerometer_.reset();
+    return done ? begin_reset(now) : done;
+  }
+
+  [[nodiscard]] bool is_waiting(core::Instant now) const {
+    const core::Duration passed = now - reset_at_;
+    return (stage_ == Stage::resetting && passed < bmi088::kResetTime) ||
+           (stage_ == Stage::powering && passed < bmi088::kAccPowerTime) ||
+           (stage_ == Stage::waking && passed < bmi088::kAccWakeTime);
+  }
+
+  core::Result<void, DriverError> next_stage(const core::Result<void, DriverError>& done,
+                                             core::Instant now, Stage stage) {
+    if (!done) return done;
+    reset_at_ = now;
+    stage_ = stage;
+    return refused(DriverErrorCode::not_ready, bmi088::kAccPwrCtrl.address);
+  }
+
   core::Result<void, DriverError> begin_reset(core::Instant now) {
     constexpr std::uint8_t kReset = bmi088::bits::kSoftresetCommand;
     if (const auto done = write_register(bus_, bmi088::kGyroSoftreset, kReset); !done) return done;
@@ -156,6 +213,9 @@ class Bmi088 {
 
   core::Result<void, DriverError> clear_fifo() {
     sample_clock_.lose_count();
+    if constexpr (kHasAccelerometer) {
+      if (const auto done = accelerometer_.flush(); !done) return done;
+    }
     return write_register(bus_, bmi088::kFifoConfig1, bmi088::bits::kFifoModeStopOnFull);
   }
 
@@ -181,8 +241,14 @@ class Bmi088 {
       const core::Instant time = sample_clock_.next();
       const std::array raw{decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
                            decode_int16(bytes[4], bytes[5])};
+      [[maybe_unused]] GyroSample with_acceleration{.time = time};
+      if constexpr (kHasAccelerometer) accelerometer_.add_to(with_acceleration);
       if (blank_frames_.is_blank(raw) || time < settled_at_) return Frame::no_sample;
-      sample = GyroSample{.time = time};
+      if constexpr (kHasAccelerometer) {
+        sample = with_acceleration;
+      } else {
+        sample = GyroSample{.time = time};
+      }
       set_rates(sample, raw, lsb_, bmi088::kFullScaleRaw);
       return Frame::sample;
     };
@@ -210,6 +276,7 @@ class Bmi088 {
   core::Instant reset_at_;
   core::Instant settled_at_;
   Stage stage_ = Stage::off;
+  [[no_unique_address]] bmi088::DieOn<AccelerometerBus> accelerometer_;
 };
 
 }  // namespace zerorate::drivers

@@ -49,6 +49,23 @@ concept ChipEntry = requires {
     } -> std::same_as<typename Chip::Settings>;
 };
 
+/// A chip with an accelerometer, which samples can carry:
+/// - `DriverWithAcceleration<Bus>`  a GyroSource, made of a bus, Settings and the code of a range
+/// - `kAccelerationRanges`          Choices of the range [g]
+/// - `kUsualAccelerationRange_g`    one of them
+template <class Chip>
+concept AccelerometerChipEntry = ChipEntry<Chip> && requires {
+  Chip::kAccelerationRanges[0].code;
+  { Chip::kUsualAccelerationRange_g } -> std::convertible_to<double>;
+};
+
+/// A chip whose accelerometer answers apart: `kAccelerometerAddresses` on I2C,
+/// `AccelerometerSpi<Device>`, and `buses(gyro, accelerometer)`, over which the driver goes.
+template <class Chip>
+concept TwoDieChipEntry = AccelerometerChipEntry<Chip> && requires {
+  Chip::kAccelerometerAddresses[0];
+};
+
 /// A chip with 8-bit registers, on SPI and I2C: `kAddresses` and `kIdentity`, the register that
 /// identifies the chip by its reset value. Where the driver takes relatives too, which give other
 /// values, `is_identity(value)`.

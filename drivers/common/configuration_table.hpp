@@ -3,6 +3,7 @@
 /// again one entry at a time for as long as the chip runs (the pattern of PX4's register drivers).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,17 @@ template <std::uint8_t Address, Access Kind, std::uint8_t Reset>
                 "only a read-write register can be configured and verified");
   return {Address, static_cast<std::uint8_t>(value & field),
           static_cast<std::uint8_t>(field & ~value)};
+}
+
+/// Entries with others behind the first one.
+template <std::size_t N, std::size_t M>
+[[nodiscard]] constexpr std::array<ConfigurationEntry, N + M> joined(
+    const std::array<ConfigurationEntry, N>& entries,
+    const std::array<ConfigurationEntry, M>& others) {
+  std::array<ConfigurationEntry, N + M> all{entries[0]};
+  std::copy(others.begin(), others.end(), all.begin() + 1);
+  std::copy(entries.begin() + 1, entries.end(), all.begin() + 1 + M);
+  return all;
 }
 
 /// N entries, applied in the order of the table: switch the sensor on in the last one.

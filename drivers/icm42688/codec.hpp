@@ -47,6 +47,15 @@ inline constexpr std::int16_t kInvalidRaw = -32768;
   return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
 }
 
+/// Full scale of the accelerometer; the values are the code of ACCEL_FS_SEL.
+enum class AccelerationRange : std::uint8_t { g_16 = 0, g_8 = 1, g_4 = 2, g_2 = 3 };
+
+/// The specific force of one LSB: full scale by 2^15.
+[[nodiscard]] constexpr core::Acceleration acceleration_lsb(AccelerationRange range) {
+  const unsigned code = static_cast<unsigned>(range);
+  return core::standard_gravity(16.0F / static_cast<float>(32768U << code));
+}
+
 /// 132.48 LSB a degree, 0 at 25 degC (DS-000347, 4.13).
 [[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
   return core::Temperature::from_degc(25.0F + static_cast<float>(raw) / 132.48F);
@@ -58,27 +67,42 @@ struct FifoStatus {
   bool is_full;           ///< it was full since INT_STATUS was last read: samples may be lost
   bool is_plausible;      ///< the bit that is always 0 is 0, and the FIFO can hold so much
 };
+template <unsigned kPacketBytes = kFifoPacketBytes>
 [[nodiscard]] constexpr FifoStatus decode_fifo_status(std::uint8_t int_status,
                                                       std::uint8_t count_high,
                                                       std::uint8_t count_low) {
   const auto bytes = static_cast<std::uint16_t>((count_high << 8U) | count_low);
-  return {static_cast<std::uint16_t>(bytes / kFifoPacketBytes),
+  return {static_cast<std::uint16_t>(bytes / kPacketBytes),
           (int_status & bits::kIntStatusFifoFull) != 0,
           (int_status & bits::kIntStatusAlwaysZero) == 0 && bytes <= kFifoBytes};
 }
 
-/// True for the header of a FIFO packet with gyro data alone, 16 bits. The bits that it does not
-/// look at mark time stamps and changes of rate.
+/// Content of a FIFO packet as its header has it: message, accelerometer, gyro, 20 bits. The other
+/// bits mark time stamps and changes of rate.
+inline constexpr std::uint8_t kHeaderContent = 0xF0;
+
+/// True for the header of a FIFO packet with gyro data alone, 16 bits.
 [[nodiscard]] constexpr bool is_gyro_header(std::uint8_t header) {
-  constexpr std::uint8_t kMessageAccelGyro20Bit = 0xF0;
   constexpr std::uint8_t kGyroAlone = 0x20;
-  return (header & kMessageAccelGyro20Bit) == kGyroAlone;
+  return (header & kHeaderContent) == kGyroAlone;
+}
+/// True for the header of a FIFO packet with data of both sensors, 16 bits.
+[[nodiscard]] constexpr bool is_header_of_both(std::uint8_t header) {
+  constexpr std::uint8_t kAccelAndGyro = 0x60;
+  return (header & kHeaderContent) == kAccelAndGyro;
 }
 
 /// GYRO_CONFIG0: range and rate.
 [[nodiscard]] constexpr std::uint8_t encode_gyro_config0(OutputDataRate rate,
                                                          FullScale full_scale) {
   return static_cast<std::uint8_t>((static_cast<unsigned>(full_scale) << 5U) |
+                                   static_cast<unsigned>(rate));
+}
+
+/// ACCEL_CONFIG0: range and rate, whose codes are the gyro's.
+[[nodiscard]] constexpr std::uint8_t encode_accel_config0(OutputDataRate rate,
+                                                          AccelerationRange range) {
+  return static_cast<std::uint8_t>((static_cast<unsigned>(range) << 5U) |
                                    static_cast<unsigned>(rate));
 }
 

@@ -1,6 +1,6 @@
 /// @file
-/// Driver of the gyro in TDK's ICM-42688-P, over SPI or I2C, polled by data-ready or through the
-/// FIFO.
+/// Driver of the gyro, and on demand of the accelerometer, in TDK's ICM-42688-P, over SPI or I2C,
+/// polled by data-ready or through the FIFO.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/assert.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
@@ -43,16 +45,20 @@ struct Settings {
 ///
 /// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
 /// back end's.
-template <RegisterBus Bus>
+/// @tparam kAccelerometer  whether samples carry the acceleration, which is measured at the gyro's
+///         rate. A sample of the FIFO takes 16 bytes then, not 8: half as many fit, and a watermark
+///         is at most 128 samples.
+template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Icm42688 {
  public:
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Icm42688(Bus bus, icm42688::Settings settings = {})
-      : bus_(bus),
-        settings_(settings),
-        lsb_(icm42688::lsb(settings.full_scale)),
-        configuration_(configuration(settings)) {}
+      : Icm42688(settings, icm42688::AccelerationRange::g_4, bus) {}
+  constexpr Icm42688(Bus bus, icm42688::Settings settings,
+                     icm42688::AccelerationRange range) requires(kAccelerometer ==
+                                                                 Accelerometer::on)
+      : Icm42688(settings, range, bus) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// 1 ms has passed, then identity, configuration (39 transactions) and success. When it runs, or
@@ -97,19 +103,59 @@ class Icm42688 {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == icm42688::Mode::fifo; }
 
  private:
-  enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr std::size_t kEntries = 13;
-  static constexpr std::size_t kPacketBytes = icm42688::kFifoPacketBytes;
+  constexpr Icm42688(const icm42688::Settings& settings, icm42688::AccelerationRange range, Bus bus)
+      : bus_(bus),
+        settings_(settings),
+        lsb_(icm42688::lsb(settings.full_scale)),
+        configuration_(configuration(settings, range)),
+        scale_(scale(range)) {}
 
-  static constexpr ConfigurationTable<kEntries> configuration(const icm42688::Settings& settings) {
+  enum class Stage : std::uint8_t { off, resetting, running };
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+  static constexpr std::size_t kGyroEntries = 13;
+  static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 1 : 0);
+  static constexpr std::size_t kPacketBytes =
+      kHasAccelerometer ? icm42688::kLongPacketBytes : icm42688::kFifoPacketBytes;
+  using Scale = MemberWith<kAccelerometer, AccelerationScale>;
+
+  static constexpr Scale scale(icm42688::AccelerationRange range) {
+    if constexpr (kHasAccelerometer) {
+      return {.lsb = icm42688::acceleration_lsb(range),
+              .highest_raw = icm42688::kHighestRaw,
+              .lowest_raw = icm42688::kLowestRaw};
+    } else {
+      return {};
+    }
+  }
+
+  static constexpr ConfigurationTable<kEntries> configuration(const icm42688::Settings& settings,
+                                                              icm42688::AccelerationRange range) {
+    if constexpr (kHasAccelerometer) {
+      const auto accelerometer =
+          configure(icm42688::kAccelConfig0, icm42688::bits::kAccelConfig0All,
+                    icm42688::encode_accel_config0(settings.rate, range));
+      return ConfigurationTable<kEntries>{joined(entries(settings), std::array{accelerometer})};
+    } else {
+      return ConfigurationTable<kEntries>{entries(settings)};
+    }
+  }
+
+  static constexpr std::array<ConfigurationEntry, kGyroEntries> entries(
+      const icm42688::Settings& settings) {
     using namespace icm42688;
     namespace b = icm42688::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
-    const unsigned watermark_bytes = settings.fifo_watermark * kFifoPacketBytes;
+    const unsigned watermark_bytes = settings.fifo_watermark * kPacketBytes;
+    if constexpr (kHasAccelerometer) ZERORATE_ASSERT(watermark_bytes <= kFifoBytes);
+    constexpr unsigned kSensors =
+        b::kFifoConfig1GyroEn | (kHasAccelerometer ? b::kFifoConfig1AccelEn : 0U);
+    constexpr std::uint8_t kFilters =
+        b::kGyroUiFiltBw | (kHasAccelerometer ? b::kAccelUiFiltBw : 0U);
+    constexpr std::uint8_t kPower =
+        b::kPwrMgmt0GyroLowNoise | (kHasAccelerometer ? b::kPwrMgmt0AccelLowNoise : 0U);
     const std::uint8_t packet =
-        is_fifo ? b::kFifoConfig1WmGtTh | b::kFifoConfig1TempEn | b::kFifoConfig1GyroEn
-                : std::uint8_t{0};
-    return ConfigurationTable<kEntries>{{{
+        is_fifo ? b::kFifoConfig1WmGtTh | b::kFifoConfig1TempEn | kSensors : std::uint8_t{0};
+    return {{
         configure(kRegBankSel, b::kRegBankSelBank, 0),
         // Count in bytes, not held at the last value, big-endian: its ones and zeros show a line
         // that is stuck either way.
@@ -124,7 +170,7 @@ class Icm42688 {
         configure(kIntSource0, b::kIntSource0All,
                   is_fifo ? b::kIntSource0FifoThs : b::kIntSource0UiDrdy),
         // Half the output rate: what is above it would fold into the white noise.
-        configure(kGyroAccelConfig0, b::kGyroUiFiltBw, 0),
+        configure(kGyroAccelConfig0, kFilters, 0),
         configure(kFifoConfig1, b::kFifoConfig1All, packet),
         configure(kFifoConfig2, 0xFF, static_cast<std::uint8_t>(watermark_bytes & 0xFFU)),
         configure(kFifoConfig3, b::kFifoConfig3Wm,
@@ -132,9 +178,9 @@ class Icm42688 {
         configure(kFifoConfig, b::kFifoConfigMode, is_fifo ? b::kFifoModeStream : std::uint8_t{0}),
         configure(kGyroConfig0, b::kGyroConfig0All,
                   encode_gyro_config0(settings.rate, settings.full_scale)),
-        // Last: for 200 us after it no register may be written. Accelerometer off, temperature on.
-        configure(kPwrMgmt0, b::kPwrMgmt0All, b::kPwrMgmt0GyroLowNoise),
-    }}};
+        // Last: for 200 us after it no register may be written. Temperature on.
+        configure(kPwrMgmt0, b::kPwrMgmt0All, kPower),
+    }};
   }
 
   core::Result<void, DriverError> check_identity() {
@@ -175,11 +221,14 @@ class Icm42688 {
     if (!is_new(*outputs) || now < settled_at_) return std::size_t{0};
     const auto temperature =
         icm42688::decode_temperature(decode_int16((*outputs)[1], (*outputs)[0]));
-    return std::size_t{make_sample(now, gyro_of(*outputs), temperature, out) ? 1U : 0U};
+    if (!make_sample(now, gyro_of(*outputs), temperature, out)) return std::size_t{0};
+    if constexpr (kHasAccelerometer) {
+      set_acceleration(out, raw_of(acceleration_of(*outputs)), scale_);
+    }
+    return std::size_t{1};
   }
 
-  /// Temperature, three unused axes of the accelerometer, the gyro, the time of FSYNC, and
-  /// INT_STATUS.
+  /// Temperature, accelerometer, gyro, the time of FSYNC, and INT_STATUS.
   using Outputs = std::array<std::uint8_t, 17>;
 
   static constexpr bool is_new(const Outputs& outputs) {
@@ -187,6 +236,9 @@ class Icm42688 {
   }
   static constexpr std::span<const std::uint8_t, 6> gyro_of(const Outputs& outputs) {
     return std::span<const std::uint8_t, 6>{&outputs[8], 6};
+  }
+  static constexpr std::span<const std::uint8_t, 6> acceleration_of(const Outputs& outputs) {
+    return std::span<const std::uint8_t, 6>{&outputs[2], 6};
   }
 
   /// Data-ready falls when it is read. So it is read behind the data, in one burst, where it also
@@ -199,11 +251,19 @@ class Icm42688 {
     for (int burst = 1; burst < kMostBursts && outputs && is_new(*outputs); ++burst) {
       const auto again = read_outputs();
       if (!again) return again;
+      if constexpr (kHasAccelerometer) spoil_unless_equal(*outputs, *again);
       if (!is_new(*again))
         return std::ranges::equal(gyro_of(*outputs), gyro_of(*again)) ? outputs : again;
       outputs = again;
     }
     return outputs;
+  }
+
+  /// An acceleration that the second burst does not repeat is none.
+  static constexpr void spoil_unless_equal(Outputs& outputs, const Outputs& again) {
+    if (std::ranges::equal(acceleration_of(outputs), acceleration_of(again))) return;
+    outputs[2] = static_cast<std::uint8_t>(static_cast<std::uint16_t>(icm42688::kInvalidRaw) >> 8U);
+    outputs[3] = 0;
   }
 
   core::Result<Outputs, DriverError> read_outputs() {
@@ -234,7 +294,7 @@ class Icm42688 {
     if (const auto done = read_registers(bus_, icm42688::kIntStatus, bytes); !done) {
       return core::Unexpected{done.error()};
     }
-    const auto status = icm42688::decode_fifo_status(bytes[0], bytes[1], bytes[2]);
+    const auto status = icm42688::decode_fifo_status<kPacketBytes>(bytes[0], bytes[1], bytes[2]);
     if (!status.is_plausible) {
       return refused(DriverErrorCode::corrupt_data, icm42688::kIntStatus.address);
     }
@@ -249,20 +309,34 @@ class Icm42688 {
                                                core::Temperature temperature) {
     const auto decode = [&](std::span<const std::uint8_t, kPacketBytes> packet,
                             GyroSample& sample) {
-      if (!icm42688::is_gyro_header(packet[0])) return Frame::corrupt;
+      if (!is_our_header(packet[0])) return Frame::corrupt;
       const core::Instant time = sample_clock_.next();
       if (time < settled_at_) return Frame::no_sample;
-      const bool is_valid = make_sample(time, packet.template subspan<1, 6>(), temperature, sample);
-      return is_valid ? Frame::sample : Frame::no_sample;
+      constexpr std::size_t kGyroAt = kHasAccelerometer ? 7 : 1;
+      const auto gyro = packet.template subspan<kGyroAt, 6>();
+      if (!make_sample(time, gyro, temperature, sample)) return Frame::no_sample;
+      if constexpr (kHasAccelerometer) {
+        set_acceleration(sample, raw_of(packet.template subspan<1, 6>()), scale_);
+      }
+      return Frame::sample;
     };
     return drain_fifo<kPacketBytes>(bus_, icm42688::kFifoData, packets, out, decode);
+  }
+
+  static constexpr bool is_our_header(std::uint8_t header) {
+    return kHasAccelerometer ? icm42688::is_header_of_both(header)
+                             : icm42688::is_gyro_header(header);
+  }
+
+  static constexpr std::array<std::int16_t, 3> raw_of(std::span<const std::uint8_t, 6> bytes) {
+    return {decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
+            decode_int16(bytes[5], bytes[4])};
   }
 
   /// False if the chip reports that it has no sample.
   bool make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
                    core::Temperature temperature, GyroSample& out) const {
-    const std::array raw{decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
-                         decode_int16(bytes[5], bytes[4])};
+    const std::array raw = raw_of(bytes);
     if (std::ranges::find(raw, icm42688::kInvalidRaw) != raw.end()) return false;
     out.time = time;
     out.temperature = temperature;
@@ -280,6 +354,7 @@ class Icm42688 {
   core::Instant reset_at_;
   core::Instant settled_at_;
   Stage stage_ = Stage::off;
+  [[no_unique_address]] Scale scale_;
 };
 
 }  // namespace zerorate::drivers

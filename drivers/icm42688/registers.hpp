@@ -24,6 +24,7 @@ inline constexpr Register<0x4C, Access::read_write, 0x30> kIntfConfig0;
 inline constexpr Register<0x4D, Access::read_write, 0x91> kIntfConfig1;
 inline constexpr Register<0x4E, Access::read_write> kPwrMgmt0;
 inline constexpr Register<0x4F, Access::read_write, 0x06> kGyroConfig0;
+inline constexpr Register<0x50, Access::read_write, 0x06> kAccelConfig0;
 inline constexpr Register<0x52, Access::read_write, 0x11> kGyroAccelConfig0;
 inline constexpr Register<0x5F, Access::read_write> kFifoConfig1;
 inline constexpr Register<0x60, Access::read_write> kFifoConfig2;
@@ -51,12 +52,16 @@ inline constexpr std::uint8_t kIntfConfig1Afsr = 0xC0;
 inline constexpr std::uint8_t kIntfConfig1AfsrOff = 0x40;
 inline constexpr std::uint8_t kPwrMgmt0All = 0x3F;
 inline constexpr std::uint8_t kPwrMgmt0GyroLowNoise = 0x0C;
+inline constexpr std::uint8_t kPwrMgmt0AccelLowNoise = 0x03;
 inline constexpr std::uint8_t kGyroConfig0All = 0xEF;
+inline constexpr std::uint8_t kAccelConfig0All = 0xEF;
 inline constexpr std::uint8_t kGyroUiFiltBw = 0x0F;
+inline constexpr std::uint8_t kAccelUiFiltBw = 0xF0;
 inline constexpr std::uint8_t kFifoConfig1All = 0x7F;
 inline constexpr std::uint8_t kFifoConfig1WmGtTh = 0x20;
 inline constexpr std::uint8_t kFifoConfig1TempEn = 0x04;
 inline constexpr std::uint8_t kFifoConfig1GyroEn = 0x02;
+inline constexpr std::uint8_t kFifoConfig1AccelEn = 0x01;
 inline constexpr std::uint8_t kFifoConfig3Wm = 0x0F;
 inline constexpr std::uint8_t kIntConfig1AsyncReset = 0x10;
 inline constexpr std::uint8_t kIntSource0All = 0x7F;
@@ -67,6 +72,8 @@ inline constexpr std::uint8_t kRegBankSelBank = 0x07;
 
 /// "Packet 2" of the FIFO: header, six bytes of gyro, one of temperature (DS-000347, chapter 6).
 inline constexpr unsigned kFifoPacketBytes = 8;
+/// "Packet 3": header, six bytes of accelerometer, six of gyro, one of temperature, two of time.
+inline constexpr unsigned kLongPacketBytes = 16;
 inline constexpr unsigned kFifoBytes = 2048;
 
 }  // namespace zerorate::drivers::icm42688

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/chip.hpp"
 #include "drivers/lsm6dso/codec.hpp"
 #include "drivers/lsm6dso/driver.hpp"
@@ -47,6 +48,8 @@ template <Part kPart>
 struct ChipOf {
   template <RegisterBus Bus>
   using Driver = Lsm6dso<Bus>;
+  template <RegisterBus Bus>
+  using DriverWithAcceleration = Lsm6dso<Bus, Accelerometer::on>;
   using Settings = SettingsOf<kPart>;
   static constexpr std::size_t kAxes = 3;
   static constexpr auto kRates = lsm6dso::kRates<kPart>;
@@ -62,6 +65,12 @@ struct ChipOf {
     std::copy_n(kAll.begin(), kCount, choices.begin());
     return choices;
   }();
+  static constexpr auto kAccelerationRanges =
+      std::to_array<Choice<AccelerationRange>>({{2.0, AccelerationRange::g_2},
+                                                {4.0, AccelerationRange::g_4},
+                                                {8.0, AccelerationRange::g_8},
+                                                {16.0, AccelerationRange::g_16}});
+  static constexpr double kUsualAccelerationRange_g = 4.0;
   static constexpr double kCounts = 1000.0 / 0.035;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
@@ -94,5 +103,6 @@ static_assert(RegisterChipEntry<Chip>);
 static_assert(RegisterChipEntry<Ism330dhcx>);
 static_assert(RegisterChipEntry<Asm330lhh>);
 static_assert(RegisterChipEntry<Lsm6dsv16x>);
+static_assert(AccelerometerChipEntry<Chip>);
 
 }  // namespace zerorate::drivers::lsm6dso

@@ -127,6 +127,22 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
   return core::deg_per_s(140e-3F);
 }
 
+/// Nominal full scale of the accelerometer; the values are the code of FS_XL in the LSM6DSV16X.
+enum class AccelerationRange : std::uint8_t { g_2, g_4, g_8, g_16 };
+
+/// Code of FS_XL of all but the LSM6DSV16X (CTRL1_XL): 16 g stands between 2 g and 4 g.
+[[nodiscard]] constexpr std::uint8_t encode_fs_xl(AccelerationRange range) {
+  constexpr std::array<std::uint8_t, 4> kCodes{0, 2, 3, 1};
+  return kCodes[static_cast<std::size_t>(range)];
+}
+
+/// The specific force of one LSB: 0.061, 0.122, 0.244, 0.488 mg (DS12140, table 2). The output
+/// ends at 32767 LSB, in every range just below the nominal full scale.
+[[nodiscard]] constexpr core::Acceleration acceleration_lsb(AccelerationRange range) {
+  const unsigned code = static_cast<unsigned>(range);
+  return core::standard_gravity(0.061e-3F * static_cast<float>(1U << code));
+}
+
 /// 256 LSB a degree, 0 at 25 degC (DS12140, temperature sensor characteristics).
 [[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
   return core::Temperature::from_degc(25.0F + static_cast<float>(raw) * (1.0F / 256.0F));
@@ -145,16 +161,31 @@ struct FifoStatus {
           (status2 & variant.level_always_zero) == 0};
 }
 
-/// True if the tag byte of a FIFO word means gyro and its parity, even over all eight bits, is
-/// right where it has one.
+/// True if the tag byte of a FIFO word means this sensor and its parity, even over all eight bits,
+/// is right where it has one.
+[[nodiscard]] constexpr bool is_tag_of(const Variant& variant, std::uint8_t sensor,
+                                       std::uint8_t tag) {
+  return (tag >> 3U) == sensor && (!variant.has_tag_parity || std::popcount(tag) % 2 == 0);
+}
 [[nodiscard]] constexpr bool is_gyro_tag(const Variant& variant, std::uint8_t tag) {
-  return (tag >> 3U) == kTagGyro && (!variant.has_tag_parity || std::popcount(tag) % 2 == 0);
+  return is_tag_of(variant, kTagGyro, tag);
+}
+
+/// TAG_CNT: words of one time slot have the same.
+[[nodiscard]] constexpr std::uint8_t time_slot(std::uint8_t tag) {
+  return (tag >> 1U) & 3U;
 }
 
 /// CTRL2_G of all but the LSM6DSV16X: the sensor runs at this rate and range.
 /// @param rate  code of the output data rate
 [[nodiscard]] constexpr std::uint8_t encode_ctrl2_g(std::uint8_t rate, FullScale full_scale) {
   return static_cast<std::uint8_t>((unsigned{rate} << 4U) | static_cast<unsigned>(full_scale));
+}
+
+/// CTRL1_XL of all but the LSM6DSV16X: the accelerometer runs at this rate and range, without LPF2.
+/// @param rate  code of the output data rate
+[[nodiscard]] constexpr std::uint8_t encode_ctrl1_xl(std::uint8_t rate, AccelerationRange range) {
+  return static_cast<std::uint8_t>((unsigned{rate} << 4U) | (unsigned{encode_fs_xl(range)} << 2U));
 }
 
 /// FS_G of the LSM6DSV16X (CTRL6).

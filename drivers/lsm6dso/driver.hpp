@@ -1,6 +1,6 @@
 /// @file
-/// Driver of the gyro in ST's LSM6DSO, ISM330DHCX, ASM330LHH and LSM6DSV16X, over SPI or I2C,
-/// polled by data-ready or through the FIFO.
+/// Driver of the gyro, and on demand of the accelerometer, in ST's LSM6DSO, ISM330DHCX, ASM330LHH
+/// and LSM6DSV16X, over SPI or I2C, polled by data-ready or through the FIFO.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
@@ -18,16 +19,13 @@
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
 #include "drivers/lsm6dso/codec.hpp"
+#include "drivers/lsm6dso/configuration.hpp"
 #include "drivers/lsm6dso/registers.hpp"
+#include "drivers/lsm6dso/slots.hpp"
 
 namespace zerorate::drivers {
 
 namespace lsm6dso {
-
-enum class Mode : std::uint8_t {
-  data_ready,  ///< each read() gives the latest sample; INT1 rises when there is a new one
-  fifo,        ///< the chip keeps up to 512 samples; INT1 rises at the watermark
-};
 
 /// Output data rates of a chip.
 template <Part kPart>
@@ -54,18 +52,28 @@ using Settings = SettingsOf<Part::lsm6dso>;
 ///
 /// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(),
 /// without the back end's.
-template <RegisterBus Bus>
+/// @tparam kAccelerometer  whether samples carry the acceleration, which is measured at the gyro's
+///         rate. A sample of the FIFO takes two words then: half as many fit, and a watermark is at
+///         most half the FIFO.
+template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Lsm6dso {
+  using Chosen = lsm6dso::Chosen;
+
  public:
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
-      : Lsm6dso(bus, chosen(settings)) {}
+      : Lsm6dso(bus, chosen(settings), kUsualRange) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
   template <lsm6dso::Part kPart>
   constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kPart>& settings)
-      : Lsm6dso(bus, chosen(settings)) {}
+      : Lsm6dso(bus, chosen(settings), kUsualRange) {}
+  /// @param range  of the accelerometer; 4 g where none is given
+  template <lsm6dso::Part kPart>
+  constexpr Lsm6dso(Bus bus, const lsm6dso::SettingsOf<kPart>& settings,
+                    lsm6dso::AccelerationRange range) requires(kAccelerometer == Accelerometer::on)
+      : Lsm6dso(bus, chosen(settings), range) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// the chip has left reset (50 us), then configuration (33 transactions) and success. When it
@@ -106,14 +114,6 @@ class Lsm6dso {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == lsm6dso::Mode::fifo; }
 
  private:
-  /// Settings of any chip.
-  struct Chosen {
-    const lsm6dso::Variant* variant;
-    lsm6dso::FullScale full_scale;
-    std::uint8_t rate;  ///< its code
-    lsm6dso::Mode mode;
-    std::uint8_t fifo_watermark;
-  };
   template <lsm6dso::Part kPart>
   static constexpr Chosen chosen(const lsm6dso::SettingsOf<kPart>& settings) {
     return {.variant = &lsm6dso::variant(kPart),
@@ -122,48 +122,38 @@ class Lsm6dso {
             .mode = settings.mode,
             .fifo_watermark = settings.fifo_watermark};
   }
-  constexpr Lsm6dso(Bus bus, const Chosen& settings)
+  constexpr Lsm6dso(Bus bus, const Chosen& settings, lsm6dso::AccelerationRange range)
       : bus_(bus),
         settings_(settings),
         lsb_(lsm6dso::lsb(settings.full_scale)),
         period_(lsm6dso::decode_period(*settings.variant, settings.rate, 0)),
-        configuration_(configuration(settings)) {}
+        configuration_(configuration(settings, range)),
+        slots_(slots(range)) {}
 
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr std::size_t kEntries = 11;
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+  static constexpr lsm6dso::AccelerationRange kUsualRange = lsm6dso::AccelerationRange::g_4;
+  static constexpr std::size_t kEntries =
+      lsm6dso::kGyroEntries + (kHasAccelerometer ? lsm6dso::kAccelerometerEntries : 0);
+  static constexpr std::size_t kWordBytes = lsm6dso::kFifoWordBytes;
+  using Slots = MemberWith<kAccelerometer, lsm6dso::Slots>;
 
-  static constexpr ConfigurationTable<kEntries> configuration(const Chosen& settings) {
-    using namespace lsm6dso;
-    namespace b = lsm6dso::bits;
-    const bool is_fifo = settings.mode == Mode::fifo;
-    const bool is_new = settings.variant->has_new_layout;
-    const auto batch = static_cast<std::uint8_t>(unsigned{settings.rate} << 4U);
-    const std::uint8_t fifo_mode = is_fifo ? b::kFifoModeContinuous : std::uint8_t{0};
-    constexpr std::uint8_t kFifoCtrl2Used = b::kFifoCtrl2StopOnWtm | b::kFifoCtrl2FifoComprRtEn |
-                                            b::kFifoCtrl2OdrChgEn | b::kFifoCtrl2Wtm8;
-    return ConfigurationTable<kEntries>{{{
-        // The whole register: its ones and zeros show a line that is stuck either way.
-        configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
-        is_new ? configure(kDsvCtrl6, b::kDsvCtrl6All, encode_ctrl6(settings.full_scale))
-               : configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
-        is_new ? configure(kDsvCtrl4, b::kDsvCtrl4Drdy, 0)
-               : configure(kCtrl4C, b::kCtrl4CSleepG | b::kCtrl4CLpf1SelG, 0),
-        // High-performance mode, and no high-pass filter: it would remove the bias we estimate.
-        is_new ? configure(kDsvCtrl7, b::kDsvCtrl7Off, 0)
-               : configure(kCtrl7G, b::kCtrl7GGHmMode | b::kCtrl7GHpEnG, 0),
-        is_new ? configure(kDsvCtrl1, b::kDsvCtrl1OdrXl, 0)
-               : configure(kCtrl1Xl, b::kCtrl1XlOdrXl, 0),
-        configure(kInt1Ctrl, 0xFF, is_fifo ? b::kInt1FifoTh : b::kInt1DrdyG),
-        configure(kFifoCtrl1, 0xFF, settings.fifo_watermark),
-        configure(kFifoCtrl2, kFifoCtrl2Used, 0),
-        configure(kFifoCtrl3, b::kFifoCtrl3BdrGy | b::kFifoCtrl3BdrXl, batch),
-        configure(kFifoCtrl4,
-                  b::kFifoCtrl4DecTsBatch | b::kFifoCtrl4OdrTBatch | b::kFifoCtrl4FifoMode,
-                  fifo_mode),
-        is_new
-            ? configure(kDsvCtrl2, b::kDsvCtrl2All, settings.rate)
-            : configure(kCtrl2G, b::kCtrl2GAll, encode_ctrl2_g(settings.rate, settings.full_scale)),
-    }}};
+  static constexpr Slots slots(lsm6dso::AccelerationRange range) {
+    if constexpr (kHasAccelerometer) {
+      return Slots{AccelerationScale{.lsb = lsm6dso::acceleration_lsb(range)}};
+    } else {
+      return {};
+    }
+  }
+
+  static constexpr ConfigurationTable<kEntries> configuration(const Chosen& settings,
+                                                              lsm6dso::AccelerationRange range) {
+    if constexpr (kHasAccelerometer) {
+      return ConfigurationTable<kEntries>{
+          lsm6dso::configuration_with_accelerometer(settings, range)};
+    } else {
+      return ConfigurationTable<kEntries>{lsm6dso::configuration_of_gyro(settings)};
+    }
   }
 
   core::Result<void, DriverError> check_identity() {
@@ -206,6 +196,7 @@ class Lsm6dso {
     period_ = lsm6dso::decode_period(variant, settings_.rate, static_cast<std::int8_t>(*trim));
     settled_at_ = now + lsm6dso::settling_time(variant, settings_.rate, period_);
     sample_clock_.restart(now, period_);
+    forget_words();
     stage_ = Stage::running;
     return {};
   }
@@ -221,7 +212,8 @@ class Lsm6dso {
     // Only now: reading the outputs clears data-ready, and a sample that came after the status was
     // read would be thrown away with it. The status comes once more in front of them: the output of
     // a line that got stuck in between is no sample.
-    std::array<std::uint8_t, 10> bytes{};
+    constexpr std::size_t kBytes = kHasAccelerometer ? 16 : 10;
+    std::array<std::uint8_t, kBytes> bytes{};
     if (const auto done = read_registers(bus_, lsm6dso::kStatusReg, bytes); !done) {
       return core::Unexpected{done.error()};
     }
@@ -232,6 +224,11 @@ class Lsm6dso {
     if (now < settled_at_) return std::size_t{0};
     const auto temperature = lsm6dso::decode_temperature(decode_int16(bytes[2], bytes[3]));
     out = make_sample(now, std::span<const std::uint8_t, 6>{&bytes[4], 6}, temperature);
+    if constexpr (kHasAccelerometer) {
+      const std::span<const std::uint8_t, 6> acceleration{&bytes[10], 6};
+      const bool is_new = (again & lsm6dso::bits::kStatusXlda) != 0;
+      if (is_new) set_acceleration(out, raw_of(acceleration), slots_.scale());
+    }
     return std::size_t{1};
   }
 
@@ -243,9 +240,16 @@ class Lsm6dso {
     if (const auto done = read_registers(bus_, lsm6dso::kOutTempL, temperature); !done) {
       return core::Unexpected{done.error()};
     }
-    sample_clock_.begin_batch(now, *words);
-    return drain(*words, out,
-                 lsm6dso::decode_temperature(decode_int16(temperature[0], temperature[1])));
+    const core::Temperature degrees =
+        lsm6dso::decode_temperature(decode_int16(temperature[0], temperature[1]));
+    if constexpr (kHasAccelerometer) {
+      const auto count = drain_slots(now, *words, out, degrees);
+      if (!count) forget_words();
+      return count;
+    } else {
+      sample_clock_.begin_batch(now, *words);
+      return drain(*words, out, degrees);
+    }
   }
 
   core::Result<std::uint16_t, DriverError> read_fifo_level() {
@@ -260,6 +264,7 @@ class Lsm6dso {
     if (!status.is_plausible) return refused(DriverErrorCode::corrupt_data, address);
     if (overrun_report_.is_due(status.is_overrun)) {
       sample_clock_.lose_count();
+      forget_words();
       return refused(DriverErrorCode::fifo_overrun, address);
     }
     return status.words;
@@ -267,7 +272,6 @@ class Lsm6dso {
 
   core::Result<std::size_t, DriverError> drain(std::size_t words, std::span<GyroSample> out,
                                                core::Temperature temperature) {
-    constexpr std::size_t kWordBytes = lsm6dso::kFifoWordBytes;
     const auto decode = [&](std::span<const std::uint8_t, kWordBytes> word, GyroSample& sample) {
       if (!lsm6dso::is_gyro_tag(*settings_.variant, word[0])) return Frame::corrupt;
       const core::Instant time = sample_clock_.next();
@@ -278,16 +282,59 @@ class Lsm6dso {
     return drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
   }
 
+  /// Words of two sensors. How many samples they make shows when they are read: the samples are
+  /// stamped then.
+  core::Result<std::size_t, DriverError> drain_slots(core::Instant now, std::size_t words,
+                                                     std::span<GyroSample> out,
+                                                     core::Temperature temperature) {
+    const auto decode = [&](std::span<const std::uint8_t, kWordBytes> word, GyroSample& sample) {
+      const lsm6dso::Variant& variant = *settings_.variant;
+      const auto payload = word.template subspan<1, 6>();
+      const std::uint8_t slot = lsm6dso::time_slot(word[0]);
+      bool is_sample = false;
+      --words;
+      if (lsm6dso::is_gyro_tag(variant, word[0])) {
+        is_sample = slots_.add_gyro(slot, make_sample(now, payload, temperature), sample);
+      } else if (lsm6dso::is_tag_of(variant, lsm6dso::kTagAccelerometer, word[0])) {
+        is_sample = slots_.add_acceleration(slot, raw_of(payload), sample);
+      } else {
+        return Frame::corrupt;
+      }
+      return is_sample ? Frame::sample : Frame::no_sample;
+    };
+    const auto count = drain_fifo<kWordBytes>(bus_, lsm6dso::kFifoDataOutTag, words, out, decode);
+    return count ? stamp(now, out.first(*count), words) : count;
+  }
+
+  /// @param words  left in the FIFO
+  /// @return samples that are settled, which are moved to the front
+  std::size_t stamp(core::Instant now, std::span<GyroSample> samples, std::size_t words) {
+    const std::size_t waiting = samples.size() + slots_.samples_to_come(words);
+    if (waiting > 0) sample_clock_.begin_batch(now, waiting);
+    std::size_t settled = 0;
+    for (GyroSample& sample : samples) {
+      sample.time = sample_clock_.next();
+      if (sample.time >= settled_at_) samples[settled++] = sample;
+    }
+    return settled;
+  }
+
+  constexpr void forget_words() {
+    if constexpr (kHasAccelerometer) slots_.restart();
+  }
+
+  static constexpr std::array<std::int16_t, 3> raw_of(std::span<const std::uint8_t, 6> bytes) {
+    return {decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
+            decode_int16(bytes[4], bytes[5])};
+  }
+
   [[nodiscard]] GyroSample make_sample(core::Instant time, std::span<const std::uint8_t, 6> bytes,
                                        core::Temperature temperature) const {
     GyroSample sample;
     sample.time = time;
     sample.temperature = temperature;
     sample.has_temperature = true;
-    set_rates(sample,
-              {decode_int16(bytes[0], bytes[1]), decode_int16(bytes[2], bytes[3]),
-               decode_int16(bytes[4], bytes[5])},
-              lsb_, lsm6dso::kFullScaleRaw);
+    set_rates(sample, raw_of(bytes), lsb_, lsm6dso::kFullScaleRaw);
     return sample;
   }
 
@@ -301,6 +348,7 @@ class Lsm6dso {
   core::Instant settled_at_;
   std::uint8_t zero_identities_ = 0;  ///< in a row
   Stage stage_ = Stage::off;
+  [[no_unique_address]] Slots slots_;
 };
 
 }  // namespace zerorate::drivers

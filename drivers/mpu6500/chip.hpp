@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/chip.hpp"
 #include "drivers/mpu6500/codec.hpp"
 #include "drivers/mpu6500/driver.hpp"
@@ -19,6 +20,8 @@ struct Chip {
   static constexpr std::string_view kName = "mpu6500";
   template <RegisterBus Bus>
   using Driver = Mpu6500<Bus>;
+  template <RegisterBus Bus>
+  using DriverWithAcceleration = Mpu6500<Bus, Accelerometer::on>;
   using Settings = mpu6500::Settings;
   static constexpr std::size_t kAxes = 3;
   static constexpr auto kRates =
@@ -36,6 +39,12 @@ struct Chip {
                                         {500.0, FullScale::dps_500},
                                         {1000.0, FullScale::dps_1000},
                                         {2000.0, FullScale::dps_2000}});
+  static constexpr auto kAccelerationRanges =
+      std::to_array<Choice<AccelerationRange>>({{2.0, AccelerationRange::g_2},
+                                                {4.0, AccelerationRange::g_4},
+                                                {8.0, AccelerationRange::g_8},
+                                                {16.0, AccelerationRange::g_16}});
+  static constexpr double kUsualAccelerationRange_g = 4.0;
   static constexpr double kCounts = 32768.0;
   static constexpr bool kHasDataReady = true;
   static constexpr bool kHasFifo = true;
@@ -52,5 +61,6 @@ struct Chip {
   }
 };
 static_assert(RegisterChipEntry<Chip>);
+static_assert(AccelerometerChipEntry<Chip>);
 
 }  // namespace zerorate::drivers::mpu6500

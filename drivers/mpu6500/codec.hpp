@@ -23,19 +23,21 @@ struct Variant {
   float counts_per_degree;    ///< slope of the thermometer; 0: not known
   float degc_at_zero_counts;  ///< its temperature at 0 counts
   PathReset path_reset;
+  bool has_accel_config_2;  ///< filter of the accelerometer in a register of its own
 };
 
 /// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
-    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi},  // MPU-6050, MPU-6000, MPU-9150
-    Variant{0x70, 512, 333.87F, 21.0F,
-            PathReset::always},  // MPU-6500, also where MPU-6050 is written on it
-    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always},  // MPU-9250
-    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never},       // no chip of InvenSense's: a copy
-    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always},  // MPU-9255
-    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always},  // MPU-6515
-    Variant{0x98, 512, 326.8F, 25.0F,
-            PathReset::never},  // ICM-20689, also where MPU-6050 is written on it
+    // MPU-6050, MPU-6000, MPU-9150
+    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi, false},
+    // MPU-6500, also where MPU-6050 is written on it
+    Variant{0x70, 512, 333.87F, 21.0F, PathReset::always, true},
+    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9250
+    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never, false},      // no chip of InvenSense's: a copy
+    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9255
+    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-6515
+    // ICM-20689, also where MPU-6050 is written on it
+    Variant{0x98, 512, 326.8F, 25.0F, PathReset::never, true},
 };
 
 /// nullptr for a chip that is not accepted.
@@ -74,6 +76,15 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
 [[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
   const unsigned code = static_cast<unsigned>(full_scale) >> 3U;
   return core::deg_per_s(static_cast<float>(250U << code) / 32768.0F);
+}
+
+/// Full scale of the accelerometer; the values are the bits ACCEL_FS_SEL in place.
+enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x08, g_8 = 0x10, g_16 = 0x18 };
+
+/// The specific force of one LSB: full scale by 2^15 (PS-MPU-6000A-00, 6.2).
+[[nodiscard]] constexpr core::Acceleration acceleration_lsb(AccelerationRange range) {
+  const unsigned code = static_cast<unsigned>(range) >> 3U;
+  return core::standard_gravity(static_cast<float>(2U << code) / 32768.0F);
 }
 
 /// Temperature by the figures of `variant`, which must have them.
@@ -119,14 +130,15 @@ struct FifoLevel {
   bool is_plausible;      ///< the FIFO can hold so much
 };
 
-/// FIFO_COUNTH and FIFO_COUNTL. A sample is six bytes, which no FIFO is a multiple of: a full one
-/// shows in bytes that are left over. Room for three samples is kept free, as Linux does it: they
-/// may come while the FIFO is read.
+/// FIFO_COUNTH and FIFO_COUNTL. A sample is six or twelve bytes, which no FIFO is a multiple of: a
+/// full one shows in bytes that are left over. Room for three samples is kept free, as Linux does
+/// it: they may come while the FIFO is read.
+template <unsigned kSampleBytes = kFifoSampleBytes>
 [[nodiscard]] constexpr FifoLevel decode_fifo_level(const Variant& variant, std::uint8_t high,
                                                     std::uint8_t low) {
   const auto bytes = static_cast<unsigned>((high << 8U) | low);
-  return {static_cast<std::uint16_t>(bytes / kFifoSampleBytes), bytes % kFifoSampleBytes == 0,
-          bytes + 3 * kFifoSampleBytes > variant.fifo_bytes, bytes <= variant.fifo_bytes};
+  return {static_cast<std::uint16_t>(bytes / kSampleBytes), bytes % kSampleBytes == 0,
+          bytes + 3 * kSampleBytes > variant.fifo_bytes, bytes <= variant.fifo_bytes};
 }
 
 /// Time until the chip may be used after a reset of the whole, and of its signal paths, each.

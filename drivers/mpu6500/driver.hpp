@@ -1,6 +1,6 @@
 /// @file
-/// Driver of the gyro in InvenSense's MPU-6500, MPU-6050, MPU-9250 and their relatives, over SPI or
-/// I2C, polled by data-ready or through the FIFO.
+/// Driver of the gyro, and on demand of the accelerometer, in InvenSense's MPU-6500, MPU-6050,
+/// MPU-9250 and their relatives, over SPI or I2C, polled by data-ready or through the FIFO.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
@@ -41,16 +42,18 @@ struct Settings {
 ///
 /// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
 /// back end's.
-template <RegisterBus Bus>
+/// @tparam kAccelerometer  whether samples carry the acceleration, which is measured at the gyro's
+///         rate. A sample of the FIFO takes twelve bytes then, not six: half as many fit.
+template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Mpu6500 {
  public:
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Mpu6500(Bus bus, mpu6500::Settings settings = {})
-      : bus_(bus),
-        settings_(settings),
-        lsb_(mpu6500::lsb(settings.full_scale)),
-        configuration_(configuration(settings)) {}
+      : Mpu6500(settings, mpu6500::AccelerationRange::g_4, bus) {}
+  constexpr Mpu6500(Bus bus, mpu6500::Settings settings,
+                    mpu6500::AccelerationRange range) requires(kAccelerometer == Accelerometer::on)
+      : Mpu6500(settings, range, bus) {}
 
   /// First call: identity, then reset, then always not_ready. Later calls: not_ready until 100 ms
   /// have passed; then identity, waking up, and where the chip needs it a reset of the signal
@@ -98,33 +101,78 @@ class Mpu6500 {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == mpu6500::Mode::fifo; }
 
  private:
+  constexpr Mpu6500(const mpu6500::Settings& settings, mpu6500::AccelerationRange range, Bus bus)
+      : bus_(bus),
+        settings_(settings),
+        lsb_(mpu6500::lsb(settings.full_scale)),
+        configuration_(configuration(settings, range, false)),
+        accelerometer_(accelerometer(range)) {}
+
   enum class Stage : std::uint8_t { off, resetting, clearing, running };
-  static constexpr std::size_t kEntries = 9;
-  static constexpr std::size_t kSampleBytes = mpu6500::kFifoSampleBytes;
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+  static constexpr std::size_t kGyroEntries = 9;
+  static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 2 : 0);
+  static constexpr std::size_t kSampleBytes =
+      kHasAccelerometer ? mpu6500::kLongSampleBytes : mpu6500::kFifoSampleBytes;
+  using SampleBytes = std::span<const std::uint8_t, kSampleBytes>;
+  using AxesBytes = std::span<const std::uint8_t, 6>;
+
+  struct ChosenAccelerometer {
+    AccelerationScale scale;
+    mpu6500::AccelerationRange range;
+  };
+  using MaybeAccelerometer = MemberWith<kAccelerometer, ChosenAccelerometer>;
+  static constexpr MaybeAccelerometer accelerometer(mpu6500::AccelerationRange range) {
+    if constexpr (kHasAccelerometer) {
+      return {.scale = {.lsb = mpu6500::acceleration_lsb(range)}, .range = range};
+    } else {
+      return {};
+    }
+  }
 
   /// Bit of USER_CTRL. Without it the chip would react to I2C patterns on the wires of SPI; over
   /// I2C it would switch the chip's bus off until its power is cut.
   static constexpr std::uint8_t kInterface =
       kIsSpi<Bus> ? mpu6500::bits::kUserCtrlI2cIfDis : std::uint8_t{0};
 
-  static constexpr ConfigurationTable<kEntries> configuration(const mpu6500::Settings& settings) {
+  /// @param has_accel_config_2  where the chip has no such register, the entry before stands twice
+  static constexpr ConfigurationTable<kEntries> configuration(const mpu6500::Settings& settings,
+                                                              mpu6500::AccelerationRange range,
+                                                              bool has_accel_config_2) {
+    if constexpr (kHasAccelerometer) {
+      using namespace mpu6500;
+      const auto scale =
+          configure(kAccelConfig, bits::kAccelConfigAll, static_cast<std::uint8_t>(range));
+      const auto filter =
+          configure(kAccelConfig2, bits::kAccelConfig2Filter, low_pass(settings.rate));
+      return ConfigurationTable<kEntries>{
+          joined(entries(settings), std::array{scale, has_accel_config_2 ? filter : scale})};
+    } else {
+      return ConfigurationTable<kEntries>{entries(settings)};
+    }
+  }
+
+  static constexpr std::array<ConfigurationEntry, kGyroEntries> entries(
+      const mpu6500::Settings& settings) {
     using namespace mpu6500;
     namespace b = mpu6500::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
     const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
-    return ConfigurationTable<kEntries>{{{
-        // Awake: asleep, it may not take the others. The ones and zeros of these two show a line
-        // that is stuck either way.
+    constexpr std::uint8_t kStandby = kHasAccelerometer ? std::uint8_t{0} : b::kPwrMgmt2AccelOff;
+    constexpr std::uint8_t kContent = b::kFifoEnGyro | (kHasAccelerometer ? b::kFifoEnAccel : 0U);
+    return {{
+        // Awake: asleep, it may not take the others. Ones and zeros show a line that is stuck
+        // either way.
         configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll),
-        configure(kPwrMgmt2, b::kPwrMgmt2Standby, b::kPwrMgmt2AccelOff),
+        configure(kPwrMgmt2, b::kPwrMgmt2Standby, kStandby),
         configure(kConfig, b::kConfigAll, low_pass(settings.rate)),
         configure(kSmplrtDiv, 0xFF, static_cast<std::uint8_t>(settings.rate)),
         configure(kGyroConfig, b::kGyroConfigAll, static_cast<std::uint8_t>(settings.full_scale)),
         configure(kIntPinCfg, b::kIntPinCfgAll, 0),
         configure(kIntEnable, b::kIntEnableAll, is_fifo ? b::kIntFifoOflow : b::kIntDataRdy),
-        configure(kFifoEn, 0xFF, is_fifo ? b::kFifoEnGyro : std::uint8_t{0}),
+        configure(kFifoEn, 0xFF, is_fifo ? kContent : std::uint8_t{0}),
         configure(kUserCtrl, b::kUserCtrlAll, static_cast<std::uint8_t>(fifo_en | kInterface)),
-    }}};
+    }};
   }
 
   /// @param is_same whether it must equal that of the last time
@@ -166,6 +214,9 @@ class Mpu6500 {
   }
 
   core::Result<void, DriverError> finish_start(core::Instant now) {
+    if constexpr (kHasAccelerometer) {
+      configuration_ = configuration(settings_, accelerometer_.range, variant_->has_accel_config_2);
+    }
     if (const auto done = configuration_.apply(bus_); !done) return done;
     settled_at_ = now + mpu6500::settling_time(sample_period());
     sample_clock_.restart(now, sample_period());
@@ -175,7 +226,7 @@ class Mpu6500 {
     return {};
   }
 
-  /// INT_STATUS, three unused axes of the accelerometer, temperature, and the gyro.
+  /// INT_STATUS, accelerometer, temperature, and gyro.
   using Outputs = std::array<std::uint8_t, 15>;
 
   /// One burst, of one instant (README): reading the status clears it, and later samples show in
@@ -195,7 +246,11 @@ class Mpu6500 {
     if ((bytes[0] & mpu6500::bits::kIntDataRdy) == 0) return std::size_t{0};
     if (const auto alive = check_line(); !alive) return core::Unexpected{alive.error()};
     if (now < settled_at_) return std::size_t{0};
-    out = make_sample(now, std::span{bytes}.template last<kSampleBytes>(), raw_temperature(bytes));
+    const auto outputs = std::span<const std::uint8_t, 15>{bytes};
+    out = make_sample(now, outputs.template last<6>(), raw_temperature(bytes));
+    if constexpr (kHasAccelerometer) {
+      set_acceleration(out, raw_axes(outputs.template subspan<1, 6>()), accelerometer_.scale);
+    }
     return std::size_t{1};
   }
 
@@ -227,7 +282,7 @@ class Mpu6500 {
       if (const auto done = read_registers(bus_, mpu6500::kFifoCountH, bytes); !done) {
         return core::Unexpected{done.error()};
       }
-      level = mpu6500::decode_fifo_level(*variant_, bytes[0], bytes[1]);
+      level = mpu6500::decode_fifo_level<kSampleBytes>(*variant_, bytes[0], bytes[1]);
     }
     if (!level.is_plausible) {
       return refused(DriverErrorCode::corrupt_data, mpu6500::kFifoCountH.address);
@@ -258,10 +313,14 @@ class Mpu6500 {
   core::Result<std::size_t, DriverError> drain(std::size_t samples, std::span<GyroSample> out,
                                                std::int16_t temperature) {
     blank_frames_.begin_reading();
-    const auto decode = [&](std::span<const std::uint8_t, kSampleBytes> bytes, GyroSample& sample) {
+    const auto decode = [&](SampleBytes bytes, GyroSample& sample) {
       const core::Instant time = sample_clock_.next();
-      if (blank_frames_.is_blank(raw_rates(bytes)) || time < settled_at_) return Frame::no_sample;
-      sample = make_sample(time, bytes, temperature);
+      const AxesBytes gyro = bytes.template last<6>();
+      if (blank_frames_.is_blank(raw_axes(gyro)) || time < settled_at_) return Frame::no_sample;
+      sample = make_sample(time, gyro, temperature);
+      if constexpr (kHasAccelerometer) {
+        set_acceleration(sample, raw_axes(bytes.template first<6>()), accelerometer_.scale);
+      }
       return Frame::sample;
     };
     return drain_fifo<kSampleBytes>(bus_, mpu6500::kFifoRW, samples, out, decode);
@@ -281,13 +340,12 @@ class Mpu6500 {
     return decode_int16(outputs[8], outputs[7]);
   }
 
-  static constexpr BlankFrames::Raw raw_rates(std::span<const std::uint8_t, kSampleBytes> bytes) {
+  static constexpr BlankFrames::Raw raw_axes(AxesBytes bytes) {
     return {decode_int16(bytes[1], bytes[0]), decode_int16(bytes[3], bytes[2]),
             decode_int16(bytes[5], bytes[4])};
   }
 
-  [[nodiscard]] GyroSample make_sample(core::Instant time,
-                                       std::span<const std::uint8_t, kSampleBytes> bytes,
+  [[nodiscard]] GyroSample make_sample(core::Instant time, AxesBytes bytes,
                                        std::int16_t temperature) const {
     GyroSample sample;
     sample.time = time;
@@ -295,7 +353,7 @@ class Mpu6500 {
     if (sample.has_temperature) {
       sample.temperature = mpu6500::decode_temperature(*variant_, temperature);
     }
-    set_rates(sample, raw_rates(bytes), lsb_, mpu6500::kFullScaleRaw);
+    set_rates(sample, raw_axes(bytes), lsb_, mpu6500::kFullScaleRaw);
     return sample;
   }
 
@@ -310,6 +368,7 @@ class Mpu6500 {
   core::Instant settled_at_;
   bool is_shifted_ = false;  ///< the start of a sample in the FIFO is unknown
   Stage stage_ = Stage::off;
+  [[no_unique_address]] MaybeAccelerometer accelerometer_;
 };
 
 }  // namespace zerorate::drivers

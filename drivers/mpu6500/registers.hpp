@@ -17,6 +17,8 @@ inline constexpr hal::I2cAddress kAddressAd0High{0x69};
 inline constexpr Register<0x19, Access::read_write> kSmplrtDiv;
 inline constexpr Register<0x1A, Access::read_write> kConfig;
 inline constexpr Register<0x1B, Access::read_write> kGyroConfig;
+inline constexpr Register<0x1C, Access::read_write> kAccelConfig;
+inline constexpr Register<0x1D, Access::read_write> kAccelConfig2;  // not of an MPU-6050
 inline constexpr Register<0x23, Access::read_write> kFifoEn;
 inline constexpr Register<0x37, Access::read_write> kIntPinCfg;
 inline constexpr Register<0x38, Access::read_write> kIntEnable;
@@ -36,14 +38,18 @@ namespace bits {
 inline constexpr std::uint8_t kConfigAll = 0x7F;
 // Self-test, range, and FCHOICE_B, of the MPU-6500 alone, which would go round the filter.
 inline constexpr std::uint8_t kGyroConfigAll = 0xFB;
+// Self-test, range; an MPU-6050 has its high-pass filter in bits 2:0.
+inline constexpr std::uint8_t kAccelConfigAll = 0xFF;
+inline constexpr std::uint8_t kAccelConfig2Filter = 0x0F;  // FCHOICE_B, low-pass filter
 inline constexpr std::uint8_t kFifoEnGyro = 0x70;
+inline constexpr std::uint8_t kFifoEnAccel = 0x08;
 // Active low, open drain, latched, cleared by any reading, FSYNC, bypass.
 inline constexpr std::uint8_t kIntPinCfgAll = 0xFE;
 inline constexpr std::uint8_t kIntEnableAll = 0x79;
 inline constexpr std::uint8_t kIntFifoOflow = 0x10;
 inline constexpr std::uint8_t kIntDataRdy = 0x01;
-// Free fall, zero motion and PLL ready of some of the chips: without the accelerometer never at
-// once.
+// Free fall, zero motion and PLL ready of some of the chips: never at once, since the thresholds
+// of the first two are 0.
 inline constexpr std::uint8_t kIntStatusNeverAtOnce = 0xA4;
 inline constexpr std::uint8_t kSignalPathResetAll = 0x07;
 inline constexpr std::uint8_t kUserCtrlAll = 0xF0;
@@ -58,5 +64,7 @@ inline constexpr std::uint8_t kPwrMgmt2AccelOff = 0x38;
 
 /// x, y and z of the gyro, without a mark.
 inline constexpr unsigned kFifoSampleBytes = 6;
+/// x, y and z of the accelerometer in front of them.
+inline constexpr unsigned kLongSampleBytes = 12;
 
 }  // namespace zerorate::drivers::mpu6500

@@ -86,7 +86,7 @@ class AxisPredictors {
 
   /// @param params must outlive the predictors
   constexpr explicit AxisPredictors(const NodeParams<Shape>& params)
-      : coefficients_(params.model.modes, params.model.gate, params.model.temperature,
+      : coefficients_(params.model.modes, params.model.gate, params.model.inputs,
                       params.model.hypotheses),
         kalman_(coefficients_),
         axes_(core::filled_array<kAxes>(Axis{params.model.modes})) {}
@@ -157,11 +157,11 @@ class AxisPredictors {
   }
   /// The bank compares the measurement with its forecast.
   /// @return true if it is to learn it
-  constexpr bool compare(Measurement& measurement, const auto& tick) {
+  constexpr bool compare(Measurement& measurement, const auto& tick, const Transition& since_last) {
     if constexpr (kLearns) {
       stops_ *= coefficients_.hypotheses->kept;
       if (tick.begins_stop && learns() && has_learnt()) {
-        drive_scale_.begin_stop(kalman_.state());
+        drive_scale_.begin_stop(kalman_.state(), since_last);
       }
     }
     const bool is_to_learn = kalman_.compare(measurement.rate_rad_s, measurement.white_of_bank,

@@ -46,7 +46,7 @@ class DriveIntegralSteps {
   constexpr void step_drive() {
     if (work_.item == 0) {
       work_.span.ticks = std::min(work_.drive.ticks, lead_.ticks);
-      Ticks::TemperatureTrack::over_drive(lead_, work_.span.ticks, work_.span);
+      Ticks::InputTrack::over_drive(lead_, work_.span.ticks, work_.span);
     }
     params_.model.modes.make_piece(work_.item, work_.span);
     work_.next(Ticks::kPieces, TickStage::approach);

@@ -12,6 +12,7 @@
 #include "core/base/crc32.hpp"
 #include "core/base/time.hpp"
 #include "core/noise/hypotheses.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/samples/sample_model.hpp"
 
 namespace zerorate::app {
@@ -66,13 +67,14 @@ template <class Node>
   print.add_modes(params.model.modes.rotating);
   print.add(params.model.white_variance_rad2_s2);
   print.add(params.model.measurement_floor_variance_rad2_s2);
-  if constexpr (!std::is_empty_v<typename Node::TickTemperature>) {
-    print.add(params.model.temperature.reference_degc);
-    print.add(params.model.temperature.slope_rad_s_per_k);
-    print.add(params.model.temperature.slope_sigma_rad_s_per_k);
-    print.add(params.model.temperature.curvature_rad_s_per_k2);
-    print.add(params.model.temperature.curvature_sigma_rad_s_per_k2);
-    print.add(params.model.temperature.lag_s);
+  if constexpr (!std::is_empty_v<typename Node::TickInputs>) {
+    print.add(params.model.inputs.reference_degc);
+    print.add(params.model.inputs.lag_s);
+    for (const core::InputTerm& term : params.model.inputs.terms) {
+      print.add(term.input);
+      print.add(term.sigma);
+      for (const float coefficient : term.coefficient) print.add(coefficient);
+    }
   }
   if constexpr (Node::kScreensSamples) {
     const core::SampleModel& samples = params.model.samples;

@@ -13,14 +13,13 @@
 ///                                        hold back                             Motion
 ///                                           ^
 ///     odometer pulse -----------------------+
-///     temperature ---> TickNode: weights of the tick, held beside its mean
+///     temperature, acceleration ---> TickNode: inputs of the tick, held beside its mean
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <type_traits>
 
 #include "core/base/result.hpp"
@@ -43,14 +42,15 @@ namespace zerorate::app {
 template <ModelShape Shape, NodeCapacity Capacity = NodeCapacity{}>
 class GyroNode {
  public:
+  static constexpr ModelShape kShape = Shape;
   static constexpr std::size_t kAxes = Capacity.axes;
   static constexpr bool kScreensSamples = Capacity.screens_samples;
   using Params = NodeParams<Shape>;
   using Ticks = TickNode<Shape, Capacity>;
   using Predictors = typename Ticks::Predictors;
   using Transition = typename Ticks::Transition;
-  using TemperatureTrack = typename Ticks::TemperatureTrack;
-  using TickTemperature = typename Ticks::TickTemperature;
+  using InputTrack = typename Ticks::InputTrack;
+  using TickInputs = typename Ticks::TickInputs;
   using Screening = typename Ticks::Screening;
   using Turn = TurnTrack<Ticks>;
   using Learning = core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks>;
@@ -90,6 +90,13 @@ class GyroNode {
   constexpr void pulse(core::Instant at) {
     learning_.pulse(at);
     ticks_.end_stop();
+  }
+
+  /// Specific force along the axes of the chip, at the newest sample or after it. A sample that has
+  /// its own needs no call.
+  constexpr void take_acceleration(core::Instant at,
+                                   const std::array<core::Acceleration, 3>& acceleration) {
+    ticks_.inputs().take_acceleration(at, acceleration);
   }
 
   /// The odometer input failed or dropped edges: the vehicle was moving, and it is unknown since
@@ -245,18 +252,12 @@ class GyroNode {
   using Rates = std::array<float, kAxes>;
 
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
-  static constexpr std::int32_t kAtOnce = 0;     ///< pace where a tick has a single sample
 
-  /// Cost units a sample that do the work of a tick before the next one begins.
   [[nodiscard]] static constexpr std::int32_t pace_of(const Params& params) {
-    const auto samples =
-        static_cast<std::uint32_t>(std::clamp(params.model.modes.tick / params.model.sample_period,
-                                              std::int64_t{1}, std::int64_t{0xFFFF}));
-    if (samples == 1) return kAtOnce;
-    // The last step of a tick may wait for one more share.
-    const std::uint32_t cost =
-        Ticks::Costs::of_tick(params.published != Predictor::kalman) + Ticks::Costs::kLongest;
-    return static_cast<std::int32_t>((cost + samples - 1) / samples);
+    const std::int64_t samples = params.model.modes.tick / params.model.sample_period;
+    return Ticks::Costs::pace(
+        static_cast<std::uint32_t>(std::clamp(samples, std::int64_t{1}, std::int64_t{0xFFFF})),
+        params.published != Predictor::kalman);
   }
   [[nodiscard]] constexpr TickForecast<Ticks> forecast() const {
     return TickForecast<Ticks>{ticks_};
@@ -284,9 +285,7 @@ class GyroNode {
       catch_up();
       turn_to_tick(sample.time);
     }
-    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    ticks_.take_temperature(sample.time, begins_tick,
-                            sample.has_temperature ? sample.temperature.degc() : kNone);
+    ticks_.inputs().take(sample, begins_tick);
     Rates rate_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
       rate_rad_s[i] = rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
@@ -321,7 +320,7 @@ class GyroNode {
   /// that costs more than is left of the share is paid by the samples that follow, and waits for
   /// them where the call would be longer than its longest step.
   constexpr void work() {
-    if (pace_ == kAtOnce) {
+    if (pace_ == Ticks::Costs::kAtOnce) {
       while (learning_.confirmed() > 0) {
         (void)ticks_.learn_at_once(learning_.take_confirmed(), learning_.sway_variance_rad2_s2());
       }
@@ -333,17 +332,12 @@ class GyroNode {
     std::int32_t spent = 0;
     while (credit_ > 0 && begin_step()) {
       const auto cost = static_cast<std::int32_t>(ticks_.next_cost());
-      if (spent > 0 && spent + cost > longest_call(share)) return;
+      if (spent > 0 && spent + cost > Ticks::Costs::longest_call(share)) return;
       ticks_.step();
       spent += cost;
       credit_ -= cost;
     }
     credit_ = std::min(credit_, std::int32_t{0});
-  }
-  /// Where a share is less than a step, steps are done one by one and still keep up.
-  [[nodiscard]] static constexpr std::int32_t longest_call(std::int32_t share) {
-    constexpr auto kLongestStep = static_cast<std::int32_t>(Ticks::Costs::kLongest);
-    return share < kLongestStep ? kLongestStep : share + kLongestStep - 1;
   }
   /// A tick is predicted before the next measurement is learnt.
   /// @return whether there is a step to do
@@ -370,7 +364,8 @@ class GyroNode {
     message.calm_percent = learning_.calm().share().percent();
     message.health.measurement_rejected =
         ticks_.screening().is_disturbed() || predictors.filter().rejected > 0;
-    message.health.temperature_missing = ticks_.temperature().is_missed(message.time);
+    message.health.temperature_missing = ticks_.inputs().misses_temperature(message.time);
+    message.health.acceleration_missing = ticks_.inputs().misses_acceleration(message.time);
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.health.model_inconsistent |=
           !predictors.is_consistent(i) || params_.is_beyond_zero_rate(predicted[i].bias_rad_s);

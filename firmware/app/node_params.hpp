@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/base/earth_rate.hpp"
 #include "core/base/numeric.hpp"
@@ -30,9 +31,32 @@ enum class ParamsError : std::uint8_t {
   white_variance_not_positive,
   negative_time,
   no_room_for_samples,  ///< a model of single samples, and NodeCapacity::screens_samples is false
+  no_accelerometer,     ///< a term follows the acceleration, and the shape has none
   predictor_not_run,    ///< the published one, by NodeCapacity
   hold_back_too_long,   ///< more than NodeCapacity::held_ticks: slow the filter or shorten it
 };
+
+/// Why, in words for a message.
+[[nodiscard]] constexpr std::string_view reason(ParamsError error) {
+  switch (error) {
+    case ParamsError::tick_not_positive:
+    case ParamsError::tick_shorter_than_sample:
+      return "the filter tick must be positive and not shorter than the sample period";
+    case ParamsError::white_variance_not_positive:
+      return "the model's white noise must be positive";
+    case ParamsError::no_room_for_samples:
+      return "the model describes single samples, and the node has no room for that";
+    case ParamsError::no_accelerometer:
+      return "the model follows the acceleration, and the node has no room for that";
+    case ParamsError::predictor_not_run:
+      return "the node does not run the predictor that it is to publish";
+    case ParamsError::negative_time:
+      return "settle time and hold-back must not be negative";
+    case ParamsError::hold_back_too_long:
+      break;
+  }
+  return "the hold-back is longer than the node can hold at this filter rate: lower the rate";
+}
 
 /// Parameters of a node: the model of its sensor, and its way of learning.
 template <ModelShape Shape>
@@ -104,6 +128,9 @@ template <ModelShape Shape>
   }
   if (!capacity.screens_samples && params.model.samples.is_on()) {
     return Unexpected{ParamsError::no_room_for_samples};
+  }
+  if (!Shape.has_accelerometer && params.model.inputs.follows(core::is_inertial)) {
+    return Unexpected{ParamsError::no_accelerometer};
   }
   if (!capacity.runs(params.published)) return Unexpected{ParamsError::predictor_not_run};
   if (params.standstill.settle < kZero || params.standstill.hold_back < kZero ||

@@ -10,8 +10,8 @@
 
 #include "core/base/numeric.hpp"
 #include "core/estimator/prediction.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/modes.hpp"
-#include "core/noise/temperature_drift.hpp"
 #include "firmware/app/node_params.hpp"
 
 namespace zerorate::app {
@@ -32,11 +32,11 @@ template <std::size_t R, std::size_t C>
   return is_possible(span.level) && std::ranges::all_of(span.decaying, is_possible) &&
          std::ranges::all_of(span.rotating, is_possible);
 }
-/// Likewise with the temperature.
+/// Likewise with the inputs.
 template <core::ModelShape Shape>
-[[nodiscard]] bool is_possible_span(const core::TransitionWithTemperature<Shape>& span) {
+[[nodiscard]] bool is_possible_span(const core::TransitionWithInputs<Shape>& span) {
   const core::TransitionOf<Shape>& modes = span;
-  return is_possible_span(modes) && has_plausible_words(span.temperature);
+  return is_possible_span(modes) && has_plausible_words(span.inputs);
 }
 
 /// Whether predictions are plausible numbers with positive variances.
@@ -156,8 +156,7 @@ template <class Node>
 [[nodiscard]] bool is_possible_state(const Node& node, const typename Node::State& state) {
   using Ticks = typename Node::Ticks;
   const auto is_possible_item = [](const typename Ticks::Tick& held) {
-    return Node::TickTemperature::is_possible(held.temperature) &&
-           Node::Screening::is_possible(held.squares);
+    return Node::TickInputs::is_possible(held.inputs) && Node::Screening::is_possible(held.squares);
   };
   const typename Ticks::State& ticks = state.ticks;
   constexpr std::int32_t kMostCredit = 1 << 16;
@@ -167,7 +166,7 @@ template <class Node>
          ticks.measured_ticks <= ticks.tick + 1 && are_plausible(ticks.predicted, true) &&
          Node::Learning::is_possible(state.learning, node.params().model.modes.tick,
                                      is_possible_item) &&
-         Node::TemperatureTrack::is_possible(ticks.temperature) &&
+         Node::InputTrack::is_possible(ticks.inputs) &&
          Node::Screening::is_possible(ticks.screening) &&
          Ticks::WhiteLevel::is_possible(ticks.white) &&
          Ticks::Work::is_possible(ticks.work, Ticks::kMostItems, is_possible_item) &&

@@ -31,6 +31,8 @@ struct Health {
   bool measurement_rejected = false;
   /// The model follows the temperature, and there is none: the interval is wider.
   bool temperature_missing = false;
+  /// The model follows the acceleration, and there is none: the interval is wider.
+  bool acceleration_missing = false;
   /// Gyro and odometer cannot both be right (see core::OdometerCheck): a turn without pulses, from
   /// which nothing is learnt; pulses without any motion; pulses that follow too closely.
   bool odometer_disagreement = false;

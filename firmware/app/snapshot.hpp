@@ -58,7 +58,7 @@ class Snapshot {
   using Predictors = typename Node::Predictors;
   using Filter = typename Predictors::Filter;
   using Levels = typename Node::Ticks::Levels;
-  using Temperature = typename Node::TickTemperature;
+  using Inputs = typename Node::TickInputs;
   using Params = typename Node::Params;
 
   static constexpr bool kTakesReferences = Node::Ticks::kTakesReferences;
@@ -66,14 +66,12 @@ class Snapshot {
   using Motion = std::conditional_t<kTakesReferences, core::LearntMotion, NoReferences>;
   using FilterBytes = std::span<const std::uint8_t, sizeof(Filter)>;
 
-  static constexpr std::uint16_t kLayout = 10;
-  static constexpr std::size_t kBytesOfTemperature =
-      std::is_empty_v<Temperature> ? 0 : sizeof(Temperature);
+  static constexpr std::uint16_t kLayout = 11;
+  static constexpr std::size_t kBytesOfInputs = std::is_empty_v<Inputs> ? 0 : sizeof(Inputs);
   static constexpr std::size_t kBytesOfMotion = kTakesReferences ? sizeof(Motion) : 0;
   static constexpr std::size_t kBytesOfBiases = 4 * (Node::kAxes + 3);
-  static constexpr std::size_t kBytesOfFilters = 64 + kBytesOfBiases + sizeof(Filter) +
-                                                 sizeof(Levels) + kBytesOfTemperature +
-                                                 kBytesOfMotion + 4;
+  static constexpr std::size_t kBytesOfFilters =
+      64 + kBytesOfBiases + sizeof(Filter) + sizeof(Levels) + kBytesOfInputs + kBytesOfMotion + 4;
   static constexpr std::size_t kBytesOfState = 64 + kBytesOfBiases + sizeof(State) + 4;
 
   /// @param sensor identifies the sensor: another number, another sensor
@@ -81,7 +79,7 @@ class Snapshot {
       : model_(fingerprint<Node>(params)),
         sensor_(sensor),
         tick_(params.model.modes.tick),
-        reference_degc_(reference_of(params)),
+        inputs_(params.model.inputs),
         scale_(params.model.scale),
         turn_on_is_known_(core::is_finite(params.model.turn_on_variance_rad2_s2)) {}
 
@@ -100,11 +98,11 @@ class Snapshot {
     std::span<std::uint8_t> rest = begin(record, Content::filters, node.predictors().has_learnt(),
                                          ticks.ticks_since_measured(), time);
     const Filter& filter = node.predictors().filter();
-    const Temperature temperature = ticks.temperature().measured();
-    put(rest, biases_of(filter, temperature, ticks.ticks_since_measured()));
+    const Inputs inputs = ticks.inputs().measured();
+    put(rest, biases_of(filter, inputs, ticks.ticks_since_measured()));
     put(rest, filter);
     put(rest, ticks.levels());
-    if constexpr (kBytesOfTemperature > 0) put(rest, temperature);
+    if constexpr (kBytesOfInputs > 0) put(rest, inputs);
     if constexpr (kTakesReferences) put(rest, node.heading_filter().state().learnt());
     finish(record);
   }
@@ -115,8 +113,8 @@ class Snapshot {
     const Filter& filter = state.ticks.predictors.kalman;
     auto rest =
         begin(record, Content::state, filter.is_confirmed(), state.ticks_since_measured(), time);
-    const auto temperature = Node::TemperatureTrack::measured(state.ticks.temperature);
-    put(rest, biases_of(filter, temperature, state.ticks_since_measured()));
+    const auto inputs = Node::InputTrack::measured(state.ticks.inputs);
+    put(rest, biases_of(filter, inputs, state.ticks_since_measured()));
     put(rest, state);
     finish(record);
     return record;
@@ -141,7 +139,7 @@ class Snapshot {
     Learnt learnt{
         .filter = FilterBytes{reinterpret_cast<const std::uint8_t*>(&filter), sizeof(filter)},
         .levels = state.ticks.levels(),
-        .temperature = Node::TemperatureTrack::measured(state.ticks.temperature),
+        .inputs = Node::InputTrack::measured(state.ticks.inputs),
         .motion = {}};
     if constexpr (kTakesReferences) learnt.motion = state.turn.references.filter.learnt();
     return resume(node, learnt, *header, now);
@@ -162,16 +160,16 @@ class Snapshot {
     const auto after_filter = payload.subspan(sizeof(Filter));
     Learnt learnt{.filter = payload.first<sizeof(Filter)>(),
                   .levels = get<Levels>(after_filter),
-                  .temperature = {},
+                  .inputs = {},
                   .motion = {}};
-    if constexpr (kBytesOfTemperature > 0) {
-      learnt.temperature = get<Temperature>(after_filter.subspan(sizeof(Levels)));
-      if (!Temperature::is_possible(learnt.temperature)) {
+    if constexpr (kBytesOfInputs > 0) {
+      learnt.inputs = get<Inputs>(after_filter.subspan(sizeof(Levels)));
+      if (!Inputs::is_possible(learnt.inputs)) {
         return core::Unexpected{SnapshotRefusal::impossible};
       }
     }
     if constexpr (kTakesReferences) {
-      learnt.motion = get<Motion>(after_filter.subspan(sizeof(Levels) + kBytesOfTemperature));
+      learnt.motion = get<Motion>(after_filter.subspan(sizeof(Levels) + kBytesOfInputs));
       if (!learnt.motion.is_possible()) return core::Unexpected{SnapshotRefusal::impossible};
     }
     return resume(node, learnt, *header, now);
@@ -211,7 +209,7 @@ class Snapshot {
   struct Learnt {
     FilterBytes filter;
     Levels levels;
-    Temperature temperature;
+    Inputs inputs;
     [[no_unique_address]] Motion motion;
   };
   static constexpr float kMostTicks = 1e9F;
@@ -268,26 +266,14 @@ class Snapshot {
     return header;
   }
 
-  [[nodiscard]] static constexpr float reference_of([[maybe_unused]] const Params& params) {
-    if constexpr (kBytesOfTemperature > 0) {
-      return params.model.temperature.reference_degc;
-    } else {
-      return 0.0F;
-    }
-  }
-  [[nodiscard]] Biases biases_of(const Filter& filter, const Temperature& temperature,
+  [[nodiscard]] Biases biases_of(const Filter& filter, const Inputs& inputs,
                                  std::uint32_t ticks_since_measured) const {
-    Biases biases{.temperature_degc = std::numeric_limits<float>::quiet_NaN(),
+    Biases biases{.temperature_degc = core::temperature_degc(inputs_, inputs),
                   .age_s = static_cast<float>(ticks_since_measured) * tick_.in_seconds()};
     const auto newest = filter.newest();
     for (std::size_t i = 0; i < Node::kAxes; ++i) {
       biases.bias_rad_s[i] = newest[i].bias_rad_s / scale_.factor[i];
       biases.variance_rad2_s2 = std::max(biases.variance_rad2_s2, newest[i].variance_rad2_s2);
-    }
-    if constexpr (kBytesOfTemperature > 0) {
-      if (temperature.is_known) {
-        biases.temperature_degc = temperature.weights[0] + reference_degc_;
-      }
     }
     return biases;
   }
@@ -304,7 +290,7 @@ class Snapshot {
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
     if (!pause) return core::Unexpected{pause.error()};
-    node.resume(learnt.temperature, added(header.ticks_since_measured, pause->ticks),
+    node.resume(learnt.inputs, added(header.ticks_since_measured, pause->ticks),
                 learnt.levels.white, learnt.filter, learnt.levels.drive);
     if constexpr (kTakesReferences) {
       node.resume_motion(learnt.motion, static_cast<float>(pause->ticks) * tick_.in_seconds());
@@ -321,12 +307,9 @@ class Snapshot {
     if (!learnt.is_possible() || !(age_ticks < kMostTicks)) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};
     }
-    Temperature temperature{};
-    if constexpr (kBytesOfTemperature > 0) {
-      temperature = Temperature::of(learnt.temperature_degc - reference_degc_);
-    }
-    node.resume(temperature, added(static_cast<std::uint32_t>(age_ticks), pause->ticks), 0.0F,
-                learnt.bias_rad_s, learnt.variance_rad2_s2);
+    node.resume(core::inputs_at<Node::kShape>(inputs_, learnt.temperature_degc),
+                added(static_cast<std::uint32_t>(age_ticks), pause->ticks), 0.0F, learnt.bias_rad_s,
+                learnt.variance_rad2_s2);
     return if_possible(node, header, Resumption::bias_alone);
   }
   /// Begins the node anew where a record does not say of itself what it holds, or holds what
@@ -364,7 +347,7 @@ class Snapshot {
   std::uint32_t model_;
   std::uint32_t sensor_;
   core::Duration tick_;
-  float reference_degc_;
+  const core::InputBlock<Node::kShape.inputs>& inputs_;
   core::ScaleCorrection scale_;
   bool turn_on_is_known_;
 };

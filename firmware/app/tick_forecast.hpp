@@ -20,7 +20,7 @@ template <class Ticks>
 class TickForecast {
  public:
   using Transition = typename Ticks::Transition;
-  using TemperatureTrack = typename Ticks::TemperatureTrack;
+  using InputTrack = typename Ticks::InputTrack;
   using Lead = typename Ticks::Lead;
 
   /// @param ticks must outlive the forecast
@@ -50,8 +50,8 @@ class TickForecast {
     const std::uint32_t now = std::clamp(ticks_.tick() + 1, first, last);
     Transition to_now;
     to_now.ticks = ticks_.tick() + 1 - ticks_.measured_ticks();
-    ticks_.temperature().fill_lead(to_now.ticks, to_now);
-    TemperatureTrack::over_drive(to_now, now - first, drive);
+    ticks_.inputs().fill_lead(to_now.ticks, to_now);
+    InputTrack::over_drive(to_now, now - first, drive);
     if (!is_advancing()) {
       return ticks_.predictors().predict_heading(which, axis, {others, others}, drive);
     }
@@ -85,11 +85,11 @@ class TickForecast {
     if (!ticks_.is_busy() && ticks_.lead().ticks == ticks)
       return use(Lead{ticks_.lead(), ticks_.lead()});
     Transition others{modes.over(ticks)};
-    ticks_.temperature().fill_lead(ticks, others);
+    ticks_.inputs().fill_lead(ticks, others);
     if (!is_advancing()) return use(Lead{others, others});
     Transition advanced{modes.over(ticks - ticks_.work().span.ticks)};
-    ticks_.temperature().fill_lead(advanced.ticks, advanced);
-    TemperatureTrack::prepend(ticks_.work().span, others);
+    ticks_.inputs().fill_lead(advanced.ticks, advanced);
+    InputTrack::prepend(ticks_.work().span, others);
     return use(Lead{others, advanced, advanced_filters()});
   }
 

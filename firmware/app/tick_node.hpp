@@ -10,9 +10,9 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/time.hpp"
+#include "core/inputs/input_track.hpp"
 #include "core/samples/tick_average.hpp"
 #include "core/samples/white_level.hpp"
-#include "core/temperature/temperature_track.hpp"
 #include "firmware/app/axis_predictors.hpp"
 #include "firmware/app/drive_integral.hpp"
 #include "firmware/app/node_params.hpp"
@@ -35,13 +35,14 @@ class TickNode {
  public:
   static constexpr std::size_t kAxes = Capacity.axes;
   static constexpr bool kTakesReferences = Capacity.takes_references;
+  static constexpr bool kHasAccelerometer = Shape.has_accelerometer;
   using Params = NodeParams<Shape>;
   using Rates = std::array<float, kAxes>;
   using Predictors = AxisPredictors<Shape, Capacity>;
   using Predictions = std::array<core::Prediction, kAxes>;
   using Transition = core::FilterTransition<Shape>;
-  using TemperatureTrack = core::TemperatureTrack<Shape.temperature_weights>;
-  using TickTemperature = core::TickTemperature<Shape.temperature_weights>;
+  using InputTrack = core::InputTrack<Shape>;
+  using TickInputs = core::TickInputs<Shape>;
   using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
   using WhiteLevel = core::WhiteLevel<kAxes>;
   using Lead = typename Predictors::Lead;
@@ -53,7 +54,7 @@ class TickNode {
     bool begins_stop = false;  ///< first measurement of a stop
     bool has_jumped = false;   ///< first one of a level that was doubted, and is accepted
     bool is_sway = false;      ///< mean of a vehicle that sways, in place of that of a tick
-    [[no_unique_address]] TickTemperature temperature;
+    [[no_unique_address]] TickInputs inputs;
     [[no_unique_address]] typename Screening::Squares squares;
 
     constexpr bool operator==(const Tick&) const = default;
@@ -77,7 +78,7 @@ class TickNode {
     std::uint32_t measured_ticks = 0;  ///< ticks up to and with the newest measurement
     Transition lead;                   ///< from there to the end of that tick; 0 ticks: not made
     Predictions predicted{};
-    [[no_unique_address]] typename TemperatureTrack::State temperature;
+    [[no_unique_address]] typename InputTrack::State inputs;
     [[no_unique_address]] typename Screening::State screening;
     typename WhiteLevel::State white;
     typename Predictors::State predictors;
@@ -97,7 +98,7 @@ class TickNode {
   constexpr explicit TickNode(const Params& params)
       : params_(params),
         one_tick_{params.model.modes.one_tick()},
-        temperature_(params.model.temperature),
+        inputs_(params.model.inputs, params.model.modes.tick),
         screening_(params.model.samples),
         white_(params.model.white_variance_rad2_s2, params.model.samples, params.model.modes.tick,
                params.learns_white_noise, params.model.rounding()),
@@ -108,7 +109,7 @@ class TickNode {
             .measured_ticks = measured_ticks_,
             .lead = lead_,
             .predicted = predicted_,
-            .temperature = temperature_.state(),
+            .inputs = inputs_.state(),
             .screening = screening_.state(),
             .white = white_.state(),
             .predictors = predictors_.state(),
@@ -119,7 +120,7 @@ class TickNode {
     measured_ticks_ = state.measured_ticks;
     lead_ = state.lead;
     predicted_ = state.predicted;
-    temperature_.restore(state.temperature);
+    inputs_.restore(state.inputs);
     screening_.restore(state.screening);
     white_.restore(state.white);
     predictors_.restore(state.predictors);
@@ -130,9 +131,8 @@ class TickNode {
   /// @param ticks since its newest measurement
   /// @param learnt arguments of AxisPredictors::resume(): a filter and its drive scale, or biases
   template <class... Learnt>
-  void resume(TickTemperature temperature, std::uint32_t ticks, float white_level,
-              const Learnt&... learnt) {
-    temperature_.resume(temperature);
+  void resume(TickInputs inputs, std::uint32_t ticks, float white_level, const Learnt&... learnt) {
+    inputs_.resume(inputs);
     white_.set_reference(white_level);
     predictors_.resume(learnt...);
     pass_pause(ticks, true);
@@ -167,10 +167,6 @@ class TickNode {
     screening_.begin_tick(predicted_, white_.model_level() * params_.model.white_variance_rad2_s2,
                           params_.model.measurement_floor_variance_rad2_s2);
   }
-  /// Temperature at the time of a sample; no number where there is no reading.
-  constexpr void take_temperature(core::Instant at, bool begins_tick, float degc) {
-    temperature_.take(at, begins_tick, degc);
-  }
   /// A sample at standstill.
   /// @return whether it may be learnt from
   [[nodiscard]] constexpr bool take(const Rates& rate_rad_s) { return screening_.take(rate_rad_s); }
@@ -178,7 +174,7 @@ class TickNode {
   constexpr void end_stop() { screening_.end_stop(); }
   /// Measurement of the tick that is over, from the mean of its samples.
   [[nodiscard]] constexpr Tick measurement(const core::TickMean<kAxes>& mean) const {
-    return {mean, false, false, false, temperature_.tick(), screening_.squares()};
+    return {mean, false, false, false, inputs_.measurement(), screening_.squares()};
   }
 
   /// Begins to learn from a tick. It shows in the prediction of the next tick that begins.
@@ -221,8 +217,9 @@ class TickNode {
       case Stage::advance:
         return step_advance();
       case Stage::compare:
-        return work_.go_to(predictors_.compare(work_.measurement, work_.tick) ? Stage::learn
-                                                                              : Stage::rest);
+        return work_.go_to(predictors_.compare(work_.measurement, work_.tick, work_.span)
+                               ? Stage::learn
+                               : Stage::rest);
       case Stage::learn:
         predictors_.learn(work_.item, work_.measurement);
         return work_.next(count(), Stage::conclude);
@@ -272,7 +269,9 @@ class TickNode {
   [[nodiscard]] constexpr const Screening& screening() const { return screening_; }
   [[nodiscard]] constexpr const WhiteLevel& white() const { return white_; }
   [[nodiscard]] constexpr WhiteLevel& white() { return white_; }
-  [[nodiscard]] constexpr const TemperatureTrack& temperature() const { return temperature_; }
+  /// Temperature and acceleration, to be fed with every sample.
+  [[nodiscard]] constexpr InputTrack& inputs() { return inputs_; }
+  [[nodiscard]] constexpr const InputTrack& inputs() const { return inputs_; }
   [[nodiscard]] constexpr Levels levels() const {
     return {.white = white_.reference(), .drive = predictors_.drive_memory()};
   }
@@ -317,7 +316,7 @@ class TickNode {
   constexpr void step_begin() {
     const std::uint32_t ticks = work_.tick.tick + 1 - measured_ticks_;
     lead_.ticks = 0;
-    temperature_.measure(work_.tick.temperature, work_.span);
+    inputs_.measure(work_.tick.inputs, ticks, work_.span);
     white_.advance(ticks);
     if (!work_.tick.is_sway) white_.observe(work_.tick);
     prepare_measurement();
@@ -364,7 +363,7 @@ class TickNode {
     if (++work_.item == kPieces) finish_lead();
   }
   constexpr void finish_lead() {
-    temperature_.lead_over(lead_.ticks, lead_);
+    inputs_.lead_over(lead_.ticks, lead_);
     work_.mixtures = {};
     work_.span.ticks = predictors_.window(params_.published, lead_);
     work_.go_to(work_.span.ticks > 0 ? Stage::window : Stage::predict);
@@ -386,7 +385,7 @@ class TickNode {
 
   const Params& params_;
   core::TransitionOf<Shape> one_tick_;
-  [[no_unique_address]] TemperatureTrack temperature_;
+  [[no_unique_address]] InputTrack inputs_;
   [[no_unique_address]] Screening screening_;
   WhiteLevel white_;
   Predictors predictors_;

@@ -39,7 +39,7 @@ enum class TickStage : std::uint8_t {
 template <core::ModelShape Shape, std::size_t Axes>
 struct TickCosts {
   static constexpr auto kStates =
-      static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.temperature_weights);
+      static_cast<std::uint32_t>(Shape.decaying + 2 * Shape.rotating + Shape.inputs);
   static constexpr std::uint32_t kBeginning = 2 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
   static constexpr std::uint32_t kAdvance = 1 + kStates * kStates / 13;
   static constexpr std::uint32_t kComparison = 1 + static_cast<std::uint32_t>(Shape.hypotheses) / 2;
@@ -96,6 +96,21 @@ struct TickCosts {
     return kBeginning + kFilters * (kAdvance + kLearning + kPrediction) + kComparison +
            kConclusion + static_cast<std::uint32_t>(Axes) * (kWeighing + kPrediction) + kRest +
            kPieces * (of_piece(kShortLead) + (publishes_average ? of_piece(kLongWindow) : 0));
+  }
+
+  static constexpr std::int32_t kAtOnce = 0;  ///< pace where a tick has a single sample
+  /// Cost units a sample that do the work of a tick before the next one begins.
+  [[nodiscard]] static constexpr std::int32_t pace(std::uint32_t samples_of_tick,
+                                                   bool publishes_average) {
+    if (samples_of_tick == 1) return kAtOnce;
+    // The last step of a tick may wait for one more share.
+    const std::uint32_t cost = of_tick(publishes_average) + kLongest;
+    return static_cast<std::int32_t>((cost + samples_of_tick - 1) / samples_of_tick);
+  }
+  /// Where a share is less than a step, steps are done one by one and still keep up.
+  [[nodiscard]] static constexpr std::int32_t longest_call(std::int32_t share) {
+    constexpr auto kLongestStep = static_cast<std::int32_t>(kLongest);
+    return share < kLongestStep ? kLongestStep : share + kLongestStep - 1;
   }
 };
 

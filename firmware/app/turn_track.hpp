@@ -100,7 +100,9 @@ class TurnTrack {
     if constexpr (kTakesReferences) references_.follow(sum_, bias_variance_rad2_s2(ticks));
     if (!sum_.moves() || ticks.drive().ticks > 0) return;
     const auto length = static_cast<std::uint32_t>(sum_.duration() / params_.model.modes.tick) + 1;
-    if (length <= asked_ticks_ + asked_ticks_ / 8) return;
+    // Forces come and go: what they add to the error of the turn may be less at its end.
+    const std::uint32_t wait = Ticks::kHasAccelerometer ? 0 : asked_ticks_ / 8;
+    if (length <= asked_ticks_ + wait) return;
     asked_ticks_ = length;
     ticks.drive().ticks = length;
   }

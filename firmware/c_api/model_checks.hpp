@@ -79,6 +79,26 @@ inline constexpr float kLargestStrength = 1e8F;
          (drift.slope_rad_s_per_k == 0.0F && drift.slope_sigma_rad_s_per_k == 0.0F &&
           drift.curvature_rad_s_per_k2 == 0.0F && drift.curvature_sigma_rad_s_per_k2 == 0.0F);
 }
+#if ZERORATE_INPUTS > 0
+[[nodiscard]] inline bool are_sound_inputs(const zerorate_model& model) {
+  unsigned seen = 0;
+  for (const zerorate_input& input : model.inputs) {
+    if (input.quantity < ZERORATE_NO_QUANTITY || input.quantity > ZERORATE_TEMPERATURE_RATE ||
+        !is_drift(input.sigma) || input.sigma < 0.0F ||
+        !std::ranges::all_of(input.coefficient, is_drift)) {
+      return false;
+    }
+    const unsigned bit = 1U << static_cast<unsigned>(input.quantity);
+    if (input.quantity != ZERORATE_NO_QUANTITY && (seen & bit) != 0) return false;
+    seen |= bit;
+  }
+  return true;
+}
+#else
+[[nodiscard]] inline bool are_sound_inputs(const zerorate_model& /*model*/) {
+  return true;
+}
+#endif
 [[nodiscard]] inline bool are_sound_modes(const zerorate_model& model) {
   const auto sound = [](const auto& mode) { return is_sound(mode); };
 #if ZERORATE_ROTATING_MODES > 0
@@ -96,7 +116,7 @@ inline constexpr float kLargestStrength = 1e8F;
          is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
          std::ranges::all_of(model.scale_factor_error, is_scale_error) &&
          is_magnitude(model.largest_bias_rad_s) && is_magnitude(model.gate_threshold_sigma) &&
-         is_sound(model.temperature) && are_sound_hypotheses(model);
+         is_sound(model.temperature) && are_sound_inputs(model) && are_sound_hypotheses(model);
 }
 
 inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();

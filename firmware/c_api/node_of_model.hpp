@@ -17,11 +17,11 @@
 
 namespace zerorate::c_api {
 
-constexpr core::ModelShape kShape{
-    .decaying = ZERORATE_DECAYING_MODES,
-    .rotating = ZERORATE_ROTATING_MODES,
-    .temperature_weights = ZERORATE_TEMPERATURE != 0 ? core::TemperatureDrift::kWeights : 0,
-    .hypotheses = ZERORATE_HYPOTHESES};
+constexpr core::ModelShape kShape{.decaying = ZERORATE_DECAYING_MODES,
+                                  .rotating = ZERORATE_ROTATING_MODES,
+                                  .inputs = ZERORATE_TERMS,
+                                  .has_accelerometer = ZERORATE_INPUTS > 0,
+                                  .hypotheses = ZERORATE_HYPOTHESES};
 constexpr app::NodeCapacity kCapacity{.axes = ZERORATE_AXES,
                                       .held_ticks = ZERORATE_HELD_TICKS,
                                       .average_levels = 12,
@@ -75,6 +75,51 @@ template <core::ModelShape Shape>
   }
   return hypotheses;
 }
+
+#if ZERORATE_INPUTS > 0
+[[nodiscard]] inline core::Input input_of(zerorate_quantity quantity) {
+  switch (quantity) {
+    case ZERORATE_ACCELERATION_X:
+      return core::Input::acceleration_x;
+    case ZERORATE_ACCELERATION_Y:
+      return core::Input::acceleration_y;
+    case ZERORATE_ACCELERATION_Z:
+      return core::Input::acceleration_z;
+    case ZERORATE_VIBRATION:
+      return core::Input::vibration;
+    case ZERORATE_TEMPERATURE_RATE:
+      return core::Input::temperature_rate;
+    default:
+      break;
+  }
+  return core::Input::none;
+}
+#endif
+#if ZERORATE_TERMS > 0
+[[nodiscard]] inline core::InputTerms<ZERORATE_TERMS> inputs_of(const zerorate_model& model) {
+  core::InputTerms<ZERORATE_TERMS> inputs;
+#if ZERORATE_TEMPERATURE
+  core::TemperatureDrift{
+      .reference_degc = model.temperature.reference_degc,
+      .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
+      .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
+      .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
+      .curvature_sigma_rad_s_per_k2 = model.temperature.curvature_sigma_rad_s_per_k2,
+      .lag_s = model.temperature.lag_s}
+      .put_into(inputs);
+#endif
+#if ZERORATE_INPUTS > 0
+  for (std::size_t i = 0; i < ZERORATE_INPUTS; ++i) {
+    const zerorate_input& given = model.inputs[i];
+    core::InputTerm& term = inputs.terms[ZERORATE_TERMS - ZERORATE_INPUTS + i];
+    term.input = input_of(given.quantity);
+    term.sigma = given.sigma;
+    std::copy_n(given.coefficient, ZERORATE_AXES, term.coefficient.begin());
+  }
+#endif
+  return inputs;
+}
+#endif
 
 [[nodiscard]] inline core::ScaleCorrection scale_of(const zerorate_model& model) {
   core::ScaleCorrection scale;
@@ -140,13 +185,8 @@ template <core::ModelShape Shape>
                                                           : std::numeric_limits<float>::infinity(),
     .gate = {.threshold_sigma = model.gate_threshold_sigma,
              .longest_knock_ticks = model.gate_longest_knock_ticks},
-#if ZERORATE_TEMPERATURE
-    .temperature = {.reference_degc = model.temperature.reference_degc,
-                    .slope_rad_s_per_k = model.temperature.slope_rad_s_per_k,
-                    .slope_sigma_rad_s_per_k = model.temperature.slope_sigma_rad_s_per_k,
-                    .curvature_rad_s_per_k2 = model.temperature.curvature_rad_s_per_k2,
-                    .curvature_sigma_rad_s_per_k2 = model.temperature.curvature_sigma_rad_s_per_k2,
-                    .lag_s = model.temperature.lag_s},
+#if ZERORATE_TERMS > 0
+    .inputs = inputs_of(model),
 #endif
     .motion = {.scale_factor = model.scale_factor_sigma > 0.0F ? model.scale_factor_sigma
                                                                : core::MotionModel{}.scale_factor,

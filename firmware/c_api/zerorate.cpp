@@ -23,6 +23,7 @@
 #include "core/base/time.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/snapshot.hpp"
+#include "firmware/c_api/answers.hpp"
 #include "firmware/c_api/instance.hpp"
 #include "firmware/c_api/model_checks.hpp"
 #include "firmware/c_api/node_of_model.hpp"
@@ -54,147 +55,8 @@ Instance* instance_in(zerorate_node* storage) {
   return instance != nullptr ? std::launder(reinterpret_cast<Instance*>(storage)) : nullptr;
 }
 
-zerorate_motion motion_of(core::Motion motion) {
-  switch (motion) {
-    case core::Motion::still:
-      return ZERORATE_STILL;
-    case core::Motion::settling:
-      return ZERORATE_SETTLING;
-    case core::Motion::moving:
-      break;
-  }
-  return ZERORATE_MOVING;
-}
-
 bool is_time(std::int64_t ns) {
   return core::is_in_range(core::Instant::from_ns(ns));
-}
-
-core::GyroSample sample_of(const zerorate_measurement& measured) {
-  core::GyroSample sample{.time = core::Instant::from_ns(measured.time_ns),
-                          .temperature = core::Temperature::from_degc(measured.temperature_degc),
-                          .has_temperature = measured.has_temperature,
-                          .saturated_axes = measured.saturated_axes};
-  for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    sample.rate[i] = core::rad_per_s(measured.rate_rad_s[i]);
-  }
-  return sample;
-}
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// Answer where nothing is known of a rate.
-zerorate_rate no_rate() {
-  zerorate_rate rate{};
-  rate.calm_percent = ZERORATE_NO_CALM;
-  rate.vertical_rad_s = kNone;
-  rate.heading_rad = kNone;
-  rate.heading_sigma_rad = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    rate.corrected_rad_s[i] = kNone;
-    rate.bias_rad_s[i] = kNone;
-    rate.sigma_rad_s[i] = std::numeric_limits<float>::infinity();
-    rate.turn_rad[i] = kNone;
-    rate.turn_sigma_rad[i] = std::numeric_limits<float>::infinity();
-  }
-  return rate;
-}
-
-zerorate_rate rate_of(const app::RateMessage& message) {
-  zerorate_rate rate{.time_ns = message.time.ns(),
-                     .motion = motion_of(message.motion),
-                     .health = {.calibrated = message.health.calibrated,
-                                .sample_refused = message.health.sample_refused,
-                                .time_refused = message.health.time_refused,
-                                .saturated = message.health.saturated,
-                                .model_inconsistent = message.health.model_inconsistent,
-                                .odometer_fault = message.health.odometer_fault,
-                                .measurement_rejected = message.health.measurement_rejected,
-                                .temperature_missing = message.health.temperature_missing,
-                                .odometer_disagreement = message.health.odometer_disagreement,
-                                .odometer_dead_band = message.health.odometer_dead_band,
-                                .sensor_fault = message.health.sensor_fault,
-                                .sample_rate_off = message.health.sample_rate_off,
-                                .reference_disagreement = message.health.reference_disagreement,
-                                .usable = message.health.is_usable()},
-                     .corrected_rad_s = {},
-                     .bias_rad_s = {},
-                     .sigma_rad_s = {},
-                     .turn_rad = {},
-                     .turn_sigma_rad = {},
-                     .turn_time_ns = message.turn_time.ns(),
-                     .vertical_rad_s = message.up && message.has_rate()
-                                           ? message.vertical_rate().in(core::rad_per_s)
-                                           : kNone,
-                     .heading_rad = message.heading.angle.in(core::rad),
-                     .heading_sigma_rad = message.heading.sigma.in(core::rad),
-                     .calm_percent = message.calm_percent};
-  for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    rate.corrected_rad_s[i] =
-        message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
-    rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
-    rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
-    rate.turn_rad[i] = message.turn[i].angle.in(core::rad);
-    rate.turn_sigma_rad[i] = message.turn[i].sigma.in(core::rad);
-  }
-  return rate;
-}
-
-zerorate_result result_of(const app::Health& health) {
-  if (health.time_refused) return ZERORATE_TIME_REFUSED;
-  if (health.sensor_fault) return ZERORATE_SENSOR_FAULT;
-  return health.sample_refused ? ZERORATE_SAMPLE_REFUSED : ZERORATE_OK;
-}
-
-zerorate_result result_of(app::SnapshotRefusal refusal) {
-  using app::SnapshotRefusal;
-  switch (refusal) {
-    case SnapshotRefusal::not_a_snapshot:
-      return ZERORATE_SNAPSHOT_NOT_OURS;
-    case SnapshotRefusal::damaged:
-    case SnapshotRefusal::impossible:
-      return ZERORATE_SNAPSHOT_DAMAGED;
-    case SnapshotRefusal::other_layout:
-      return ZERORATE_SNAPSHOT_VERSION;
-    case SnapshotRefusal::other_sensor:
-      return ZERORATE_SNAPSHOT_SENSOR;
-    case SnapshotRefusal::nothing_learnt:
-      return ZERORATE_NOTHING_LEARNT;
-    case SnapshotRefusal::turn_on_unknown:
-      break;
-  }
-  return ZERORATE_SNAPSHOT_NOT_USABLE;
-}
-
-#if ZERORATE_TAKES_REFERENCES
-zerorate_result result_of(core::ReferenceVerdict verdict) {
-  switch (verdict) {
-    case core::ReferenceVerdict::no_bias:
-      return ZERORATE_NOTHING_LEARNT;
-    case core::ReferenceVerdict::bad_time:
-      return ZERORATE_REFERENCE_TIME;
-    case core::ReferenceVerdict::refused:
-      return ZERORATE_REFERENCE_REFUSED;
-    default:
-      return ZERORATE_OK;
-  }
-}
-
-bool is_reference(float angle_rad, float sigma_rad) {
-  constexpr float kLargest_rad = 1e4F;
-  constexpr float kWidest_rad = 1.6F;
-  return angle_rad >= -kLargest_rad && angle_rad <= kLargest_rad && sigma_rad > 0.0F &&
-         sigma_rad <= kWidest_rad;
-}
-
-zerorate_figure figure_of(float value, float variance) {
-  return {.value = value, .sigma = core::square_root(variance)};
-}
-#endif
-
-zerorate_result result_of(app::ParamsError error) {
-  if (error == app::ParamsError::predictor_not_run) return ZERORATE_BAD_ARGUMENT;
-  return ZERORATE_BAD_TIMES;
 }
 
 app::SnapshotTime snapshot_time(std::int64_t utc_s) {
@@ -278,6 +140,20 @@ zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_
 
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands) {
   return stamp(self, time_ns, [=](auto& instance, core::Instant at) { instance.hear(at, stands); });
+}
+
+zerorate_result zerorate_acceleration(zerorate_node* self, int64_t time_ns,
+                                      const float acceleration_m_s2[3]) {
+  if (acceleration_m_s2 == nullptr || ZERORATE_INPUTS == 0) return ZERORATE_BAD_ARGUMENT;
+  std::array<core::Acceleration, 3> acceleration;
+  for (std::size_t i = 0; i < acceleration.size(); ++i) {
+    if (!core::Accelerometer::is_reading(acceleration_m_s2[i] / core::kStandardGravity_m_s2))
+      return ZERORATE_SAMPLE_REFUSED;
+    acceleration[i] = core::m_per_s2(acceleration_m_s2[i]);
+  }
+  return stamp(self, time_ns, [&](c_api::Instance& instance, core::Instant at) {
+    instance.node().take_acceleration(at, acceleration);
+  });
 }
 
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,

@@ -3,6 +3,7 @@
 /// them has every key. A new member of a table does not compile until it stands in the list.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <string_view>
@@ -36,6 +37,8 @@ inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 20.0; },
                                  "a tolerance from 0 to 20 %"};
 inline constexpr Rule kScaleError{[](double x) { return x > -20.0 && x < 20.0; },
                                   "three numbers, of x, y and z, each between -20 and 20 %"};
+inline constexpr Rule kCoefficients{[](double x) { return std::isfinite(x); },
+                                    "three numbers, of x, y and z"};
 inline constexpr Rule kTilt{[](double x) { return x >= 0.0 && x <= 45.0; },
                             "an angle from 0 to 45 deg"};
 inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || x == 12.0; },
@@ -43,9 +46,13 @@ inline constexpr Rule kHypotheses{[](double x) { return x == 1.0 || x == 4.0 || 
 inline constexpr Rule kFactor{[](double x) { return x > 1.0 && x <= 1000.0; },
                               "a factor above 1, at most 1000"};
 
-[[nodiscard]] constexpr std::string_view start_name(core::Start start) {
-  return start == core::Start::zero ? "zero" : "stationary";
-}
+/// Names of core::Start in a file, in the order of the enumeration.
+inline constexpr std::array<std::string_view, 2> kStarts{"zero", "stationary"};
+
+/// Names of the quantities in a file, in the order of the enumeration.
+inline constexpr std::array<std::string_view, 6> kInputQuantities{
+    "acceleration",   "acceleration_x", "acceleration_y",
+    "acceleration_z", "vibration",      "temperature_rate"};
 
 /// T or const T.
 template <class Type, class T>
@@ -103,6 +110,16 @@ void visit_fields(auto& visitor, MaybeConst<TemperatureDrift> auto& drift) {
   visitor.number("curvature_sigma_dps_per_degc2", curvature_sigma_rad_s_per_k2, FileUnit::degree,
                  kNotNegative, Presence::optional);
   visitor.number("lag_s", lag_s, FileUnit::si, kNotNegative, Presence::optional);
+  visitor.text("source", source, Presence::optional);
+}
+
+void visit_fields(auto& visitor, MaybeConst<Input> auto& input) {
+  auto& [quantity, sigma_rad_s_per_unit, coefficient_rad_s_per_unit, source] = input;
+  visitor.name("quantity", quantity, kInputQuantities);
+  visitor.number("sigma_dps_per_unit", sigma_rad_s_per_unit, FileUnit::degree, kNotNegative,
+                 Presence::required);
+  visitor.axes("coefficient_dps_per_unit", coefficient_rad_s_per_unit, FileUnit::degree,
+               kCoefficients);
   visitor.text("source", source, Presence::optional);
 }
 
@@ -209,15 +226,16 @@ void visit_fields(auto& visitor, MaybeConst<Prior> auto& prior) {
 
 void visit_fields(auto& visitor, MaybeConst<Node> auto& node) {
   auto& [start] = node;
-  visitor.start("start", start);
+  visitor.name("start", start, kStarts);
 }
 
 /// Visits a whole model: `name`, then every table. std::optional tables may be absent; of a
 /// std::vector there may be any number, as [[table]].
 void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
-  auto& [name, white, flicker, rate_random_walk, gauss_markov, harmonic, temperature, warm_up,
-         rate_ramp, quantization, outliers, motion_contamination, variable_noise, saturation, gate,
-         turn_on, zero_rate, scale_factor, mounting, learning, prior, node] = model;
+  auto& [name, white, flicker, rate_random_walk, gauss_markov, harmonic, temperature, inputs,
+         warm_up, rate_ramp, quantization, outliers, motion_contamination, variable_noise,
+         saturation, gate, turn_on, zero_rate, scale_factor, mounting, learning, prior, node] =
+      model;
   visitor.text("name", name, Presence::required);
   visitor.table("white", white, Presence::required);
   visitor.table("flicker", flicker);
@@ -225,6 +243,7 @@ void visit_fields(auto& visitor, MaybeConst<SensorModel> auto& model) {
   visitor.tables("gauss_markov", gauss_markov);
   visitor.tables("harmonic", harmonic);
   visitor.table("temperature", temperature);
+  visitor.tables("input", inputs);
   visitor.table("warm_up", warm_up);
   visitor.table("rate_ramp", rate_ramp);
   visitor.table("quantization", quantization);

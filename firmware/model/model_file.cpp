@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -58,10 +59,12 @@ class TableReader {
   void text(std::string_view key, std::string& value, Presence presence) {
     if (const auto read = table_.text(key, presence)) value = *read;
   }
-  void start(std::string_view key, core::Start& value) {
-    constexpr std::array kStarts{core::Start::stationary, core::Start::zero};
-    static constexpr std::array kNames{start_name(kStarts[0]), start_name(kStarts[1])};
-    if (const auto read = table_.choice(key, kNames, Presence::optional)) value = kStarts[*read];
+  /// One of the values of an enumeration, whose names stand in its order.
+  template <class Enumeration>
+  void name(std::string_view key, Enumeration& value, std::span<const std::string_view> names) {
+    if (const auto read = table_.choice(key, names, Presence::optional)) {
+      value = static_cast<Enumeration>(*read);
+    }
   }
 
   template <class Part>
@@ -146,7 +149,10 @@ class Writer {
       line(key, toml_string(value));
     }
   }
-  void start(std::string_view key, core::Start value) { line(key, toml_string(start_name(value))); }
+  template <class Enumeration>
+  void name(std::string_view key, Enumeration value, std::span<const std::string_view> names) {
+    line(key, toml_string(names[static_cast<std::size_t>(value)]));
+  }
 
   template <class Part>
   void table(std::string_view key, const Part& part, Presence /*presence*/) {

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "core/noise/terms.hpp"
 #include "core/samples/rounding_watch.hpp"
 #include "firmware/model/flicker_fit.hpp"
+#include "firmware/model/model_fields.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
@@ -51,7 +54,7 @@ Decades decades_of(const FlickerFit& fit) {
 }
 
 /// Squares of single-precision numbers may still overflow.
-void require_finite(const core::ModesOf<kLargestLearningShape>& modes) {
+void require_finite(const core::ModesOf<kWidestLearningShape>& modes) {
   bool finite = core::is_finite(modes.walk_variance);
   for (const auto& mode : modes.decaying) {
     finite = finite && core::is_finite(mode.noise_variance) &&
@@ -100,6 +103,56 @@ core::TemperatureDrift temperature_of(const TemperatureDrift& drift) {
           .curvature_rad_s_per_k2 = single(drift.curvature_rad_s_per_k2),
           .curvature_sigma_rad_s_per_k2 = single(drift.curvature_sigma_rad_s_per_k2),
           .lag_s = single(drift.lag_s)};
+}
+
+/// Inputs of the filter that a table stands for.
+std::vector<core::Input> inputs_of(InputQuantity quantity) {
+  switch (quantity) {
+    case InputQuantity::acceleration:
+      return {core::Input::acceleration_x, core::Input::acceleration_y,
+              core::Input::acceleration_z};
+    case InputQuantity::acceleration_x:
+      return {core::Input::acceleration_x};
+    case InputQuantity::acceleration_y:
+      return {core::Input::acceleration_y};
+    case InputQuantity::acceleration_z:
+      return {core::Input::acceleration_z};
+    case InputQuantity::vibration:
+      return {core::Input::vibration};
+    case InputQuantity::temperature_rate:
+      return {core::Input::temperature_rate};
+  }
+  return {};
+}
+
+std::array<float, 3> single(const std::array<double, 3>& values) {
+  return {single_or_zero(values[0]), single_or_zero(values[1]), single_or_zero(values[2])};
+}
+
+core::InputTerms<kWidestShape.inputs> inputs_of(const SensorModel& model) {
+  core::InputTerms<kWidestShape.inputs> inputs;
+  std::size_t used = 0;
+  if (model.temperature) {
+    temperature_of(*model.temperature).put_into(inputs);
+    used = core::TemperatureDrift::kTerms;
+  }
+  for (const Input& given : model.inputs) {
+    const auto name = std::string{kInputQuantities.at(static_cast<std::size_t>(given.quantity))};
+    const auto coefficient = single(given.coefficient_rad_s_per_unit);
+    if (given.quantity == InputQuantity::acceleration && coefficient != std::array<float, 3>{}) {
+      throw std::invalid_argument(
+          "[[input]] of \"acceleration\" has a coefficient_dps_per_unit: give acceleration_x, "
+          "acceleration_y and acceleration_z a table each");
+    }
+    for (const core::Input input : inputs_of(given.quantity)) {
+      const auto is_there = [&](const core::InputTerm& term) { return term.input == input; };
+      if (std::ranges::any_of(inputs.terms, is_there)) {
+        throw std::invalid_argument("two tables [[input]] have the quantity \"" + name + "\"");
+      }
+      inputs.terms.at(used++) = {input, single_or_zero(given.sigma_rad_s_per_unit), coefficient};
+    }
+  }
+  return inputs;
 }
 
 core::WarmUp warm_up_of(const WarmUp& transient) {
@@ -176,9 +229,9 @@ constexpr double kTrace = 1e-7;
 
 /// The hypotheses of a model beside the fit of its own flicker, whose lags without weight get a
 /// trace.
-core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model, double tick_s,
-                                                       FlickerFit& own) {
-  core::Hypotheses<kLargestLearningShape> weighed;
+core::Hypotheses<kWidestLearningShape> weigh_flickers(const SensorModel& model, double tick_s,
+                                                      FlickerFit& own) {
+  core::Hypotheses<kWidestLearningShape> weighed;
   const std::vector<FlickerHypothesis> guesses = hypotheses_of(model);
   std::vector<FlickerFit> fits;
   for (const FlickerHypothesis& guess : guesses) {
@@ -194,7 +247,7 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
     // White noise at the tick, flicker or not, is the unit of a hypothesis.
     const double white = arw * arw / tick_s + fits[m].white_variance_rad2_s2;
     const double unit = own_white > 0.0 && white > 0.0 ? own_white / white : 1.0;
-    core::NoiseHypothesis<kLargestShape.decaying>& one = weighed.all[m];
+    core::NoiseHypothesis<kWidestShape.decaying>& one = weighed.all[m];
     one.strength.fill(1.0F);
     for (std::size_t i = 0; i < own.variances_rad2_s2.size(); ++i) {
       const double of_own = own.variances_rad2_s2[i];
@@ -217,12 +270,13 @@ core::Hypotheses<kLargestLearningShape> weigh_flickers(const SensorModel& model,
 
 bool fits_six_decades(const SensorModel& model) {
   return model.gauss_markov.empty() && model.harmonic.empty() && !model.warm_up &&
-         !model.rate_ramp && !model.temperature && (!model.flicker || model.flicker->decades <= 6);
+         !model.rate_ramp && !model.temperature && model.inputs.empty() &&
+         (!model.flicker || model.flicker->decades <= 6);
 }
 
-NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                                      core::Duration sample_period,
-                                                      core::Duration filter_tick) {
+NodeModel<kWidestLearningShape> make_full_node_model(const SensorModel& model,
+                                                     core::Duration sample_period,
+                                                     core::Duration filter_tick) {
   validate(model);
   if (sample_period <= core::Duration{} || filter_tick < sample_period) {
     throw std::invalid_argument(
@@ -231,7 +285,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
   const double tick_s = seconds(filter_tick);
   const double arw = model.white.angle_random_walk_rad_per_sqrt_s;
   double white_variance_of_tick = arw * arw / tick_s;
-  NodeModel<kLargestLearningShape> node{.sample_period = sample_period};
+  NodeModel<kWidestLearningShape> node{.sample_period = sample_period};
   Decades decades = decades_of({});
   if (model.flicker) {
     FlickerFit fit = fit_flicker(*model.flicker, tick_s);
@@ -269,9 +323,7 @@ NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
     node.turn_on_variance_rad2_s2 = single(sigma * sigma);
   }
   if (model.zero_rate) node.largest_bias_rad_s = single(model.zero_rate->limit_rad_s);
-  if (model.temperature) {
-    node.temperature = temperature_of(*model.temperature);
-  }
+  node.inputs = inputs_of(model);
   node.samples = samples_of(model, seconds(sample_period), tick_s);
   node.motion = motion_model_of(model);
   node.scale = scale_correction_of(model);

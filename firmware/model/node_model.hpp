@@ -10,8 +10,8 @@
 
 #include "core/base/time.hpp"
 #include "core/model/node_model.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/model_shape.hpp"
-#include "core/noise/temperature_drift.hpp"
 #include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
@@ -21,13 +21,24 @@ namespace zerorate::model {
 inline constexpr std::size_t kMostDecades = 8;
 inline constexpr std::size_t kMostGaussMarkov = 2;
 inline constexpr std::size_t kMostLines = 2;
+/// Shape of every model without [[input]] tables.
 inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
-    .temperature_weights = core::TemperatureDrift::kWeights};
-/// Shape of the full model with every hypothesis.
+    .inputs = core::TemperatureDrift::kTerms};
+/// The same with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
+
+/// A shape with room for every input.
+[[nodiscard]] constexpr core::ModelShape with_all_inputs(core::ModelShape shape) {
+  shape.inputs = core::kInputs - 1;
+  shape.has_accelerometer = true;
+  return shape;
+}
+/// Shape of every model.
+inline constexpr core::ModelShape kWidestShape = with_all_inputs(kLargestShape);
+inline constexpr core::ModelShape kWidestLearningShape = with_all_inputs(kLargestLearningShape);
 
 template <core::ModelShape Shape>
 using NodeModel = core::NodeModel<Shape>;
@@ -37,12 +48,15 @@ using NodeModel = core::NodeModel<Shape>;
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
 /// Calls `run` with the shape of the filter for a model as a template argument: six decades where
-/// they are enough, otherwise `Largest`.
+/// they are enough, otherwise `Largest`, where need be with all inputs.
 template <core::ModelShape Largest, class Run>
 auto with_shape_of(const SensorModel& model, Run run) {
   if (fits_six_decades(model)) {
     return run
         .template operator()<core::ModelShape{.decaying = 6, .hypotheses = Largest.hypotheses}>();
+  }
+  if constexpr (Largest.inputs > 0) {
+    if (!model.inputs.empty()) return run.template operator()<with_all_inputs(Largest)>();
   }
   return run.template operator()<Largest>();
 }
@@ -67,6 +81,14 @@ template <class Mode, std::size_t N, class Moved>
 }
 }  // namespace detail
 
+/// Number of the terms of a model; they stand first.
+template <std::size_t K>
+[[nodiscard]] constexpr std::size_t count_inputs(const core::InputTerms<K>& inputs) {
+  return static_cast<std::size_t>(
+      std::count_if(inputs.terms.begin(), inputs.terms.end(),
+                    [](const auto& term) { return term.input != core::Input::none; }));
+}
+
 /// Modes of a model with an effect; they stand first.
 struct ActiveModes {
   std::size_t decaying = 0;
@@ -82,9 +104,9 @@ struct ActiveModes {
 /// Throws std::invalid_argument for an impossible model (see validate()), unless
 /// 0 < sample_period <= filter_tick, and where single precision cannot hold the coefficients or
 /// nothing white is left (a filter needs some: it never trusts a single sample completely).
-[[nodiscard]] NodeModel<kLargestLearningShape> make_full_node_model(const SensorModel& model,
-                                                                    core::Duration sample_period,
-                                                                    core::Duration filter_tick);
+[[nodiscard]] NodeModel<kWidestLearningShape> make_full_node_model(const SensorModel& model,
+                                                                   core::Duration sample_period,
+                                                                   core::Duration filter_tick);
 
 /// Moves the modes that do something to the front, and the strengths of the hypotheses with them.
 template <core::ModelShape Shape>
@@ -111,9 +133,10 @@ template <core::ModelShape Shape>
         std::to_string(rotating) + " rotating modes; this node has " +
         std::to_string(Shape.decaying) + " and " + std::to_string(Shape.rotating));
   }
-  if (full.temperature.is_on() && Shape.temperature_weights == 0) {
+  if (count_inputs(full.inputs) > Shape.inputs ||
+      (full.inputs.follows(core::is_inertial) && !Shape.has_accelerometer)) {
     throw std::invalid_argument("the model \"" + model.name +
-                                "\" follows the temperature; this node does not");
+                                "\" follows inputs for which this node has no room");
   }
   NodeModel<Shape> fitting;
   fitting.modes.tick = full.modes.tick;
@@ -127,7 +150,11 @@ template <core::ModelShape Shape>
   fitting.turn_on_variance_rad2_s2 = full.turn_on_variance_rad2_s2;
   fitting.largest_bias_rad_s = full.largest_bias_rad_s;
   fitting.gate = full.gate;
-  if constexpr (Shape.temperature_weights > 0) fitting.temperature = full.temperature;
+  if constexpr (Shape.inputs > 0) {
+    fitting.inputs.reference_degc = full.inputs.reference_degc;
+    fitting.inputs.lag_s = full.inputs.lag_s;
+    std::copy_n(full.inputs.terms.begin(), Shape.inputs, fitting.inputs.terms.begin());
+  }
   fitting.samples = full.samples;
   fitting.motion = full.motion;
   fitting.scale = full.scale;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,6 +88,29 @@ struct TemperatureDrift {
   std::string source{};
 
   bool operator==(const TemperatureDrift&) const = default;
+};
+
+/// Quantity that a share of the bias is proportional to, beside the temperature. The unit of an
+/// acceleration is g (specific force, 1 g upwards at rest), of a vibration g^2 (variance within a
+/// tick, summed over the axes), of the temperature's rate of change K/s.
+enum class InputQuantity : std::uint8_t {
+  acceleration,  ///< all three axes, with coefficients that are not known
+  acceleration_x,
+  acceleration_y,
+  acceleration_z,
+  vibration,
+  temperature_rate
+};
+
+/// A share of the bias that follows a measured quantity, by coefficients that are constants of the
+/// sensor.
+struct Input {
+  InputQuantity quantity = InputQuantity::acceleration;
+  double sigma_rad_s_per_unit = 0.0;                   ///< standard deviation of a coefficient
+  std::array<double, 3> coefficient_rad_s_per_unit{};  ///< expected on x, y and z
+  std::string source{};
+
+  bool operator==(const Input&) const = default;
 };
 
 /// A transient that decays from the first sample on: amplitude exp(-t / time_constant).
@@ -237,6 +261,7 @@ struct SensorModel {
   std::vector<GaussMarkov> gauss_markov;
   std::vector<Harmonic> harmonic;
   std::optional<TemperatureDrift> temperature;
+  std::vector<Input> inputs{};
   std::optional<WarmUp> warm_up;
   std::optional<RateRamp> rate_ramp;
   std::optional<Quantization> quantization;

@@ -11,18 +11,17 @@
 
 #include "core/base/complex.hpp"
 #include "core/base/time.hpp"
-#include "core/noise/temperature_drift.hpp"
+#include "core/noise/inputs.hpp"
 #include "firmware/model/hypotheses.hpp"
 #include "firmware/model/sensor_model.hpp"
 
 namespace zerorate::model {
 
 /// The modes that a node behind the C interface has room for.
-inline constexpr core::ModelShape kCApiShape{
-    .decaying = 7,
-    .rotating = 1,
-    .temperature_weights = core::TemperatureDrift::kWeights,
-    .hypotheses = kMostHypotheses};
+inline constexpr core::ModelShape kCApiShape{.decaying = 7,
+                                             .rotating = 1,
+                                             .inputs = core::TemperatureDrift::kTerms,
+                                             .hypotheses = kMostHypotheses};
 
 /// Places of the hold-back line behind the C interface and in a node, as they are by default.
 inline constexpr std::int64_t kCApiHeldTicks = 16;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -35,7 +36,9 @@ class Validator {
     number("bias_instability_dph", si, FileUnit::degree_per_hour, rule, Presence::required);
   }
   void text(std::string_view /*key*/, const std::string& /*value*/, Presence /*presence*/) {}
-  void start(std::string_view /*key*/, core::Start /*value*/) {}
+  template <class Enumeration>
+  void name(std::string_view /*key*/, Enumeration /*value*/,
+            std::span<const std::string_view> /*names*/) {}
 
   template <class Part>
   void table(std::string_view key, const Part& part, Presence /*presence*/) {

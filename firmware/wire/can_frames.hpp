@@ -128,7 +128,8 @@ template <class Content>
   out.put(static_cast<std::uint8_t>((message.odometer_pulses ? 1U : 0U) |
                                     (message.health.odometer_dead_band ? 2U : 0U) |
                                     (message.health.sample_rate_off ? 4U : 0U) |
-                                    (message.health.reference_disagreement ? 8U : 0U)));
+                                    (message.health.reference_disagreement ? 8U : 0U) |
+                                    (message.health.acceleration_missing ? 16U : 0U)));
   out.put(message.calm_percent);
   return frame;
 }

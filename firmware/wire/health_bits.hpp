@@ -18,7 +18,7 @@ struct HealthBit {
 };
 
 /// New bits are appended; a bit never changes its meaning.
-inline constexpr std::array<HealthBit, 13> kHealthBits{{
+inline constexpr std::array<HealthBit, 14> kHealthBits{{
     {"calibrated", &app::Health::calibrated},
     {"sample_refused", &app::Health::sample_refused},
     {"time_refused", &app::Health::time_refused},
@@ -32,6 +32,7 @@ inline constexpr std::array<HealthBit, 13> kHealthBits{{
     {"odometer_dead_band", &app::Health::odometer_dead_band},
     {"sample_rate_off", &app::Health::sample_rate_off},
     {"reference_disagreement", &app::Health::reference_disagreement},
+    {"acceleration_missing", &app::Health::acceleration_missing},
 }};
 
 [[nodiscard]] constexpr std::uint16_t encode_health(const app::Health& health) {

@@ -13,6 +13,7 @@ enum Address : std::uint8_t {
   device_config = 0x11,
   fifo_config = 0x16,
   temp_data1 = 0x1D,
+  accel_data_x1 = 0x1F,
   gyro_data_x1 = 0x25,
   gyro_data_z0 = 0x2A,
   int_status = 0x2D,
@@ -23,6 +24,7 @@ enum Address : std::uint8_t {
   intf_config0 = 0x4C,
   pwr_mgmt0 = 0x4E,
   gyro_config0 = 0x4F,
+  accel_config0 = 0x50,
   fifo_config1 = 0x5F,
   fifo_config2 = 0x60,
   fifo_config3 = 0x61,
@@ -33,6 +35,7 @@ enum Address : std::uint8_t {
 
 constexpr core::Duration kResetTime = core::Duration::milliseconds(1);
 constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(30);
+constexpr core::Duration kAccelerometerTurnOn = core::Duration::milliseconds(20);
 
 constexpr std::array<std::uint8_t, 25> kWritable{
     device_config, 0x13, 0x14,         fifo_config,  signal_path_reset,
@@ -47,6 +50,10 @@ bool is_read_only(std::uint8_t address) {
 
 double dps_per_lsb(std::uint8_t config) {
   return 2000.0 / std::exp2(15.0 + (config >> 5U));
+}
+
+double g_per_lsb(std::uint8_t config) {
+  return 16.0 / std::exp2(15.0 + (config >> 5U));
 }
 
 double rate_hz(std::uint8_t config) {
@@ -95,6 +102,10 @@ bool SimulatedIcm42688::is_powered() const {
   return !is_resetting() && (registers_[pwr_mgmt0] & 0x0CU) == 0x0CU;  // low-noise mode
 }
 
+bool SimulatedIcm42688::is_accelerometer_powered() const {
+  return !is_resetting() && (registers_[pwr_mgmt0] & 0x03U) == 0x03U;
+}
+
 core::Duration SimulatedIcm42688::sample_period() const {
   if (!is_powered()) return {};
   return core::Duration::nanoseconds(std::llround(1e9 / rate_hz(registers_[gyro_config0])));
@@ -118,9 +129,29 @@ void SimulatedIcm42688::measure(const std::array<core::AngularRate, 3>& rate,
     // -32768 is reserved for "no sample".
     set_word(static_cast<std::uint8_t>(gyro_data_x1 + 2 * axis), to_counts(counts, -32766, 32767));
   }
+  measure_acceleration();
   registers_[int_status] |= 0x08U;  // DATA_RDY
   push_packet(temperature);
   pulse_int1();
+}
+
+void SimulatedIcm42688::measure_acceleration() {
+  constexpr std::int16_t kNoSample = -32768;
+  Counts counts{kNoSample, kNoSample, kNoSample};
+  if (is_accelerometer_powered() && !take_loss()) {
+    counts = convert_force(g_per_lsb(registers_[accel_config0]),
+                           clock_->now() - accelerometer_powered_at_, kAccelerometerTurnOn, -32766,
+                           32767);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    set_word(static_cast<std::uint8_t>(accel_data_x1 + 2 * axis), counts[axis]);
+  }
+}
+
+std::size_t SimulatedIcm42688::fifo_level() const {
+  std::size_t bytes = 0;
+  for (const Packet& packet : fifo_) bytes += packet.size();
+  return bytes;
 }
 
 std::size_t SimulatedIcm42688::watermark_bytes() const {
@@ -130,21 +161,27 @@ std::size_t SimulatedIcm42688::watermark_bytes() const {
 void SimulatedIcm42688::push_packet(core::Temperature temperature) {
   const unsigned mode = registers_[fifo_config] >> 6U;
   const unsigned content = registers_[fifo_config1];
-  const bool is_gyro_alone = (content & 0x13U) == 0x02U;
-  if (mode == 0 || !is_gyro_alone) return;
+  const bool has_acceleration = (content & 0x01U) != 0;
+  if (mode == 0 || (content & 0x12U) != 0x02U) return;  // 20 bits, or without the gyro
+  const std::size_t size = has_acceleration ? 16 : 8;
   constexpr unsigned kStream = 1;
-  if (fifo_.size() == kFifoPackets) {
+  while (fifo_level() + size > kFifoBytes) {
     if (mode != kStream) return;
     fifo_.pop_front();
     fifo_cursor_ = 0;
   }
-  Packet packet{0x20};
-  std::copy_n(&registers_[gyro_data_x1], 6, &packet[1]);
+  Packet packet{static_cast<std::uint8_t>(has_acceleration ? 0x60 : 0x20)};
+  const auto append = [&](std::size_t first) {
+    packet.insert(packet.end(), &registers_[first], &registers_[first] + 6);
+  };
+  if (has_acceleration) append(accel_data_x1);
+  append(gyro_data_x1);
   const double counts = (static_cast<double>(temperature.degc()) - 25.0) * 2.07;
-  packet[7] = low_byte(to_counts(counts, -128, 127));
+  packet.push_back(low_byte(to_counts(counts, -128, 127)));
+  packet.resize(size);  // two bytes of a time stamp, which is not modelled
   fifo_.push_back(packet);
-  if (fifo_.size() == kFifoPackets) registers_[int_status] |= 0x02U;  // FIFO_FULL
-  if (fifo_.size() * packet.size() >= watermark_bytes()) registers_[int_status] |= 0x04U;  // THS
+  if (fifo_level() == kFifoBytes) registers_[int_status] |= 0x02U;         // FIFO_FULL
+  if (fifo_level() >= watermark_bytes()) registers_[int_status] |= 0x04U;  // THS
 }
 
 std::uint8_t SimulatedIcm42688::read_fifo_byte() {
@@ -164,7 +201,7 @@ std::uint8_t SimulatedIcm42688::read_register(std::uint8_t address) {
   if (address == fifo_data) return read_fifo_byte();
   // Without FIFO_RESUME_PARTIAL_RD a packet is read whole or again.
   if ((registers_[fifo_config1] & 0x40U) == 0) fifo_cursor_ = 0;
-  const std::size_t level = is_flushed_ ? 0 : fifo_.size() * sizeof(Packet) - fifo_cursor_;
+  const std::size_t level = is_flushed_ ? 0 : fifo_level() - fifo_cursor_;
   if (address == fifo_countl) is_flushed_ = false;
   if (address == fifo_counth) return static_cast<std::uint8_t>(level >> 8U);
   if (address == fifo_countl) return static_cast<std::uint8_t>(level & 0xFFU);
@@ -188,6 +225,8 @@ void SimulatedIcm42688::write_register(std::uint8_t address, std::uint8_t value)
     return;
   }
   if (address == pwr_mgmt0 && !is_powered()) powered_at_ = clock_->now();
+  if (address == pwr_mgmt0 && !is_accelerometer_powered())
+    accelerometer_powered_at_ = clock_->now();
   registers_.at(address) = value;
   const bool is_flush = address == signal_path_reset && (value & 0x02U) != 0;
   const bool is_bypass = (registers_[fifo_config] >> 6U) == 0;
@@ -204,8 +243,7 @@ std::uint8_t SimulatedIcm42688::next_address(std::uint8_t address) const {
 /// In pulsed mode the pin is low again long before anybody looks at it.
 void SimulatedIcm42688::pulse_int1() {
   const unsigned routed = registers_[int_source0];
-  const bool is_at_watermark =
-      watermark_bytes() > 0 && fifo_.size() * sizeof(Packet) >= watermark_bytes();
+  const bool is_at_watermark = watermark_bytes() > 0 && fifo_level() >= watermark_bytes();
   const bool is_pulsed = (routed & 0x08U) != 0 || ((routed & 0x04U) != 0 && is_at_watermark);
   interrupt_.drive(is_pulsed, clock_->now());
   interrupt_.drive(false, clock_->now());

@@ -7,24 +7,27 @@
 #include <cstdint>
 #include <deque>
 #include <string_view>
+#include <vector>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "hal/sim/accelerometer.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
 
-/// The gyro half of the chip (TDK DS-000347): identity, reset values, software reset, register
-/// banks, power-up transient, rounding and clipping, data-ready, FIFO of gyro packets with
-/// watermark and full flag, temperature, INT1 in pulsed mode.
+/// The chip (TDK DS-000347) as a gyro that has an accelerometer beside it: identity, reset values,
+/// software reset, register banks, power-up transients, rounding and clipping, data-ready, FIFO of
+/// packets of the gyro or of both, with watermark and full flag, temperature, INT1 in pulsed mode.
 ///
-/// Not modelled: accelerometer, filters, 20-bit packets, time stamps, FSYNC, latched interrupts,
-/// INT2, little-endian data, the content of banks 1 to 4 (they read as 0), APEX.
+/// Not modelled: the accelerometer without the gyro or at another rate (it converts with the gyro),
+/// packets of the accelerometer alone, filters, 20-bit packets, time stamps, FSYNC, latched
+/// interrupts, INT2, little-endian data, the content of banks 1 to 4 (they read as 0), APEX.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
-class SimulatedIcm42688 : public SimulatedRegisters<128> {
+class SimulatedIcm42688 : public SimulatedRegisters<128>, public SimulatedAccelerometer {
  public:
   static constexpr std::string_view kName = "icm42688";
   static constexpr std::uint8_t kIdentityIcm42605 = 0x42;
@@ -42,6 +45,7 @@ class SimulatedIcm42688 : public SimulatedRegisters<128> {
   void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
 
   [[nodiscard]] bool is_powered() const;
+  [[nodiscard]] bool is_accelerometer_powered() const;
   /// Nominal period of the configured rate; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
 
@@ -54,11 +58,13 @@ class SimulatedIcm42688 : public SimulatedRegisters<128> {
   [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
 
  private:
-  static constexpr std::size_t kFifoPackets = 256;  // 2 kbyte of 8 bytes
-  using Packet = std::array<std::uint8_t, 8>;
+  static constexpr std::size_t kFifoBytes = 2048;
+  using Packet = std::vector<std::uint8_t>;  // 8 or 16 bytes
 
   void reset_registers();
   void set_word(std::uint8_t address, std::int16_t value);
+  void measure_acceleration();
+  [[nodiscard]] std::size_t fifo_level() const;
   void push_packet(core::Temperature temperature);
   std::uint8_t read_fifo_byte();
   [[nodiscard]] std::size_t watermark_bytes() const;
@@ -69,6 +75,7 @@ class SimulatedIcm42688 : public SimulatedRegisters<128> {
   std::size_t fifo_cursor_ = 0;  ///< bytes of the oldest packet that were read
   bool is_flushed_ = false;      ///< and its level was not read since, which will read as 0
   core::Instant powered_at_;
+  core::Instant accelerometer_powered_at_;
 };
 static_assert(RegisterChip<SimulatedIcm42688>);
 

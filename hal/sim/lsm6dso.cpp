@@ -17,14 +17,17 @@ enum Address : std::uint8_t {
   fifo_ctrl4 = 0x0A,
   int1_ctrl = 0x0D,
   who_am_i = 0x0F,
+  ctrl1_xl = 0x10,
   ctrl2_g = 0x11,
   ctrl3_c = 0x12,
   ctrl4_c = 0x13,
+  ctrl8_xl = 0x17,
   ctrl9_xl = 0x18,
   ctrl10_c = 0x19,
   status_reg = 0x1E,
   out_temp_l = 0x20,
-  outz_h_g = 0x27,
+  outx_l_a = 0x28,
+  outz_h_a = 0x2D,
   fifo_status1 = 0x3A,
   fifo_status2 = 0x3B,
   timestamp0 = 0x40,
@@ -38,7 +41,7 @@ constexpr core::Duration kResetTime = core::Duration::microseconds(50);
 constexpr core::Duration kBootTime = core::Duration::milliseconds(10);
 constexpr std::uint8_t kBoot = 0x80;  // bit of CTRL3_C
 
-// The registers of the user bank that may be written (DS12140, chapter 8), accelerometer included.
+// The registers of the user bank that may be written (DS12140, chapter 8).
 bool is_writable(std::uint8_t address) {
   return address == 0x01 || address == 0x02 || (address >= 0x07 && address <= 0x0E) ||
          (address >= 0x10 && address <= 0x19) || (address >= 0x56 && address <= 0x5F) ||
@@ -58,6 +61,15 @@ double dps_per_lsb(std::uint8_t ctrl2, bool has_4000_dps) {
   constexpr std::array kByRange{0.00875, 0.0175, 0.035, 0.07};
   return kByRange[(ctrl2 >> 2U) & 3U];
 }
+
+// Code 1 is 16 g; with XL_FS_MODE, 2 g.
+double g_per_lsb(std::uint8_t ctrl1, bool has_new_meaning) {
+  constexpr std::array kByRange{0.061e-3, 0.488e-3, 0.122e-3, 0.244e-3};
+  const unsigned code = (ctrl1 >> 2U) & 3U;
+  return has_new_meaning && code == 1 ? kByRange[0] : kByRange.at(code);
+}
+
+constexpr core::Duration kAccelerometerTurnOn = core::Duration::milliseconds(20);
 
 }  // namespace
 
@@ -83,6 +95,16 @@ void SimulatedStModule::convert(const std::array<core::AngularRate, 3>& rate,
   }
 }
 
+void SimulatedStModule::convert_acceleration(double g_per_lsb) {
+  const core::Duration age = clock_->now() - accelerometer_powered_at_;
+  const Counts counts = convert_force(g_per_lsb, age, kAccelerometerTurnOn);
+  for (std::size_t axis = 0; axis < 3; ++axis) outputs_[axis + 4].value = counts[axis];
+}
+
+std::array<std::int16_t, 3> SimulatedStModule::accelerations() const {
+  return {outputs_[4].value, outputs_[5].value, outputs_[6].value};
+}
+
 std::array<std::int16_t, 3> SimulatedStModule::rates() const {
   return {outputs_[1].value, outputs_[2].value, outputs_[3].value};
 }
@@ -103,6 +125,10 @@ std::size_t SimulatedStModule::fifo_capacity() const {
 
 bool SimulatedStModule::is_batched() const {
   return (registers_[fifo_ctrl3] & 0xF0U) != 0;
+}
+
+bool SimulatedStModule::is_acceleration_batched() const {
+  return (registers_[fifo_ctrl3] & 0x0FU) != 0;
 }
 
 bool SimulatedStModule::push_fifo_word(unsigned tag, const std::array<std::int16_t, 3>& values) {
@@ -133,8 +159,8 @@ std::uint8_t SimulatedStModule::read_output(std::uint8_t address) {
   const std::int16_t value = output.held.value_or(output.value);
   if (is_high) {
     output.held.reset();
-    const bool is_temperature = offset < 2;
-    registers_[status_reg] &= is_temperature ? 0xFBU : 0xFDU;  // TDA, GDA
+    constexpr std::array<std::uint8_t, 3> kKept{0xFB, 0xFD, 0xFE};  // TDA, GDA, XLDA fall
+    registers_[status_reg] &= kKept.at(offset < 2 ? 0 : (address < outx_l_a ? 1 : 2));
   } else if (is_blocked) {
     output.held = value;
   }
@@ -152,7 +178,7 @@ std::uint8_t SimulatedStModule::read_fifo_byte(std::uint8_t address) {
 }
 
 std::optional<std::uint8_t> SimulatedStModule::read_data(std::uint8_t address) {
-  if (address >= out_temp_l && address <= outz_h_g) return read_output(address);
+  if (address >= out_temp_l && address <= outz_h_a) return read_output(address);
   if (address >= fifo_data_out_tag && address <= fifo_data_out_z_h) return read_fifo_byte(address);
   return std::nullopt;
 }
@@ -207,6 +233,10 @@ bool SimulatedLsm6dso::is_powered() const {
   return !is_resetting() && (registers_[ctrl2_g] & 0xF0U) != 0;
 }
 
+bool SimulatedLsm6dso::is_accelerometer_powered() const {
+  return !is_resetting() && (registers_[ctrl1_xl] & 0xF0U) != 0;
+}
+
 core::Duration SimulatedLsm6dso::sample_period() const {
   const unsigned code = registers_[ctrl2_g] >> 4U;
   if (code == 0) return {};
@@ -237,23 +267,34 @@ void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
                                core::Temperature temperature) {
   if (!is_powered()) return;
   convert(rate, temperature, dps_per_lsb(registers_[ctrl2_g], identity_ != kIdentity));
-  if (!is_masked()) registers_[status_reg] = 0x06;  // GDA, TDA
+  unsigned ready = 0x06;  // GDA, TDA
+  has_acceleration_ = is_accelerometer_powered() && !take_loss();
+  if (has_acceleration_) {
+    convert_acceleration(g_per_lsb(registers_[ctrl1_xl], (registers_[ctrl8_xl] & 0x02U) != 0));
+    ready |= 0x01U;  // XLDA
+  }
+  if (!is_masked()) registers_[status_reg] |= static_cast<std::uint8_t>(ready);
   batch();
   drive_int1();
 }
 
-/// One time slot of the FIFO: the time stamp first, where it is batched, and the gyro's word.
+/// One time slot of the FIFO: the time stamp first, where it is batched, the gyro's word and the
+/// accelerometer's.
 void SimulatedLsm6dso::batch() {
   constexpr unsigned kGyro = 1;
+  constexpr unsigned kAccelerometer = 2;
   constexpr unsigned kTimeStamp = 4;
-  if (!is_batched()) return;
+  const bool has_acceleration = has_acceleration_ && is_acceleration_batched();
+  if (!is_batched() && !has_acceleration) return;
   if ((registers_[fifo_ctrl4] & 0xC0U) == 0x40U && (registers_[ctrl10_c] & 0x20U) != 0) {
     const std::uint32_t ticks = timestamp();
     push_tagged(kTimeStamp, {static_cast<std::int16_t>(ticks & 0xFFFFU),
                              static_cast<std::int16_t>(ticks >> 16U), 0});
   }
   constexpr std::int16_t kInvalid = 0x7FFF;
-  push_tagged(kGyro, is_masked() ? std::array{kInvalid, kInvalid, kInvalid} : rates());
+  constexpr std::array kMasked{kInvalid, kInvalid, kInvalid};
+  if (is_batched()) push_tagged(kGyro, is_masked() ? kMasked : rates());
+  if (has_acceleration) push_tagged(kAccelerometer, is_masked() ? kMasked : accelerations());
   time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
 }
 
@@ -290,6 +331,7 @@ void SimulatedLsm6dso::note_time_of(std::uint8_t address, std::uint8_t value) {
   if (address == ctrl3_c && (value & kBoot) != 0) boot_until_ = now + kBootTime;
   if (address == ctrl10_c && (registers_[ctrl10_c] & 0x20U) == 0) timestamp_zero_ = now;
   if (address == ctrl2_g && !is_powered()) powered_at_ = now;
+  if (address == ctrl1_xl && !is_accelerometer_powered()) accelerometer_powered_at_ = now;
 }
 
 void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) {

@@ -12,6 +12,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "hal/sim/accelerometer.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/register_chip.hpp"
 
@@ -19,7 +20,7 @@ namespace zerorate::hal::sim {
 
 /// Data path that ST's modules have in common, at the same addresses: outputs with block data
 /// update, FIFO of tagged words, INT1, bursts.
-class SimulatedStModule : public SimulatedRegisters<128> {
+class SimulatedStModule : public SimulatedRegisters<128>, public SimulatedAccelerometer {
  public:
   [[nodiscard]] std::uint8_t next_address(std::uint8_t address) const;
 
@@ -39,13 +40,17 @@ class SimulatedStModule : public SimulatedRegisters<128> {
   /// One conversion: rounds to the LSB, saturates at 16 bits. The gyro settles since powered_at_.
   void convert(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature,
                double dps_per_lsb);
+  /// One conversion of the accelerometer, which settles since accelerometer_powered_at_.
+  void convert_acceleration(double g_per_lsb);
   /// Newest counts of x, y and z.
   [[nodiscard]] std::array<std::int16_t, 3> rates() const;
+  [[nodiscard]] std::array<std::int16_t, 3> accelerations() const;
   [[nodiscard]] bool is_settling() const;
 
   /// False if the FIFO is off, or full and keeps what it has.
   bool push_fifo_word(unsigned tag, const std::array<std::int16_t, 3>& values);
   [[nodiscard]] bool is_batched() const;
+  [[nodiscard]] bool is_acceleration_batched() const;
   [[nodiscard]] std::size_t fifo_words() const { return fifo_.size(); }
   [[nodiscard]] std::size_t fifo_capacity() const;
   /// True from the loss of the oldest word to the next reading of a word.
@@ -61,6 +66,7 @@ class SimulatedStModule : public SimulatedRegisters<128> {
   void drive_int1();
 
   core::Instant powered_at_;
+  core::Instant accelerometer_powered_at_;
   std::uint8_t time_slot_ = 0;  ///< TAG_CNT
 
  private:
@@ -79,19 +85,21 @@ class SimulatedStModule : public SimulatedRegisters<128> {
   [[nodiscard]] bool is_at_watermark() const;
 
   DataPath data_path_;
-  std::array<Output, 4> outputs_{};  // temperature, x, y, z: the order of their addresses
+  std::array<Output, 7> outputs_{};  // temperature, rates, accelerations: as their addresses
   std::deque<FifoWord> fifo_;
   bool has_overwritten_ = false;
   bool is_overrun_latched_ = false;  // FIFO_OVR_LATCHED
 };
 
-/// The gyro half of the chip (ST DS12140): identity, reset values, software reset, power-up
-/// transient, rounding and saturation, block data update, data-ready, FIFO with tags, watermark and
-/// overrun, time stamps (read and batched with every sample), temperature, oscillator trim, INT1,
-/// data-ready mask, the banks of the embedded functions and of the sensor hub as memory. Of the
-/// relatives their identity and their range of 4000 deg/s; what they lack is there all the same.
+/// The chip (ST DS12140) as a gyro that has an accelerometer beside it: identity, reset values,
+/// software reset, power-up transients, rounding and saturation, block data update, data-ready,
+/// FIFO with tags, watermark and overrun, time stamps (read and batched with every sample),
+/// temperature, oscillator trim, INT1, data-ready mask, the banks of the embedded functions and of
+/// the sensor hub as memory. Of the relatives their identity and their range of 4000 deg/s; what
+/// they lack is there all the same.
 ///
-/// Not modelled: accelerometer, low-pass and high-pass filters, FIFO compression, batching at less
+/// Not modelled: the accelerometer without the gyro or at another rate (it converts with the gyro),
+/// its user offsets, low-pass and high-pass filters, FIFO compression, batching at less
 /// than the output rate, batched temperature, the FIFO modes with triggers (they behave as bypass),
 /// embedded functions and sensor hub.
 ///
@@ -112,6 +120,7 @@ class SimulatedLsm6dso : public SimulatedStModule {
   void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
 
   [[nodiscard]] bool is_powered() const;
+  [[nodiscard]] bool is_accelerometer_powered() const;
   /// Nominal period of the configured rate, trim included; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
 
@@ -144,6 +153,7 @@ class SimulatedLsm6dso : public SimulatedStModule {
 
   std::int8_t trim_;
   std::uint8_t identity_;
+  bool has_acceleration_ = false;  ///< whether the newest conversion has one
   core::Instant boot_until_;
   core::Instant timestamp_zero_;
   std::array<std::array<std::uint8_t, 128>, 2> other_banks_{};

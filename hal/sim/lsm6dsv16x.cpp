@@ -8,9 +8,11 @@ namespace {
 // Written apart from the driver's tables, so that each checks the other.
 enum Address : std::uint8_t {
   who_am_i = 0x0F,
+  ctrl1 = 0x10,
   ctrl2 = 0x11,
   ctrl3 = 0x12,
   ctrl6 = 0x15,
+  ctrl8 = 0x17,
   ctrl10 = 0x19,
   fifo_status1 = 0x1B,
   fifo_status2 = 0x1C,
@@ -49,6 +51,11 @@ void SimulatedLsm6dsv16x::reset_registers() {
   drive_int1();
 }
 
+bool SimulatedLsm6dsv16x::is_accelerometer_powered() const {
+  const bool is_high_performance = (registers_[ctrl1] & 0x70U) == 0;
+  return !is_resetting() && is_high_performance && (registers_[ctrl1] & 0x0FU) >= 2;
+}
+
 bool SimulatedLsm6dsv16x::is_powered() const {
   const bool is_high_performance = (registers_[ctrl2] & 0x70U) == 0;
   return !is_resetting() && is_high_performance && (registers_[ctrl2] & 0x0FU) >= 2;
@@ -65,15 +72,23 @@ void SimulatedLsm6dsv16x::measure(const std::array<core::AngularRate, 3>& rate,
                                   core::Temperature temperature) {
   if (!is_powered()) return;
   convert(rate, temperature, dps_per_lsb(registers_[ctrl6]));
-  registers_[status_reg] = 0x06;  // GDA, TDA
-  batch();
+  registers_[status_reg] |= 0x06U;  // GDA, TDA
+  const bool has_acceleration = is_accelerometer_powered() && !take_loss();
+  if (has_acceleration) {
+    convert_acceleration(0.061e-3 * std::exp2(registers_[ctrl8] & 0x03U));
+    registers_[status_reg] |= 0x01U;  // XLDA
+  }
+  batch(has_acceleration && is_acceleration_batched());
   drive_int1();
 }
 
-void SimulatedLsm6dsv16x::batch() {
+void SimulatedLsm6dsv16x::batch(bool has_acceleration) {
   constexpr unsigned kGyro = 1;
-  if (!is_batched()) return;
-  const bool is_taken = push_fifo_word((kGyro << 3U) | (unsigned{time_slot_} << 1U), rates());
+  constexpr unsigned kAccelerometer = 2;
+  const unsigned slot = unsigned{time_slot_} << 1U;
+  bool is_taken = false;
+  if (is_batched()) is_taken |= push_fifo_word((kGyro << 3U) | slot, rates());
+  if (has_acceleration) is_taken |= push_fifo_word((kAccelerometer << 3U) | slot, accelerations());
   if (is_taken) time_slot_ = static_cast<std::uint8_t>((time_slot_ + 1U) & 3U);
 }
 
@@ -106,8 +121,12 @@ void SimulatedLsm6dsv16x::write_register(std::uint8_t address, std::uint8_t valu
     return;
   }
   const bool was_powered = is_powered();
+  const bool was_accelerometer_powered = is_accelerometer_powered();
   registers_.at(address) = value;
   if (!was_powered && is_powered()) powered_at_ = clock_->now();
+  if (!was_accelerometer_powered && is_accelerometer_powered()) {
+    accelerometer_powered_at_ = clock_->now();
+  }
   end_write(address);
 }
 

@@ -15,12 +15,14 @@
 
 namespace zerorate::hal::sim {
 
-/// The gyro half of the chip as ST's lsm6dsv16x-pid describes it: identity, reset values, software
-/// reset, turn-on transient, rounding and saturation, block data update, data-ready, FIFO with
-/// tags, watermark and overrun, temperature, oscillator trim, INT1, sleep.
+/// The chip as ST's lsm6dsv16x-pid describes it, a gyro that has an accelerometer beside it:
+/// identity, reset values, software reset, turn-on transients, rounding and saturation, block data
+/// update, data-ready, FIFO with tags, watermark and overrun, temperature, oscillator trim, INT1,
+/// sleep.
 ///
-/// Not modelled: accelerometer, filters, high-accuracy rates, low-power mode, FIFO compression,
-/// time stamps, the other banks, EIS, OIS, Qvar.
+/// Not modelled: the accelerometer without the gyro or at another rate (it converts with the gyro),
+/// its second channel and user offsets, filters, high-accuracy rates, low-power mode, FIFO
+/// compression, time stamps, the other banks, EIS, OIS, Qvar.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
@@ -40,6 +42,7 @@ class SimulatedLsm6dsv16x : public SimulatedStModule {
   void measure(const std::array<core::AngularRate, 3>& rate, core::Temperature temperature);
 
   [[nodiscard]] bool is_powered() const;
+  [[nodiscard]] bool is_accelerometer_powered() const;
   /// Nominal period of the configured rate, trim included; zero when powered down.
   [[nodiscard]] core::Duration sample_period() const;
 
@@ -56,7 +59,7 @@ class SimulatedLsm6dsv16x : public SimulatedStModule {
                                       .turn_on_time = core::Duration::milliseconds(30)};
 
   void reset_registers();
-  void batch();
+  void batch(bool has_acceleration);
 
   std::int8_t trim_;
 };

@@ -15,6 +15,7 @@ enum Address : std::uint8_t {
   smplrt_div = 0x19,
   config = 0x1A,
   gyro_config = 0x1B,
+  accel_config = 0x1C,
   fifo_en = 0x23,
   i2c_slv0_addr = 0x25,
   i2c_slv0_reg = 0x26,
@@ -40,6 +41,7 @@ enum Address : std::uint8_t {
 
 constexpr core::Duration kResetTime = core::Duration::milliseconds(100);
 constexpr core::Duration kTurnOnTime = core::Duration::milliseconds(35);
+constexpr core::Duration kAccelerometerTurnOn = core::Duration::milliseconds(20);
 
 // Bits of INT_STATUS and INT_ENABLE.
 constexpr unsigned kDataReady = 0x01;
@@ -63,6 +65,10 @@ double dps_per_lsb(std::uint8_t gyro) {
   return 250.0 * std::exp2((gyro >> 3U) & 3U) / 32768.0;
 }
 
+double g_per_lsb(std::uint8_t accel) {
+  return 2.0 * std::exp2((accel >> 3U) & 3U) / 32768.0;
+}
+
 std::uint8_t byte_of_magnetometer(unsigned address) {
   if (address == 0x00) return 0x48;                    // WIA
   if (address >= 0x10 && address <= 0x12) return 128;  // ASAX to ASAZ: a factor of 1
@@ -80,6 +86,7 @@ void SimulatedMpu6500::reset_registers() {
   last_fifo_byte_ = 0;
   latched_count_l_ = 0;
   powered_at_ = clock_->now();
+  accelerometer_powered_at_ = clock_->now();
   drive_int(false);
 }
 
@@ -90,6 +97,10 @@ bool SimulatedMpu6500::is_awake() const {
 bool SimulatedMpu6500::is_powered() const {
   const bool is_standing_by = !is_mpu6050() && (registers_[pwr_mgmt_1] & 0x10U) != 0;
   return is_awake() && !is_standing_by && (registers_[pwr_mgmt_2] & 0x07U) != 0x07U;
+}
+
+bool SimulatedMpu6500::is_accelerometer_powered() const {
+  return is_awake() && (registers_[pwr_mgmt_2] & 0x38U) != 0x38U;
 }
 
 core::Duration SimulatedMpu6500::sample_period() const {
@@ -131,9 +142,22 @@ void SimulatedMpu6500::measure(const std::array<core::AngularRate, 3>& rate,
     const double counts = is_on ? dps / dps_per_lsb(registers_[gyro_config]) : 0.0;
     set_word(static_cast<std::uint8_t>(gyro_xout_h + 2 * axis), to_counts(counts));
   }
+  measure_acceleration();
   registers_[int_status] |= kDataReady;
   push_sample();
   announce(kDataReady | (registers_[int_status] & kOverflow & ~told));
+}
+
+void SimulatedMpu6500::measure_acceleration() {
+  const Counts counts =
+      convert_force(g_per_lsb(registers_[accel_config]), clock_->now() - accelerometer_powered_at_,
+                    kAccelerometerTurnOn);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool is_on =
+        is_accelerometer_powered() && (registers_[pwr_mgmt_2] & (0x20U >> axis)) == 0;
+    set_word(static_cast<std::uint8_t>(accel_xout_h + 2 * axis),
+             is_on ? counts.at(axis) : std::int16_t{0});
+  }
 }
 
 /// Puts into the FIFO what is enabled, in the order of the registers.
@@ -197,6 +221,7 @@ void SimulatedMpu6500::reset_parts(std::uint8_t address, std::uint8_t value) {
   const bool is_all = address == user_ctrl && (value & 0x01U) != 0;  // SIG_COND_RST
   const unsigned paths = address == signal_path_reset ? value : 0U;
   if (is_all || (paths & 0x04U) != 0) std::fill_n(&registers_[gyro_xout_h], 6, std::uint8_t{0});
+  if (is_all || (paths & 0x02U) != 0) std::fill_n(&registers_[accel_xout_h], 6, std::uint8_t{0});
   if (is_all || (paths & 0x01U) != 0) std::fill_n(&registers_[temp_out_h], 2, std::uint8_t{0});
   const bool is_fifo_on = (value & 0x40U) != 0;
   if (address == user_ctrl && (value & 0x04U) != 0 && !is_fifo_on) fifo_.clear();  // FIFO_RST
@@ -218,8 +243,12 @@ void SimulatedMpu6500::write_register(std::uint8_t address, std::uint8_t value) 
     return;
   }
   const bool was_powered = is_powered();
+  const bool was_accelerometer_powered = is_accelerometer_powered();
   registers_.at(address) = value;
   if (!was_powered && is_powered()) powered_at_ = clock_->now();
+  if (!was_accelerometer_powered && is_accelerometer_powered()) {
+    accelerometer_powered_at_ = clock_->now();
+  }
   reset_parts(address, value);
   if (address == int_pin_cfg) drive_int(false);
 }

@@ -11,23 +11,24 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "hal/sim/accelerometer.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
 
-/// The gyro half of the chip (InvenSense RM-MPU-6500A-00, RM-MPU-6000A-00): identity, reset values,
-/// reset of the device and of the signal paths, sleep, standby of single axes, start-up transient,
-/// rounding and clipping, offset registers, sample rate divider, data-ready, FIFO of bytes without
-/// tags with overflow in both modes, temperature, INT pulsed or latched, high or low.
+/// The chip (InvenSense RM-MPU-6500A-00, RM-MPU-6000A-00): identity, reset values, reset of the
+/// device and of the signal paths, sleep, standby of single axes, start-up transients, rounding and
+/// clipping of both sensors, offset registers of the gyro, sample rate divider, data-ready, FIFO of
+/// bytes without tags with overflow in both modes, temperature, INT pulsed or latched, high or low.
+/// An acceleration cannot be lost: each sample has both sensors.
 ///
-/// Not modelled: the accelerometer (it reads 0, also in the FIFO), filters, self-test, wake on
-/// motion, FSYNC, the I2C master (its registers are memory, but see SimulatedMpu9250), DMP,
-/// low-power cycles.
+/// Not modelled: offset registers of the accelerometer, filters, self-test, wake on motion, FSYNC,
+/// the I2C master (its registers are memory, but see SimulatedMpu9250), DMP, low-power cycles.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
-class SimulatedMpu6500 : public SimulatedRegisters<128> {
+class SimulatedMpu6500 : public SimulatedRegisters<128>, public SimulatedAccelerometer {
  public:
   static constexpr std::string_view kName = "mpu6500";
   static constexpr std::uint8_t kIdentityMpu6050 = 0x68;
@@ -48,6 +49,8 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
 
   /// True if some axis of the gyro is on.
   [[nodiscard]] bool is_powered() const;
+  /// True if some axis of the accelerometer is on.
+  [[nodiscard]] bool is_accelerometer_powered() const;
   /// Nominal period of the configured rate; zero when asleep.
   [[nodiscard]] core::Duration sample_period() const;
 
@@ -65,6 +68,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
   [[nodiscard]] double offset_dps(std::size_t axis) const;
   void reset_registers();
   void set_word(std::uint8_t address, std::int16_t value);
+  void measure_acceleration();
   void push_sample();
   void push_bytes(std::span<const std::uint8_t> bytes);
   std::uint8_t read_fifo_byte();
@@ -78,6 +82,7 @@ class SimulatedMpu6500 : public SimulatedRegisters<128> {
   std::uint8_t last_fifo_byte_ = 0;   ///< answer of an empty FIFO
   std::uint8_t latched_count_l_ = 0;  ///< FIFO_COUNTL as of the newest reading of FIFO_COUNTH
   core::Instant powered_at_;
+  core::Instant accelerometer_powered_at_;
 };
 static_assert(RegisterChip<SimulatedMpu6500>);
 

@@ -6,7 +6,7 @@
 
 #include "host_tests/fuzz/fuzz.hpp"
 #include "host_tests/support/gyro_rig.hpp"
-#include "host_tests/support/simulated_gyros.hpp"
+#include "host_tests/support/simulated_accelerometers.hpp"
 
 namespace {
 
@@ -39,6 +39,9 @@ core::Instant take_samples(Rig& rig, core::Instant last) {
     fuzz::promise(sample.time <= rig.clock.now(), "no sample is of the future");
     for (const core::AngularRate rate : sample.rate) {
       fuzz::promise(std::isfinite(rate.in(core::rad_per_s)), "every rate is finite");
+    }
+    for (const core::Acceleration force : sample.acceleration) {
+      fuzz::promise(std::isfinite(force.in(core::m_per_s2)), "every acceleration is finite");
     }
     last = sample.time;
   }
@@ -79,12 +82,14 @@ void run(FuzzedDataProvider& input) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace zerorate::support;
   FuzzedDataProvider input(data, size);
-  constexpr int kWirings = WiringsWithFifo::kSize + WiringsWithoutFifo::kSize;
+  constexpr int kWirings =
+      WiringsWithFifo::kSize + WiringsWithoutFifo::kSize + WiringsWithAcceleration::kSize;
   int left = input.ConsumeIntegralInRange<int>(0, kWirings - 1);
   const auto run_chosen = [&]<class Wiring> {
     if (left-- == 0) run<Wiring>(input);
   };
   WiringsWithFifo::for_each(run_chosen);
   WiringsWithoutFifo::for_each(run_chosen);
+  WiringsWithAcceleration::for_each(run_chosen);
   return 0;
 }

@@ -94,6 +94,10 @@ void print_notes(const evaluate::ReplayResult& result) {
     fmt::print("  note: {} samples came without the temperature that the model follows\n",
                result.samples_without_temperature);
   }
+  if (result.samples_without_acceleration > 0) {
+    fmt::print("  note: {} samples came without the acceleration that the model follows\n",
+               result.samples_without_acceleration);
+  }
   if (result.samples_frozen > 0) {
     fmt::print(
         "  note: in {} samples, from {:.6g} s after the first row on, an axis no longer measures: "

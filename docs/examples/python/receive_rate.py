@@ -17,7 +17,7 @@ MOTION = ("moving", "settling", "still")
 # Bits of the health, from the lowest.
 HEALTH = ("calibrated", "sample_refused", "time_refused", "saturated", "model_inconsistent", "odometer_fault",
           "sensor_fault", "measurement_rejected", "temperature_missing", "odometer_disagreement", "odometer_dead_band", "sample_rate_off",
-          "reference_disagreement")
+          "reference_disagreement", "acceleration_missing")
 CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
 
 

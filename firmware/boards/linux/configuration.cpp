@@ -109,8 +109,8 @@ Node::Params make_params(const StrictTable& root, const model::SensorModel& sens
   const Node::Params params{
       .model = at_key(root, "model",
                       [&] {
-                        return model::make_node_model<model::kLargestLearningShape>(sensor, period,
-                                                                                    tick);
+                        return model::make_node_model<model::kWidestLearningShape>(sensor, period,
+                                                                                   tick);
                       }),
       .standstill = filter.standstill,
       .published = filter.published};

@@ -24,8 +24,7 @@ inline constexpr std::string_view kConfigurationSchema = "zerorate.daemon/1";
 inline constexpr const char* kConfigurationFile = "/etc/zerorate/zerorated.toml";
 
 /// Large enough for every model that a file can hold.
-using Node =
-    app::GyroNode<model::kLargestLearningShape, app::NodeCapacity{.screens_samples = true}>;
+using Node = app::GyroNode<model::kWidestLearningShape, app::NodeCapacity{.screens_samples = true}>;
 
 struct StateSettings {
   std::string file;  ///< FILE.0 and FILE.1 are written

@@ -135,6 +135,12 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
   errors.attempt([&] { gyro.rate_hz = *table.number("rate_hz", kPositive, Presence::required); });
   errors.attempt([&] {
+    for (const std::string_view key : {"acceleration", "acceleration_range_g"}) {
+      if (table.find(key, "", Presence::optional) == nullptr) continue;
+      table.fail_at(key, "not through a driver of the kernel: bus = \"spi\" or \"i2c\" reads it");
+    }
+  });
+  errors.attempt([&] {
     const ChipDescription* const chip = find_chip(gyro.chip);
     const bool has_one_range = chip != nullptr && chip->full_scales_dps.size() == 1;
     gyro.full_scale_dps = table.number("full_scale_dps", kPositive, Presence::optional)
@@ -142,10 +148,51 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
 }
 
+/// Address or node of an accelerometer that answers apart.
+void read_second_die(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
+  const auto& addresses = chip.accelerometer_addresses;
+  if (addresses.empty()) return;
+  if (gyro.bus == BusKind::spi) {
+    gyro.accelerometer_device = *name_at(table, "accelerometer_device", Presence::required);
+    return;
+  }
+  const auto address = table.integer("accelerometer_address", kAddress, Presence::optional);
+  gyro.accelerometer_address = static_cast<std::uint8_t>(address.value_or(addresses[0]));
+  if (std::ranges::find(addresses, gyro.accelerometer_address) == addresses.end()) {
+    table.fail_at("accelerometer_address",
+                  fmt::format("it answers at {:#04x}", fmt::join(addresses, ", ")));
+  }
+}
+
+void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
+  constexpr std::string_view kRange = "acceleration_range_g";
+  const bool has_range = table.find(kRange, "", Presence::optional) != nullptr;
+  const bool is_on = table.boolean("acceleration", Presence::optional).value_or(false);
+  if (is_on && chip.acceleration_ranges_g.empty()) {
+    table.fail_at("acceleration",
+                  "no accelerometer of the chip is read; leave the key out, or set it to false");
+  }
+  if (has_range && !is_on) table.fail_at(kRange, "stands only beside acceleration = true");
+  if (!is_on) return;
+  read_second_die(table, chip, gyro);
+  gyro.acceleration_range_g =
+      one_of(table, kRange, chip.acceleration_ranges_g, chip.usual_acceleration_range_g);
+}
+
 void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
-  static constexpr std::array<std::string_view, 9> kKeys{"bus",     "device",      "speed_hz",
-                                                         "address", "rate_hz",     "full_scale_dps",
-                                                         "fifo",    "time_factor", "drives"};
+  static constexpr std::array<std::string_view, 13> kKeys{"accelerometer_address",
+                                                          "accelerometer_device",
+                                                          "bus",
+                                                          "device",
+                                                          "speed_hz",
+                                                          "address",
+                                                          "rate_hz",
+                                                          "full_scale_dps",
+                                                          "fifo",
+                                                          "time_factor",
+                                                          "drives",
+                                                          "acceleration",
+                                                          "acceleration_range_g"};
   const bool has_bus = read_bus(table, gyro, errors, Presence::optional);
   if (gyro.bus == BusKind::iio) return read_iio(table, gyro, errors);
   if (!errors.attempt([&] { read_chip(table, gyro); })) return pass_over(table, kKeys);
@@ -159,6 +206,7 @@ void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   errors.attempt([&] {
     gyro.full_scale_dps = one_of(table, "full_scale_dps", chip.full_scales_dps, simulated(250.0));
   });
+  errors.attempt([&] { read_acceleration(table, chip, gyro); });
   if (is_simulated) {
     errors.attempt([&] {
       if (table.find("bus", "", Presence::optional) != nullptr) {

@@ -139,6 +139,9 @@ std::string describe(const Configuration& configuration) {
   if (gyro.bus == BusKind::i2c) text += fmt::format(" at {:#04x}", gyro.address);
   text += fmt::format(", {} Hz, {} deg/s, model {}, ", gyro.rate_hz, gyro.full_scale_dps,
                       configuration.model_name);
+  if (gyro.acceleration_range_g) {
+    text += fmt::format("acceleration to {} g, ", *gyro.acceleration_range_g);
+  }
   text += name_of_odometer(configuration);
   if (configuration.reference) text += ", reference " + name_of(configuration.reference->origin);
   for (const SinkSettings& sink : configuration.sinks) text += ", " + name_of(sink);

@@ -19,10 +19,11 @@ using drivers::lsm6dso::Chip;
 
 constexpr core::Duration kPulsePeriod = core::Duration::milliseconds(100);
 
+auto code_of(double value, const auto& choices) {
+  return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
+}
+
 drivers::lsm6dso::Settings settings_of(const GyroSettings& wanted) {
-  const auto code_of = [](double value, const auto& choices) {
-    return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
-  };
   return Chip::settings(code_of(wanted.rate_hz, Chip::kRates),
                         code_of(wanted.full_scale_dps, Chip::kFullScales), false);
 }
@@ -56,17 +57,29 @@ SimulatedVehicle::SimulatedVehicle(const Configuration& configuration)
       begin_(clock_.now()),
       next_sample_(begin_),
       next_pulse_(begin_),
-      gyro_(
-          [&](Spi& spi) {
-            return drivers::Lsm6dso{drivers::SpiRegisters{spi}, settings_of(configuration.gyro)};
-          },
-          chip_),
+      gyro_(make_gyro(configuration.gyro)),
       noise_(0.0F, std::sqrt(configuration.node.model.white_variance_rad2_s2)),
       bias_rad_s_{core::deg_per_s(0.35F).in(core::rad_per_s),
                   core::deg_per_s(-0.2F).in(core::rad_per_s),
                   core::deg_per_s(0.12F).in(core::rad_per_s)} {
   if (configuration.speed) speed_.emplace(*configuration.speed);
   if (configuration.reference) references_.emplace(*configuration.reference);
+}
+
+std::unique_ptr<drivers::AnyGyro> SimulatedVehicle::make_gyro(const GyroSettings& wanted) {
+  using Registers = drivers::SpiRegisters<Spi>;
+  const auto erased = [&]<class Driver>(const auto&... settings) {
+    const auto make = [&](Spi& spi) { return Driver{Registers{spi}, settings...}; };
+    return std::make_unique<drivers::ErasedGyro<Spi, Driver>>(make, chip_);
+  };
+  if (!wanted.acceleration_range_g) {
+    return erased.operator()<Chip::Driver<Registers>>(settings_of(wanted));
+  }
+  const core::Acceleration noise = core::standard_gravity(1e-3F);
+  chip_.set_specific_force(
+      {core::Acceleration{}, core::Acceleration{}, core::standard_gravity(1.0F)}, noise);
+  return erased.operator()<Chip::DriverWithAcceleration<Registers>>(
+      settings_of(wanted), code_of(*wanted.acceleration_range_g, Chip::kAccelerationRanges));
 }
 
 core::Instant SimulatedVehicle::now() const {
@@ -97,7 +110,7 @@ void SimulatedVehicle::measure() {
   }
   constexpr float kWander_rad_s_per_sqrt_s = 3e-6F;
   const float wander =
-      kWander_rad_s_per_sqrt_s * std::sqrt(static_cast<float>(gyro_.sample_period().ns()) * 1e-9F);
+      kWander_rad_s_per_sqrt_s * std::sqrt(static_cast<float>(gyro_->sample_period().ns()) * 1e-9F);
   std::normal_distribution<float> step{0.0F, wander};
   std::array<core::AngularRate, 3> rates{};
   for (std::size_t i = 0; i < rates.size(); ++i) {
@@ -106,7 +119,7 @@ void SimulatedVehicle::measure() {
     rates.at(i) = core::rad_per_s(turn + bias_rad_s_.at(i) + noise_(random_));
   }
   chip_.measure(rates, temperature_at(time));
-  next_sample_ = next_sample_ + gyro_.sample_period();
+  next_sample_ = next_sample_ + gyro_->sample_period();
 }
 
 std::unique_ptr<Hardware> make_hardware(const Configuration& configuration) {

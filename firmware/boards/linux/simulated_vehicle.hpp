@@ -34,13 +34,14 @@ struct SimulatedMotion {
 [[nodiscard]] SimulatedMotion motion_at(core::Duration time);
 
 /// A simulated LSM6DSO, read by its driver, with the white noise of the configured model, a bias
-/// that wanders, and an odometer of ten pulses a second. Samples come in real time, or faster by
-/// the configured factor. Uses the heap.
+/// that wanders, and an odometer of ten pulses a second. The accelerometer, where it is read,
+/// measures gravity alone, along z, and noise. Samples come in real time, or faster by the
+/// configured factor. Uses the heap.
 class SimulatedVehicle final : public Hardware {
  public:
   explicit SimulatedVehicle(const Configuration& configuration);
 
-  [[nodiscard]] drivers::AnyGyro& gyro() override { return gyro_; }
+  [[nodiscard]] drivers::AnyGyro& gyro() override { return *gyro_; }
   core::Result<hal::PulseBatch, hal::BusError> read_pulses(
       std::span<core::Instant> stamps) override {
     return speed_ ? speed_->read_pulses(stamps) : odometer_.read_pulses(stamps);
@@ -61,8 +62,8 @@ class SimulatedVehicle final : public Hardware {
 
  private:
   using Spi = hal::sim::SimulatedSpiDevice<hal::sim::SimulatedLsm6dso>;
-  using Gyro = drivers::ErasedGyro<Spi, drivers::Lsm6dso<drivers::SpiRegisters<Spi>>>;
 
+  [[nodiscard]] std::unique_ptr<drivers::AnyGyro> make_gyro(const GyroSettings& wanted);
   void measure();
 
   double time_factor_;
@@ -75,7 +76,7 @@ class SimulatedVehicle final : public Hardware {
   hal::sim::SimulatedOdometer odometer_;
   std::optional<SpeedSource> speed_;  ///< in its place
   std::optional<ReferenceSource> references_;
-  Gyro gyro_;
+  std::unique_ptr<drivers::AnyGyro> gyro_;
   std::mt19937_64 random_{1};
   std::normal_distribution<float> noise_;
   std::array<float, 3> bias_rad_s_;

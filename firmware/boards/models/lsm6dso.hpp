@@ -11,7 +11,7 @@
 namespace zerorate::exported {
 
 // clang-format off
-inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .temperature_weights = 0, .hypotheses = 1};
+inline constexpr core::ModelShape kModelShape{.decaying = 6, .rotating = 0, .inputs = 0, .has_accelerometer = false, .hypotheses = 1};
 
 inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     .modes = {.tick = core::Duration::nanoseconds(500000000),

@@ -144,6 +144,24 @@ typedef struct zerorate_temperature_drift {
   float lag_s; /**< of the sensing element behind the thermometer; 0: none */
 } zerorate_temperature_drift;
 
+/** What a share of the bias may be proportional to, with its unit. */
+typedef int32_t zerorate_quantity;
+enum {
+  ZERORATE_NO_QUANTITY = 0,
+  ZERORATE_ACCELERATION_X, /**< specific force along an axis of the sensor [g] */
+  ZERORATE_ACCELERATION_Y,
+  ZERORATE_ACCELERATION_Z,
+  ZERORATE_VIBRATION,       /**< variance of the specific force within a tick, of all axes [g2] */
+  ZERORATE_TEMPERATURE_RATE /**< smoothed over a minute [K/s] */
+};
+
+/** A share of the bias that follows a measured quantity. */
+typedef struct zerorate_input {
+  zerorate_quantity quantity;
+  float sigma;                      /**< of the coefficients [rad/s per unit] */
+  float coefficient[ZERORATE_AXES]; /**< expected; learnt in service as far as sigma allows */
+} zerorate_input;
+
 /** A flicker noise that the sensor may have; `zerorate export --c` writes it. */
 typedef struct zerorate_hypothesis {
   float strength[ZERORATE_DECAYING_MODES]; /**< variance of each mode over that of the model */
@@ -177,8 +195,11 @@ typedef struct zerorate_model {
   zerorate_rotating_mode rotating[ZERORATE_ROTATING_MODES];
 #endif
   zerorate_temperature_drift temperature; /**< zeros: the bias does not follow it */
-  uint8_t hypothesis_count;               /**< of those below; 0: the model is taken at its word */
-  float evidence_kept; /**< share of the evidence that a measurement leaves, at most 1 */
+#if ZERORATE_INPUTS > 0
+  zerorate_input inputs[ZERORATE_INPUTS]; /**< unused ones are zero; each quantity once */
+#endif
+  uint8_t hypothesis_count; /**< of those below; 0: the model is taken at its word */
+  float evidence_kept;      /**< share of the evidence that a measurement leaves, at most 1 */
   zerorate_hypothesis hypotheses[ZERORATE_HYPOTHESES];
 } zerorate_model;
 
@@ -207,6 +228,7 @@ typedef struct zerorate_health {
   bool odometer_fault;     /**< pulses were lost since the last sample, or no word comes any more */
   bool measurement_rejected;  /**< the gate took what was measured for a knock */
   bool temperature_missing;   /**< the model follows the temperature, and there is none */
+  bool acceleration_missing;  /**< likewise the acceleration */
   bool odometer_disagreement; /**< it turns without pulses, or pulses come without motion */
   bool odometer_dead_band; /**< motion inside most of the newest stops: learnt from is the calm */
   bool sensor_fault;       /**< an axis no longer measures: no rate, and nothing is learnt */
@@ -272,14 +294,14 @@ zerorate_config zerorate_default_config(void);
 
 #ifndef DOXYGEN
 /* The name that is linked tells the size of an instance. */
-#define ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c, f) \
-  name##_##a##_##d##_##r##_##t##_##h##_##q##_##m##_##c##_##f
-#define ZERORATE_JOINED(name, a, d, r, t, h, q, m, c, f) \
-  ZERORATE_JOINED_(name, a, d, r, t, h, q, m, c, f)
-#define zerorate_init                                                                             \
-  ZERORATE_JOINED(zerorate_init, ZERORATE_AXES, ZERORATE_DECAYING_MODES, ZERORATE_ROTATING_MODES, \
-                  ZERORATE_TEMPERATURE, ZERORATE_HYPOTHESES, ZERORATE_HELD_TICKS,                 \
-                  ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN,                     \
+#define ZERORATE_JOINED_(name, a, d, r, t, i, h, q, m, c, f) \
+  name##_##a##_##d##_##r##_##t##_##i##_##h##_##q##_##m##_##c##_##f
+#define ZERORATE_JOINED(name, a, d, r, t, i, h, q, m, c, f) \
+  ZERORATE_JOINED_(name, a, d, r, t, i, h, q, m, c, f)
+#define zerorate_init                                                                              \
+  ZERORATE_JOINED(zerorate_init, ZERORATE_AXES, ZERORATE_DECAYING_MODES, ZERORATE_ROTATING_MODES,  \
+                  ZERORATE_TEMPERATURE, ZERORATE_INPUTS, ZERORATE_HYPOTHESES, ZERORATE_HELD_TICKS, \
+                  ZERORATE_HAS_MOVING_AVERAGE, ZERORATE_HAS_CALIBRATION_MEAN,                      \
                   ZERORATE_TAKES_REFERENCES)
 #endif
 
@@ -306,6 +328,16 @@ zerorate_result zerorate_report_odometer_fault(zerorate_node* self, int64_t now_
  * the start) silence is motion, and after `word_timeout_ns` each rate has `odometer_fault`.
  */
 zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, bool stands);
+
+/**
+ * Acceleration of the sensor (specific force: at rest 1 g upwards), at the newest sample or after
+ * it, at any rate. For a model with `inputs`.
+ * @param acceleration_m_s2 x, y, z
+ * @return ZERORATE_BAD_ARGUMENT: a null pointer, or a library without ZERORATE_INPUTS;
+ *   ZERORATE_SAMPLE_REFUSED: not finite, or beyond 1000 g
+ */
+zerorate_result zerorate_acceleration(zerorate_node* self, int64_t time_ns,
+                                      const float acceleration_m_s2[3]);
 
 /**
  * One sample, in the order of the stamps; a gap needs no call. One that is refused changes nothing.

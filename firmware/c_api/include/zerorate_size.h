@@ -28,6 +28,10 @@
 #ifndef ZERORATE_TEMPERATURE
 #define ZERORATE_TEMPERATURE 1
 #endif
+/** Further inputs that a model may follow: accelerations, vibration, rate of the temperature. */
+#ifndef ZERORATE_INPUTS
+#define ZERORATE_INPUTS 0
+#endif
 /** Noise models that an instance weighs: 12, 4 or, without learning, 1. */
 #ifndef ZERORATE_HYPOTHESES
 #define ZERORATE_HYPOTHESES 12
@@ -50,18 +54,24 @@
 #endif
 /** @} */
 
-/* States of a filter, and bytes of its parts. */
-#define ZERORATE_DRIFTS \
-  (ZERORATE_DECAYING_MODES + (2 * ZERORATE_ROTATING_MODES) + (2 * ZERORATE_TEMPERATURE))
+/* Terms of inputs, states of a filter, and bytes of its parts. */
+#define ZERORATE_TERMS ((2 * ZERORATE_TEMPERATURE) + ZERORATE_INPUTS)
+#define ZERORATE_DRIFTS (ZERORATE_DECAYING_MODES + (2 * ZERORATE_ROTATING_MODES) + ZERORATE_TERMS)
 #define ZERORATE_FILTER_BYTES                                                   \
   (4 * (1 + ZERORATE_DRIFTS + ((ZERORATE_DRIFTS * (ZERORATE_DRIFTS + 1)) / 2) + \
         (ZERORATE_AXES * (1 + ZERORATE_DRIFTS))))
 #define ZERORATE_LEARNS ((ZERORATE_HYPOTHESES > 1) ? 1 : 0)
 #define ZERORATE_SPAN_BYTES (28 + (24 * ZERORATE_DECAYING_MODES) + (40 * ZERORATE_ROTATING_MODES))
-#define ZERORATE_HELD_TICK_BYTES (((ZERORATE_AXES > 1) ? 32 : 24) + (32 * ZERORATE_TEMPERATURE))
+#define ZERORATE_TICK_INPUT_BYTES \
+  ((ZERORATE_TERMS > 0) ? (4 * (ZERORATE_TERMS + ((ZERORATE_INPUTS > 0) ? 3 : 1))) : 0)
+#define ZERORATE_INPUT_BYTES                                                         \
+  (((76 + (4 * ZERORATE_AXES * ZERORATE_LEARNS)) * ((ZERORATE_TERMS > 0) ? 1 : 0)) + \
+   (60 * ZERORATE_TERMS) + (80 * ((ZERORATE_INPUTS > 0) ? 1 : 0)))
+#define ZERORATE_HELD_TICK_BYTES \
+  (((20 + (4 * ZERORATE_AXES) + ZERORATE_TICK_INPUT_BYTES + 7) / 8) * 8)
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (892 + (238 * ZERORATE_AXES) + (240 * ZERORATE_TEMPERATURE) + (3 * ZERORATE_SPAN_BYTES) +       \
+  (892 + (238 * ZERORATE_AXES) + ZERORATE_INPUT_BYTES + (3 * ZERORATE_SPAN_BYTES) +               \
    (16 * ZERORATE_DECAYING_MODES) + (24 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
@@ -72,9 +82,9 @@
     ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))) +               \
    (380 * ZERORATE_TAKES_REFERENCES))
 /** Bytes that zerorate_save() writes. */
-#define ZERORATE_SNAPSHOT_BYTES                                                                 \
-  (88 + (12 * ZERORATE_AXES) + (32 * ZERORATE_TEMPERATURE) + (48 * ZERORATE_TAKES_REFERENCES) + \
-   (ZERORATE_HYPOTHESES * ZERORATE_FILTER_BYTES) +                                              \
+#define ZERORATE_SNAPSHOT_BYTES                                                               \
+  (88 + (12 * ZERORATE_AXES) + ZERORATE_TICK_INPUT_BYTES + (48 * ZERORATE_TAKES_REFERENCES) + \
+   (ZERORATE_HYPOTHESES * ZERORATE_FILTER_BYTES) +                                            \
    (ZERORATE_LEARNS * (12 + (12 * ZERORATE_AXES * ZERORATE_HYPOTHESES))))
 
 #endif /* ZERORATE_SIZE_H */

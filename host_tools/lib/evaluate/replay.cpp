@@ -139,6 +139,7 @@ class Run {
     }
     if (message.health.measurement_rejected) ++result_.samples_doubted;
     if (message.health.temperature_missing) ++result_.samples_without_temperature;
+    if (message.health.acceleration_missing) ++result_.samples_without_acceleration;
     if (message.health.odometer_disagreement) ++result_.samples_disagreeing;
     if (is_frozen(message)) {
       if (result_.samples_frozen++ == 0) result_.first_frozen_s = time_s(message);
@@ -341,25 +342,6 @@ core::Duration filter_tick(const ReplayOptions& options, core::Duration sample_p
                                 " Hz: lower --filter-rate");
   }
   return sample_period;
-}
-
-std::string_view explain(app::ParamsError error) {
-  switch (error) {
-    case app::ParamsError::tick_not_positive:
-    case app::ParamsError::tick_shorter_than_sample:
-      return "the filter tick must be positive and not shorter than the sample period";
-    case app::ParamsError::white_variance_not_positive:
-      return "the model's white noise must be positive";
-    case app::ParamsError::no_room_for_samples:
-      return "the model describes single samples, and the node has no room for that";
-    case app::ParamsError::predictor_not_run:
-      return "the node does not run the predictor that it is to publish";
-    case app::ParamsError::negative_time:
-      return "settle time and hold-back must not be negative";
-    case app::ParamsError::hold_back_too_long:
-      return "the hold-back is longer than the node can hold at this filter rate: lower the rate";
-  }
-  return "unknown";
 }
 
 std::string_view name(app::Predictor predictor) {

@@ -146,6 +146,7 @@ struct ReplayResult {
   std::uint64_t samples_doubted =
       0;  ///< while the gate held back the newest measurement of an axis
   std::uint64_t samples_without_temperature = 0;  ///< samples without one that the model needs
+  std::uint64_t samples_without_acceleration = 0;  ///< likewise
   std::uint64_t samples_frozen = 0;       ///< samples without a rate: an axis no longer measures
   double first_frozen_s = 0.0;            ///< time of the first of them since the first row
   std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other

@@ -63,6 +63,7 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
        result.samples_inconsistent > 0 ? Json(result.first_inconsistent_s) : Json(nullptr)},
       {"samples_doubted", result.samples_doubted},
       {"samples_without_temperature", result.samples_without_temperature},
+      {"samples_without_acceleration", result.samples_without_acceleration},
       {"samples_frozen", result.samples_frozen},
       {"first_frozen_s", result.samples_frozen > 0 ? Json(result.first_frozen_s) : Json(nullptr)},
       {"samples_disagreeing", result.samples_disagreeing},

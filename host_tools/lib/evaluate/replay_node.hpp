@@ -31,9 +31,6 @@ inline constexpr std::size_t kRowsAhead = 2000;
 [[nodiscard]] core::Duration filter_tick(const ReplayOptions& options,
                                          core::Duration sample_period);
 
-/// Reason why a node refuses its parameters, for the user.
-[[nodiscard]] std::string_view explain(app::ParamsError error);
-
 /// Mean interval and filter tick of the samples that a node gets.
 struct SampleTiming {
   core::Duration sample_period;
@@ -109,7 +106,7 @@ class ReplayNode {
     if (!options.learns_noise) params.model.hypotheses = {};
     if (options.schedule) params.odometer.longest_straight = {};
     if (const auto checked = Node::check(params); !checked) {
-      throw std::invalid_argument(std::string(explain(checked.error())));
+      throw std::invalid_argument(std::string(app::reason(checked.error())));
     }
     return params;
   }

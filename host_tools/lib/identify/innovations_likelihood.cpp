@@ -8,8 +8,8 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr core::ModelShape kLargestWithoutTemperature{.decaying = model::kLargestShape.decaying,
-                                                      .rotating = model::kLargestShape.rotating};
+constexpr core::ModelShape kLargestWithoutInputs{.decaying = model::kLargestShape.decaying,
+                                                 .rotating = model::kLargestShape.rotating};
 
 }  // namespace
 
@@ -28,7 +28,7 @@ InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, st
 
 template <class Take>
 void InnovationsLikelihood::for_each_innovation(const model::SensorModel& model, Take take) const {
-  model::with_shape_of<kLargestWithoutTemperature>(model, [&]<core::ModelShape Shape>() {
+  model::with_shape_of<kLargestWithoutInputs>(model, [&]<core::ModelShape Shape>() {
     using Node = app::TickNode<Shape, app::kFilterAlone>;
     const app::NodeParams<Shape> params{
         .model = model::make_node_model<Shape>(model, sample_period_, tick_),

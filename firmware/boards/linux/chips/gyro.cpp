@@ -20,12 +20,14 @@ namespace {
 using Spi = hal::linux_os::SpidevDevice<>;
 using I2c = hal::linux_os::I2cDevBus<>;
 
+/// Code of a value, which must be among the choices.
+auto code_of(double value, const auto& choices) {
+  return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
+}
+
 /// Driver settings that `wanted` names; it must be possible by the chip's description.
 template <class Chip>
 auto settings_of(const GyroSettings& wanted) {
-  const auto code_of = [](double value, const auto& choices) {
-    return std::ranges::find_if(choices, [&](auto& choice) { return choice.value == value; })->code;
-  };
   return Chip::settings(code_of(wanted.rate_hz, Chip::kRates),
                         code_of(wanted.full_scale_dps, Chip::kFullScales), wanted.fifo);
 }
@@ -46,18 +48,20 @@ std::optional<std::uint32_t> identity_of(Bus bus) {
   return *reply;
 }
 
-/// @tparam Link  makes from a wire what the driver talks through
-template <class Chip, class Wire, class Link>
-using DriverOver = typename Chip::template Driver<std::invoke_result_t<Link, Wire&>>;
+constexpr const char* kNoAccelerometer =
+    "the gyro answers, but its accelerometer gives another identity or none (is it wired? see "
+    "accelerometer_address and accelerometer_device; or leave acceleration out)";
 
-template <class Chip, class Wire, class Link>
-class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro> {
+/// @tparam Link  makes from a wire what the driver talks through
+template <class Chip, class Wire, class Link, class Driver>
+class BoundGyro final : public drivers::ErasedGyro<Wire, Driver, DeviceGyro> {
  public:
-  template <class Settings, class Node>
-  BoundGyro(const Settings& settings, Link link, const Node& node)
-      : drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, Link>, DeviceGyro>(
+  /// @param settings  what the driver takes besides the link
+  template <class Node, class... Settings>
+  BoundGyro(Link link, const Node& node, const Settings&... settings)
+      : drivers::ErasedGyro<Wire, Driver, DeviceGyro>(
             [&](Wire& wire) {
-              return DriverOver<Chip, Wire, Link>{link(wire), settings};
+              return Driver{link(wire), settings...};
             },
             node),
         link_(link) {}
@@ -65,7 +69,13 @@ class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, 
   GyroReason reason(drivers::DriverErrorCode code) override {
     GyroReason reason{.error_number = this->wiring().error_number()};
     if (code == drivers::DriverErrorCode::wrong_identity) {
-      reason.identity = identity_of<Chip>(link_(this->wiring()));
+      const auto link = link_(this->wiring());
+      if constexpr (requires { link.accelerometer; }) {
+        reason.identity = identity_of<Chip>(link.gyro);
+        if (reason.identity == Chip::kIdentity.reset) reason.told = kNoAccelerometer;
+      } else {
+        reason.identity = identity_of<Chip>(link);
+      }
     }
     return reason;
   }
@@ -74,30 +84,85 @@ class BoundGyro final : public drivers::ErasedGyro<Wire, DriverOver<Chip, Wire, 
   Link link_;
 };
 
-template <class Chip, class Wire, class Settings, class Link, class Node>
-std::unique_ptr<DeviceGyro> bind(const Settings& settings, Link link, const Node& node) {
-  return std::make_unique<BoundGyro<Chip, Wire, Link>>(settings, link, node);
+/// @tparam Driver  of Chip, over what the link makes
+template <class Chip, class Wire, template <class> class Driver, class Link, class Node,
+          class... Settings>
+std::unique_ptr<DeviceGyro> bound(Link link, const Node& node, const Settings&... settings) {
+  using DriverOverLink = Driver<std::invoke_result_t<Link, Wire&>>;
+  return std::make_unique<BoundGyro<Chip, Wire, Link, DriverOverLink>>(link, node, settings...);
+}
+
+template <class Chip, class Wire, class Link, class Node>
+std::unique_ptr<DeviceGyro> bind(const GyroSettings& wanted, Link link, const Node& node) {
+  const auto settings = settings_of<Chip>(wanted);
+  if constexpr (drivers::AccelerometerChipEntry<Chip> && !drivers::TwoDieChipEntry<Chip>) {
+    if (wanted.acceleration_range_g) {
+      const auto range = code_of(*wanted.acceleration_range_g, Chip::kAccelerationRanges);
+      return bound<Chip, Wire, Chip::template DriverWithAcceleration>(link, node, settings, range);
+    }
+  }
+  return bound<Chip, Wire, Chip::template Driver>(link, node, settings);
+}
+
+/// The nodes of two dies that share a bus of SPI.
+class SpiPair {
+ public:
+  using Settings = std::array<hal::linux_os::SpiSettings, 2>;
+  explicit SpiPair(const Settings& settings) : gyro(settings[0]), accelerometer(settings[1]) {}
+
+  [[nodiscard]] int error_number() const {
+    return gyro.error_number() != 0 ? gyro.error_number() : accelerometer.error_number();
+  }
+
+  Spi gyro;
+  Spi accelerometer;
+};
+
+template <drivers::TwoDieChipEntry Chip>
+std::unique_ptr<DeviceGyro> make_both(const GyroSettings& wanted) {
+  const auto settings = settings_of<Chip>(wanted);
+  const auto range = code_of(*wanted.acceleration_range_g, Chip::kAccelerationRanges);
+  if (wanted.bus == BusKind::i2c) {
+    const hal::I2cAddress gyro{wanted.address};
+    const hal::I2cAddress accelerometer{wanted.accelerometer_address};
+    const auto link = [gyro, accelerometer](I2c& wire) {
+      return Chip::buses(drivers::I2cRegisters{wire, gyro},
+                         drivers::I2cRegisters{wire, accelerometer});
+    };
+    return bound<Chip, I2c, Chip::template DriverWithAcceleration>(link, wanted.device, settings,
+                                                                   range);
+  }
+  const auto link = [](SpiPair& wire) {
+    return Chip::buses(drivers::SpiRegisters{wire.gyro},
+                       typename Chip::template AccelerometerSpi<Spi>{wire.accelerometer});
+  };
+  const SpiPair::Settings nodes{
+      hal::linux_os::SpiSettings{wanted.device, wanted.speed_hz, Chip::kSpiMode},
+      hal::linux_os::SpiSettings{wanted.accelerometer_device, wanted.speed_hz, Chip::kSpiMode}};
+  return bound<Chip, SpiPair, Chip::template DriverWithAcceleration>(link, nodes, settings, range);
 }
 
 template <class Chip>
 std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
-  const auto settings = settings_of<Chip>(wanted);
+  if constexpr (drivers::TwoDieChipEntry<Chip>) {
+    if (wanted.acceleration_range_g) return make_both<Chip>(wanted);
+  }
   const hal::linux_os::SpiSettings spi{wanted.device, wanted.speed_hz, Chip::kSpiMode};
   if constexpr (drivers::RegisterChipEntry<Chip>) {
     if (wanted.bus == BusKind::i2c) {
       const hal::I2cAddress address{wanted.address};
       return bind<Chip, I2c>(
-          settings,
+          wanted,
           [address](I2c& wire) {
             return drivers::I2cRegisters{wire, address};
           },
           wanted.device);
     }
     return bind<Chip, Spi>(
-        settings, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
+        wanted, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
   } else {
     return bind<Chip, Spi>(
-        settings, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
+        wanted, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
   }
 }
 
@@ -109,17 +174,35 @@ constexpr auto kValues = [] {
 }();
 
 template <class Chip>
-constexpr auto kAddresses = [] {
-  if constexpr (drivers::RegisterChipEntry<Chip>) {
-    std::array<std::uint8_t, Chip::kAddresses.size()> addresses{};
-    std::ranges::transform(Chip::kAddresses, addresses.begin(), [](hal::I2cAddress address) {
-      return static_cast<std::uint8_t>(address);
-    });
-    return addresses;
-  } else {
-    return std::span<const std::uint8_t>{};
-  }
+constexpr std::span<const double> acceleration_ranges() {
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) return kValues<Chip::kAccelerationRanges>;
+  return {};
+}
+template <class Chip>
+constexpr double usual_acceleration_range() {
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) return Chip::kUsualAccelerationRange_g;
+  return 0.0;
+}
+
+template <const auto& Addresses>
+constexpr auto kNumbers = [] {
+  std::array<std::uint8_t, Addresses.size()> numbers{};
+  std::ranges::transform(Addresses, numbers.begin(), [](hal::I2cAddress address) {
+    return static_cast<std::uint8_t>(address);
+  });
+  return numbers;
 }();
+
+template <class Chip>
+constexpr std::span<const std::uint8_t> addresses() {
+  if constexpr (drivers::RegisterChipEntry<Chip>) return kNumbers<Chip::kAddresses>;
+  return {};
+}
+template <class Chip>
+constexpr std::span<const std::uint8_t> accelerometer_addresses() {
+  if constexpr (drivers::TwoDieChipEntry<Chip>) return kNumbers<Chip::kAccelerometerAddresses>;
+  return {};
+}
 
 template <class Chip>
 constexpr std::optional<std::uint8_t> kIdentity = [] {
@@ -133,7 +216,10 @@ ChipDescription describe() {
   return {.name = Chip::kName,
           .rates_hz = kValues<Chip::kRates>,
           .full_scales_dps = kValues<Chip::kFullScales>,
-          .addresses = kAddresses<Chip>,
+          .acceleration_ranges_g = acceleration_ranges<Chip>(),
+          .usual_acceleration_range_g = usual_acceleration_range<Chip>(),
+          .accelerometer_addresses = accelerometer_addresses<Chip>(),
+          .addresses = addresses<Chip>(),
           .highest_speed_hz = Chip::kHighestSpi_hz,
           .has_fifo = Chip::kHasFifo,
           .has_thermometer = Chip::kHasThermometer,
@@ -161,13 +247,18 @@ const ChipDescription* find_chip(std::string_view name) {
 std::unique_ptr<DeviceGyro> make_gyro(const GyroSettings& settings, const std::string& sysfs) {
   using namespace hal::linux_os;
   if (settings.bus == BusKind::iio) return std::make_unique<IioGyro>(settings);
-  const std::string driver = settings.bus == BusKind::i2c
-                                 ? driver_of_i2c(sysfs, settings.device, settings.address)
-                                 : driver_of_spi(sysfs, settings.device);
-  if (!driver.empty()) {
-    throw KernelFileError(settings.device, "the kernel's driver " + driver + " holds the chip",
+  const auto refuse_if_held = [&](const std::string& device, std::uint8_t address) {
+    const std::string driver = settings.bus == BusKind::i2c ? driver_of_i2c(sysfs, device, address)
+                                                            : driver_of_spi(sysfs, device);
+    if (driver.empty()) return;
+    throw KernelFileError(device, "the kernel's driver " + driver + " holds the chip",
                           "read it with bus = \"iio\", see zerorate probe; or unbind the driver");
+  };
+  refuse_if_held(settings.device, settings.address);
+  if (settings.accelerometer_address != 0) {
+    refuse_if_held(settings.device, settings.accelerometer_address);
   }
+  if (!settings.accelerometer_device.empty()) refuse_if_held(settings.accelerometer_device, 0);
   return find_chip(settings.chip)->make(settings);
 }
 

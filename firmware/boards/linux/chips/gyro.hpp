@@ -29,8 +29,12 @@ struct GyroSettings {
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
   bool fifo = false;                   ///< samples through the chip's FIFO
-  double time_factor = 1.0;            ///< speed of the simulated gyro's clock over the true one
-  bool drives = true;                  ///< whether the simulated vehicle ever leaves its place
+  /// Range of the accelerometer, one of the chip's; none: samples carry no acceleration.
+  std::optional<double> acceleration_range_g;
+  std::uint8_t accelerometer_address = 0;  ///< on I2C, of a chip whose accelerometer answers apart
+  std::string accelerometer_device;        ///< its node on SPI
+  double time_factor = 1.0;  ///< speed of the simulated gyro's clock over the true one
+  bool drives = true;        ///< whether the simulated vehicle ever leaves its place
 
   [[nodiscard]] bool is_simulated() const { return chip == kSimulatedChip; }
   /// Name of the chip whose rates, ranges and noise model are the gyro's.
@@ -58,8 +62,12 @@ class DeviceGyro : public drivers::AnyGyro {
 /// Values that a configuration may choose for a chip, and the function that makes the chip's gyro.
 struct ChipDescription {
   std::string_view name;
-  std::span<const double> rates_hz;         ///< values of the data sheet
-  std::span<const double> full_scales_dps;  ///< values of the data sheet
+  std::span<const double> rates_hz;               ///< values of the data sheet
+  std::span<const double> full_scales_dps;        ///< values of the data sheet
+  std::span<const double> acceleration_ranges_g;  ///< none: no accelerometer that is read
+  double usual_acceleration_range_g;              ///< one of them
+  /// On I2C, of an accelerometer that answers apart; none: it is read through the gyro's bus.
+  std::span<const std::uint8_t> accelerometer_addresses;
   std::span<const std::uint8_t> addresses;  ///< on I2C; none: not on I2C
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;

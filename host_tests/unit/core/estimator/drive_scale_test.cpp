@@ -18,6 +18,10 @@ constexpr float kBefore = 4e-10F;  ///< predicted variance when a stop begins
 struct Bank {
   static constexpr std::size_t kHypotheses = 2;
   static constexpr std::size_t kAxes = 3;
+  struct Coefficients {
+    static constexpr std::size_t kInputs = 0;
+  };
+  struct Transition {};
   struct Filter {
     float bias_variance = 0.0F;
   };
@@ -57,7 +61,7 @@ double play(Scale& scale, int stops, double truth, double share, int first = 0) 
   const random::RandomStream noise{7};
   double sum = 0.0;
   for (int stop = 0; stop < stops; ++stop) {
-    scale.begin_stop(biases({}, kBefore));
+    scale.begin_stop(biases({}, kBefore), {});
     std::array<float, 3> moved{};
     for (std::size_t i = 0; i < 3; ++i) {
       const double sigma = std::sqrt(share * (share * truth + 1.0 - share) * double{kBefore});
@@ -123,7 +127,7 @@ TEST(DriveScaleOfOneWildStop, RisesByABoundedFactor) {
   Scale scale;
   play(scale, 40, 1.0, 1.0);
   const float before = scale.scale();
-  scale.begin_stop(biases({}, kBefore));
+  scale.begin_stop(biases({}, kBefore), {});
   scale.end_stop(biases({1.0F, 1.0F, 1.0F}, 0.0F));
   // 3 x (16 - 1) / 2 over the most information.
   EXPECT_NEAR(double{scale.scale() / before}, 1.0 + 22.5 / 30.0, 0.02);
@@ -144,7 +148,7 @@ TEST(DriveScaleOfABiasThatJumps, IsExceededButNeverByChance) {
 
 TEST(DriveScaleOfALongStop, LooksAtItsFirstTicksOnly) {
   Scale scale;
-  scale.begin_stop(biases({}, kBefore));
+  scale.begin_stop(biases({}, kBefore), {});
   for (int tick = 0; tick < 19; ++tick) {
     scale.on_tick(biases({1e-4F, 1e-4F, 1e-4F}, 0.5F * kBefore));
     EXPECT_EQ(scale.scale(), 1.0F) << tick;

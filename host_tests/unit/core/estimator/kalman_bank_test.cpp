@@ -230,20 +230,21 @@ TEST(KalmanBankGivenOneBadRate, LearnsFromNone) {
 }
 
 TEST(KalmanBankWhoseTemperatureIsUnknown, TakesTheLargestSlope) {
-  constexpr ModelShape kWarm{.decaying = 5, .rotating = 1, .temperature_weights = 2};
+  constexpr ModelShape kWarm{.decaying = 5, .rotating = 1, .inputs = 2};
   const auto noise = modes();
-  const KalmanCoefficients<kWarm> coefficients{noise, {}, {.slope_rad_s_per_k = 1.0F}};
+  const InputTerms<2> terms = TemperatureDrift{.slope_rad_s_per_k = 1.0F}.terms();
+  const KalmanCoefficients<kWarm> coefficients{noise, {}, terms};
   KalmanBank<kWarm, 3> bank{coefficients};
   (void)bank.observe({1.0F, 2.0F, 3.0F}, kWhiteVariance);
   auto state = bank.state();
-  state.filters[0].axes[2].drift[coefficients.kTemperature] =
+  state.filters[0].axes[2].drift[coefficients.kFirstInput] =
       3.0F;  // three times the slope of the others
   bank.restore(state);
   KalmanBank<kWarm, 3> knowing = bank;
   KalmanBank<kWarm, 3>::Transition gap{noise.over(8)};
   const auto known = bank.predict(gap);
   knowing.advance(gap);
-  gap.temperature.unknown = {2.0F, 0.0F};  // 2 K
+  gap.inputs.unknown = {2.0F, 0.0F};  // 2 K
   const auto unknown = bank.predict(gap);
   EXPECT_FLOAT_EQ(unknown[0].variance_rad2_s2, known[0].variance_rad2_s2 + 4.0F);
   EXPECT_FLOAT_EQ(unknown[2].variance_rad2_s2, known[2].variance_rad2_s2 + 36.0F);

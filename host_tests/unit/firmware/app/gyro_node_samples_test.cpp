@@ -37,13 +37,14 @@ TEST(GyroNodeWithoutTemperature, IsTheSameButSaysNone) {
 }
 
 /// A node that follows the temperature, from the one of node_params().
-using WarmNode = GyroNode<core::ModelShape{.decaying = 4, .temperature_weights = 2}>;
+using WarmNode = GyroNode<core::ModelShape{.decaying = 4, .inputs = 2}>;
 WarmNode::Params warm_params() {
   const auto plain = node_params();
   WarmNode::Params params{.model = {.modes = plain.model.modes,
                                     .white_variance_rad2_s2 = plain.model.white_variance_rad2_s2,
                                     .sample_period = plain.model.sample_period}};
-  params.model.temperature = {.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F};
+  params.model.inputs =
+      core::TemperatureDrift{.reference_degc = 30.0F, .slope_sigma_rad_s_per_k = 1e-2F}.terms();
   return params;
 }
 
@@ -112,6 +113,63 @@ TEST(GyroNodeWhoseThermometerFallsSilent, ReportsAndWidens) {
       EXPECT_GT(message.axes[0].sigma.in(core::rad_per_s), 2.0F * sigma);
     }
   }
+}
+
+/// A node whose bias follows the force along x and the vibration, from the one of node_params().
+using LeaningNode =
+    GyroNode<core::ModelShape{.decaying = 4, .inputs = 2, .has_accelerometer = true}>;
+LeaningNode::Params leaning_params() {
+  const auto plain = node_params();
+  LeaningNode::Params params{.model = {.modes = plain.model.modes,
+                                       .white_variance_rad2_s2 = plain.model.white_variance_rad2_s2,
+                                       .sample_period = plain.model.sample_period}};
+  params.model.inputs.terms = {
+      {{core::Input::acceleration_x, 1e-2F, {}}, {core::Input::vibration, 1e-2F, {}}}};
+  return params;
+}
+/// Minutes of standstill and of driving in turn, each leaning otherwise.
+core::GyroSample leaning_sample(std::int64_t ms) {
+  const float force_g = 0.1F * static_cast<float>(ms / 60'000 * 3 % 7) - 0.3F;
+  auto sample = noisy_sample(at_ms(ms), kBias + 1e-3F * force_g);
+  sample.has_acceleration = true;
+  sample.acceleration = {core::standard_gravity(force_g), core::standard_gravity(0.0F),
+                         core::standard_gravity(1.0F)};
+  return sample;
+}
+RateMessage leaning_step(LeaningNode& node, std::int64_t ms) {
+  if (ms / 60'000 % 2 == 1) node.pulse(at_ms(ms));
+  return node.step(leaning_sample(ms));
+}
+
+TEST(GyroNodeThatFollowsTheForce, RestoredGoesOnBitForBit) {
+  const auto params = leaning_params();
+  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
+    LeaningNode whole{params};
+    std::int64_t ms = 0;
+    for (; ms < cut; ms += 10) (void)leaning_step(whole, ms);
+    LeaningNode second{params};
+    second.restore(whole.state());
+    for (; ms < 240'000; ms += 10) ASSERT_EQ(leaning_step(whole, ms), leaning_step(second, ms));
+  }
+}
+
+TEST(GyroNodeWhoseAccelerometerFallsSilent, ReportsAfterASecond) {
+  const auto params = leaning_params();
+  LeaningNode node{params};
+  std::int64_t ms = 0;
+  for (; ms < 60'000; ms += 10) (void)leaning_step(node, ms);
+  for (; ms < 70'000; ms += 10) {
+    auto sample = leaning_sample(ms);
+    sample.has_acceleration = false;
+    node.pulse(at_ms(ms));
+    EXPECT_EQ(node.step(sample).health.acceleration_missing, ms > 60'990) << ms;
+  }
+}
+
+TEST(GyroNodeWithoutAnAccelerometer, RefusesAModelThatNeedsOne) {
+  auto params = warm_params();
+  params.model.inputs.terms[0] = {core::Input::acceleration_x, 1e-2F, {}};
+  EXPECT_EQ(WarmNode::check(params).error(), ParamsError::no_accelerometer);
 }
 
 /// A node that looks at single samples: one in a thousand is wild.

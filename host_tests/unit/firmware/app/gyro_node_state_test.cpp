@@ -131,9 +131,8 @@ TEST(GyroNodeOverAWholeDrive, NeverAllocates) {
 
 TEST(GyroNodeWithoutTheBlock, IsNotLargerForIt) {
   static_assert(sizeof(Node::Ticks::Tick) == sizeof(core::TickMean<3>));
-  static_assert(std::is_empty_v<core::TemperatureTrack<0>>);
-  EXPECT_LT(sizeof(Node),
-            sizeof(GyroNode<core::ModelShape{.decaying = 4, .temperature_weights = 2}>));
+  static_assert(std::is_empty_v<Node::InputTrack>);
+  EXPECT_LT(sizeof(Node), sizeof(GyroNode<core::ModelShape{.decaying = 4, .inputs = 2}>));
 }
 
 TEST(GyroNodeParams, AreCheckedOneByOne) {

@@ -42,8 +42,10 @@ class Change {
   void bias_instability(double& si, const Rule& rule) {
     number("bias_instability", si, FileUnit::si, rule, Presence::required);
   }
-  void start(std::string_view key, core::Start& value) {
-    if (is_turn_of(key)) value = core::Start::stationary;
+  template <class Enumeration>
+  void name(std::string_view key, Enumeration& value, std::span<const std::string_view> names) {
+    if (!is_turn_of(key)) return;
+    value = static_cast<Enumeration>((static_cast<std::size_t>(value) + 1) % names.size());
   }
   void text(std::string_view /*key*/, std::string& /*value*/, Presence /*presence*/) {}
 
@@ -125,6 +127,8 @@ bool is_other(std::size_t at) {
   return at < offsetof(zerorate_model, walk_variance_rad2_s2) ||
          at == offsetof(zerorate_model, gate_longest_knock_ticks) ||
          at == offsetof(zerorate_model, hypothesis_count) ||
+         at == offsetof(zerorate_model, inputs) ||
+         at == offsetof(zerorate_model, inputs) + sizeof(zerorate_input) ||
          at >= offsetof(zerorate_model, hypotheses) + sizeof(zerorate_model::hypotheses);
 }
 

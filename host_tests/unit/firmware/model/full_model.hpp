@@ -50,6 +50,17 @@ curvature_dps_per_degc2 = 0.0002
 curvature_sigma_dps_per_degc2 = 0.0001
 lag_s = 30
 
+[[input]]
+quantity = "acceleration_x"
+sigma_dps_per_unit = 0.05
+coefficient_dps_per_unit = [0.01, -0.02, 0.03]
+source = "tumble test"
+
+[[input]]
+quantity = "vibration"
+sigma_dps_per_unit = 0.5
+coefficient_dps_per_unit = [0.1, 0.2, -0.3]
+
 [warm_up]
 amplitude_dps = 0.05
 amplitude_sigma_dps = 0.02

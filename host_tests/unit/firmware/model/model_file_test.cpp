@@ -58,6 +58,11 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_EQ(model.harmonic[0].frequency_hz, 0.55);
   EXPECT_EQ(model.harmonic[0].coherence_time_s, 40.0);
   EXPECT_EQ(model.temperature->reference_degc, 25.0);
+  ASSERT_EQ(model.inputs.size(), 2U);
+  EXPECT_EQ(model.inputs[0].quantity, InputQuantity::acceleration_x);
+  EXPECT_DOUBLE_EQ(model.inputs[0].sigma_rad_s_per_unit, 0.05 * kDeg);
+  EXPECT_DOUBLE_EQ(model.inputs[0].coefficient_rad_s_per_unit[1], -0.02 * kDeg);
+  EXPECT_EQ(model.inputs[1].quantity, InputQuantity::vibration);
   EXPECT_DOUBLE_EQ(model.temperature->slope_rad_s_per_k, -0.03 * kDeg);
   EXPECT_DOUBLE_EQ(model.temperature->slope_sigma_rad_s_per_k, 0.01 * kDeg);
   EXPECT_DOUBLE_EQ(model.temperature->curvature_rad_s_per_k2, 2e-4 * kDeg);
@@ -147,7 +152,7 @@ TEST(ModelFileWithAnUnknownName, SuggestsTheNearestWithPlace) {
   EXPECT_EQ(message_of(with("decades", "decade")),
             "m.toml:11:1: unknown key \"decade\" in [flicker]; did you mean \"decades\"?");
   EXPECT_EQ(message_of(with("[warm_up]", "[warmup]")),
-            "m.toml:40:2: unknown table \"warmup\"; did you mean \"warm_up\"?");
+            "m.toml:51:2: unknown table \"warmup\"; did you mean \"warm_up\"?");
   EXPECT_EQ(message_of(with("name =", "pressure = 3\nname =")),
             "m.toml:2:1: unknown key \"pressure\"");
 }
@@ -212,7 +217,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:98:9: \"start\" in [node]: expected \"stationary\" or \"zero\"");
+            "m.toml:109:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"

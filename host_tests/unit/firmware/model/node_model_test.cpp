@@ -202,11 +202,11 @@ TEST(NodeModelThatFollowsTheTemperature, NeedsANodeThatDoes) {
   SensorModel model = find_model("adis16405");
   model.temperature = TemperatureDrift{.reference_degc = 30.0, .slope_sigma_rad_s_per_k = 1e-3};
   EXPECT_FALSE(fits_six_decades(model));
-  const auto node = make_node_model<core::ModelShape{
-      .decaying = 6, .temperature_weights = kLargestShape.temperature_weights}>(model, kSample,
-                                                                                kTick);
-  EXPECT_EQ(node.temperature.reference_degc, 30.0F);
-  EXPECT_EQ(node.temperature.slope_sigma_rad_s_per_k, 1e-3F);
+  const auto node =
+      make_node_model<core::ModelShape{.decaying = 6, .inputs = 2}>(model, kSample, kTick);
+  EXPECT_EQ(node.inputs.reference_degc, 30.0F);
+  EXPECT_EQ(node.inputs.terms[0].input, core::Input::temperature);
+  EXPECT_EQ(node.inputs.terms[0].sigma, 1e-3F);
   EXPECT_THROW((void)(make_node_model<kSixDecades>(model, kSample, kTick)), std::invalid_argument);
 }
 

@@ -186,10 +186,11 @@ TEST(HeaderOfAModelWithGateWarmUpAndTemperature, HoldsAll) {
       WarmUp{.amplitude_rad_s = 0.25, .amplitude_sigma_rad_s = 1e-3, .time_constant_s = 60.0};
   model.temperature = TemperatureDrift{.reference_degc = 25.0, .slope_sigma_rad_s_per_k = 0.5};
   const std::string text = format_cpp_header(model, kLsm6dsoPeriod, kTick);
-  EXPECT_NE(text.find(".temperature_weights = 2,"), std::string::npos);
-  EXPECT_NE(text.find(".temperature = {.reference_degc = 25.0F, .slope_rad_s_per_k = 0.0F, "
-                      ".slope_sigma_rad_s_per_k = 0.5F,"),
+  EXPECT_NE(text.find(".inputs = 2, .has_accelerometer = false,"), std::string::npos);
+  EXPECT_NE(text.find("{.input = core::Input::temperature, .sigma = 0.5F, "
+                      ".coefficient = {{0.0F, 0.0F, 0.0F}}},"),
             std::string::npos);
+  EXPECT_NE(text.find(".reference_degc = 25.0F, .lag_s = 0.0F}"), std::string::npos);
   EXPECT_NE(text.find(".gate = {.threshold_sigma = 4.5F, .longest_knock_ticks = 6}"),
             std::string::npos);
   EXPECT_NE(text.find(".initial_mean = 0.25F"), std::string::npos);

@@ -180,6 +180,7 @@ TEST(CanInputsFrame, HoldsTemperatureOdometerAndCalm) {
     EXPECT_EQ(reading.raw("OdometerDeadBand") == 1, sent.health.odometer_dead_band);
     EXPECT_EQ(reading.raw("SampleRateOff") == 1, sent.health.sample_rate_off);
     EXPECT_EQ(reading.raw("ReferenceDisagreement") == 1, sent.health.reference_disagreement);
+    EXPECT_EQ(reading.raw("AccelerationMissing") == 1, sent.health.acceleration_missing);
     EXPECT_EQ(reading.raw("CalmPercent"), sent.calm_percent);
   }
 }

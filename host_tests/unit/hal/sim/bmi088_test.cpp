@@ -123,5 +123,75 @@ TEST_F(SimulatedBmi088Test, CountsWritesToAddressesThatAreNotListed) {
   EXPECT_EQ(chip_.read_register(0x00), 0x0F);
 }
 
+class SimulatedBmi088AccelerometerTest : public ::testing::Test {
+ protected:
+  void SetUp() override { clock_.advance(core::Duration::seconds(1)); }
+  void power_up() {
+    die_.write_register(0x7D, 0x04);
+    die_.write_register(0x7C, 0x00);
+    clock_.advance(core::Duration::seconds(1));
+  }
+  std::int16_t read_word(std::uint8_t low_address) {
+    const unsigned low = die_.read_register(low_address);
+    const unsigned high = die_.read_register(static_cast<std::uint8_t>(low_address + 1U));
+    return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | (high << 8U)));
+  }
+
+  SimulatedClock clock_;
+  SimulatedBmi088Accelerometer die_{clock_};
+};
+
+TEST_F(SimulatedBmi088AccelerometerTest, IsSuspendedAfterPowerOn) {
+  EXPECT_EQ(die_.read_register(0x00), 0x1E);
+  EXPECT_EQ(die_.read_register(0x40), 0xA8);
+  EXPECT_EQ(die_.read_register(0x41), 0x01);
+  EXPECT_EQ(die_.read_register(0x7C), 0x03);
+  die_.measure_force();
+  EXPECT_EQ(read_word(0x16), 0);
+  power_up();
+  die_.measure_force();
+  EXPECT_EQ(read_word(0x16), 5461) << "1 g of 6";
+}
+
+TEST_F(SimulatedBmi088AccelerometerTest, HasFourRangesAndClips) {
+  die_.set_specific_force({core::standard_gravity(-1.0F), {}, core::standard_gravity(30.0F)});
+  power_up();
+  constexpr std::array<std::int16_t, 4> kRawOf1g{10923, 5461, 2731, 1365};
+  for (std::size_t code = 0; code < kRawOf1g.size(); ++code) {
+    die_.write_register(0x41, static_cast<std::uint8_t>(code));
+    die_.measure_force();
+    EXPECT_EQ(read_word(0x12), -kRawOf1g.at(code));
+    EXPECT_EQ(read_word(0x16), 32767);
+  }
+}
+
+TEST_F(SimulatedBmi088AccelerometerTest, FifoHoldsFramesWithAHeader) {
+  power_up();
+  EXPECT_EQ(read_word(0x24), -32768) << "empty";
+  die_.write_register(0x49, 0x50);
+  die_.measure_force();
+  die_.measure_force();
+  EXPECT_EQ(read_word(0x24), 14);
+  constexpr std::array<std::uint8_t, 7> kFrame{0x84, 0, 0, 0, 0, 0x55, 0x15};
+  EXPECT_EQ(die_.read_register(0x26), 0x84);
+  EXPECT_EQ(read_word(0x24), 14) << "a frame that was read in part comes again";
+  for (const std::uint8_t byte : kFrame) EXPECT_EQ(die_.read_register(0x26), byte);
+  EXPECT_EQ(read_word(0x24), 7);
+  for (int i = 0; i < 200; ++i) die_.measure_force();
+  EXPECT_EQ(read_word(0x24), 146 * 7);
+  die_.write_register(0x7E, 0xB0);
+  EXPECT_EQ(read_word(0x24), -32768) << "flushed";
+}
+
+TEST_F(SimulatedBmi088AccelerometerTest, SoftwareResetSuspendsIt) {
+  power_up();
+  die_.write_register(0x7E, 0xB6);
+  EXPECT_FALSE(die_.is_powered());
+  clock_.advance(core::Duration::milliseconds(1));
+  EXPECT_EQ(die_.read_register(0x7D), 0x00);
+  die_.write_register(0x50, 0x00);
+  EXPECT_EQ(die_.reserved_writes(), 1U);
+}
+
 }  // namespace
 }  // namespace zerorate::hal::sim

@@ -49,6 +49,46 @@ TEST_F(SimulatedIcm42688Test, ReadsAsInvalidUntilItMeasures) {
   EXPECT_EQ(read_word(0x25), 1311);
 }
 
+TEST_F(SimulatedIcm42688Test, MeasuresSpecificForceBesideTheRate) {
+  chip_.set_specific_force({core::standard_gravity(-1.0F), {}, core::standard_gravity(30.0F)});
+  power_up();
+  measure_x(10.0F);
+  EXPECT_EQ(read_word(0x1F), -32768) << "it is off";
+  chip_.write_register(0x4E, 0x0F);
+  clock_.advance(core::Duration::seconds(1));
+  // ACCEL_CONFIG0: 16, 8, 4, 2 g
+  constexpr std::array<std::int16_t, 4> kRawOf1g{2048, 4096, 8192, 16384};
+  for (std::size_t code = 0; code < kRawOf1g.size(); ++code) {
+    chip_.write_register(0x50, static_cast<std::uint8_t>((code << 5U) | 0x08U));
+    measure_x(10.0F);
+    EXPECT_EQ(read_word(0x1F), -kRawOf1g.at(code));
+    EXPECT_EQ(read_word(0x21), 0);
+    EXPECT_EQ(read_word(0x23), 32767) << "clipped";
+    EXPECT_EQ(read_word(0x25), 1311);
+  }
+  chip_.lose_accelerations(1);
+  measure_x(10.0F);
+  EXPECT_EQ(read_word(0x1F), -32768);
+}
+
+TEST_F(SimulatedIcm42688Test, PacketsOfBothSensorsHave16Bytes) {
+  chip_.set_specific_force({core::Acceleration{}, {}, core::standard_gravity(1.0F)});
+  enable_fifo();
+  chip_.write_register(0x5F, 0x07);
+  chip_.write_register(0x50, 0x48);
+  power_up();
+  chip_.write_register(0x4E, 0x0F);
+  clock_.advance(core::Duration::seconds(1));
+  measure_x(250.0F / 32768.0F * 0x0102);
+  EXPECT_EQ(read_word(0x2E), 16);
+  constexpr std::array<std::uint8_t, 16> kPacket{0x60, 0, 0, 0, 0, 0x20, 0, 0x01,
+                                                 0x02, 0, 0, 0, 0, 0,    0, 0};
+  for (const std::uint8_t byte : kPacket) EXPECT_EQ(chip_.read_register(0x30), byte);
+  for (int i = 0; i < 130; ++i) measure_x(0.0F);
+  EXPECT_EQ(read_word(0x2E), 2048);
+  EXPECT_EQ(chip_.read_register(0x2D) & 0x02, 0x02) << "full";
+}
+
 TEST_F(SimulatedIcm42688Test, ItsOlderSisterHasAnotherIdentity) {
   SimulatedIcm42605 sister{clock_};
   EXPECT_EQ(chip_.read_register(0x75), 0x47);

@@ -9,6 +9,7 @@ namespace zerorate::hal::sim {
 namespace {
 
 using core::deg_per_s;
+using core::standard_gravity;
 constexpr core::Temperature kRoomTemperature = core::Temperature::from_degc(25.0F);
 
 class SimulatedLsm6dsoTest : public ::testing::Test {
@@ -188,6 +189,57 @@ TEST_F(SimulatedLsm6dsoTest, FifoWordsHaveSensorSlotAndParity) {
     EXPECT_EQ(pop_word(), (std::array<std::uint8_t, 7>{tag, 0x02, 0x01, 0, 0, 0, 0}));
   }
   EXPECT_EQ(fifo_level(), 0U);
+}
+
+TEST_F(SimulatedLsm6dsoTest, MeasuresSpecificForceBesideTheRate) {
+  chip_.set_specific_force({standard_gravity(-0.5F), standard_gravity(1.0F), {}});
+  power_up();
+  measure_x(1.0F);
+  EXPECT_EQ(chip_.read_register(0x1E), 0x06) << "it is off";
+  EXPECT_EQ(read_word(0x28), 0);
+  struct Range {
+    std::uint8_t ctrl1_xl;
+    std::int16_t raw_of_1_g;
+  };
+  // Sensitivities of table 2: 0.061, 0.122, 0.244 and 0.488 mg, whose codes are 0, 2, 3, 1.
+  for (const Range& range :
+       {Range{0x40, 16393}, Range{0x48, 8197}, Range{0x4C, 4098}, Range{0x44, 2049}}) {
+    chip_.write_register(0x10, range.ctrl1_xl);
+    clock_.advance(core::Duration::seconds(1));
+    measure_x(1.0F);
+    EXPECT_EQ(chip_.read_register(0x1E) & 0x01, 0x01);
+    EXPECT_NEAR(read_word(0x28), -0.5 * range.raw_of_1_g, 1.0);
+    EXPECT_EQ(read_word(0x2A), range.raw_of_1_g);
+    EXPECT_EQ(read_word(0x2C), 0);
+    EXPECT_EQ(chip_.read_register(0x1E) & 0x01, 0x00) << "cleared by a high byte";
+  }
+}
+
+TEST_F(SimulatedLsm6dsoTest, ClipsSpecificForceAtTheEndOfItsRange) {
+  chip_.set_specific_force({standard_gravity(9.0F), standard_gravity(-9.0F), {}});
+  chip_.write_register(0x10, 0x48);
+  power_up();
+  measure_x(0.0F);
+  EXPECT_EQ(read_word(0x28), 32767);
+  EXPECT_EQ(read_word(0x2A), -32768);
+}
+
+TEST_F(SimulatedLsm6dsoTest, BatchesBothSensorsInOneSlot) {
+  chip_.set_specific_force({core::Acceleration{}, core::Acceleration{}, standard_gravity(1.0F)});
+  chip_.write_register(0x09, 0x44);
+  chip_.write_register(0x0A, 0x06);
+  chip_.write_register(0x10, 0x48);
+  power_up();
+  measure_x(8.75e-3F);
+  chip_.lose_accelerations(1);
+  measure_x(8.75e-3F);
+  measure_x(8.75e-3F);
+  ASSERT_EQ(fifo_level(), 5U);
+  EXPECT_EQ(pop_word(), (std::array<std::uint8_t, 7>{0b00001'00'1, 1, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(pop_word(), (std::array<std::uint8_t, 7>{0b00010'00'1, 0, 0, 0, 0, 0x05, 0x20}));
+  EXPECT_EQ(pop_word()[0], 0b00001'01'0);
+  EXPECT_EQ(pop_word()[0], 0b00001'10'0);
+  EXPECT_EQ(pop_word()[0], 0b00010'10'0);
 }
 
 // The kernel's driver stamps its samples by these words, which come before those of their slot.

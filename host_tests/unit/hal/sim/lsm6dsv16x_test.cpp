@@ -83,6 +83,35 @@ TEST_F(SimulatedLsm6dsv16xTest, FifoWordsHaveATagWithoutParity) {
   EXPECT_EQ(chip_.read_register(0x1B), 0);
 }
 
+TEST_F(SimulatedLsm6dsv16xTest, MeasuresSpecificForce) {
+  chip_.set_specific_force({core::Acceleration{}, core::standard_gravity(-1.0F), {}});
+  constexpr std::array<std::int16_t, 4> kRawOf1g{16393, 8197, 4098, 2049};
+  for (std::size_t code = 0; code < kRawOf1g.size(); ++code) {
+    chip_.write_register(0x17, static_cast<std::uint8_t>(code));
+    chip_.write_register(0x10, 0x06);
+    power_up();
+    measure_x(0.0F);
+    EXPECT_EQ(chip_.read_register(0x1E), 0x07);
+    EXPECT_EQ(read_word(0x2A), -kRawOf1g.at(code));
+    EXPECT_EQ(chip_.read_register(0x1E), 0x06);
+  }
+}
+
+TEST_F(SimulatedLsm6dsv16xTest, BatchesBothSensorsInOneSlot) {
+  chip_.write_register(0x09, 0x66);
+  chip_.write_register(0x0A, 0x06);
+  chip_.write_register(0x10, 0x06);
+  chip_.write_register(0x17, 0x01);
+  power_up();
+  measure_x(0.0F);
+  measure_x(0.0F);
+  EXPECT_EQ(chip_.read_register(0x1B), 4);
+  EXPECT_EQ(pop_word()[0], 0x08);
+  EXPECT_EQ(pop_word(), (std::array<std::uint8_t, 7>{0x10, 0, 0, 0, 0, 0x05, 0x20}));
+  EXPECT_EQ(pop_word()[0], 0x0A);
+  EXPECT_EQ(pop_word()[0], 0x12);
+}
+
 TEST_F(SimulatedLsm6dsv16xTest, FifoHolds256WordsAndLatchesAnOverrun) {
   enable_fifo();
   power_up();

@@ -142,12 +142,28 @@ TEST_F(SimulatedMpu6500Test, FifoHoldsBytesInTheOrderOfTheRegisters) {
   enable_fifo(0xF8);
   chip_.measure({deg_per_s(10.0F), deg_per_s(-10.0F), {}}, core::Temperature::from_degc(31.0F));
   EXPECT_EQ(read_word(0x72), 14);
-  // Accelerometer, which is not modelled; 3339 counts; 1311 of rate.
-  constexpr std::array<std::uint8_t, 14> kExpected{0,    0,    0,    0,    0,    0, 0x0D,
+  // 1 g along z, 16384 counts in the range of 2 g; 3339 counts; 1311 of rate.
+  constexpr std::array<std::uint8_t, 14> kExpected{0,    0,    0,    0,    0x40, 0, 0x0D,
                                                    0x0B, 0x05, 0x1F, 0xFA, 0xE1, 0, 0};
   for (const std::uint8_t byte : kExpected) EXPECT_EQ(chip_.read_register(0x74), byte);
   EXPECT_EQ(read_word(0x72), 0);
   EXPECT_EQ(chip_.read_register(0x74), 0x00) << "the last byte again";
+}
+
+TEST_F(SimulatedMpu6500Test, MeasuresSpecificForceInFourRanges) {
+  chip_.set_specific_force({core::standard_gravity(-1.0F), {}, core::standard_gravity(30.0F)});
+  constexpr std::array<std::int16_t, 4> kRawOf1g{16384, 8192, 4096, 2048};
+  for (std::size_t code = 0; code < kRawOf1g.size(); ++code) {
+    chip_.write_register(0x1C, static_cast<std::uint8_t>(code << 3U));
+    measure_x(0.0F);
+    EXPECT_EQ(read_word(0x3B), -kRawOf1g.at(code));
+    EXPECT_EQ(read_word(0x3D), 0);
+    EXPECT_EQ(read_word(0x3F), 32767) << "clipped";
+  }
+  chip_.write_register(0x6C, 0x20);  // x stands by
+  measure_x(0.0F);
+  EXPECT_EQ(read_word(0x3B), 0);
+  EXPECT_EQ(read_word(0x3F), 32767);
 }
 
 TEST_F(SimulatedMpu6500Test, FullFifoLosesBytesAndIsShifted) {

@@ -48,12 +48,12 @@ class TickRun {
   void enter() {
     node_.begin_tick(tick().tick);
     if (ticks_.temperature_degc.empty()) {
-      node_.take_temperature(begin(), true, std::numeric_limits<float>::quiet_NaN());
+      node_.inputs().take(begin(), true, std::numeric_limits<float>::quiet_NaN());
       return;
     }
     for (std::uint32_t k = 0; k < tick().samples; ++k) {
-      node_.take_temperature(begin() + ticks_.sample_period * std::int64_t{k}, k == 0,
-                             static_cast<float>(ticks_.temperature_degc[first_sample_ + k]));
+      node_.inputs().take(begin() + ticks_.sample_period * std::int64_t{k}, k == 0,
+                          static_cast<float>(ticks_.temperature_degc[first_sample_ + k]));
     }
   }
   /// Bias that is predicted for the tick.

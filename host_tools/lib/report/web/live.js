@@ -18,6 +18,7 @@ const FLAGS = {
   temperature_missing: ["The thermometer is silent", "The interval widens. Check the gyro's temperature reading."],
   odometer_disagreement: ["Gyro and odometer contradict each other",
     "Check that the odometer counts whenever the wheels turn, and only then."],
+  acceleration_missing: ["The accelerometer is silent", "The interval widens. Check that the node reads it (acceleration = true)."],
   reference_disagreement: ["References and gyro contradict each other", "Is the reference's sense that of the axis that points up? Is its time right?"],
   sample_rate_off: ["Samples are lost, or too many come", "Does another program read the chip? Is the data-ready edge the right one?"],
   odometer_dead_band: ["The odometer is silent while the vehicle creeps",

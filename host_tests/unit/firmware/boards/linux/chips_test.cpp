@@ -101,6 +101,10 @@ TEST(MakeGyro, RefusesAChipThatADriverOfTheKernelHolds) {
   wired.device = "/dev/spidev0.1";
   EXPECT_TRUE(
       contains(kernel_error_of([&] { return make_gyro(wired, sys.path()); }), "adxrs450 holds"));
+  wired.device = "/dev/spidev0.0";
+  wired.accelerometer_device = "/dev/spidev0.1";
+  EXPECT_TRUE(contains(kernel_error_of([&] { return make_gyro(wired, sys.path()); }),
+                       "/dev/spidev0.1: the kernel's driver adxrs450 holds"));
 }
 
 }  // namespace

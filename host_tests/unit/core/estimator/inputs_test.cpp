@@ -7,8 +7,9 @@
 #include <cmath>
 #include <random>
 
+#include "core/estimator/kalman_bank.hpp"
 #include "core/estimator/kalman_predictor.hpp"
-#include "core/noise/temperature_drift.hpp"
+#include "core/noise/inputs.hpp"
 #include "core/noise/terms.hpp"
 
 namespace zerorate::core {
@@ -25,8 +26,10 @@ constexpr TemperatureDrift kDrift{.reference_degc = 30.0F,
                                   .curvature_rad_s_per_k2 = -0.1F,
                                   .curvature_sigma_rad_s_per_k2 = 0.3F};
 constexpr double kWhiteVariance = 4.0;
-using Filter = KalmanPredictor<ModelShape{.decaying = kLags, .temperature_weights = 2}>;
-using Weights = TemperatureTransition<2>::Weights;
+constexpr InputTerms<2> kTerms = kDrift.terms();
+constexpr ModelShape kShape{.decaying = kLags, .inputs = 2};
+using Filter = KalmanPredictor<kShape>;
+using Weights = InputTransition<2>::Weights;
 
 /// Above the reference: a warm-up, and the sun now and then.
 double excess_k(int tick) {
@@ -100,8 +103,8 @@ Filter::Transition span_over(const Modes<kLags, 0>& modes, int from, int to) {
   Filter::Transition span{modes.over(static_cast<std::uint32_t>(to - from))};
   for (std::size_t i = 0; i < 2; ++i) {
     for (int tick = from + 1; tick <= to; ++tick) {
-      span.temperature.change[i] = weights_at(tick)[i] - weights_at(from)[i];
-      span.temperature.sum[i] += span.temperature.change[i];
+      span.inputs.change[i] = weights_at(tick)[i] - weights_at(from)[i];
+      span.inputs.sum[i] += span.inputs.change[i];
     }
   }
   return span;
@@ -109,8 +112,7 @@ Filter::Transition span_over(const Modes<kLags, 0>& modes, int from, int to) {
 
 TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstants) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
-      modes, {}, kDrift};
+  const KalmanCoefficients<kShape> coefficients{modes, {}, kTerms};
   Filter filter{coefficients};
   TimeVaryingFilter oracle;
   std::mt19937_64 random{5};
@@ -141,7 +143,7 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstants) {
   // It has learnt what the sensor does: within four of its own standard deviations, far below those
   // that it began with.
   for (const auto& [at, truth, prior] : {std::tuple{0U, 5.0, 4.0}, std::tuple{1U, 0.15, 0.3}}) {
-    const std::size_t i = Filter::Coefficients::kTemperature + at;
+    const std::size_t i = Filter::Coefficients::kFirstInput + at;
     const double sigma = std::sqrt(double{filter.state().filters[0].covariance(i, i)});
     EXPECT_NEAR(double{filter.state().filters[0].axes[0].drift[i]}, truth, 4.0 * sigma);
     EXPECT_LT(sigma, 0.2 * prior);
@@ -150,8 +152,7 @@ TEST(KalmanPredictorWithTemperature, EqualsAFilterOfConstants) {
 
 TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasSameBits) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> with{
-      modes, {}, kDrift};
+  const KalmanCoefficients<kShape> with{modes, {}, kTerms};
   const KalmanCoefficients<ModelShape{.decaying = kLags}> without{modes};
   Filter followed{with};
   KalmanPredictor<ModelShape{.decaying = kLags}> plain{without};
@@ -170,24 +171,56 @@ TEST(KalmanPredictorWhoseTemperatureDoesNotChange, HasSameBits) {
 
 TEST(KalmanPredictorWhoseTemperatureIsUnknown, AddsItsVariance) {
   const auto modes = compose(kTick, Start::stationary, kFlicker);
-  const KalmanCoefficients<ModelShape{.decaying = kLags, .temperature_weights = 2}> coefficients{
-      modes, {}, kDrift};
+  const KalmanCoefficients<kShape> coefficients{modes, {}, kTerms};
   Filter filter{coefficients};
   filter.step(Filter::Transition{modes.one_tick()}, 1.0F, 4.0F);
   Filter::Transition lead{modes.over(8)};
   const float known = filter.predict(lead).variance_rad2_s2;
   // 3 K at e = 5 K, not known: (slope + 2 e curvature) 3 K, which is 1 +- sqrt(16 + 100 0.09).
-  lead.temperature.unknown = {3.0F, 30.0F};
+  lead.inputs.unknown = {3.0F, 30.0F};
   const float unknown = filter.predict(lead).variance_rad2_s2;
   EXPECT_NEAR(unknown - known, 9.0F * (1.0F + 25.0F), 1e-2F);
   const Filter::Transition none{modes.over(0)};
   Filter::Transition drive = lead;
   const float wide = filter.predict_heading(none, drive).variance_rad2;
-  drive.temperature.unknown = {};
+  drive.inputs.unknown = {};
   const float narrow = filter.predict_heading(none, drive).variance_rad2;
   EXPECT_NEAR((wide - narrow) / (16.0F * 9.0F * 26.0F), 1.0F, 1e-4F);  // (8 ticks of 0.5 s)^2
   filter.advance(lead);
   EXPECT_FLOAT_EQ(filter.state().filters[0].bias_variance, unknown);
+}
+
+TEST(KalmanPredictorWithCoefficientsByAxis, BeginsFromEachAxis) {
+  const auto modes = compose(kTick, Start::stationary, kFlicker);
+  InputTerms<2> terms;
+  terms.terms[0] = {Input::acceleration_x, 0.0F, {0.1F, -0.2F, 0.3F}};
+  constexpr ModelShape kMoving{.decaying = kLags, .inputs = 2, .has_accelerometer = true};
+  const KalmanCoefficients<kMoving> coefficients{modes, {}, terms};
+  KalmanBank<kMoving, 3> bank{coefficients};
+  (void)bank.observe({1.0F, 1.0F, 1.0F}, 4.0F);
+  KalmanBank<kMoving, 3>::Transition lead{modes.over(8)};
+  const auto before = bank.predict(lead);
+  lead.inputs.change[0] = 0.5F;
+  const auto leaning = bank.predict(lead);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(leaning[i].bias_rad_s - before[i].bias_rad_s, 0.5F * terms.terms[0].coefficient[i],
+                1e-6F);
+  }
+}
+
+TEST(KalmanPredictorWhoseForcesAreUnknown, AddsThemIndependently) {
+  const auto modes = compose(kTick, Start::stationary, kFlicker);
+  InputTerms<2> terms;
+  terms.terms[0] = {Input::acceleration_x, 2.0F, {}};
+  terms.terms[1] = {Input::acceleration_y, 2.0F, {}};
+  constexpr ModelShape kMoving{.decaying = kLags, .inputs = 2, .has_accelerometer = true};
+  const KalmanCoefficients<kMoving> coefficients{modes, {}, terms};
+  KalmanPredictor<kMoving> filter{coefficients};
+  filter.step(KalmanPredictor<kMoving>::Transition{modes.one_tick()}, 1.0F, 4.0F);
+  KalmanPredictor<kMoving>::Transition lead{modes.over(8)};
+  const float known = filter.predict(lead).variance_rad2_s2;
+  lead.inputs.unknown = {0.5F, 1.0F};
+  EXPECT_NEAR(filter.predict(lead).variance_rad2_s2 - known, 4.0F * (0.25F + 1.0F), 1e-3F);
 }
 
 }  // namespace
