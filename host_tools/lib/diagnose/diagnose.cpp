@@ -180,14 +180,10 @@ void adopt(ExtensionChoice chosen, std::vector<Choice>& choices, Diagnosis& diag
 }
 
 /// Adds what was found over all standstills. It was measured beside the rate and comes first.
-void add_inputs(const InputFindings& inputs, Diagnosis& diagnosis) {
-  for (Cause cause : inputs.causes) {
-    cause.in_model = false;
-    cause.left_out_because = "the node has no input for it";
-    diagnosis.causes.push_back(std::move(cause));
-  }
-  std::ranges::rotate(diagnosis.causes,
-                      diagnosis.causes.end() - static_cast<std::ptrdiff_t>(inputs.causes.size()));
+void add_inputs(const InputFindings& inputs, std::optional<std::size_t> axis,
+                Diagnosis& diagnosis) {
+  diagnosis.causes.insert(diagnosis.causes.begin(), inputs.causes.begin(), inputs.causes.end());
+  add_inputs_to_model(inputs, axis, diagnosis.extended_model);
   add_stronger(inputs.evidence, diagnosis.evidence);
   diagnosis.remarks.insert(diagnosis.remarks.end(), inputs.remarks.begin(), inputs.remarks.end());
 }
@@ -256,7 +252,8 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);
-  add_inputs(axis.inputs, diagnosis);
+  const bool is_single = record.axis == "rate";
+  add_inputs(axis.inputs, is_single ? std::nullopt : std::optional{record.index}, diagnosis);
   if (!is_given_enough) {
     doubt_many_slow_causes(choices, hypothesis, diagnosis.extended_adequacy);
   }
@@ -306,9 +303,10 @@ class DiagnosisRun {
   }
 
  private:
-  static void find_inputs(Axis& axis) {
-    axis.inputs =
-        find_input_effects(axis.record.inputs, axis.record.index, kSelectionThreshold_nats);
+  void find_inputs(Axis& axis) const {
+    axis.inputs = find_input_effects(
+        axis.record.inputs, axis.record.index,
+        {.threshold_nats = kSelectionThreshold_nats, .holdout = options_.holdout});
     take_off_vibration(axis.inputs, axis.record);
   }
 

@@ -1,6 +1,5 @@
 #include "host_tools/lib/diagnose/inputs/input_effects.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host_tools/lib/diagnose/inputs/attitudes.hpp"
 #include "host_tools/lib/diagnose/inputs/input_words.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
@@ -18,15 +18,6 @@ namespace zerorate::diagnose {
 namespace {
 
 constexpr std::size_t kFewestTicks = 64;
-
-InputColumn along(const InputTicks& ticks, const Direction& direction) {
-  InputColumn column;
-  column.reserve(ticks.size());
-  for (const auto& g : ticks.acceleration_g) {
-    column.push_back(std::inner_product(g.begin(), g.end(), direction.begin(), 0.0));
-  }
-  return column;
-}
 
 double spread_of(const std::vector<double>& values) {
   const auto count = static_cast<double>(values.size());
@@ -53,7 +44,7 @@ std::string_view obstacle_of_attitudes(const Attitudes& attitudes) {
 Hypothetical g_sensitivity(const InputTicks& ticks, const Attitudes& attitudes) {
   Hypothetical effect{.name = kGSensitivity, .obstacle = obstacle_of_attitudes(attitudes)};
   for (const Direction& direction : attitudes.directions) {
-    effect.columns.push_back(along(ticks, direction));
+    effect.columns.push_back(acceleration_along(ticks, direction));
   }
   return effect;
 }
@@ -99,6 +90,7 @@ class InputSearch {
     base_ = fit_of({});
   }
 
+  using Effects = std::vector<const Hypothetical*>;
   struct Proposal {
     const Hypothetical* effect = nullptr;
     double gain_nats = 0.0;
@@ -126,10 +118,15 @@ class InputSearch {
   [[nodiscard]] const std::vector<Proposal>& first() const { return first_; }
   [[nodiscard]] const std::vector<Chosen>& chosen() const { return chosen_; }
   [[nodiscard]] const InputFit& fit() const { return final_; }
+  [[nodiscard]] Effects chosen_effects(const Hypothetical* but = nullptr) const {
+    Effects effects;
+    for (const Chosen& one : chosen_) {
+      if (one.proposal.effect != but) effects.push_back(one.proposal.effect);
+    }
+    return effects;
+  }
 
  private:
-  using Effects = std::vector<const Hypothetical*>;
-
   static std::vector<InputColumn> columns_of(const Effects& effects) {
     std::vector<InputColumn> columns;
     for (const Hypothetical* effect : effects) {
@@ -140,14 +137,6 @@ class InputSearch {
 
   [[nodiscard]] InputFit fit_of(const Effects& effects) const {
     return fit_inputs(ticks_, axis_, columns_of(effects));
-  }
-
-  [[nodiscard]] Effects chosen_effects(const Hypothetical* but = nullptr) const {
-    Effects effects;
-    for (const Chosen& one : chosen_) {
-      if (one.proposal.effect != but) effects.push_back(one.proposal.effect);
-    }
-    return effects;
   }
 
   [[nodiscard]] Proposal proposal_of(const Hypothetical& effect, Effects beside,
@@ -233,13 +222,47 @@ InputEffect effect_of(const Hypothetical& found, const InputFit& fit, std::size_
           .standard_error_rad_s = {std::sqrt(fit.covariance[first][first])}};
 }
 
+/// Number of the tick from which on a share of the standstills, or of a few the ticks, is held out.
+std::size_t first_held_out(const InputTicks& ticks, double share) {
+  constexpr std::size_t kFewestStandstills = 8;
+  const auto part = [&](std::size_t count) {
+    return static_cast<std::size_t>((1.0 - share) * static_cast<double>(count));
+  };
+  if (ticks.standstills() < kFewestStandstills) return part(ticks.size());
+  const auto first = std::ranges::lower_bound(ticks.standstill, part(ticks.standstills()));
+  return static_cast<std::size_t>(first - ticks.standstill.begin());
+}
+
+/// Worth of an effect beside the others.
+std::optional<InputWorth> worth_of(const InputTicks& ticks, std::size_t axis,
+                                   const std::vector<const Hypothetical*>& all,
+                                   const Hypothetical& effect, double share) {
+  const std::size_t first = first_held_out(ticks, share);
+  if (first < kFewestTicks || first >= ticks.size()) return std::nullopt;
+  const bool has_attitudes = attitudes_of(beginning_of(ticks, first)).directions.size() ==
+                             attitudes_of(ticks).directions.size();
+  if (effect.name == kGSensitivity && !has_attitudes) return std::nullopt;
+  std::vector<InputColumn> with;
+  std::vector<InputColumn> without;
+  for (const Hypothetical* one : all) {
+    with.insert(with.end(), one->columns.begin(), one->columns.end());
+    if (one != &effect) without.insert(without.end(), one->columns.begin(), one->columns.end());
+  }
+  const double gain =
+      score_of_rest(ticks, axis, with, first) - score_of_rest(ticks, axis, without, first);
+  const std::size_t standstills = ticks.standstills() - ticks.standstill[first];
+  return InputWorth{standstills, gain / static_cast<double>(standstills)};
+}
+
 Cause cause_of(const InputSearch::Chosen& chosen, const InputEffect& effect, const Spread& spread) {
   const auto& [proposal, rivals] = chosen;
   Cause cause{.effect = effect.name,
               .gain_nats = proposal.gain_nats,
               .p_value = std::exp(-proposal.surprisal_nats),
               .parameters = parameters_of(effect),
-              .sentence = sentence_of(effect, spread)};
+              .sentence = sentence_of(effect, spread),
+              .in_model = effect.pays(),
+              .left_out_because = reason_to_leave_out(effect)};
   std::vector<Alternative> behind;
   for (const Alternative& rival : rivals) {
     if (std::abs(rival.less_likely_by_nats) <= kAlternativeNats)
@@ -289,41 +312,16 @@ Spread spread_with(const InputTicks& ticks, std::size_t axis, const std::vector<
 
 }  // namespace
 
-Attitudes attitudes_of(const InputTicks& ticks) {
-  constexpr std::size_t kFewest = 2;
-  std::array<std::vector<double>, 3> means;
-  for (std::size_t i = 0; i < 3; ++i) {
-    Direction unit{};
-    unit[i] = 1.0;
-    means[i] = means_by_standstill(ticks, along(ticks, unit));
-  }
-  Attitudes attitudes{.directions = {}, .standstills = means[0].size()};
-  if (attitudes.standstills < kFewest) return attitudes;
-  Eigen::MatrixXd g(static_cast<Eigen::Index>(attitudes.standstills), 3);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const auto& column = means[static_cast<std::size_t>(i)];
-    g.col(i) = Eigen::Map<const Eigen::VectorXd>(column.data(), g.rows());
-  }
-  g.rowwise() -= g.colwise().mean().eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(g.transpose() * g /
-                                                              static_cast<double>(g.rows()));
-  for (Eigen::Index i = 3; i-- > 0;) {
-    if (solver.eigenvalues()[i] < kLeastSpread_g * kLeastSpread_g) break;
-    const Eigen::Vector3d v = solver.eigenvectors().col(i);
-    attitudes.directions.push_back({v[0], v[1], v[2]});
-  }
-  return attitudes;
-}
-
-InputFindings find_input_effects(const InputTicks& ticks, std::size_t axis, double threshold_nats) {
+InputFindings find_input_effects(const InputTicks& ticks, std::size_t axis,
+                                 const InputSearchOptions& options) {
   InputFindings findings;
   if (ticks.size() < kFewestTicks) return findings;
   const Attitudes attitudes = attitudes_of(ticks);
   InputSearch search(
       ticks, axis,
       {g_sensitivity(ticks, attitudes), vibration_rectification(ticks), temperature_drift(ticks)});
-  search.select(threshold_nats);
-  findings.evidence = evidence_of(search, threshold_nats);
+  search.select(options.threshold_nats);
+  findings.evidence = evidence_of(search, options.threshold_nats);
   if (!obstacle_of_attitudes(attitudes).empty()) {
     findings.remarks.push_back(remark_on(attitudes.standstills));
   }
@@ -338,30 +336,14 @@ InputFindings find_input_effects(const InputTicks& ticks, std::size_t axis, doub
       }
     }
     findings.effects.push_back(effect_of(effect, search.fit(), first, attitudes));
+    findings.effects.back().worth =
+        worth_of(ticks, axis, search.chosen_effects(), effect, options.holdout);
     findings.causes.push_back(
         cause_of(chosen, findings.effects.back(), spread_with(ticks, axis, share)));
     if (effect.name == kVibrationRectification) findings.vibration_share_rad_s = share;
     first += effect.columns.size();
   }
   return findings;
-}
-
-void take_off_vibration(const InputFindings& findings, Record& record) {
-  if (findings.vibration_share_rad_s.empty()) return;
-  const InputTicks& ticks = record.inputs;
-  const double tick_s = static_cast<double>(ticks.tick.ns()) * 1e-9;
-  const double half_sample_s = 0.5 * static_cast<double>(ticks.sample_period.ns()) * 1e-9;
-  std::vector<double> share;
-  share.reserve(record.size());
-  std::size_t at = 0;
-  for (const double time_s : record.time_s) {
-    const double tick = std::floor((time_s + half_sample_s) / tick_s);
-    while (at + 1 < ticks.size() && static_cast<double>(ticks.means[at + 1].tick) <= tick) ++at;
-    share.push_back(findings.vibration_share_rad_s[at]);
-  }
-  const double mean =
-      std::accumulate(share.begin(), share.end(), 0.0) / static_cast<double>(share.size());
-  for (std::size_t k = 0; k < share.size(); ++k) record.rate_rad_s[k] -= share[k] - mean;
 }
 
 }  // namespace zerorate::diagnose

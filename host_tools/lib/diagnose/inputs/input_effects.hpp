@@ -5,33 +5,32 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/diagnose/inputs/input_regression.hpp"
 #include "host_tools/lib/diagnose/record/record.hpp"
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
 namespace zerorate::diagnose {
 
-using Direction = std::array<double, 3>;  ///< unit vector in sensor axes
-
-/// Directions in which the acceleration of the standstills differs.
-struct Attitudes {
-  std::vector<Direction> directions;  ///< at right angles, the one of most change first
-  std::size_t standstills = 0;
+/// Worth of an effect on the last standstills, predicted by a fit to those before.
+struct InputWorth {
+  std::size_t standstills = 0;          ///< held out
+  double gain_nats_a_standstill = 0.0;  ///< of the log likelihood, by the filter of the node
 };
-
-/// Directions along which the mean accelerations of the standstills scatter by at least
-/// kLeastSpread_g: along the others a sensitivity and a constant bias are one.
-[[nodiscard]] Attitudes attitudes_of(const InputTicks& ticks);
-inline constexpr double kLeastSpread_g = 0.1;  ///< rms; some 6 deg of tilt each way
 
 /// Figures of an effect that was found.
 struct InputEffect {
   std::string name;                          ///< in the catalogue
   std::vector<double> value_rad_s;           ///< its coefficients, per g on x, y, z or per g^2
   std::vector<double> standard_error_rad_s;  ///< infinite where the record cannot tell
+  std::optional<InputWorth> worth{};         ///< nothing where too little is left for a fit
+
+  /// True if the node's model is to have it.
+  [[nodiscard]] bool pays() const { return !worth || worth->gain_nats_a_standstill > 0.0; }
 };
 
 /// What the inputs of one axis explain.
@@ -44,11 +43,20 @@ struct InputFindings {
   std::vector<double> vibration_share_rad_s;
 };
 
+struct InputSearchOptions {
+  double threshold_nats = 8.1;  ///< surprisal from which on an effect is named
+  double holdout = 0.3;         ///< share at the end on which its worth is measured
+};
+
 /// Searches the effects of the inputs; nothing where there are no ticks.
 /// @param axis  of the rates
-/// @param threshold_nats  surprisal from which on an effect is named
 [[nodiscard]] InputFindings find_input_effects(const InputTicks& ticks, std::size_t axis,
-                                               double threshold_nats);
+                                               const InputSearchOptions& options = {});
+
+/// Adds the effects that pay to the model of the node, as inputs with known coefficients.
+/// @param axis  of the rates; nothing: the sensor has one axis, which stands for all
+void add_inputs_to_model(const InputFindings& findings, std::optional<std::size_t> axis,
+                         model::SensorModel& model);
 
 /// Takes the share of the vibration off the rates of a record, which keeps its level, so that no
 /// function of time is found in its place. The attitude of a standstill does not change.

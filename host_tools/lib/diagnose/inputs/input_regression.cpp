@@ -83,11 +83,12 @@ class Regression {
     constexpr int kMostTurns = 5;
     constexpr double kNoGrowth_nats = 0.01;
     model::SensorModel noise = fit_noise(rate_rad_s_);
-    InputFit best{.log_likelihood = log_likelihood_};
+    InputFit best{.log_likelihood = log_likelihood_, .noise = noise};
     for (int turn = 0; turn < kMostTurns && !columns_.empty(); ++turn) {
       InputFit fit = fit_coefficients(noise);
       noise = fit_noise(residual(fit));
       fit.log_likelihood = log_likelihood_;
+      fit.noise = noise;
       const double growth = fit.log_likelihood - best.log_likelihood;
       if (turn == 0 || growth > 0.0) best = std::move(fit);
       if (turn > 0 && growth < kNoGrowth_nats) break;
@@ -206,6 +207,31 @@ double inflation_of_gains(const InputTicks& ticks, std::size_t axis,
 InputFit fit_inputs(const InputTicks& ticks, std::size_t axis,
                     std::span<const InputColumn> columns) {
   return Regression(ticks, axis, columns).fit();
+}
+
+double score_of_rest(const InputTicks& ticks, std::size_t axis,
+                     std::span<const InputColumn> columns, std::size_t first) {
+  std::vector<InputColumn> seen;
+  for (const InputColumn& column : columns) {
+    seen.emplace_back(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  const InputFit fit = fit_inputs(beginning_of(ticks, first), axis, seen);
+  std::vector<identify::TickMean> left = ticks.means;
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    double rate_rad_s = double{left[k].rate_rad_s[axis]};
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      rate_rad_s -= fit.coefficients[i] * (columns[i][k] - columns[i][0]);
+    }
+    left[k].rate_rad_s[0] = static_cast<float>(rate_rad_s);
+  }
+  const identify::InnovationsLikelihood likelihood{left, 0, ticks.sample_period, ticks.tick};
+  const auto innovations = likelihood.innovations(fit.noise);  // none of the first tick
+  double score = 0.0;
+  for (std::size_t k = first - 1; k < innovations.size(); ++k) {
+    const auto& [residual, variance] = innovations[k];
+    score -= 0.5 * (std::log(variance) + residual * residual / variance);
+  }
+  return score;
 }
 
 }  // namespace zerorate::diagnose

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/diagnose/record/input_ticks.hpp"
 
 namespace zerorate::diagnose {
@@ -19,6 +20,7 @@ struct InputFit {
   std::vector<double> coefficients;
   std::vector<std::vector<double>> covariance;
   double log_likelihood = 0.0;
+  model::SensorModel noise{};  ///< white and flicker noise of what they leave
 };
 
 /// Fits white noise, flicker noise and the coefficients together: generalised least squares at the
@@ -39,5 +41,12 @@ struct InputFit {
 [[nodiscard]] double inflation_of_gains(const InputTicks& ticks, std::size_t axis,
                                         std::span<const InputColumn> all,
                                         std::span<const InputColumn> columns);
+
+/// Log likelihood of the ticks from one on by the filter of the node, whose noise and coefficients
+/// are those of a fit to the ticks before it [nats]. Throws recording::DataError where these are
+/// fewer than 64.
+/// @param first  of the ticks that the fit does not see
+[[nodiscard]] double score_of_rest(const InputTicks& ticks, std::size_t axis,
+                                   std::span<const InputColumn> columns, std::size_t first);
 
 }  // namespace zerorate::diagnose

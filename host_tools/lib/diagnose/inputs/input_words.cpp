@@ -53,6 +53,12 @@ std::string sensitivity_in_words(const InputEffect& effect) {
   return text;
 }
 
+std::string worth_in_words(const InputEffect& effect) {
+  if (!effect.worth || !effect.pays()) return "";
+  return fmt::format(" Each of the {} standstills held out is predicted {:.2g} nats better.",
+                     effect.worth->standstills, effect.worth->gain_nats_a_standstill);
+}
+
 }  // namespace
 
 std::vector<Parameter> parameters_of(const InputEffect& effect) {
@@ -75,7 +81,13 @@ std::string sentence_of(const InputEffect& effect, const Spread& spread) {
           ? fmt::format("The bias follows the vibration, by {:.3g} deg/s per g^2.",
                         effect.value_rad_s[0] * kDegPerRad)
           : sensitivity_in_words(effect);
-  return text + scatter_in_words(spread);
+  return text + scatter_in_words(spread) + worth_in_words(effect);
+}
+
+std::string reason_to_leave_out(const InputEffect& effect) {
+  if (effect.pays()) return "";
+  return fmt::format("on the {} standstills held out it predicts no better: {:.2g} nats each",
+                     effect.worth->standstills, effect.worth->gain_nats_a_standstill);
 }
 
 std::string remark_on(std::size_t standstills) {

@@ -29,6 +29,12 @@ struct Spread {
 
 [[nodiscard]] std::string sentence_of(const InputEffect& effect, const Spread& spread);
 
+/// Reason why the model of the node leaves an effect out; empty where it has it.
+[[nodiscard]] std::string reason_to_leave_out(const InputEffect& effect);
+
+inline constexpr std::string_view kSourceOfInputs =
+    "identified over all standstills of a recording by zerorate diagnose";
+
 /// Reason why the attitudes of a record show no sensitivity to acceleration, and the cure.
 [[nodiscard]] std::string remark_on(std::size_t standstills);
 

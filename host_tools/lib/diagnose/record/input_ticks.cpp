@@ -88,6 +88,17 @@ InputTicks input_ticks_of(const identify::RestSamples& samples) {
   return ticks;
 }
 
+InputTicks beginning_of(const InputTicks& ticks, std::size_t size) {
+  InputTicks beginning = ticks;
+  const auto cut = [&](auto& values) { values.resize(std::min(size, values.size())); };
+  cut(beginning.means);
+  cut(beginning.acceleration_g);
+  cut(beginning.vibration_g2);
+  cut(beginning.temperature_degc);
+  cut(beginning.standstill);
+  return beginning;
+}
+
 std::vector<double> means_by_standstill(const InputTicks& ticks,
                                         const std::vector<double>& values) {
   std::vector<double> means;

@@ -33,6 +33,9 @@ struct InputTicks {
 /// Ticks of identify::identification_tick(); none where the samples have no acceleration.
 [[nodiscard]] InputTicks input_ticks_of(const identify::RestSamples& samples);
 
+/// The first ticks.
+[[nodiscard]] InputTicks beginning_of(const InputTicks& ticks, std::size_t size);
+
 /// Mean of a quantity over the ticks of each standstill that has any, in order.
 /// @param values  one for each tick
 [[nodiscard]] std::vector<double> means_by_standstill(const InputTicks& ticks,

@@ -23,10 +23,8 @@ using ::testing::SizeIs;
 using testing::Tumble;
 using testing::Vector;
 
-constexpr double kThreshold_nats = 8.1;  // of the selection
-
 InputFindings findings_of(const Tumble& tumble) {
-  return find_input_effects(input_ticks_of(testing::samples_of(tumble)), 0, kThreshold_nats);
+  return find_input_effects(input_ticks_of(testing::samples_of(tumble)), 0);
 }
 
 std::string obstacle(const InputFindings& findings, std::string_view effect) {
@@ -91,6 +89,23 @@ TEST(SensorTurnedAboutItsVerticalZ, TellsTheSensitivityAlongXAndYOnly) {
   EXPECT_THAT(findings.causes[0].sentence, HasSubstr("do not tell the sensitivity along z"));
 }
 
+TEST(GSensitivityInTheModel, HasATableOfEachAxisThatWasTold) {
+  InputFindings findings;
+  findings.effects.push_back({.name = std::string(kGSensitivity),
+                              .value_rad_s = {0.1, 0.2, 0.3},
+                              .standard_error_rad_s = {0.01, INFINITY, 0.03}});
+  model::SensorModel model;
+  add_inputs_to_model(findings, 1, model);
+  ASSERT_THAT(model.inputs, SizeIs(2));
+  EXPECT_EQ(model.inputs[1].quantity, model::InputQuantity::acceleration_z);
+  EXPECT_EQ(model.inputs[1].sigma_rad_s_per_unit, 0.03);
+  EXPECT_EQ(model.inputs[1].coefficient_rad_s_per_unit, (std::array{0.0, 0.3, 0.0}));
+  findings.effects[0].worth = InputWorth{.standstills = 5, .gain_nats_a_standstill = -0.1};
+  model.inputs.clear();
+  add_inputs_to_model(findings, std::nullopt, model);
+  EXPECT_THAT(model.inputs, SizeIs(0));
+}
+
 // The engine idles in every second stop.
 TEST(ShakenSensor, ShowsTheRectificationOfItsVibration) {
   const auto upright = [](std::size_t) { return Vector{0.0, 0.0, 1.0}; };
@@ -109,7 +124,7 @@ TEST(RecordWithoutAccelerations, HasNoInputs) {
   samples.acceleration_m_s2.clear();
   const InputTicks ticks = input_ticks_of(samples);
   EXPECT_EQ(ticks.size(), 0U);
-  EXPECT_THAT(find_input_effects(ticks, 0, kThreshold_nats).evidence, SizeIs(0));
+  EXPECT_THAT(find_input_effects(ticks, 0).evidence, SizeIs(0));
 }
 
 // Against a sum that is written out.
@@ -217,12 +232,14 @@ TEST_F(XsensInManyAttitudes, FollowsTheAccelerationOnAllAxes) {
   const InputTicks ticks = input_ticks_of(samples_);
   EXPECT_EQ(ticks.standstills(), 38U);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const InputFindings findings = find_input_effects(ticks, axis, kThreshold_nats);
+    const InputFindings findings = find_input_effects(ticks, axis);
     ASSERT_THAT(findings.causes, SizeIs(1)) << axis;
     EXPECT_EQ(findings.causes[0].effect, kGSensitivity);
     EXPECT_GE(findings.causes[0].probability, 0.95);
+    ASSERT_TRUE(findings.effects[0].worth);
+    EXPECT_GT(findings.effects[0].worth->gain_nats_a_standstill, 0.2);
   }
-  const InputEffect y = find_input_effects(ticks, 1, kThreshold_nats).effects[0];
+  const InputEffect y = find_input_effects(ticks, 1).effects[0];
   EXPECT_NEAR(y.value_rad_s[0] / kRadPerDeg, -0.12, 0.02);
 }
 
@@ -238,8 +255,7 @@ TEST_F(XsensInManyAttitudes, DoesNotFollowThoseOfOtherStandstills) {
           true_ticks.acceleration_g[static_cast<std::size_t>(at - true_ticks.standstill.begin())];
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_THAT(find_input_effects(ticks, axis, kThreshold_nats).causes, SizeIs(0))
-          << axis << " by " << shift;
+      EXPECT_THAT(find_input_effects(ticks, axis).causes, SizeIs(0)) << axis << " by " << shift;
     }
   }
 }
