@@ -19,7 +19,7 @@ namespace zerorate::diagnose {
 /// Worth of an effect on the last standstills, predicted by a fit to those before.
 struct InputWorth {
   std::size_t standstills = 0;          ///< held out
-  double gain_nats_a_standstill = 0.0;  ///< of the log likelihood, by the filter of the node
+  double gain_nats_a_standstill = 0.0;  ///< log likelihood by the filter of the node
 };
 
 /// Figures of an effect that was found.
@@ -33,7 +33,7 @@ struct InputEffect {
   [[nodiscard]] bool pays() const { return !worth || worth->gain_nats_a_standstill > 0.0; }
 };
 
-/// What the inputs of one axis explain.
+/// Effects of the inputs on one axis.
 struct InputFindings {
   std::vector<InputEffect> effects;  ///< strongest first
   std::vector<Cause> causes;         ///< one an effect

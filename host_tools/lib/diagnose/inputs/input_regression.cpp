@@ -139,7 +139,7 @@ class Regression {
   const InputTicks& ticks_;
   std::vector<double> rate_rad_s_;
   std::vector<std::vector<double>> columns_;
-  double log_likelihood_ = 0.0;  ///< of the noise that was fitted last
+  double log_likelihood_ = 0.0;  ///< likelihood of the noise that was fitted last
 };
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(SensorInOneAttitude, CannotTellAndNamesTheCure) {
   EXPECT_THAT(findings.remarks[0], HasSubstr("Record eight attitudes or more"));
 }
 
-TEST(SensorTurnedAboutItsVerticalZ, TellsTheSensitivityAlongXAndYOnly) {
+TEST(SensorTurnedAboutZ, TellsTheSensitivityAlongXAndYOnly) {
   const auto turned = [](std::size_t stop) {
     const double angle = 2.4 * static_cast<double>(stop);
     return Vector{std::cos(angle), std::sin(angle), 0.0};
@@ -243,7 +243,7 @@ TEST_F(XsensInManyAttitudes, FollowsTheAccelerationOnAllAxes) {
   EXPECT_NEAR(y.value_rad_s[0] / kRadPerDeg, -0.12, 0.02);
 }
 
-// The same biases beside attitudes of other standstills: the sensor's own noise, and no cause.
+// Biases beside attitudes of other standstills leave the noise of the sensor, and no cause.
 TEST_F(XsensInManyAttitudes, DoesNotFollowThoseOfOtherStandstills) {
   InputTicks ticks = input_ticks_of(samples_);
   const InputTicks true_ticks = ticks;

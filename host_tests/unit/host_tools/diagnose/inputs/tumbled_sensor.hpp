@@ -24,8 +24,8 @@ struct Tumble {
   double stop_s = 30.0;
   double drive_s = 10.0;
   double period_s = 0.02;
-  Vector dps_per_g{};                              ///< of the x axis
-  double dps_per_g2 = 0.0;                         ///< by the vibration, of the x axis
+  Vector dps_per_g{};                              ///< sensitivity of the x axis
+  double dps_per_g2 = 0.0;                         ///< rectification of the x axis
   std::function<double(std::size_t)> shaking_g{};  ///< rms along each axis, by stop
   /// Directions of the acceleration, by stop; turned about at random without.
   std::function<Vector(std::size_t)> attitude{};
