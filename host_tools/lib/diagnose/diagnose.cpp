@@ -14,6 +14,7 @@
 #include "host_tools/lib/diagnose/extension_choice.hpp"
 #include "host_tools/lib/diagnose/forecast_gain/scores.hpp"
 #include "host_tools/lib/diagnose/hypothesis/fit_data.hpp"
+#include "host_tools/lib/diagnose/inputs/input_effects.hpp"
 #include "host_tools/lib/diagnose/materiality.hpp"
 #include "host_tools/lib/diagnose/record/even_series.hpp"
 #include "host_tools/lib/diagnose/selection/causes.hpp"
@@ -146,6 +147,7 @@ struct Axis {
   Record record;
   Selection selection{};               ///< slow effects alone, where means show them
   std::optional<OrderProfile> others;  ///< order over the other axes
+  InputFindings inputs{};              ///< effects over all standstills
 };
 
 /// Extensions that pay, by the data held out. Nothing where the node cannot run the base.
@@ -175,6 +177,15 @@ void adopt(ExtensionChoice chosen, std::vector<Choice>& choices, Diagnosis& diag
   }
   diagnosis.gain = chosen.gain;
   diagnosis.gain_over_data_sheet = chosen.gain_over_data_sheet;
+}
+
+/// Adds what was found over all standstills. It was measured beside the rate and comes first.
+void add_inputs(const InputFindings& inputs, std::optional<std::size_t> axis,
+                Diagnosis& diagnosis) {
+  diagnosis.causes.insert(diagnosis.causes.begin(), inputs.causes.begin(), inputs.causes.end());
+  add_inputs_to_model(inputs, axis, diagnosis.extended_model);
+  add_stronger(inputs.evidence, diagnosis.evidence);
+  diagnosis.remarks.insert(diagnosis.remarks.end(), inputs.remarks.begin(), inputs.remarks.end());
 }
 
 /// The effects of one pace, of values that are judged by means of so many.
@@ -241,6 +252,8 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);
+  const bool is_single = record.axis == "rate";
+  add_inputs(axis.inputs, is_single ? std::nullopt : std::optional{record.index}, diagnosis);
   if (!is_given_enough) {
     doubt_many_slow_causes(choices, hypothesis, diagnosis.extended_adequacy);
   }
@@ -277,6 +290,7 @@ class DiagnosisRun {
   }
 
   std::vector<Diagnosis> run() {
+    for (Axis& axis : axes_) find_inputs(axis);
     for (Axis& axis : axes_) select(axis);
     agree_on_order();
     std::vector<Diagnosis> diagnoses;
@@ -289,6 +303,13 @@ class DiagnosisRun {
   }
 
  private:
+  void find_inputs(Axis& axis) const {
+    axis.inputs = find_input_effects(
+        axis.record.inputs, axis.record.index,
+        {.threshold_nats = kSelectionThreshold_nats, .holdout = options_.holdout});
+    take_off_vibration(axis.inputs, axis.record);
+  }
+
   void select(Axis& axis) {
     EvenSeries series = even_series_of(axis.record);
     const std::size_t values = values_a_slow_mean(series);

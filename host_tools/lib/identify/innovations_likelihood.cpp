@@ -26,31 +26,41 @@ InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, st
   }
 }
 
-template <core::ModelShape Shape>
-Likelihood InnovationsLikelihood::run(const model::SensorModel& model) const {
-  using Node = app::TickNode<Shape, app::kFilterAlone>;
-  const app::NodeParams<Shape> params{
-      .model = model::make_node_model<Shape>(model, sample_period_, tick_),
-      .learns_white_noise = false};
-  Node node{params};
+template <class Take>
+void InnovationsLikelihood::for_each_innovation(const model::SensorModel& model, Take take) const {
+  model::with_shape_of<kLargestWithoutInputs>(model, [&]<core::ModelShape Shape>() {
+    using Node = app::TickNode<Shape, app::kFilterAlone>;
+    const app::NodeParams<Shape> params{
+        .model = model::make_node_model<Shape>(model, sample_period_, tick_),
+        .learns_white_noise = false};
+    Node node{params};
+    for (const core::TickMean<1>& mean : ticks_) {
+      const core::Innovation& innovation = node.learn_at_once({mean, false, {}, {}})[0];
+      if (innovation.first) continue;
+      take(TickInnovation{double{innovation.residual_rad_s}, double{innovation.variance_rad2_s2}});
+    }
+  });
+}
+
+Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
   Likelihood likelihood;
   statistics::SumOfLogs log_variances;
-  for (const core::TickMean<1>& mean : ticks_) {
-    const core::Innovation& innovation = node.learn_at_once({mean, false, {}, {}})[0];
-    if (innovation.first) continue;
-    const double variance = double{innovation.variance_rad2_s2};
-    const double residual = double{innovation.residual_rad_s};
-    log_variances.add(variance);
-    likelihood.squared_innovations += residual * residual / variance;
+  for_each_innovation(model, [&](const TickInnovation& innovation) {
+    const double residual = innovation.residual_rad_s;
+    log_variances.add(innovation.variance_rad2_s2);
+    likelihood.squared_innovations += residual * residual / innovation.variance_rad2_s2;
     ++likelihood.innovations;
-  }
+  });
   likelihood.log_variances = log_variances.value();
   return likelihood;
 }
 
-Likelihood InnovationsLikelihood::operator()(const model::SensorModel& model) const {
-  return model::with_shape_of<kLargestWithoutInputs>(
-      model, [&]<core::ModelShape Shape>() { return run<Shape>(model); });
+std::vector<TickInnovation> InnovationsLikelihood::innovations(
+    const model::SensorModel& model) const {
+  std::vector<TickInnovation> all;
+  all.reserve(ticks_.size());
+  for_each_innovation(model, [&](const TickInnovation& innovation) { all.push_back(innovation); });
+  return all;
 }
 
 }  // namespace zerorate::identify

@@ -29,6 +29,12 @@ struct Likelihood {
   [[nodiscard]] double minus_two_log() const { return log_variances + squared_innovations; }
 };
 
+/// Innovation of a tick: what the filter did not predict, and the variance that it predicted of it.
+struct TickInnovation {
+  double residual_rad_s = 0.0;
+  double variance_rad2_s2 = 0.0;
+};
+
 /// Ticks of one axis, to be run through app::TickNode: a tick of few samples has more white noise,
 /// a gap or a drive is one step over many ticks.
 class InnovationsLikelihood {
@@ -44,13 +50,18 @@ class InnovationsLikelihood {
   /// Throws std::invalid_argument for a model that the node cannot run (see make_node_model).
   [[nodiscard]] Likelihood operator()(const model::SensorModel& model) const;
 
+  /// Innovations of the ticks behind the first. They are linear in the rates, and their variances do
+  /// not depend on these: a regression on them is one of generalised least squares. Throws as above.
+  [[nodiscard]] std::vector<TickInnovation> innovations(const model::SensorModel& model) const;
+
   [[nodiscard]] std::size_t ticks() const { return ticks_.size(); }
   [[nodiscard]] core::Duration tick() const { return tick_; }
   [[nodiscard]] core::Duration sample_period() const { return sample_period_; }
 
  private:
-  template <core::ModelShape Shape>
-  [[nodiscard]] Likelihood run(const model::SensorModel& model) const;
+  /// Calls take(TickInnovation) for each tick behind the first.
+  template <class Take>
+  void for_each_innovation(const model::SensorModel& model, Take take) const;
 
   std::vector<core::TickMean<1>> ticks_;
   core::Duration sample_period_;

@@ -330,6 +330,7 @@ void leave_out_motion(RestSamples& samples, const MotionAtRest& motion) {
   calm.time.clear();
   calm.rate_rad_s.clear();
   calm.temperature_degc.clear();
+  calm.acceleration_m_s2.clear();
   calm.after_drives.clear();
   bool is_after_motion = false;
   for (std::size_t k = 0; k < samples.time.size(); ++k) {
@@ -345,6 +346,9 @@ void leave_out_motion(RestSamples& samples, const MotionAtRest& motion) {
     calm.rate_rad_s.push_back(samples.rate_rad_s[k]);
     if (!samples.temperature_degc.empty()) {
       calm.temperature_degc.push_back(samples.temperature_degc[k]);
+    }
+    if (!samples.acceleration_m_s2.empty()) {
+      calm.acceleration_m_s2.push_back(samples.acceleration_m_s2[k]);
     }
   }
   samples = std::move(calm);

@@ -40,6 +40,7 @@ class RestFilter {
       samples_.time.push_back(at);
       samples_.rate_rad_s.push_back(row.rate_rad_s);
       if (columns_.temperature) samples_.temperature_degc.push_back(row.temperature_degc);
+      if (columns_.acceleration) samples_.acceleration_m_s2.push_back(row.acceleration_m_s2);
     }
   }
 
@@ -63,6 +64,7 @@ class RestFilter {
       samples_.time.pop_back();
       samples_.rate_rad_s.pop_back();
       if (columns_.temperature) samples_.temperature_degc.pop_back();
+      if (columns_.acceleration) samples_.acceleration_m_s2.pop_back();
       ++samples_.moving;
       driven_ = true;
     }
@@ -130,13 +132,15 @@ void leave_out_wild_start(RestSamples& samples) {
     wild = std::max(wild, count_wild_start(samples, i));
   }
   if (wild < kFewest) return;
-  const auto end = static_cast<std::ptrdiff_t>(wild);
-  samples.time.erase(samples.time.begin(), samples.time.begin() + end);
-  samples.rate_rad_s.erase(samples.rate_rad_s.begin(), samples.rate_rad_s.begin() + end);
-  if (!samples.temperature_degc.empty()) {
-    samples.temperature_degc.erase(samples.temperature_degc.begin(),
-                                   samples.temperature_degc.begin() + end);
-  }
+  const auto leave_out = [&](auto& values) {
+    if (!values.empty()) {
+      values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(wild));
+    }
+  };
+  leave_out(samples.time);
+  leave_out(samples.rate_rad_s);
+  leave_out(samples.temperature_degc);
+  leave_out(samples.acceleration_m_s2);
   std::erase_if(samples.after_drives, [&](std::size_t k) { return k <= wild; });
   for (std::size_t& k : samples.after_drives) k -= wild;
   samples.wild = wild;

@@ -30,6 +30,8 @@ struct RestSamples {
   std::vector<core::Instant> time;
   std::vector<std::array<float, recording::kMaxAxes>> rate_rad_s;  ///< one per time
   std::vector<float> temperature_degc;  ///< one per time, NaN where lost; empty without the column
+  /// Specific force, one per time, NaN where lost; empty without the columns.
+  std::vector<std::array<float, recording::kMaxAxes>> acceleration_m_s2;
 
   /// The samples, by index, between which and the one before the vehicle moved; ascending.
   std::vector<std::size_t> after_drives;
@@ -55,7 +57,7 @@ struct RestOptions {
 
 /// Reads a recording to its end. Motion comes from its odometer or still column, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
-/// time. Memory: 20 bytes a row at rest, 24 with a temperature.
+/// time. Memory: 20 bytes a row at rest, 4 more with a temperature, 12 with an acceleration.
 /// Throws recording::Error; recording::DataError with fewer than two samples at rest.
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});

@@ -102,6 +102,8 @@ TEST(DiagnosisInWords, GivesTheDensityItsUnit) {
 TEST(PlainParameter, HasItsUnitBehindAComma) {
   EXPECT_EQ(plain_parameter("coefficient_dps_per_sqrt_s"), "coefficient, deg/s/sqrt(s)");
   EXPECT_EQ(plain_parameter("quadratic_dps_per_k2"), "quadratic, deg/s/K^2");
+  EXPECT_EQ(plain_parameter("along_x_dps_per_g"), "along x, deg/s/g");
+  EXPECT_EQ(plain_parameter("rectification_dps_per_g2"), "rectification, deg/s/g^2");
   EXPECT_EQ(plain_parameter("time_constant_s"), "time constant, s");
   EXPECT_EQ(plain_parameter("cut_off_hz"), "cut off, Hz");
   EXPECT_EQ(plain_parameter("order"), "order");

@@ -45,7 +45,9 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
   Record record{.axis = samples.axis_name(axis),
                 .sample_period_s = static_cast<double>(samples.sample_period.ns()) * 1e-9,
                 .mean_period_s = static_cast<double>(samples.mean_period.ns()) * 1e-9,
-                .standstills = samples.after_drives.size() + 1};
+                .standstills = samples.after_drives.size() + 1,
+                .inputs = input_ticks_of(samples),
+                .index = axis};
   const auto [first, end] = longest_standstill(samples);
   record.time_s.reserve(end - first);
   record.rate_rad_s.reserve(end - first);
@@ -87,7 +89,9 @@ Record beginning_of(const Record& record, std::size_t size) {
           .time_s = first(record.time_s),
           .rate_rad_s = first(record.rate_rad_s),
           .temperature_degc = first(record.temperature_degc),
-          .standstills = record.standstills};
+          .standstills = record.standstills,
+          .inputs = record.inputs,
+          .index = record.index};
 }
 
 }  // namespace zerorate::diagnose

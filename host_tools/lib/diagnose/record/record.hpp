@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/lib/diagnose/record/input_ticks.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::diagnose {
@@ -19,6 +20,8 @@ struct Record {
   std::vector<double> rate_rad_s;
   std::vector<double> temperature_degc;  ///< one for each value, or none
   std::size_t standstills = 1;  ///< standstills of the recording; this is the longest of them
+  InputTicks inputs;            ///< ticks of all standstills; none without accelerations
+  std::size_t index = 0;        ///< number of the axis in them
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
