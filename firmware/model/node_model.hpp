@@ -26,7 +26,7 @@ inline constexpr core::ModelShape kLargestShape{
     .decaying = kMostDecades + kMostGaussMarkov + 2,  // warm-up, ramp
     .rotating = kMostLines,
     .inputs = core::TemperatureDrift::kTerms};
-/// That shape with every hypothesis.
+/// Shape of the same models, with every hypothesis.
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
