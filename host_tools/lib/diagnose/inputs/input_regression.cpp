@@ -169,7 +169,8 @@ InputColumn exchanged(const InputTicks& ticks, const InputColumn& column,
   };
   InputColumn drawn = column;
   if (means.size() < kFewestStandstills) {
-    std::ranges::rotate(drawn, drawn.begin() + static_cast<std::ptrdiff_t>(below(drawn.size(), 0)));
+    std::rotate(drawn.begin(), drawn.begin() + static_cast<std::ptrdiff_t>(below(drawn.size(), 0)),
+                drawn.end());
     return drawn;
   }
   for (std::size_t i = means.size(); i-- > 1;) std::swap(means[i], means[below(i + 1, i)]);
