@@ -85,7 +85,7 @@ template <ModelShape Shape>
 /// wanders by 0.1 K in a second and 6 K in an hour, as in a car's cabin; its rate of change is
 /// 1 K a minute. A specific force wanders by 0.1 g in a second up to 1 g; a vibration is that of a
 /// car on a road.
-/// @param weight last known value of the input  @param e_k temperature, for its square
+/// @param e_k last known temperature above the reference
 [[nodiscard]] constexpr float unknown_change(Input input, float e_k, float unknown_s) {
   constexpr float kWander_k2_per_s = 0.01F;
   constexpr float kWander_g2_per_s = 0.01F;

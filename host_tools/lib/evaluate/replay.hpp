@@ -145,7 +145,7 @@ struct ReplayResult {
   double first_inconsistent_s = 0.0;  ///< after the first row; only if there are any
   std::uint64_t samples_doubted =
       0;  ///< while the gate held back the newest measurement of an axis
-  std::uint64_t samples_without_temperature = 0;  ///< samples without one that the model needs
+  std::uint64_t samples_without_temperature = 0;   ///< samples without one that the model needs
   std::uint64_t samples_without_acceleration = 0;  ///< likewise
   std::uint64_t samples_frozen = 0;       ///< samples without a rate: an axis no longer measures
   double first_frozen_s = 0.0;            ///< time of the first of them since the first row

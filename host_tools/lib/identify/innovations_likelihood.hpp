@@ -50,8 +50,9 @@ class InnovationsLikelihood {
   /// Throws std::invalid_argument for a model that the node cannot run (see make_node_model).
   [[nodiscard]] Likelihood operator()(const model::SensorModel& model) const;
 
-  /// Innovations of the ticks behind the first. They are linear in the rates, and their variances do
-  /// not depend on these: a regression on them is one of generalised least squares. Throws as above.
+  /// Innovations of the ticks behind the first. They are linear in the rates, and their variances
+  /// do not depend on these: a regression on them is one of generalised least squares. Throws as
+  /// above.
   [[nodiscard]] std::vector<TickInnovation> innovations(const model::SensorModel& model) const;
 
   [[nodiscard]] std::size_t ticks() const { return ticks_.size(); }

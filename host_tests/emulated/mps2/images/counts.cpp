@@ -103,7 +103,7 @@ constexpr auto kHypotheses = [] {
   return hypotheses;
 }();
 constexpr core::KalmanCoefficients<kLearningShape> kLearningCoefficients{
-    kModes, core::Gate{}, {}, kHypotheses};
+    kModes, core::Gate{}, core::kNoInputs<kLearningShape>, kHypotheses};
 constinit core::KalmanBank<kLearningShape, 3> bank{kLearningCoefficients};
 
 /// A Kalman predictor of three axes.

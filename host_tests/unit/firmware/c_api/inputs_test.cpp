@@ -10,6 +10,7 @@
 #include "firmware/c_api/node_of_model.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 constexpr std::int64_t kPeriod_ns = 20'000'000;
 constexpr std::int64_t kMinute = 3000;  ///< samples
 constexpr float kBias_rad_s = 0.01F;
+constexpr float kNoise_rad_s = 3.3e-4F;        ///< deviation of a sample, as the model has it
 constexpr float kSensitivity_rad_s_g = 1e-3F;  ///< sensitivity of z to x; 0.057 deg/s
 
 /// The model of the catalogue as the C structure, with coefficients of forces that are not known.
@@ -53,10 +55,12 @@ Moment moment(std::int64_t k) {
 zerorate_rate feed(zerorate_node& node, std::int64_t k, bool has_force) {
   const Moment now = moment(k);
   zerorate_measurement measured{.time_ns = k * kPeriod_ns};
-  // A ramp of a step to and fro stands for the noise.
-  const float noise = 1e-4F * static_cast<float>(k * 7919 % 11 - 5);
-  measured.rate_rad_s[0] = measured.rate_rad_s[1] = kBias_rad_s + noise;
-  measured.rate_rad_s[2] = kBias_rad_s + noise + kSensitivity_rad_s_g * now.force_g;
+  const random::RandomStream noise{1};
+  for (std::int64_t i = 0; i < 3; ++i) {
+    measured.rate_rad_s[i] =
+        kBias_rad_s + kNoise_rad_s * static_cast<float>(noise.normal(3 * k + i));
+  }
+  measured.rate_rad_s[2] += kSensitivity_rad_s_g * now.force_g;
   if (!now.stands) {
     EXPECT_EQ(zerorate_pulse(&node, measured.time_ns), ZERORATE_OK);
   }
