@@ -193,29 +193,37 @@ struct KalmanFilter {
   /// Variance of the bias of an axis where inputs were not known: the expectation of the square of
   /// (unknown change of the inputs)' (coefficients).
   /// @param scale of the covariance
-  [[nodiscard]] constexpr float unknown_variance(const Coefficients& coefficients,
-                                                 const Transition& span, std::size_t axis,
-                                                 float scale) const {
-    float variance = 0.0F;
+  [[nodiscard]] constexpr float unknown_variance([[maybe_unused]] const Coefficients& coefficients,
+                                                 [[maybe_unused]] const Transition& span,
+                                                 [[maybe_unused]] std::size_t axis,
+                                                 [[maybe_unused]] float scale) const {
     if constexpr (kInputs > 0) {
-      if (span.inputs.is_known()) return variance;
-      const auto& u = span.inputs.unknown;
-      const auto& terms = coefficients.inputs->terms;
-      const Drifts& drift = axes[axis].drift;
-      constexpr std::size_t kFirst = Coefficients::kFirstInput;
-      for (std::size_t i = 0; i < kInputs; ++i) {
-        for (std::size_t j = 0; j < kInputs; ++j) {
-          if (!change_together(terms[i].input, terms[j].input)) continue;
-          variance +=
-              u[i] * u[j] *
-              (drift[kFirst + i] * drift[kFirst + j] + scale * covariance(kFirst + i, kFirst + j));
-        }
+      if (!span.inputs.is_known()) {
+        return variance_of(span.inputs.unknown, coefficients, axes[axis].drift, scale);
+      }
+    }
+    return 0.0F;
+  }
+
+ private:
+  /// Not inlined: it is rare, and a board counts its stack.
+  template <class Unknown>
+  [[nodiscard, gnu::noinline]] constexpr float variance_of(const Unknown& unknown,
+                                                           const Coefficients& coefficients,
+                                                           const Drifts& drift, float scale) const {
+    constexpr std::size_t kFirst = Coefficients::kFirstInput;
+    const auto& terms = coefficients.inputs->terms;
+    float variance = 0.0F;
+    for (std::size_t i = 0; i < kInputs; ++i) {
+      for (std::size_t j = 0; j < kInputs; ++j) {
+        if (!change_together(terms[i].input, terms[j].input)) continue;
+        variance +=
+            unknown[i] * unknown[j] *
+            (drift[kFirst + i] * drift[kFirst + j] + scale * covariance(kFirst + i, kFirst + j));
       }
     }
     return variance;
   }
-
- private:
   template <class Weights>
   [[nodiscard]] static constexpr float sum(const Weights& g, const Drifts& x) {
     float sum = g.weighted(0, x[0]);

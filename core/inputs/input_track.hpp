@@ -48,6 +48,12 @@ class InputTrack {
     constexpr bool operator==(const State&) const = default;
   };
 
+  /// The part of a lead that inputs need.
+  struct Lead {
+    std::uint32_t ticks = 0;
+    InputTransition<kInputs> inputs{};
+  };
+
   /// @param terms must outlive the track
   constexpr InputTrack(const Terms& terms, Duration tick)
       : terms_(terms),
@@ -236,6 +242,9 @@ requires(Shape.inputs == 0) class InputTrack<Shape> {
   using Tick = TickInputs<Shape>;
   struct State {
     constexpr bool operator==(const State&) const = default;
+  };
+  struct Lead {
+    std::uint32_t ticks = 0;
   };
   constexpr InputTrack(NoInputTerms /*terms*/, Duration /*tick*/) {}
   [[nodiscard]] constexpr State state() const { return {}; }

@@ -249,9 +249,9 @@ class AxisPredictors {
     prediction.variance_rad2_s2 *= drive_scale();
     return prediction;
   }
-  /// Not inlined: a board counts its stack.
-  [[nodiscard, gnu::noinline]] constexpr core::HeadingPrediction predict_heading(
-      Predictor which, std::size_t axis, const Lead& lead, const Transition& drive) const {
+  [[nodiscard]] constexpr core::HeadingPrediction predict_heading(Predictor which, std::size_t axis,
+                                                                  const Lead& lead,
+                                                                  const Transition& drive) const {
     core::HeadingPrediction heading;
     switch (which) {
       case Predictor::moving_average:

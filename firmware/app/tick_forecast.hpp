@@ -48,8 +48,7 @@ class TickForecast {
     const Transition others{modes.over(behind)};
     Transition drive{modes.over(last - first)};
     const std::uint32_t now = std::clamp(ticks_.tick() + 1, first, last);
-    Transition to_now;
-    to_now.ticks = ticks_.tick() + 1 - ticks_.measured_ticks();
+    typename InputTrack::Lead to_now{.ticks = ticks_.ticks_since_measured()};
     ticks_.inputs().fill_lead(to_now.ticks, to_now);
     InputTrack::over_drive(to_now, now - first, drive);
     if (!is_advancing()) {
