@@ -101,7 +101,8 @@ ModesOf<kShape> strong_modes(float strength) {
 TEST(KalmanBankOfThreeHypotheses, IsTheMixtureOfThreeBanks) {
   const auto base = modes();
   const auto hypotheses = guesses();
-  const KalmanCoefficients<kLearningShape> coefficients{base, {}, kNoInputs<kLearningShape>, hypotheses};
+  const KalmanCoefficients<kLearningShape> coefficients{
+      base, {}, kNoInputs<kLearningShape>, hypotheses};
   LearningBank bank{coefficients};
   std::array<ModesOf<kShape>, 3> models{};
   for (std::size_t m = 0; m < 3; ++m) models[m] = strong_modes(kStrengths[m]);
