@@ -145,11 +145,13 @@ zerorate_result zerorate_zero_velocity(zerorate_node* self, int64_t time_ns, boo
 zerorate_result zerorate_acceleration(zerorate_node* self, int64_t time_ns,
                                       const float acceleration_m_s2[3]) {
   if (acceleration_m_s2 == nullptr || ZERORATE_INPUTS == 0) return ZERORATE_BAD_ARGUMENT;
+  const std::span<const float, 3> given{acceleration_m_s2, 3};
   std::array<core::Acceleration, 3> acceleration;
   for (std::size_t i = 0; i < acceleration.size(); ++i) {
-    if (!core::Accelerometer::is_reading(acceleration_m_s2[i] / core::kStandardGravity_m_s2))
+    acceleration[i] = core::m_per_s2(given[i]);
+    if (!core::Accelerometer::is_reading(acceleration[i].in(core::standard_gravity))) {
       return ZERORATE_SAMPLE_REFUSED;
-    acceleration[i] = core::m_per_s2(acceleration_m_s2[i]);
+    }
   }
   return stamp(self, time_ns, [&](c_api::Instance& instance, core::Instant at) {
     instance.node().take_acceleration(at, acceleration);
@@ -253,11 +255,11 @@ zerorate_result zerorate_save(zerorate_node* self, int64_t utc_s, uint8_t* recor
   if (record == nullptr) return ZERORATE_BAD_ARGUMENT;
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (capacity < ZERORATE_SNAPSHOT_BYTES) return ZERORATE_BUFFER_TOO_SMALL;
+  constexpr std::size_t kBytes = c_api::Snapshot::kBytesOfFilters;
+  if (capacity < kBytes) return ZERORATE_BUFFER_TOO_SMALL;
   if (!instance->node().predictors().has_learnt()) return ZERORATE_NOTHING_LEARNT;
-  instance->snapshot().write_filters(
-      instance->node(), c_api::snapshot_time(utc_s),
-      std::span<std::uint8_t, ZERORATE_SNAPSHOT_BYTES>{record, ZERORATE_SNAPSHOT_BYTES});
+  instance->snapshot().write_filters(instance->node(), c_api::snapshot_time(utc_s),
+                                     std::span<std::uint8_t, kBytes>{record, kBytes});
   return ZERORATE_OK;
 }
 
