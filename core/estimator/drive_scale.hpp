@@ -137,14 +137,18 @@ class DriveScale {
   }
 
  private:
+  /// Factor of a filter's variance in that of the mixture.
+  [[nodiscard]] static constexpr float level_of(const BankState& bank, std::size_t m,
+                                                std::size_t axis) {
+    return bank.evidence.hypotheses[m][axis].weight * bank.evidence.mean_scale(m, axis);
+  }
   /// Share of the variance that the stop has resolved, under the present hypotheses and scales: a
   /// scale that was learnt in between is no information on the bias.
   [[nodiscard]] constexpr float share_resolved(const BankState& bank, std::size_t axis) const {
     float before = 0.0F;
     float after = 0.0F;
     for (std::size_t m = 0; m < kHypotheses; ++m) {
-      const float level =
-          bank.evidence.hypotheses[m][axis].weight * bank.evidence.mean_scale(m, axis);
+      const float level = level_of(bank, m, axis);
       before += level * state_.variances_before[m];
       after += level * bank.filters[m].bias_variance;
     }
@@ -162,7 +166,7 @@ class DriveScale {
       float doubt = 0.0F;
       float all = 0.0F;
       for (std::size_t m = 0; m < kHypotheses; ++m) {
-        const float level = bank.evidence.hypotheses[m][i].weight * bank.evidence.mean_scale(m, i);
+        const float level = level_of(bank, m, i);
         doubt += level * of_inputs[m];
         all += level * bank.filters[m].bias_variance;
       }

@@ -62,9 +62,8 @@ struct KalmanCoefficients {
   std::array<Noise, Shape.hypotheses> tick_noise;
   Forgetting<Shape> tick_forgetting;
 
-  /// @param terms inputs of the bias  @param guesses hypotheses of the slow noise; both must
-  /// outlive
-  ///   the coefficients
+  /// @param terms inputs of the bias; must outlive the coefficients
+  /// @param guesses hypotheses of the slow noise; must outlive the coefficients
   constexpr explicit KalmanCoefficients(const ModesOf<Shape>& modes,
                                         const Gate& innovation_gate = {},
                                         const InputBlock<Shape.inputs>& terms = kNoInputs<Shape>,

@@ -180,11 +180,12 @@ class InputTrack {
   }
 
  private:
+  static constexpr auto kTemperature = static_cast<std::size_t>(InputSource::thermometer);
   static constexpr auto kForce = static_cast<std::size_t>(InputSource::accelerometer);
   static constexpr auto kVibration = static_cast<std::size_t>(InputSource::vibration);
 
   constexpr void begin_tick(Instant at) {
-    tick_.unknown_s[0] = thermometer_.unknown_s(at);
+    tick_.unknown_s[kTemperature] = thermometer_.unknown_s(at);
     const float e_k = thermometer_.above_reference_k();
     set(Input::temperature, e_k, tick_);
     set(Input::temperature_squared, e_k * e_k, tick_);

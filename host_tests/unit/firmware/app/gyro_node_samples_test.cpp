@@ -36,6 +36,20 @@ TEST(GyroNodeWithoutTemperature, IsTheSameButSaysNone) {
   }
 }
 
+/// Four minutes of a node, and of one that is restored from its state at some times of them.
+/// @param step one sample at a time in ms
+template <class Node, class Step>
+void expect_to_go_on_bit_for_bit(const typename Node::Params& params, Step step) {
+  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
+    Node whole{params};
+    std::int64_t ms = 0;
+    for (; ms < cut; ms += 10) (void)step(whole, ms);
+    Node second{params};
+    second.restore(whole.state());
+    for (; ms < 240'000; ms += 10) ASSERT_EQ(step(whole, ms), step(second, ms));
+  }
+}
+
 /// A node that follows the temperature, from the one of node_params().
 using WarmNode = GyroNode<core::ModelShape{.decaying = 4, .inputs = 2}>;
 WarmNode::Params warm_params() {
@@ -85,15 +99,7 @@ TEST(GyroNodeThatFollowsTheTemperature, LearnsTheSlopeAcrossStops) {
 }
 
 TEST(GyroNodeThatFollowsTheTemperature, RestoredGoesOnBitForBit) {
-  const auto params = warm_params();
-  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
-    WarmNode whole{params};
-    std::int64_t ms = 0;
-    for (; ms < cut; ms += 10) (void)warming_step(whole, ms);
-    WarmNode second{params};
-    second.restore(whole.state());
-    for (; ms < 240'000; ms += 10) ASSERT_EQ(warming_step(whole, ms), warming_step(second, ms));
-  }
+  expect_to_go_on_bit_for_bit<WarmNode>(warm_params(), warming_step);
 }
 
 TEST(GyroNodeWhoseThermometerFallsSilent, ReportsAndWidens) {
@@ -142,15 +148,7 @@ RateMessage leaning_step(LeaningNode& node, std::int64_t ms) {
 }
 
 TEST(GyroNodeThatFollowsTheForce, RestoredGoesOnBitForBit) {
-  const auto params = leaning_params();
-  for (const std::int64_t cut : {30'050, 60'000, 119'990, 150'000}) {
-    LeaningNode whole{params};
-    std::int64_t ms = 0;
-    for (; ms < cut; ms += 10) (void)leaning_step(whole, ms);
-    LeaningNode second{params};
-    second.restore(whole.state());
-    for (; ms < 240'000; ms += 10) ASSERT_EQ(leaning_step(whole, ms), leaning_step(second, ms));
-  }
+  expect_to_go_on_bit_for_bit<LeaningNode>(leaning_params(), leaning_step);
 }
 
 TEST(GyroNodeWhoseAccelerometerFallsSilent, ReportsAfterASecond) {
