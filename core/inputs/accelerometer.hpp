@@ -6,14 +6,25 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/base/numeric.hpp"
 #include "core/base/time.hpp"
+#include "core/base/units.hpp"
 
 namespace zerorate::core {
 
 /// Specific force along x, y, z of the chip [g].
 using SpecificForce = std::array<float, 3>;
+
+/// Specific force of a tick.
+struct TickForce {
+  SpecificForce mean_g{};
+  float variance_g2 = 0.0F;    ///< of a reading about the mean, summed over the axes
+  std::uint32_t readings = 0;  ///< 0: it was not measured
+};
+/// The same in a node without an accelerometer.
+struct NoForce {};
 
 /// Mean and variance of the specific force over a tick. A reading that is not finite, or beyond
 /// what an accelerometer measures, is ignored. The last mean counts for kHold without a reading.
@@ -64,6 +75,13 @@ class Accelerometer {
     state_.sum_squares_g2 = 0.0F;
     state_.count = 0;
   }
+  constexpr void take(Instant at, const std::array<Acceleration, 3>& acceleration) {
+    SpecificForce force_g{};
+    for (std::size_t i = 0; i < force_g.size(); ++i) {
+      force_g[i] = acceleration[i].in(standard_gravity);
+    }
+    take(at, force_g);
+  }
   constexpr void take(Instant at, const SpecificForce& force_g) {
     if (!std::all_of(force_g.begin(), force_g.end(), is_reading)) return;
     if (!state_.has_reading) state_.mean_g = force_g;
@@ -92,6 +110,11 @@ class Accelerometer {
     if (shows_vibration()) figures.vibration_g2 = at_least_zero(squares_g2) / (count - 1.0F);
     return figures;
   }
+  /// Specific force of the tick being filled, of its own readings alone.
+  [[nodiscard]] constexpr TickForce tick_force() const {
+    const Figures figures = this_tick();
+    return {figures.mean_g, shows_vibration() ? figures.vibration_g2 : 0.0F, state_.count};
+  }
   /// Whether a tick had enough readings to show its vibration.
   [[nodiscard]] constexpr bool has_vibration() const { return state_.has_vibration; }
   [[nodiscard]] constexpr bool shows_vibration() const { return state_.count >= kFewest; }
@@ -115,5 +138,21 @@ class Accelerometer {
 
   State state_;
 };
+
+/// Place of an Accelerometer in a node without one.
+struct NoAccelerometer {
+  struct State {
+    constexpr bool operator==(const State&) const = default;
+  };
+  [[nodiscard]] constexpr State state() const { return {}; }
+  constexpr void restore(State /*state*/) {}
+  [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
+  constexpr void begin_tick(Instant /*at*/) {}
+  constexpr void take(Instant /*at*/, const std::array<Acceleration, 3>& /*acceleration*/) {}
+  [[nodiscard]] constexpr NoForce tick_force() const { return {}; }
+};
+
+template <bool HasAccelerometer>
+using AccelerometerOf = std::conditional_t<HasAccelerometer, Accelerometer, NoAccelerometer>;
 
 }  // namespace zerorate::core

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
 #include "core/inputs/accelerometer.hpp"
 #include "core/inputs/thermometer.hpp"
@@ -24,19 +23,8 @@ class InputTrack {
   using Tick = TickInputs<Shape>;
   using Terms = InputBlock<Shape.inputs>;
 
- private:
-  /// Place of the accelerometer in a filter without its inputs.
-  struct NoAccelerometer {
-    struct State {
-      constexpr bool operator==(const State&) const = default;
-    };
-    [[nodiscard]] constexpr State state() const { return {}; }
-    constexpr void restore(State /*state*/) {}
-    [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
-  };
-  using Force = std::conditional_t<Shape.has_accelerometer, Accelerometer, NoAccelerometer>;
+  using Force = AccelerometerOf<Shape.has_accelerometer>;
 
- public:
   struct State {
     Thermometer::State thermometer;
     [[no_unique_address]] typename Force::State accelerometer;
@@ -81,10 +69,9 @@ class InputTrack {
   /// The time of every sample, and the temperature measured then: any number.
   constexpr void take(Instant at, bool begins_tick, float degc) {
     thermometer_.take(at, begins_tick, degc);
-    if constexpr (Shape.has_accelerometer) {
-      if (begins_tick) accelerometer_.begin_tick(at);
-    }
-    if (begins_tick) begin_tick(at);
+    if (!begins_tick) return;
+    accelerometer_.begin_tick(at);
+    begin_tick(at);
   }
   /// Every sample, with what its chip measured beside the rate.
   constexpr void take(const GyroSample& sample, bool begins_tick) {
@@ -93,17 +80,11 @@ class InputTrack {
     if (sample.has_acceleration) take_acceleration(sample.time, sample.acceleration);
   }
   /// A reading of the accelerometer, after take() of a sample that is not later.
-  constexpr void take_acceleration(
-      [[maybe_unused]] Instant at,
-      [[maybe_unused]] const std::array<Acceleration, 3>& acceleration) {
-    if constexpr (Shape.has_accelerometer) {
-      SpecificForce force_g{};
-      for (std::size_t i = 0; i < force_g.size(); ++i) {
-        force_g[i] = acceleration[i].in(standard_gravity);
-      }
-      accelerometer_.take(at, force_g);
-    }
+  constexpr void take_acceleration(Instant at, const std::array<Acceleration, 3>& acceleration) {
+    accelerometer_.take(at, acceleration);
   }
+  /// Specific force of the tick being filled, where there is an accelerometer.
+  [[nodiscard]] constexpr auto tick_force() const { return accelerometer_.tick_force(); }
 
   /// Inputs of the tick being filled, as they were known when it began.
   [[nodiscard]] constexpr const Tick& tick() const { return tick_; }
@@ -236,29 +217,35 @@ class InputTrack {
   std::uint32_t summed_ticks_ = 0;
 };
 
-/// No-op in a filter without inputs, at no cost.
+/// No-op in a filter without inputs. It costs nothing without an accelerometer.
 template <ModelShape Shape>
 requires(Shape.inputs == 0) class InputTrack<Shape> {
  public:
   using Tick = TickInputs<Shape>;
-  struct State {
-    constexpr bool operator==(const State&) const = default;
-  };
+  using Force = AccelerometerOf<Shape.has_accelerometer>;
+  using State = typename Force::State;
   struct Lead {
     std::uint32_t ticks = 0;
   };
   constexpr InputTrack(NoInputTerms /*terms*/, Duration /*tick*/) {}
-  [[nodiscard]] constexpr State state() const { return {}; }
-  constexpr void restore(State /*state*/) {}
-  [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
-  constexpr void take(Instant /*at*/, bool /*begins_tick*/, float /*degc*/) {}
-  constexpr void take(const GyroSample& /*sample*/, bool /*begins_tick*/) {}
-  constexpr void take_acceleration(Instant /*at*/,
-                                   const std::array<Acceleration, 3>& /*acceleration*/) {}
+  [[nodiscard]] constexpr State state() const { return accelerometer_.state(); }
+  constexpr void restore(const State& state) { accelerometer_.restore(state); }
+  [[nodiscard]] static bool is_possible(const State& state) { return Force::is_possible(state); }
+  constexpr void take(Instant at, bool begins_tick, float /*degc*/) {
+    if (begins_tick) accelerometer_.begin_tick(at);
+  }
+  constexpr void take(const GyroSample& sample, bool begins_tick) {
+    take(sample.time, begins_tick, 0.0F);
+    if (sample.has_acceleration) take_acceleration(sample.time, sample.acceleration);
+  }
+  constexpr void take_acceleration(Instant at, const std::array<Acceleration, 3>& acceleration) {
+    accelerometer_.take(at, acceleration);
+  }
+  [[nodiscard]] constexpr auto tick_force() const { return accelerometer_.tick_force(); }
   [[nodiscard]] constexpr Tick tick() const { return {}; }
   [[nodiscard]] constexpr Tick measurement() const { return {}; }
   [[nodiscard]] constexpr Tick measured() const { return {}; }
-  [[nodiscard]] static constexpr Tick measured(State /*state*/) { return {}; }
+  [[nodiscard]] static constexpr Tick measured(const State& /*state*/) { return {}; }
   constexpr void resume(Tick /*measured*/) {}
   [[nodiscard]] constexpr bool misses_temperature(Instant /*now*/) const { return false; }
   [[nodiscard]] constexpr bool misses_acceleration(Instant /*now*/) const { return false; }
@@ -267,6 +254,9 @@ requires(Shape.inputs == 0) class InputTrack<Shape> {
   constexpr void lead_over(std::uint32_t /*ticks*/, auto& /*lead*/) {}
   static constexpr void prepend(const auto& /*since_last*/, auto& /*lead*/) {}
   static constexpr void over_drive(const auto& /*lead*/, std::uint32_t /*past*/, auto& /*drive*/) {}
+
+ private:
+  [[no_unique_address]] Force accelerometer_;
 };
 
 }  // namespace zerorate::core

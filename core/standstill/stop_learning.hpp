@@ -39,10 +39,13 @@ namespace zerorate::core {
 /// @tparam Item a TickMean<Axes> with members `bool begins_stop`, `has_jumped` and `is_sway`;
 ///   it may hold more
 /// @tparam Capacity number of ticks that are held at most
-template <class Item, std::size_t Axes, std::size_t Capacity>
+/// @tparam HasAccelerometer whether the specific force is a witness of motion too
+template <class Item, std::size_t Axes, std::size_t Capacity, bool HasAccelerometer = false>
 class StopLearning {
  public:
   using Rates = std::array<float, Axes>;
+  using Judge = CalmJudge<Axes, WitnessOf<HasAccelerometer>>;
+  using Force = typename Judge::Force;
   using HoldBack = HoldBackLine<Item, Capacity>;
   using White = WhiteLevel<Axes>;
 
@@ -53,7 +56,7 @@ class StopLearning {
     Standstill::State standstill;
     typename OdometerCheck<Axes>::State odometer;
     typename TickAverage<Axes>::State average;
-    typename CalmJudge<Axes>::State calm;
+    typename Judge::State calm;
     typename SwayMean<Axes>::State sway;
     float sway_variance_rad2_s2 = 0.0F;
     HoldBack held;
@@ -105,8 +108,8 @@ class StopLearning {
                                         IsPossible is_possible_item) {
     return are_bools(state.has_sample, state.stop_is_open) && is_in_range(state.newest_sample) &&
            Standstill::is_possible(state.standstill) &&
-           OdometerCheck<Axes>::is_possible(state.odometer) &&
-           CalmJudge<Axes>::is_possible(state.calm) && SwayMean<Axes>::is_possible(state.sway) &&
+           OdometerCheck<Axes>::is_possible(state.odometer) && Judge::is_possible(state.calm) &&
+           SwayMean<Axes>::is_possible(state.sway) &&
            is_plausible_variance(state.sway_variance_rad2_s2) &&
            TickAverage<Axes>::is_possible(state.average, tick, state.has_sample,
                                           state.newest_sample) &&
@@ -158,19 +161,20 @@ class StopLearning {
   }
 
   /// Queues the tick that is over, if it was calm; discards what motion spoils (see above).
+  /// @param force specific force of that tick
   /// @param predicted_rad_s the bias, or nullptr if none is known
   /// @param variance_rad2_s2 variance of that prediction
   /// @param measurement makes an Item of the mean of the tick
   template <class Measurement>
-  constexpr void close_tick(const Rates* predicted_rad_s, float variance_rad2_s2, White& white,
-                            Measurement measurement) {
+  constexpr void close_tick(const Force& force, const Rates* predicted_rad_s,
+                            float variance_rad2_s2, White& white, Measurement measurement) {
     if (average_.is_empty()) return;
     const Item closed = measurement(average_.close());
     // Without an odometer no level was said to be rest, and none is less likely than another.
     constexpr float kAnyLevel = std::numeric_limits<float>::infinity();
     odometer_.on_standing_tick(closed.rate_rad_s, closed.samples, predicted_rad_s,
                                has_odometer_ ? variance_rad2_s2 : kAnyLevel);
-    const Calm calm = judge(closed, predicted_rad_s, variance_rad2_s2, white);
+    const Calm calm = judge(closed, force, predicted_rad_s, variance_rad2_s2, white);
     odometer_.take_verdict(calm == Calm::far);
     odometer_.set_white_noise(white.upper_variance_rad2_s2());
     if (odometer_.turns()) {
@@ -226,7 +230,7 @@ class StopLearning {
   [[nodiscard]] constexpr bool has_dead_band() const {
     return has_odometer_ && calm_.share().has_dead_band();
   }
-  [[nodiscard]] constexpr const CalmJudge<Axes>& calm() const { return calm_; }
+  [[nodiscard]] constexpr const Judge& calm() const { return calm_; }
   /// The tick being filled, counted from the first one.
   [[nodiscard]] constexpr std::uint32_t tick() const { return average_.tick(); }
   [[nodiscard]] constexpr std::uint32_t tick_of(Instant at) const { return average_.tick_of(at); }
@@ -262,9 +266,9 @@ class StopLearning {
     confirm_until(closed.end);
   }
   /// A level that has lasted over several stops is believed, however far it is.
-  constexpr Calm judge(const Item& closed, const Rates* predicted_rad_s, float variance_rad2_s2,
-                       White& white) {
-    const Calm judged = calm_.judge(closed, predicted_rad_s, variance_rad2_s2, white);
+  constexpr Calm judge(const Item& closed, const Force& force, const Rates* predicted_rad_s,
+                       float variance_rad2_s2, White& white) {
+    const Calm judged = calm_.judge(closed, force, predicted_rad_s, variance_rad2_s2, white);
     const bool is_settled = has_odometer_ && odometer_.is_accepted();
     if (!asks_gyro_ || (judged == Calm::far && is_settled)) return Calm::calm;
     return judged;
@@ -273,8 +277,7 @@ class StopLearning {
   /// that the two windows after it show, as far as there is room.
   static constexpr Duration longest_wait(const Standstill::Params& standstill, Duration tick) {
     constexpr auto kRoom = static_cast<std::int64_t>(Capacity) - kPlacesOfWork;
-    return std::max(standstill.hold_back,
-                    tick * std::min(CalmJudge<Axes>::ticks_of_verdict(tick), kRoom));
+    return std::max(standstill.hold_back, tick * std::min(Judge::ticks_of_verdict(tick), kRoom));
   }
   /// Not inlined: it is called at two places, and a board counts bytes.
   [[gnu::noinline]] constexpr void confirm_until(Instant certain) {
@@ -300,7 +303,7 @@ class StopLearning {
   Standstill standstill_;
   OdometerCheck<Axes> odometer_;
   TickAverage<Axes> average_;
-  CalmJudge<Axes> calm_;
+  Judge calm_;
   SwayMean<Axes> sway_;
   float sway_variance_rad2_s2_ = 0.0F;
   bool has_odometer_;

@@ -53,7 +53,8 @@ class GyroNode {
   using TickInputs = typename Ticks::TickInputs;
   using Screening = typename Ticks::Screening;
   using Turn = TurnTrack<Ticks>;
-  using Learning = core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks>;
+  using Learning =
+      core::StopLearning<typename Ticks::Tick, kAxes, Capacity.held_ticks, Shape.has_accelerometer>;
 
   /// Everything the node remembers; restored into a node with the same parameters it continues
   /// bit for bit.
@@ -307,8 +308,8 @@ class GyroNode {
     Rates predicted_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) predicted_rad_s[i] = predicted[i].bias_rad_s;
     learning_.close_tick(
-        predicted[0].is_available() ? &predicted_rad_s : nullptr, predicted[0].variance_rad2_s2,
-        ticks_.white(),
+        ticks_.inputs().tick_force(), predicted[0].is_available() ? &predicted_rad_s : nullptr,
+        predicted[0].variance_rad2_s2, ticks_.white(),
         [&](const core::TickMean<kAxes>& mean) { return ticks_.measurement(mean); });
     learning_.enter_tick(at);
     ticks_.begin_tick(learning_.tick());

@@ -247,6 +247,28 @@ Rest thermal_sweep_rest(const std::filesystem::path& recordings) {
   return rest;
 }
 
+/// Specific force of a car: acceleration, curves, the vibration of the road and of the engine, and
+/// the noise of a consumer accelerometer. x points forward, y to the left, z up.
+std::vector<Axes> forces_g(const Drive& drive, const std::vector<Axes>& truth_dps,
+                           const random::RandomStream& random) {
+  constexpr double kGravity_mps2 = 9.80665;
+  constexpr double kIdle_g = 0.002;
+  constexpr double kRoad_g = 0.02;  // at 10 m/s
+  std::vector<Axes> forces;
+  for (std::size_t k = 0; k < truth_dps.size(); ++k) {
+    const double speed = drive.speed_mps[k];
+    const double change = speed - drive.speed_mps[k == 0 ? 0 : k - 1];
+    Axes force{change / drive.period_s / kGravity_mps2,
+               speed * truth_dps[k][2] / kDegPerRad / kGravity_mps2, 1.0};
+    const double noise_g = kIdle_g + kRoad_g * std::sqrt(speed / 10.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      force.at(i) += noise_g * random.normal(static_cast<std::int64_t>(3 * k + i));
+    }
+    forces.push_back(force);
+  }
+  return forces;
+}
+
 Drive make_drive(const Motion& motion, const Rest& rest, std::uint64_t seed) {
   const random::RandomStream random{seed, 2};
   const std::vector<Axes> truth = resampled(motion.rate_dps, motion.period_s, rest.period_s);
@@ -271,6 +293,8 @@ Drive make_drive(const Motion& motion, const Rest& rest, std::uint64_t seed) {
     drive.speed_mps.push_back(motion.speed_mps[at]);
     drive.odometer_pulses.push_back(motion.odometer_pulses[at]);
   }
+  drive.force_g = forces_g(drive, {truth.begin(), truth.begin() + static_cast<long>(size)},
+                           random.substream(1));
   return drive;
 }
 

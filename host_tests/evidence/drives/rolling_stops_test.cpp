@@ -22,9 +22,12 @@ namespace zerorate::drives {
 namespace {
 
 constexpr core::ModelShape kShape{.decaying = 6, .hypotheses = model::kMostHypotheses};
-using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 8,
-                                                     .runs_moving_average = false,
-                                                     .runs_calibration_mean = false}>;
+constexpr core::ModelShape kShapeWithAccelerometer{
+    .decaying = 6, .has_accelerometer = true, .hypotheses = model::kMostHypotheses};
+template <core::ModelShape Shape>
+using NodeOf = app::GyroNode<Shape, app::NodeCapacity{.held_ticks = 8,
+                                                      .runs_moving_average = false,
+                                                      .runs_calibration_mean = false}>;
 constexpr std::array kModels{"adis16405", "lsm6dso", "bmi088"};
 constexpr double kRadPerDeg = double{core::kRadPerDeg};
 constexpr std::size_t kYaw = 2;
@@ -61,11 +64,14 @@ struct Published {
   std::vector<double> sigma_dps;
 };
 
+/// @tparam Shape with an accelerometer: the forces of the drive are given to the node
+template <core::ModelShape Shape = kShape>
 Published run(const Drive& drive, const char* model, core::StandstillSource source) {
+  using Node = NodeOf<Shape>;
   const core::Duration period = seconds(drive.period_s);
   const core::Duration tick = std::max(period, core::Duration::milliseconds(500));
-  const auto noise = model::make_node_model<kShape>(model::find_model(model), period, tick);
-  const Node::Params params{
+  const auto noise = model::make_node_model<Shape>(model::find_model(model), period, tick);
+  const typename Node::Params params{
       .model = {.modes = noise.modes,
                 .white_variance_rad2_s2 = noise.white_variance_rad2_s2,
                 .measurement_floor_variance_rad2_s2 = noise.measurement_floor_variance_rad2_s2,
@@ -88,6 +94,12 @@ Published run(const Drive& drive, const char* model, core::StandstillSource sour
     for (std::size_t i = 0; i < 3; ++i) {
       sample.rate[i] =
           core::rad_per_s(static_cast<float>(drive.measured_dps[k].at(i) * kRadPerDeg));
+    }
+    if constexpr (Shape.has_accelerometer) {
+      sample.has_acceleration = true;
+      for (std::size_t i = 0; i < 3; ++i) {
+        sample.acceleration[i] = core::standard_gravity(static_cast<float>(drive.force_g[k].at(i)));
+      }
     }
     const app::RateMessage message = node.step(sample);
     published.bias_dps.push_back(double{message.axes[kYaw].bias.in(core::deg_per_s)});
@@ -201,6 +213,28 @@ TEST_F(RollingStops, AreFoundWithoutAnOdometer) {
     print("gyro alone", model, score);
     EXPECT_LE(score.rms_deg(), 1.0) << model;
     EXPECT_GE(score.coverage(), 0.85) << model;
+  }
+}
+
+TEST_F(RollingStops, AreFoundByAnAccelerometerAsByAnOdometer) {
+  const std::vector<Drive> drives = made_drives(folder_);
+  for (const char* const model : kModels) {
+    Score by_odometer;
+    Score by_force;
+    Score by_both;
+    for (const Drive& drive : drives) {
+      add(by_odometer, drive, run(drive, model, core::StandstillSource::odometer));
+      add(by_force, drive,
+          run<kShapeWithAccelerometer>(drive, model, core::StandstillSource::gyro));
+      add(by_both, drive,
+          run<kShapeWithAccelerometer>(drive, model, core::StandstillSource::odometer));
+    }
+    print("accelerometer", model, by_force);
+    print("both", model, by_both);
+    EXPECT_LE(by_force.rms_deg(), 1.15 * by_odometer.rms_deg()) << model;
+    EXPECT_GE(by_force.coverage(), 0.90) << model;
+    EXPECT_LE(by_both.rms_deg(), 1.02 * by_odometer.rms_deg()) << model;
+    EXPECT_GE(by_both.coverage(), 0.90) << model;
   }
 }
 

@@ -252,7 +252,7 @@ std::vector<JudgedTick> judge_ticks(const RestSamples& samples, core::Standstill
     if (average.is_empty()) return;
     ticks.push_back({.mean = average.close(), .first = first, .end = end});
     first = end;
-    const core::Calm calm = judge.judge(ticks.back().mean, bias.known(), 0.0F, white);
+    const core::Calm calm = judge.judge(ticks.back().mean, {}, bias.known(), 0.0F, white);
     ticks.back().moved = calm != core::Calm::calm;
     if (calm == core::Calm::calm) {
       bias.add(ticks.back().mean);

@@ -47,7 +47,7 @@ struct Stop {
     }
     for (std::size_t i = 0; i < 3; ++i) mean.rate_rad_s[i] = static_cast<float>(sum[i] / samples);
     means.push_back(mean.rate_rad_s);
-    const Calm verdict = judge.judge(mean, predicted_rad_s, variance, white);
+    const Calm verdict = judge.judge(mean, {}, predicted_rad_s, variance, white);
     if (verdict == Calm::calm) white.observe(mean);
     return verdict;
   }
@@ -125,7 +125,7 @@ TEST(CalmJudgeOfARotationOnOneAxisOnly, SeesItToo) {
     TickMean<3> mean{.tick = k, .samples = 5};
     for (float& rate : mean.rate_rad_s) rate = normal(random);
     if (k == 59) mean.rate_rad_s[1] += 0.5F * kRadPerDeg;
-    last = stop.judge.judge(mean, nullptr, 0.0F, stop.white);
+    last = stop.judge.judge(mean, {}, nullptr, 0.0F, stop.white);
     if (k < 59) {
       EXPECT_EQ(last, Calm::calm) << k;
     }

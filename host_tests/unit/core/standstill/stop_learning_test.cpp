@@ -41,7 +41,7 @@ struct Vehicle {
     const Instant at = at_ms(ms);
     const bool begins_tick = learning.begin_sample(at);
     if (begins_tick) {
-      learning.close_tick(nullptr, 0.0F, white, [](const TickMean<3>& mean) {
+      learning.close_tick({}, nullptr, 0.0F, white, [](const TickMean<3>& mean) {
         return Tick{mean, false};
       });
       learning.enter_tick(at);
@@ -189,7 +189,7 @@ TEST(StopLearningOfASensorLouderThanItsModel, FindsNoTurnAtFirst) {
     for (int sample = 0; sample < 80; ++sample, at = at + kPeriod) {
       const bool begins_tick = learning.begin_sample(at);
       if (begins_tick) {
-        learning.close_tick(nullptr, 0.0F, white, [](const TickMean<3>& mean) {
+        learning.close_tick({}, nullptr, 0.0F, white, [](const TickMean<3>& mean) {
           return Tick{mean, false};
         });
         learning.enter_tick(at);
