@@ -26,14 +26,32 @@ struct UpAxis {
   constexpr bool operator==(const UpAxis&) const = default;
 };
 
-/// Shares of the Earth's rotation in the rates of a level sensor; zero where the latitude is not
-/// known, and the rotation stays in the bias (docs/reference/earth-rate.md).
+/// Shares of the Earth's rotation in the rates of a sensor; zero where the latitude is not known,
+/// and the rotation stays in the bias (docs/reference/earth-rate.md).
 struct EarthRate {
   std::array<float, 3> vertical_rad_s{};  ///< share of the vertical, taken out of the rates
-  /// Variance of what a level axis measures at another heading than that of the stop.
+  /// Variance of what the level part of an axis measures at another heading than that of the stop.
   std::array<float, 3> heading_variance_rad2_s2{};
 
   constexpr bool operator==(const EarthRate&) const = default;
+  /// The same for another direction of the vertical than an axis.
+  /// @param axis the one that these shares are of
+  [[nodiscard]] constexpr EarthRate about(UpAxis axis, const Direction& up) const {
+    const float vertical = (axis.points_down ? -1.0F : 1.0F) * vertical_rad_s[axis.axis];
+    const float level = heading_variance_rad2_s2[axis.axis == 0 ? 1 : 0];
+    EarthRate earth;
+    for (std::size_t i = 0; i < 3; ++i) {
+      earth.vertical_rad_s[i] = vertical * up[i];
+      earth.heading_variance_rad2_s2[i] = level * (1.0F - up[i] * up[i]);
+    }
+    return earth;
+  }
+  /// The same where nothing is known of the vertical: all of it stays in the bias.
+  [[nodiscard]] constexpr EarthRate about_any(UpAxis axis) const {
+    const float vertical = vertical_rad_s[axis.axis];
+    const float all = vertical * vertical + heading_variance_rad2_s2[axis.axis == 0 ? 1 : 0];
+    return {.vertical_rad_s = {}, .heading_variance_rad2_s2 = {all, all, all}};
+  }
 };
 
 /// Earth's rotation at a latitude. An axis that points up measures W sin(latitude), with
@@ -61,5 +79,18 @@ struct EarthRate {
   }
   return earth;
 }
+
+/// Shares of a node whose vertical is given.
+struct GivenEarth {
+  [[nodiscard]] static constexpr const EarthRate& shares(const EarthRate& given) { return given; }
+};
+/// Shares of a node that measures the vertical.
+struct MeasuredEarth {
+  EarthRate measured;
+
+  [[nodiscard]] constexpr const EarthRate& shares(const EarthRate& /*given*/) const {
+    return measured;
+  }
+};
 
 }  // namespace zerorate::core

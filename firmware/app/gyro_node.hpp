@@ -163,6 +163,8 @@ class GyroNode {
   constexpr core::ReferenceVerdict take_reference(const Reference& reference) {
     return turn_.take(reference, newest_sample(), ticks_);
   }
+  /// Whether the vertical is given, or was measured.
+  [[nodiscard]] constexpr bool has_vertical() const { return turn_.vertical().is_known(); }
   /// Heading at the newest sample. Of nodes that take references, as the filter of them.
   [[nodiscard]] constexpr Heading heading() const { return turn_.heading(); }
   [[nodiscard]] constexpr const core::HeadingFilter& heading_filter() const {
@@ -225,6 +227,7 @@ class GyroNode {
     odometer_fault_ = state.odometer_fault;
     credit_ = state.credit;
     turn_.restore(state.turn);
+    if constexpr (Ticks::kMeasuresVertical) ticks_.set_earth(turn_.earth());
     ticks_.restore(state.ticks);
     learning_.restore(state.learning, ticks_.white());
   }
@@ -289,7 +292,7 @@ class GyroNode {
     ticks_.inputs().take(sample, begins_tick);
     Rates rate_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      rate_rad_s[i] = rate[i].in(core::rad_per_s)-params_.earth.vertical_rad_s[i];
+      rate_rad_s[i] = rate[i].in(core::rad_per_s)-ticks_.earth().vertical_rad_s[i];
     }
     ticks_.white().rounding().take(rate_rad_s);
     learning_.add(sample.time, begins_tick, rate_rad_s,
@@ -315,6 +318,7 @@ class GyroNode {
     ticks_.begin_tick(learning_.tick());
     ticks_.begin_samples();
     turn_.close_tick(ticks_);
+    if constexpr (Ticks::kMeasuresVertical) ticks_.set_earth(turn_.earth());
   }
 
   /// Does the share of a sample, more where several ticks wait and the call stays short. A step
@@ -373,7 +377,7 @@ class GyroNode {
       const core::AngularRate bias = core::rad_per_s(predicted[i].bias_rad_s);
       message.axes[i] = {
           .measured = measured[i],
-          .corrected = rate[i] - core::rad_per_s(params_.earth.vertical_rad_s[i]) - bias,
+          .corrected = rate[i] - core::rad_per_s(ticks_.earth().vertical_rad_s[i]) - bias,
           .bias = bias,
           .sigma = core::rad_per_s(with_constants(predicted[i], i).sigma_rad_s())};
     }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -96,8 +97,9 @@ struct RateMessage {
   std::array<AxisRate, 3> axes{};  ///< x, y, z of the sensor
   std::array<AxisTurn, 3> turn{};  ///< x, y, z, since departure
   core::Duration turn_time;        ///< time that was summed since departure
+  AxisTurn vertical_turn;          ///< likewise about the vertical, counter-clockwise from above
   Heading heading;
-  std::optional<core::UpAxis> up;  ///< axis that points up or down, where it is given
+  std::optional<core::Direction> up;  ///< in the axes of the sensor, where it is known
   std::optional<core::Temperature>
       temperature;  ///< temperature of the sensor, where the chip gave one
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an
@@ -109,8 +111,11 @@ struct RateMessage {
   }
   /// Corrected rate about the vertical, counter-clockwise seen from above. Needs `up`.
   [[nodiscard]] constexpr core::AngularRate vertical_rate() const {
-    const core::AngularRate rate = axes[up->axis].corrected;
-    return up->points_down ? core::AngularRate{} - rate : rate;
+    core::AngularRate rate;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if ((*up)[i] != 0.0F) rate = rate + (*up)[i] * axes[i].corrected;
+    }
+    return rate;
   }
   constexpr bool operator==(const RateMessage&) const = default;
 };

@@ -33,15 +33,15 @@ struct TurnReference {
   core::Angle sigma;
 };
 
-/// References of a node with `Axes` axes, beside the TurnSum that its HeadingFilter follows.
+/// References of a node, beside the TurnSum that its HeadingFilter follows.
 ///
 /// A reference of the heading lies within the newest two seconds or in the stop that lasts. The
 /// ends of a turn may also lie in the stop before the drive, or at the end of the turn before.
 /// Fixed memory; cost of a sample: 5 floating-point operations.
-template <std::size_t Axes>
+template <class TurnSum>
 class ReferenceTrack {
  public:
-  using Sum = core::TurnSum<Axes>;
+  using Sum = TurnSum;
   using Position = typename Sum::Position;
   using Verdict = core::ReferenceVerdict;
 
@@ -63,12 +63,10 @@ class ReferenceTrack {
     constexpr bool operator==(const State&) const = default;
   };
 
-  /// @param params NodeParams
-  template <class Params>
-  constexpr explicit ReferenceTrack(const Params& params)
-      : filter_({.scale_factor = params.model.motion.scale_factor}),
-        axis_(std::min<std::size_t>(params.up.value_or(core::UpAxis{}).axis, Axes - 1)),
-        sense_(params.up.value_or(core::UpAxis{}).points_down ? -1.0F : 1.0F) {}
+  /// @param axis place of the vertical among the axes of the sum
+  /// @param sense -1 where that axis points down
+  constexpr ReferenceTrack(const core::HeadingFilter::Params& filter, std::size_t axis, float sense)
+      : filter_(filter), axis_(axis), sense_(sense) {}
 
   [[nodiscard]] constexpr State state() const { return {filter_.state(), recent_.state(), marks_}; }
   constexpr void restore(const State& state) {
@@ -90,13 +88,7 @@ class ReferenceTrack {
                core::is_in_range);
   }
 
-  /// The vertical axis.
-  [[nodiscard]] constexpr std::size_t axis() const { return axis_; }
   [[nodiscard]] constexpr const core::HeadingFilter& filter() const { return filter_; }
-  /// Bias in motion beyond that which rest predicts, of the vertical axis.
-  [[nodiscard]] constexpr float bias_in_motion_rad_s() const {
-    return sense_ * filter_.bias_in_motion_rad_s();
-  }
   /// Variance of the error that scale factor and offset make in the turn of that axis.
   [[nodiscard]] constexpr float scale_variance_rad2(const Sum& sum) const {
     return filter_.turn_variance_rad2(between({}, sum.position(axis_)));

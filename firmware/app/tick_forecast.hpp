@@ -62,7 +62,7 @@ class TickForecast {
   /// Variance of what is added to the bias for as long as the vehicle keeps its heading and the
   /// bias its place within a step: the Earth's rate, and the rounding of the samples.
   [[nodiscard]] constexpr float constant_variance_rad2_s2(std::size_t axis) const {
-    return ticks_.params().earth.heading_variance_rad2_s2[axis] +
+    return ticks_.earth().heading_variance_rad2_s2[axis] +
            ticks_.white().rounding().variance_rad2_s2(axis);
   }
 

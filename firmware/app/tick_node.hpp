@@ -36,6 +36,7 @@ class TickNode {
   static constexpr std::size_t kAxes = Capacity.axes;
   static constexpr bool kTakesReferences = Capacity.takes_references;
   static constexpr bool kHasAccelerometer = Shape.has_accelerometer;
+  static constexpr bool kMeasuresVertical = kHasAccelerometer && kAxes == 3;
   using Params = NodeParams<Shape>;
   using Rates = std::array<float, kAxes>;
   using Predictors = AxisPredictors<Shape, Capacity>;
@@ -46,20 +47,11 @@ class TickNode {
   using Screening = SampleScreening<kAxes, Capacity.screens_samples>;
   using WhiteLevel = core::WhiteLevel<kAxes>;
   using Lead = typename Predictors::Lead;
+  using Earth = std::conditional_t<kMeasuresVertical, core::MeasuredEarth, core::GivenEarth>;
   static constexpr std::size_t kPieces = core::ModesOf<Shape>::kPieces;
   static constexpr std::size_t kMostItems = std::max({Shape.hypotheses, kAxes, kPieces});
 
-  /// A measurement: the mean of a tick at standstill, with its circumstances.
-  struct Tick : core::TickMean<kAxes> {
-    bool begins_stop = false;  ///< first measurement of a stop
-    bool has_jumped = false;   ///< first one of a level that was doubted, and is accepted
-    bool is_sway = false;      ///< mean of a vehicle that sways, in place of that of a tick
-    [[no_unique_address]] TickInputs inputs;
-    [[no_unique_address]] typename Screening::Squares squares;
-
-    constexpr bool operator==(const Tick&) const = default;
-  };
-
+  using Tick = LearntTick<kAxes, TickInputs, typename Screening::Squares>;
   using Stage = TickStage;
   using Costs = TickCosts<Shape, kAxes>;
   using Work = TickWork<Tick, Predictors>;
@@ -265,6 +257,10 @@ class TickNode {
     return tick_ + 1 - measured_ticks_;
   }
   [[nodiscard]] constexpr const Params& params() const { return params_; }
+  [[nodiscard]] constexpr const core::EarthRate& earth() const {
+    return earth_.shares(params_.earth);
+  }
+  constexpr void set_earth(const core::EarthRate& earth) { earth_.measured = earth; }
   [[nodiscard]] constexpr const Predictors& predictors() const { return predictors_; }
   [[nodiscard]] constexpr const Screening& screening() const { return screening_; }
   [[nodiscard]] constexpr const WhiteLevel& white() const { return white_; }
@@ -384,6 +380,7 @@ class TickNode {
   }
 
   const Params& params_;
+  [[no_unique_address]] Earth earth_{};
   core::TransitionOf<Shape> one_tick_;
   [[no_unique_address]] InputTrack inputs_;
   [[no_unique_address]] Screening screening_;

@@ -10,9 +10,22 @@
 
 #include "core/base/numeric.hpp"
 #include "core/noise/model_shape.hpp"
+#include "core/samples/tick_average.hpp"
 #include "firmware/app/possible_state.hpp"
 
 namespace zerorate::app {
+
+/// A measurement: the mean of a tick at standstill, with its circumstances.
+template <std::size_t Axes, class TickInputs, class Squares>
+struct LearntTick : core::TickMean<Axes> {
+  bool begins_stop = false;  ///< first measurement of a stop
+  bool has_jumped = false;   ///< first one of a level that was doubted, and is accepted
+  bool is_sway = false;      ///< mean of a vehicle that sways, in place of that of a tick
+  [[no_unique_address]] TickInputs inputs;
+  [[no_unique_address]] Squares squares;
+
+  constexpr bool operator==(const LearntTick&) const = default;
+};
 
 /// Steps of TickNode, in order. A step with an item is repeated for each of them.
 enum class TickStage : std::uint8_t {

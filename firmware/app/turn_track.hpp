@@ -11,6 +11,7 @@
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "core/heading/turn_sum.hpp"
+#include "core/heading/vertical.hpp"
 #include "core/standstill/standstill.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/reference_track.hpp"
@@ -33,15 +34,19 @@ class TurnTrack {
  public:
   static constexpr std::size_t kAxes = Ticks::kAxes;
   using Params = typename Ticks::Params;
-  using Sum = core::TurnSum<kAxes>;
+  using Rates = typename Ticks::Rates;
+  using Vertical = std::conditional_t<Ticks::kMeasuresVertical, core::MeasuredVertical,
+                                      core::GivenVertical<kAxes>>;
+  using Sum = core::TurnSum<Vertical::kSummedAxes>;
   static constexpr bool kTakesReferences = Ticks::kTakesReferences;
-  using References = std::conditional_t<kTakesReferences, ReferenceTrack<kAxes>, NoReferences>;
+  using References = std::conditional_t<kTakesReferences, ReferenceTrack<Sum>, NoReferences>;
   static constexpr std::uint32_t kShortest = 16;  ///< ticks
 
   struct State {
     /// Length of the drive whose error was asked for last. A bias hardly changes in a shorter one.
     std::uint32_t asked_ticks = kShortest;
     typename Sum::State sum;
+    [[no_unique_address]] typename Vertical::State vertical;
     [[no_unique_address]] typename References::State references;
 
     constexpr bool operator==(const State&) const = default;
@@ -52,16 +57,18 @@ class TurnTrack {
       : params_(params),
         sum_(params.model.motion, params.model.sample_period,
              std::max(params.standstill.hold_back, kLongestUnnoticed)),
-        references_(made_references(params)) {}
+        vertical_(params.up),
+        references_(made_references(params, vertical_)) {}
 
   [[nodiscard]] constexpr State state() const {
-    State state{asked_ticks_, sum_.state(), {}};
+    State state{asked_ticks_, sum_.state(), vertical_.state(), {}};
     if constexpr (kTakesReferences) state.references = references_.state();
     return state;
   }
   constexpr void restore(const State& state) {
     asked_ticks_ = state.asked_ticks;
     sum_.restore(state.sum);
+    vertical_.restore(state.vertical);
     if constexpr (kTakesReferences) references_.restore(state.references);
   }
   /// Goes on, before the first sample, with what references taught another run.
@@ -73,9 +80,16 @@ class TurnTrack {
     if constexpr (kTakesReferences) {
       if (!References::is_possible(state.references)) return false;
     }
-    return Sum::is_possible(state.sum);
+    return Sum::is_possible(state.sum) && Vertical::is_possible(state.vertical);
   }
 
+  [[nodiscard]] constexpr const Vertical& vertical() const { return vertical_; }
+  /// Earth's rotation about the measured vertical.
+  [[nodiscard]] constexpr core::EarthRate earth() const {
+    const core::UpAxis axis = params_.up.value_or(core::UpAxis{});
+    if (!vertical_.is_known()) return params_.earth.about_any(axis);
+    return params_.earth.about(axis, vertical_.up());
+  }
   [[nodiscard]] constexpr const References& references() const { return references_; }
   /// Heading at the newest sample.
   [[nodiscard]] constexpr Heading heading() const { return references_.heading(sum_); }
@@ -97,6 +111,7 @@ class TurnTrack {
   /// A tick is over, and the steps of the next one have not begun.
   constexpr void close_tick(Ticks& ticks) {
     sum_.close_tick();
+    if constexpr (Ticks::kMeasuresVertical) follow_vertical(ticks);
     if constexpr (kTakesReferences) references_.follow(sum_, bias_variance_rad2_s2(ticks));
     if (!sum_.moves() || ticks.drive().ticks > 0) return;
     const auto length = static_cast<std::uint32_t>(sum_.duration() / params_.model.modes.tick) + 1;
@@ -110,45 +125,57 @@ class TurnTrack {
   /// @param is_learning whether a measurement of the stop that is over will still be learnt
   constexpr void add(const RateMessage& message, core::Duration since_last,
                      std::uint8_t saturated_axes, bool is_learning, Ticks& ticks) {
-    typename Sum::Sample sample{.since_last = since_last,
-                                .saturated_axes = saturated_axes,
-                                .moves = message.motion != core::Motion::still};
+    Rates rate_rad_s{};
+    Rates sigma_rad_s{};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      sample.rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
-      sample.bias_sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
+      rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
+      sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     }
-    if (sample.moves) follow_motion(message, is_learning, ticks);
+    const bool moves = message.motion != core::Motion::still;
+    if (moves) {
+      vertical_.turn(rate_rad_s, since_last.in_seconds());
+      follow_motion(message, is_learning, ticks);
+    }
+    typename Sum::Sample sample{.since_last = since_last,
+                                .rate_rad_s = vertical_.summed(rate_rad_s),
+                                .bias_sigma_rad_s = vertical_.summed_sigmas(sigma_rad_s),
+                                .saturated_axes = vertical_.summed_saturation(saturated_axes),
+                                .moves = moves};
     if constexpr (kTakesReferences) add_to_references(message.time, sample);
     sum_.add(sample);
     take_error(ticks);
   }
-  /// Corrects the rate of the vertical axis by what references taught.
+  /// Corrects the rate about the vertical by what references taught.
   constexpr void correct(RateMessage& message) const {
     if constexpr (kTakesReferences) {
       const core::HeadingFilter& filter = references_.filter();
       message.health.reference_disagreement = filter.disagrees();
       if (!filter.has_learnt()) return;
-      AxisRate& axis = message.axes[references_.axis()];
-      if (message.motion != core::Motion::still) {
-        const auto more = core::rad_per_s(references_.bias_in_motion_rad_s());
-        const float sigma_rad_s = axis.sigma.in(core::rad_per_s);
-        axis.bias = axis.bias + more;
-        axis.corrected = axis.corrected - more;
-        axis.sigma = core::rad_per_s(
-            core::square_root(filter.bias_variance_rad2_s2(sigma_rad_s * sigma_rad_s)));
-      }
-      axis.corrected = core::rad_per_s(filter.scaled(axis.corrected.in(core::rad_per_s)));
+      if (message.motion != core::Motion::still) correct_bias(message);
+      float rate_rad_s = 0.0F;
+      vertical_.for_each_share([&](std::size_t i, float share) {
+        rate_rad_s += share * message.axes[i].corrected.in(core::rad_per_s);
+      });
+      const float more_rad_s = filter.scaled(rate_rad_s) - rate_rad_s;
+      vertical_.for_each_share([&](std::size_t i, float share) {
+        AxisRate& axis = message.axes[i];
+        axis.corrected = axis.corrected + core::rad_per_s(share * more_rad_s);
+      });
     }
   }
   /// @param silence time since the newest sample
   constexpr void describe(core::Duration silence, RateMessage& message) const {
-    message.up = params_.up;
     message.turn_time = sum_.duration();
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      message.turn[i] = {.angle = sum_.angle(i),
-                         .sigma = sum_.sigma(i, sum_.scale_variance_rad2(i), silence)};
+    for (std::size_t i = 0; i < kAxes; ++i) message.turn[i] = turn(i, silence);
+    if (!vertical_.is_known()) return;
+    message.up = vertical_.up();
+    message.vertical_turn = turn(vertical_.axis(), silence);
+    if (vertical_.sense() < 0.0F) {
+      message.vertical_turn.angle = core::Angle{} - message.vertical_turn.angle;
     }
-    if constexpr (kTakesReferences) describe_vertical(silence, message);
+    if constexpr (kTakesReferences) {
+      if (silence == core::Duration{}) message.heading = heading();
+    }
   }
 
  private:
@@ -160,45 +187,75 @@ class TurnTrack {
   /// Time from a motion without pulses to the verdict of the gyro.
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
-  [[nodiscard]] static constexpr References made_references(const Params& params) {
+  [[nodiscard]] static constexpr References made_references(const Params& params,
+                                                            const Vertical& vertical) {
     if constexpr (kTakesReferences) {
-      return References{params};
+      return References{
+          {.scale_factor = params.model.motion.scale_factor}, vertical.axis(), vertical.sense()};
     } else {
       return {};
     }
   }
+  /// Variance of the predicted bias about the vertical.
   [[nodiscard]] constexpr float bias_variance_rad2_s2(const Ticks& ticks) const {
-    const std::size_t axis = references_.axis();
-    return ticks.predicted()[axis].variance_rad2_s2 +
-           TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(axis);
+    Rates variances{};
+    vertical_.for_each_share([&](std::size_t i, float /*share*/) {
+      variances[i] = ticks.predicted()[i].variance_rad2_s2 +
+                     TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
+    });
+    return vertical_.summed_variances(variances)[vertical_.axis()];
   }
-  /// The turn of the vertical axis is summed before its scale factor: that may become known later.
+  constexpr void follow_vertical(const Ticks& ticks) {
+    const core::TickForce force = ticks.inputs().tick_force();
+    vertical_.close_tick(force.readings > 0 ? &force.mean_g : nullptr, !sum_.moves(),
+                         sum_.state().newest_rad_s[vertical_.axis()], params_.model.modes.tick);
+  }
+  /// Adds the bias in motion beyond that which rest predicts.
+  constexpr void correct_bias(RateMessage& message) const {
+    const core::HeadingFilter& filter = references_.filter();
+    vertical_.for_each_share([&](std::size_t i, float share) {
+      AxisRate& axis = message.axes[i];
+      const auto more = core::rad_per_s(share * filter.bias_in_motion_rad_s());
+      axis.bias = axis.bias + more;
+      axis.corrected = axis.corrected - more;
+      const float sigma_rad_s = axis.sigma.in(core::rad_per_s);
+      const float variance = sigma_rad_s * sigma_rad_s;
+      const float about_vertical = filter.bias_variance_rad2_s2(variance);
+      axis.sigma = core::rad_per_s(
+          core::square_root(variance + share * share * (about_vertical - variance)));
+    });
+  }
+  /// The turn about the vertical is summed before its scale factor: that may become known later.
   constexpr void add_to_references(core::Instant at, typename Sum::Sample& sample) {
-    const std::size_t axis = references_.axis();
+    const std::size_t axis = vertical_.axis();
     sample.rate_rad_s[axis] = references_.filter().unscaled(sample.rate_rad_s[axis]);
     references_.add(sample.rate_rad_s[axis], sample.since_last);
     if (((sample.saturated_axes >> axis) & 1U) != 0) references_.lose();
     if (sum_.moves() && !sample.moves) references_.stop(at);
   }
-  constexpr void describe_vertical(core::Duration silence, RateMessage& message) const {
-    if (params_.up && silence == core::Duration{}) message.heading = heading();
-    const std::size_t axis = references_.axis();
-    if (!references_.filter().has_learnt()) return;
-    message.turn[axis] = {
-        .angle = core::rad(references_.filter().scaled(sum_.angle(axis).in(core::rad))),
-        .sigma = sum_.sigma(axis, references_.scale_variance_rad2(sum_), silence)};
+  /// Turn of a summed axis since departure.
+  [[nodiscard]] constexpr AxisTurn turn(std::size_t axis, core::Duration silence) const {
+    if constexpr (kTakesReferences) {
+      const core::HeadingFilter& filter = references_.filter();
+      if (axis == vertical_.axis() && filter.has_learnt()) {
+        return {.angle = core::rad(filter.scaled(sum_.angle(axis).in(core::rad))),
+                .sigma = sum_.sigma(axis, references_.scale_variance_rad2(sum_), silence)};
+      }
+    }
+    return {.angle = sum_.angle(axis),
+            .sigma = sum_.sigma(axis, sum_.scale_variance_rad2(axis), silence)};
   }
 
   /// Notices a departure. A measurement that is learnt after it belongs to the stop before.
   constexpr void follow_motion(const RateMessage& message, bool is_learning, const Ticks& ticks) {
     if (!sum_.moves() && (is_learning || sum_.has_rested(ticks.measured_ticks()))) {
-      typename Sum::Rates white{};
+      Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
       if constexpr (kTakesReferences) {
         references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks),
                            temperature_k_of(message));
       }
-      sum_.depart(white);
+      sum_.depart(vertical_.summed_variances(white));
       asked_ticks_ = kShortest;
     }
     sum_.note_measurement(ticks.measured_ticks());
@@ -208,14 +265,18 @@ class TurnTrack {
     if (!drive.is_known) return;
     drive.is_known = false;
     const float length_s = sum_.duration().in_seconds();
+    Rates variances{};
     for (std::size_t i = 0; i < kAxes; ++i) {
       const float constant = TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
-      sum_.set_bias_variance(i, drive.variance_rad2[i] + constant * length_s * length_s);
+      variances[i] = drive.variance_rad2[i] + constant * length_s * length_s;
     }
+    const auto summed = vertical_.summed_variances(variances);
+    for (std::size_t i = 0; i < summed.size(); ++i) sum_.set_bias_variance(i, summed[i]);
   }
 
   const Params& params_;
   Sum sum_;
+  Vertical vertical_;
   [[no_unique_address]] References references_;
   std::uint32_t asked_ticks_ = kShortest;
 };

@@ -190,7 +190,7 @@ zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns,
                                            float sigma_rad) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->node().params().up || !c_api::is_time(time_ns) ||
+  if (!instance->node().has_vertical() || !c_api::is_time(time_ns) ||
       !c_api::is_reference(heading_rad, sigma_rad)) {
     return ZERORATE_BAD_ARGUMENT;
   }
@@ -204,7 +204,7 @@ zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, in
                                         float angle_rad, float sigma_rad) {
   auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->node().params().up || !c_api::is_time(from_ns) || !c_api::is_time(to_ns) ||
+  if (!instance->node().has_vertical() || !c_api::is_time(from_ns) || !c_api::is_time(to_ns) ||
       from_ns >= to_ns || !c_api::is_reference(angle_rad, sigma_rad)) {
     return ZERORATE_BAD_ARGUMENT;
   }
@@ -220,7 +220,7 @@ zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
   if (learnt == nullptr) return ZERORATE_BAD_ARGUMENT;
   const auto* instance = instance_in(self);
   if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!instance->node().params().up) return ZERORATE_BAD_ARGUMENT;
+  if (!instance->node().has_vertical()) return ZERORATE_BAD_ARGUMENT;
   const core::HeadingFilter& filter = instance->node().heading_filter();
   const app::Heading heading = instance->node().heading();
   *learnt = {

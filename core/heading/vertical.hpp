@@ -1,0 +1,224 @@
+/// @file
+/// The vertical in the axes of a sensor.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/earth_rate.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+
+namespace zerorate::core {
+
+/// The vertical as it is given: an axis, or nothing.
+/// @tparam Axes of the sensor
+template <std::size_t Axes>
+class GivenVertical {
+ public:
+  /// Axes of a TurnSum beside this vertical, which is one of them.
+  static constexpr std::size_t kSummedAxes = Axes;
+  using Rates = std::array<float, Axes>;
+  using SummedRates = Rates;
+
+  struct State {
+    constexpr bool operator==(const State&) const = default;
+  };
+
+  constexpr explicit GivenVertical(const std::optional<UpAxis>& given) : given_(given) {}
+  [[nodiscard]] constexpr State state() const { return {}; }
+  constexpr void restore(State /*state*/) {}
+  [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
+
+  [[nodiscard]] constexpr bool is_known() const { return given_.has_value(); }
+  [[nodiscard]] constexpr Direction up() const { return assumed().direction(); }
+  /// Place of the vertical among the summed axes, and whether that counts turns as seen from above.
+  [[nodiscard]] constexpr std::size_t axis() const {
+    return std::min<std::size_t>(assumed().axis, Axes - 1);
+  }
+  [[nodiscard]] constexpr float sense() const { return assumed().points_down ? -1.0F : 1.0F; }
+
+  /// Calls use(axis, share) for each axis of the sensor that measures turns about the vertical.
+  template <class Use>
+  constexpr void for_each_share(Use use) const {
+    use(axis(), sense());
+  }
+  /// Rates to sum.
+  [[nodiscard]] static constexpr SummedRates summed(const Rates& rates) { return rates; }
+  /// Likewise of their standard deviations, and of their variances.
+  [[nodiscard]] static constexpr SummedRates summed_sigmas(const Rates& sigmas) { return sigmas; }
+  [[nodiscard]] static constexpr SummedRates summed_variances(const Rates& all) { return all; }
+  [[nodiscard]] static constexpr std::uint8_t summed_saturation(std::uint8_t axes) { return axes; }
+
+  static constexpr void turn(const Rates& /*rate_rad_s*/, float /*interval_s*/) {}
+
+ private:
+  [[nodiscard]] constexpr UpAxis assumed() const { return given_.value_or(UpAxis{}); }
+
+  std::optional<UpAxis> given_;
+};
+
+/// The vertical by the specific force at rest, and by the rates since then.
+///
+/// At rest an accelerometer shows the vertical: the mean over the stop. In motion the sensor turns
+/// under it, dn/dt = n x omega. Straight on, where the force is near 1 g, the force corrects what
+/// the errors of the rates add up to, with a time constant of a minute: accelerations come and go
+/// (Mahony, Hamel and Pflimlin 2008, without the learning of a bias).
+///
+/// A force that is no gravity at rest (below 0.9 g or above 1.1 g) is not believed, nor is one that
+/// differs from the given axis by more than 45 deg: then the given axis stays.
+///
+/// Cost of a sample: 25 floating-point operations.
+class MeasuredVertical {
+ public:
+  static constexpr std::size_t kSummedAxes = 4;  ///< x, y, z of the sensor, and the vertical
+  using Rates = std::array<float, 3>;
+  using SummedRates = std::array<float, kSummedAxes>;
+
+  struct State {
+    Direction up{0.0F, 0.0F, 1.0F};  ///< newest one
+    Direction mean_of_stops{};       ///< of the directions of the stops before this one, unit
+    std::uint16_t rest_ticks = 0;    ///< ticks of this stop that `up` is the mean of
+    std::uint8_t stops = 0;          ///< stops before this one, at most kMostStops
+    bool is_measured = false;
+
+    constexpr bool operator==(const State&) const = default;
+  };
+
+  constexpr explicit MeasuredVertical(const std::optional<UpAxis>& given) : given_(given) {
+    if (given) state_.up = given->direction();
+  }
+  [[nodiscard]] constexpr const State& state() const { return state_; }
+  constexpr void restore(const State& state) { state_ = state; }
+  /// True if a restored state is valid.
+  [[nodiscard]] static bool is_possible(const State& state) {
+    return is_unit(state.up) && (state.stops == 0 || is_unit(state.mean_of_stops)) &&
+           state.stops <= kMostStops && is_bool(state.is_measured);
+  }
+
+  [[nodiscard]] constexpr bool is_known() const { return state_.is_measured || given_.has_value(); }
+  [[nodiscard]] constexpr const Direction& up() const { return state_.up; }
+  /// Angle between the vertical and its mean over the stops before: the slope of a parking place,
+  /// or of the road. None before the second stop.
+  [[nodiscard]] constexpr std::optional<Angle> slope() const {
+    if (!state_.is_measured || state_.stops == 0) return std::nullopt;
+    Direction chord{};
+    for (std::size_t i = 0; i < 3; ++i) chord[i] = state_.up[i] - state_.mean_of_stops[i];
+    return rad(square_root(dot(chord, chord)));
+  }
+  [[nodiscard]] static constexpr std::size_t axis() { return kVertical; }
+  [[nodiscard]] static constexpr float sense() { return 1.0F; }
+
+  template <class Use>
+  constexpr void for_each_share(Use use) const {
+    for (std::size_t i = 0; i < 3; ++i) use(i, state_.up[i]);
+  }
+  [[nodiscard]] constexpr SummedRates summed(const Rates& rates) const {
+    return {rates[0], rates[1], rates[2], dot(state_.up, rates)};
+  }
+  [[nodiscard]] constexpr SummedRates summed_sigmas(const Rates& sigmas) const {
+    return {sigmas[0], sigmas[1], sigmas[2],
+            square_root(vertical_variance(
+                {sigmas[0] * sigmas[0], sigmas[1] * sigmas[1], sigmas[2] * sigmas[2]}))};
+  }
+  [[nodiscard]] constexpr SummedRates summed_variances(const Rates& all) const {
+    return {all[0], all[1], all[2], vertical_variance(all)};
+  }
+  /// The turn about the vertical is lost with that of any axis.
+  [[nodiscard]] static constexpr std::uint8_t summed_saturation(std::uint8_t axes) {
+    constexpr std::uint8_t kVerticalBit = 1U << kVertical;
+    return axes == 0 ? axes : static_cast<std::uint8_t>(axes | kVerticalBit);
+  }
+
+  /// The sensor turned for a time.
+  constexpr void turn(const Rates& rate_rad_s, float interval_s) {
+    const Direction n = state_.up;
+    const Rates& w = rate_rad_s;
+    state_.up[0] += (n[1] * w[2] - n[2] * w[1]) * interval_s;
+    state_.up[1] += (n[2] * w[0] - n[0] * w[2]) * interval_s;
+    state_.up[2] += (n[0] * w[1] - n[1] * w[0]) * interval_s;
+  }
+  /// A tick is over.
+  /// @param force_g mean specific force of the tick; nullptr: not measured
+  /// @param vertical_rate_rad_s rate about the vertical in the tick
+  constexpr void close_tick(const Direction* force_g, bool rests, float vertical_rate_rad_s,
+                            Duration tick) {
+    if (!rests) end_stop();
+    if (force_g != nullptr) take(*force_g, rests, vertical_rate_rad_s, tick.in_seconds());
+    state_.up = unit(state_.up);
+  }
+
+ private:
+  static constexpr std::size_t kVertical = 3;
+  static constexpr std::uint8_t kMostStops = 32;       ///< stops of the mean, later ones count more
+  static constexpr std::uint16_t kMostRestTicks = 64;  ///< ticks of a mean at rest, likewise
+  static constexpr float kMostOff_g = 0.1F;            ///< of the force at rest from 1 g
+
+  [[nodiscard]] static constexpr float dot(const Direction& a, const Direction& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  }
+  [[nodiscard]] static constexpr Direction unit(Direction one) {
+    const float length = square_root(dot(one, one));
+    for (float& part : one) part /= length;
+    return one;
+  }
+  [[nodiscard]] static bool is_unit(const Direction& one) {
+    constexpr float kRounding = 1e-3F;
+    const float square = dot(one, one);
+    return square >= 1.0F - kRounding && square <= 1.0F + kRounding;
+  }
+  [[nodiscard]] constexpr float vertical_variance(const Rates& variances) const {
+    // A share of zero of an unknown variance is zero.
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (state_.up[i] != 0.0F) sum += state_.up[i] * state_.up[i] * variances[i];
+    }
+    return sum;
+  }
+  /// Moves the vertical towards a direction, by a share of the way.
+  static constexpr void approach(Direction& from, const Direction& to, float share) {
+    for (std::size_t i = 0; i < 3; ++i) from[i] += share * (to[i] - from[i]);
+  }
+
+  constexpr void take(const Direction& force_g, bool rests, float vertical_rate_rad_s,
+                      float tick_s) {
+    const float length_g = square_root(dot(force_g, force_g));
+    const float off_g = length_g < 1.0F ? 1.0F - length_g : length_g - 1.0F;
+    if (!(off_g <= kMostOff_g)) return;
+    const Direction force = unit(force_g);
+    constexpr float kCosineOf45Deg = 0.70710678F;
+    if (given_ && dot(force, given_->direction()) < kCosineOf45Deg) return;
+    if (!state_.is_measured) {
+      state_.up = force;
+      state_.is_measured = true;
+    } else if (rests) {
+      if (state_.rest_ticks < kMostRestTicks) ++state_.rest_ticks;
+      approach(state_.up, force, 1.0F / static_cast<float>(state_.rest_ticks));
+    } else if (is_straight(vertical_rate_rad_s) && off_g <= kMostOffInMotion_g) {
+      constexpr float kTimeConstant_s = 60.0F;
+      approach(state_.up, force, std::min(tick_s / kTimeConstant_s, 1.0F));
+    }
+  }
+  static constexpr float kMostOffInMotion_g = 0.02F;
+  [[nodiscard]] static constexpr bool is_straight(float vertical_rate_rad_s) {
+    constexpr float kMost_rad_s = 2.0F * kRadPerDeg;
+    return vertical_rate_rad_s < kMost_rad_s && -vertical_rate_rad_s < kMost_rad_s;
+  }
+  constexpr void end_stop() {
+    if (state_.rest_ticks == 0) return;
+    state_.rest_ticks = 0;
+    if (state_.stops < kMostStops) ++state_.stops;
+    if (state_.stops == 1) state_.mean_of_stops = state_.up;
+    approach(state_.mean_of_stops, state_.up, 1.0F / static_cast<float>(state_.stops));
+    state_.mean_of_stops = unit(state_.mean_of_stops);
+  }
+
+  std::optional<UpAxis> given_;
+  State state_{};
+};
+
+}  // namespace zerorate::core
