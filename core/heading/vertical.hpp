@@ -72,7 +72,7 @@ class GivenVertical {
 /// A force that is no gravity at rest (below 0.9 g or above 1.1 g) is not believed, nor is one that
 /// differs from the given axis by more than 45 deg: then the given axis stays.
 ///
-/// Cost of a sample: 25 floating-point operations.
+/// Cost of a sample: 45 floating-point operations.
 class MeasuredVertical {
  public:
   static constexpr std::size_t kSummedAxes = 4;  ///< x, y, z of the sensor, and the vertical
@@ -134,13 +134,11 @@ class MeasuredVertical {
     return axes == 0 ? axes : static_cast<std::uint8_t>(axes | kVerticalBit);
   }
 
-  /// The sensor turned for a time.
+  /// The sensor turned for a time: the second order of the rotation.
   constexpr void turn(const Rates& rate_rad_s, float interval_s) {
-    const Direction n = state_.up;
-    const Rates& w = rate_rad_s;
-    state_.up[0] += (n[1] * w[2] - n[2] * w[1]) * interval_s;
-    state_.up[1] += (n[2] * w[0] - n[0] * w[2]) * interval_s;
-    state_.up[2] += (n[0] * w[1] - n[1] * w[0]) * interval_s;
+    const Direction first = turned(state_.up, rate_rad_s, interval_s);
+    const Direction second = turned(first, rate_rad_s, 0.5F * interval_s);
+    for (std::size_t i = 0; i < 3; ++i) state_.up[i] += first[i] + second[i];
   }
   /// A tick is over.
   /// @param force_g mean specific force of the tick; nullptr: not measured
@@ -157,6 +155,7 @@ class MeasuredVertical {
   static constexpr std::uint8_t kMostStops = 32;       ///< stops of the mean, later ones count more
   static constexpr std::uint16_t kMostRestTicks = 64;  ///< ticks of a mean at rest, likewise
   static constexpr float kMostOff_g = 0.1F;            ///< of the force at rest from 1 g
+  static constexpr float kMostOffInMotion_g = 0.02F;
 
   [[nodiscard]] static constexpr float dot(const Direction& a, const Direction& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -178,6 +177,13 @@ class MeasuredVertical {
       if (state_.up[i] != 0.0F) sum += state_.up[i] * state_.up[i] * variances[i];
     }
     return sum;
+  }
+  /// Change of a direction that stays while the sensor turns: n x omega dt.
+  [[nodiscard]] static constexpr Direction turned(const Direction& n, const Rates& rate_rad_s,
+                                                  float interval_s) {
+    const auto [x, y, z] = rate_rad_s;
+    return {(n[1] * z - n[2] * y) * interval_s, (n[2] * x - n[0] * z) * interval_s,
+            (n[0] * y - n[1] * x) * interval_s};
   }
   /// Moves the vertical towards a direction, by a share of the way.
   static constexpr void approach(Direction& from, const Direction& to, float share) {
@@ -203,7 +209,6 @@ class MeasuredVertical {
       approach(state_.up, force, std::min(tick_s / kTimeConstant_s, 1.0F));
     }
   }
-  static constexpr float kMostOffInMotion_g = 0.02F;
   [[nodiscard]] static constexpr bool is_straight(float vertical_rate_rad_s) {
     constexpr float kMost_rad_s = 2.0F * kRadPerDeg;
     return vertical_rate_rad_s < kMost_rad_s && -vertical_rate_rad_s < kMost_rad_s;
