@@ -10,11 +10,19 @@
 
 namespace zerorate::core {
 
+/// Unit vector along the axes x, y, z of a sensor.
+using Direction = std::array<float, 3>;
+
 /// Axis of a sensor that points up, or down.
 struct UpAxis {
   std::uint8_t axis = 2;  ///< 0, 1, 2: x, y, z
   bool points_down = false;
 
+  [[nodiscard]] constexpr Direction direction() const {
+    Direction up{};
+    up[axis] = points_down ? -1.0F : 1.0F;
+    return up;
+  }
   constexpr bool operator==(const UpAxis&) const = default;
 };
 

@@ -142,7 +142,7 @@ class TurnTrack {
   }
   /// @param silence time since the newest sample
   constexpr void describe(core::Duration silence, RateMessage& message) const {
-    message.up = params_.up;
+    if (params_.up) message.up = params_.up->direction();
     message.turn_time = sum_.duration();
     for (std::size_t i = 0; i < kAxes; ++i) {
       message.turn[i] = {.angle = sum_.angle(i),
