@@ -85,6 +85,17 @@ struct Heading {
   constexpr bool operator==(const Heading&) const = default;
 };
 
+/// Shares of the bias of an axis that follow its inputs: each coefficient, as it was learnt, times
+/// its input now. They are zero at the reference temperature, without any force, and without
+/// vibration.
+struct ExplainedBias {
+  core::AngularRate temperature;   ///< with its square and its rate of change
+  core::AngularRate acceleration;  ///< forces along the three axes together
+  core::AngularRate vibration;
+
+  constexpr bool operator==(const ExplainedBias&) const = default;
+};
+
 struct RateMessage {
   static constexpr std::uint8_t kNoCalm = core::CalmShare::kNoPercent;
 
@@ -105,6 +116,12 @@ struct RateMessage {
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an
   /// odometer.
   std::optional<std::uint32_t> odometer_pulses;
+  /// Specific force along x, y, z of the chip, where the sample had it.
+  std::optional<std::array<core::Acceleration, 3>> acceleration;
+  /// Root mean square of its changes within the newest tick, over the three axes together.
+  std::optional<core::Acceleration> vibration;
+  /// Shares of the bias of x, y, z that follow the inputs, where the model has inputs.
+  std::optional<std::array<ExplainedBias, 3>> explained;
 
   [[nodiscard]] constexpr bool has_rate() const {
     return !health.sample_refused && !health.time_refused && !health.sensor_fault;

@@ -10,6 +10,7 @@
 #include "core/base/numeric.hpp"
 #include "core/base/units.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "firmware/wire/little_endian.hpp"
 #include "firmware/wire/rate_frame.hpp"
@@ -35,12 +36,20 @@ inline constexpr std::uint16_t kCanTurnOffset = 5;
 inline constexpr std::size_t kCanTurnFrames = 3;
 /// Identifier of the vertical's frame, from that of the status frame.
 inline constexpr std::uint16_t kCanVerticalOffset = 8;
+/// Identifiers of the frames of the direction that points up and of the acceleration, and of the
+/// explained bias of axis x, from that of the status frame; y and z follow.
+inline constexpr std::uint16_t kCanUpOffset = 9;
+inline constexpr std::uint16_t kCanAccelerationOffset = 10;
+inline constexpr std::uint16_t kCanExplainedOffset = 11;
+inline constexpr std::size_t kCanExplainedFrames = 3;
 /// Greatest identifier of the status frame: the last frame must still have 11 bits.
-inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanVerticalOffset;
-/// Messages from one frame of the inputs to the next: they change slowly, and the bus is shared.
+inline constexpr std::uint16_t kGreatestCanId =
+    0x7FF - (kCanExplainedOffset + kCanExplainedFrames - 1);
+/// Messages from one frame of the inputs and of the explained bias to the next: they change slowly,
+/// and the bus is shared.
 inline constexpr std::uint32_t kCanInputsEvery = 16;
-/// Messages from the frames of the turn and of the vertical to the next: an angle is a sum, and
-/// misses nothing.
+/// Messages from the frames of the turn, the vertical, the direction up and the acceleration to the
+/// next: an angle is a sum, and misses nothing.
 inline constexpr std::uint32_t kCanTurnEvery = 4;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
@@ -48,12 +57,16 @@ inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
 inline constexpr float kCanTurnLsbDeg = 1e-4F;
 inline constexpr float kCanTurnSigmaLsbDeg = 1e-3F;
 inline constexpr float kCanHeadingLsbDeg = 0.01F;
+inline constexpr float kCanUpLsb = 1e-4F;
+inline constexpr float kCanAccelerationLsbMPerS2 = 0.01F;
+inline constexpr float kCanVibrationLsbMPerS2 = 1e-3F;
+inline constexpr float kCanExplainedLsbDegPerS = 1e-4F;
 /// Content of a signal for which there is no value, or none that fits.
 inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
 inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
 inline constexpr float kCanTemperatureLsbDegC = 0.01F;
-inline constexpr std::uint16_t kCanTemperatureNotAvailable = 0x8000U;
-inline constexpr std::uint16_t kCanHeadingNotAvailable = 0x8000U;
+/// Content of a signal of 16 bits with a sign for which there is no value.
+inline constexpr std::uint16_t kCanShortNotAvailable = 0x8000U;
 
 namespace detail {
 /// Signal of 16 or 32 bits: the nearest count of its LSB, ties away from zero.
@@ -71,21 +84,22 @@ template <class Content>
 [[nodiscard]] constexpr std::uint16_t encode_can_sigma(float count) {
   return encode_count(count, 65534.0F, kCanSigmaNotAvailable);
 }
+[[nodiscard]] constexpr std::uint16_t encode_can_short(float count) {
+  return encode_count(count, 32767.0F, kCanShortNotAvailable);
+}
 [[nodiscard]] constexpr std::uint32_t encode_can_rate(core::AngularRate rate) {
   return encode_can_value(rate.in(core::deg_per_s) / kCanRateLsbDegPerS);
 }
 [[nodiscard]] constexpr std::uint16_t encode_can_temperature(
     const std::optional<core::Temperature>& temperature) {
-  if (!temperature) return kCanTemperatureNotAvailable;
-  return encode_count(temperature->degc() / kCanTemperatureLsbDegC, 32767.0F,
-                      kCanTemperatureNotAvailable);
+  if (!temperature) return kCanShortNotAvailable;
+  return encode_can_short(temperature->degc() / kCanTemperatureLsbDegC);
 }
 /// Heading from -180 to 180 deg; not available where its deviation is infinite.
 [[nodiscard]] constexpr std::uint16_t encode_can_heading(const app::Heading& heading) {
   const bool is_known = core::is_finite(heading.sigma.in(core::deg));
-  if (!is_known) return kCanHeadingNotAvailable;
-  return encode_count(heading.angle.in(core::deg) / kCanHeadingLsbDeg, 32767.0F,
-                      kCanHeadingNotAvailable);
+  if (!is_known) return kCanShortNotAvailable;
+  return encode_can_short(heading.angle.in(core::deg) / kCanHeadingLsbDeg);
 }
 }  // namespace detail
 
@@ -166,6 +180,55 @@ template <class Content>
   out.put(detail::encode_can_heading(message.heading));
   out.put(detail::encode_can_sigma(message.heading.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
   return frame;
+}
+
+/// Frame of the direction that points up, of a message with `up`. Send it with every
+/// kCanTurnEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr CanFrame encode_can_up(const app::RateMessage& message, std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanUpOffset)};
+  LittleEndianWriter out{frame.data};
+  for (const float share : *message.up) out.put(detail::encode_can_short(share / kCanUpLsb));
+  return frame;
+}
+
+/// Frame of acceleration and vibration, of a message with either. Send it with every
+/// kCanTurnEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr CanFrame encode_can_acceleration(const app::RateMessage& message,
+                                                         std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanAccelerationOffset)};
+  LittleEndianWriter out{frame.data};
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.put(message.acceleration
+                ? detail::encode_can_short((*message.acceleration)[i].in(core::m_per_s2) /
+                                           kCanAccelerationLsbMPerS2)
+                : kCanShortNotAvailable);
+  }
+  out.put(message.vibration ? detail::encode_can_sigma(message.vibration->in(core::m_per_s2) /
+                                                       kCanVibrationLsbMPerS2)
+                            : kCanSigmaNotAvailable);
+  return frame;
+}
+
+/// Frames of what the inputs explain of the bias of x, y and z, of a message with `explained`. Send
+/// them with every kCanInputsEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr std::array<CanFrame, kCanExplainedFrames> encode_can_explained(
+    const app::RateMessage& message, std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  std::array<CanFrame, kCanExplainedFrames> frames{};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].id = static_cast<std::uint16_t>(id + kCanExplainedOffset + i);
+    LittleEndianWriter out{frames[i].data};
+    for (const ExplainedShare& share : kExplainedShares) {
+      const float dps = ((*message.explained)[i].*share.rate).in(core::deg_per_s);
+      out.put(detail::encode_can_short(dps / kCanExplainedLsbDegPerS));
+    }
+  }
+  return frames;
 }
 
 }  // namespace zerorate::wire

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -53,13 +52,10 @@ inline constexpr std::array<LearntQuantity, 3> kLearntQuantities{{
 namespace detail {
 inline constexpr std::uint16_t kLearntMagic = 0x4C5A;  // "ZL"
 
-constexpr void put_float(LittleEndianWriter& out, float number) {
-  out.put(std::bit_cast<std::uint32_t>(number));
-}
 /// Takes a number of the frame.
 /// @return false where it is none that a model can have
 [[nodiscard]] constexpr bool take_figure(LittleEndianReader& in, float& figure) {
-  figure = std::bit_cast<float>(in.take<std::uint32_t>());
+  figure = in.take_float();
   return core::is_finite(figure) && figure >= 0.0F;
 }
 [[nodiscard]] constexpr bool take_learnt(LittleEndianReader& in, LearntModel& learnt) {
@@ -83,12 +79,12 @@ constexpr void put_float(LittleEndianWriter& out, float number) {
   out.put(detail::kLearntMagic);
   out.put(detail::kVersion);
   out.put(std::uint8_t{0});
-  detail::put_float(out, learnt.stops());
+  out.put(learnt.stops());
   for (const app::LearntNoise& axis : learnt.axes) {
     for (const LearntQuantity& quantity : kLearntQuantities) {
       const app::LearntFigure& figure = axis.*quantity.figure;
-      detail::put_float(out, figure.value);
-      detail::put_float(out, figure.sigma);
+      out.put(figure.value);
+      out.put(figure.sigma);
     }
   }
   out.put(core::crc32(std::span{frame}.first<kLearntFrameBytes - detail::kChecksumBytes>()));

@@ -2,6 +2,7 @@
 /// Numbers as bytes, lowest first, on every processor.
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,8 @@ class LittleEndianWriter {
     }
     rest_ = rest_.subspan(sizeof(Number));
   }
+  /// IEEE 754 single precision.
+  constexpr void put(float number) { put(std::bit_cast<std::uint32_t>(number)); }
 
  private:
   std::span<std::uint8_t> rest_;
@@ -44,6 +47,7 @@ class LittleEndianReader {
     rest_ = rest_.subspan(sizeof(Number));
     return number;
   }
+  [[nodiscard]] constexpr float take_float() { return std::bit_cast<float>(take<std::uint32_t>()); }
 
  private:
   std::span<const std::uint8_t> rest_;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,22 +11,38 @@
 #include "core/base/crc32.hpp"
 #include "core/base/result.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "firmware/wire/little_endian.hpp"
 
 namespace zerorate::wire {
 
-inline constexpr std::size_t kRateFrameBytes = 120;
-inline constexpr std::size_t kRateFrameBytesOfVersion3 = 112;
-inline constexpr std::size_t kRateFrameBytesOfVersion2 = 80;
-inline constexpr std::size_t kRateFrameBytesOfVersion1 = 72;
-using RateFrame = std::array<std::uint8_t, kRateFrameBytes>;
+inline constexpr std::size_t kLeastRateFrameBytes = 120;  ///< without vertical and accelerometer
+inline constexpr std::size_t kMostRateFrameBytes = 184;
+
+/// Bytes of a frame, as many as its message needs.
+class RateFrame {
+ public:
+  /// @param size at most kMostRateFrameBytes
+  constexpr explicit RateFrame(std::size_t size) : size_(size) {
+    ZERORATE_ASSERT(size <= bytes_.size());
+  }
+  [[nodiscard]] constexpr std::span<const std::uint8_t> bytes() const {
+    return std::span{bytes_}.first(size_);
+  }
+  [[nodiscard]] constexpr std::span<std::uint8_t> bytes() { return std::span{bytes_}.first(size_); }
+  constexpr bool operator==(const RateFrame&) const = default;
+
+ private:
+  std::array<std::uint8_t, kMostRateFrameBytes> bytes_{};
+  std::size_t size_;
+};
 
 /// Reasons why bytes are not a rate frame.
 enum class FrameError : std::uint8_t {
   wrong_size,
   not_a_frame,       ///< it does not begin with "ZR"
-  unknown_version,   ///< frame of a later program
+  unknown_version,   ///< frame of a later program, or of none
   wrong_checksum,    ///< damaged on the way
   impossible_value,  ///< checksum right, motion unknown: made by something else
 };
@@ -43,49 +58,62 @@ struct NumberedMessage {
 namespace detail {
 inline constexpr std::uint16_t kMagic = 0x525A;  // "ZR"
 inline constexpr std::uint8_t kVersion = 1;      // version of the other frames
-inline constexpr std::uint8_t kRateVersion = 4;
+inline constexpr std::uint8_t kRateVersion = 5;
 inline constexpr std::size_t kChecksumBytes = 4;
-/// Bits of byte 3: values that the message has, and its vertical axis.
+/// Bits of byte 3: values that the message has.
 inline constexpr unsigned kHasTemperature = 1U << 0U;
 inline constexpr unsigned kHasPulses = 1U << 1U;
 inline constexpr unsigned kHasUp = 1U << 2U;
-inline constexpr unsigned kUpShift = 3;
+inline constexpr unsigned kHasAcceleration = 1U << 3U;
+inline constexpr unsigned kHasVibration = 1U << 4U;
+inline constexpr unsigned kHasExplained = 1U << 5U;
+/// Bits of version 4: the vertical axis.
+inline constexpr unsigned kUpAxisShift = 3;
 inline constexpr unsigned kPointsDown = 1U << 5U;
 
 constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
-  out.put(std::bit_cast<std::uint32_t>(rate.in(core::rad_per_s)));
+  out.put(rate.in(core::rad_per_s));
 }
 [[nodiscard]] constexpr core::AngularRate take_rate(LittleEndianReader& in) {
-  return core::rad_per_s(std::bit_cast<float>(in.take<std::uint32_t>()));
+  return core::rad_per_s(in.take_float());
 }
-[[nodiscard]] constexpr unsigned up_of(const std::optional<core::UpAxis>& up) {
-  if (!up) return 0;
-  return kHasUp | unsigned{up->axis} << kUpShift | (up->points_down ? kPointsDown : 0U);
-}
+/// Vertical axis of version 4.
 /// @return false where it is an axis that no sensor has
-[[nodiscard]] constexpr bool take_up(unsigned contents, std::optional<core::UpAxis>& up) {
+[[nodiscard]] constexpr bool take_up_axis(unsigned contents, std::optional<core::Direction>& up) {
   if ((contents & kHasUp) == 0) return true;
-  const auto axis = static_cast<std::uint8_t>(contents >> kUpShift & 3U);
-  up = core::UpAxis{.axis = axis, .points_down = (contents & kPointsDown) != 0};
-  return axis < 3;
+  const auto axis = static_cast<std::uint8_t>(contents >> kUpAxisShift & 3U);
+  if (axis > 2) return false;
+  up = core::UpAxis{.axis = axis, .points_down = (contents & kPointsDown) != 0}.direction();
+  return true;
 }
-[[nodiscard]] constexpr std::uint8_t contents_of(const app::RateMessage& message) {
-  return static_cast<std::uint8_t>((message.temperature ? kHasTemperature : 0U) |
-                                   (message.odometer_pulses ? kHasPulses : 0U) | up_of(message.up));
+[[nodiscard]] constexpr unsigned contents_of(const app::RateMessage& message) {
+  return (message.temperature ? kHasTemperature : 0U) |
+         (message.odometer_pulses ? kHasPulses : 0U) | (message.up ? kHasUp : 0U) |
+         (message.acceleration ? kHasAcceleration : 0U) | (message.vibration ? kHasVibration : 0U) |
+         (message.explained ? kHasExplained : 0U);
 }
+/// Bytes of a frame; 0: of an unknown version.
+[[nodiscard]] constexpr std::size_t bytes_of(std::uint8_t version, unsigned contents) {
+  constexpr std::array<std::uint8_t, 4> kOlder{72, 80, 112, 120};
+  if (version == 0 || version > kRateVersion) return 0;
+  if (version <= kOlder.size()) return kOlder[version - 1U];
+  const auto has = [&](unsigned what) { return (contents & what) != 0; };
+  return kLeastRateFrameBytes + (has(kHasUp) ? 12U : 0U) + (has(kHasAcceleration) ? 12U : 0U) +
+         (has(kHasVibration) ? 4U : 0U) + (has(kHasExplained) ? 36U : 0U);
+}
+static_assert(bytes_of(kRateVersion, 0xFF) == kMostRateFrameBytes);
 constexpr void put_angle(LittleEndianWriter& out, core::Angle angle) {
-  out.put(std::bit_cast<std::uint32_t>(angle.in(core::rad)));
+  out.put(angle.in(core::rad));
 }
 [[nodiscard]] constexpr core::Angle take_angle(LittleEndianReader& in) {
-  return core::rad(std::bit_cast<float>(in.take<std::uint32_t>()));
+  return core::rad(in.take_float());
 }
 constexpr void put_inputs(LittleEndianWriter& out, const app::RateMessage& message) {
-  const float degc = message.temperature ? message.temperature->degc() : 0.0F;
-  out.put(std::bit_cast<std::uint32_t>(degc));
+  out.put(message.temperature ? message.temperature->degc() : 0.0F);
   out.put(message.odometer_pulses.value_or(0));
 }
 constexpr void take_inputs(LittleEndianReader& in, unsigned contents, app::RateMessage& message) {
-  const float degc = std::bit_cast<float>(in.take<std::uint32_t>());
+  const float degc = in.take_float();
   const auto pulses = in.take<std::uint32_t>();
   if ((contents & kHasTemperature) != 0) {
     message.temperature = core::Temperature::from_degc(degc);
@@ -107,23 +135,46 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   message.turn_time =
       core::Duration::nanoseconds(static_cast<std::int64_t>(in.take<std::uint64_t>()));
 }
-/// Version of a frame of this length; 0: of none.
-[[nodiscard]] constexpr std::uint8_t version_of_length(std::size_t bytes) {
-  if (bytes == kRateFrameBytes) return kRateVersion;
-  if (bytes == kRateFrameBytesOfVersion3) return 3;
-  if (bytes == kRateFrameBytesOfVersion2) return 2;
-  return bytes == kRateFrameBytesOfVersion1 ? 1 : 0;
+/// The blocks at the end, each where the message has its values.
+constexpr void put_blocks(LittleEndianWriter& out, const app::RateMessage& message) {
+  if (message.up) {
+    for (const float share : *message.up) out.put(share);
+  }
+  if (message.acceleration) {
+    for (const auto force : *message.acceleration) out.put(force.in(core::m_per_s2));
+  }
+  if (message.vibration) out.put(message.vibration->in(core::m_per_s2));
+  if (message.explained) {
+    for (const app::ExplainedBias& axis : *message.explained) {
+      for (const ExplainedShare& share : kExplainedShares) put_rate(out, axis.*share.rate);
+    }
+  }
+}
+constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateMessage& message) {
+  if ((contents & kHasUp) != 0) {
+    for (float& share : message.up.emplace()) share = in.take_float();
+  }
+  if ((contents & kHasAcceleration) != 0) {
+    for (auto& force : message.acceleration.emplace()) force = core::m_per_s2(in.take_float());
+  }
+  if ((contents & kHasVibration) != 0) message.vibration = core::m_per_s2(in.take_float());
+  if ((contents & kHasExplained) != 0) {
+    for (app::ExplainedBias& axis : message.explained.emplace()) {
+      for (const ExplainedShare& share : kExplainedShares) axis.*share.rate = take_rate(in);
+    }
+  }
 }
 }  // namespace detail
 
-/// Cost: 120 bytes of stack and their checksum; no heap.
+/// Cost: 184 bytes of stack and the checksum of the bytes in use; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
                                                     const app::RateMessage& message) {
-  RateFrame frame{};
-  LittleEndianWriter out{frame};
+  const unsigned contents = detail::contents_of(message);
+  RateFrame frame{detail::bytes_of(detail::kRateVersion, contents)};
+  LittleEndianWriter out{frame.bytes()};
   out.put(detail::kMagic);
   out.put(detail::kRateVersion);
-  out.put(detail::contents_of(message));
+  out.put(static_cast<std::uint8_t>(contents));
   out.put(sequence);
   out.put(static_cast<std::uint64_t>(message.time.ns()));
   out.put(static_cast<std::uint8_t>(message.motion));
@@ -138,7 +189,8 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   detail::put_turn(out, message);
   detail::put_angle(out, message.heading.angle);
   detail::put_angle(out, message.heading.sigma);
-  out.put(core::crc32(std::span{frame}.first<kRateFrameBytes - detail::kChecksumBytes>()));
+  detail::put_blocks(out, message);
+  out.put(core::crc32(frame.bytes().first(frame.bytes().size() - detail::kChecksumBytes)));
   return frame;
 }
 [[nodiscard]] constexpr RateFrame encode_rate_frame(const NumberedMessage& numbered) {
@@ -146,16 +198,19 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
 }
 
 /// The inverse, for bytes of any origin. A frame of version 1 has neither temperature nor pulses,
-/// one of version 2 no turn, one of version 3 no heading.
+/// one of version 2 no turn, one of version 3 no heading. One of version 4 has the vertical as an
+/// axis, and nothing of an accelerometer.
 [[nodiscard]] constexpr core::Result<NumberedMessage, FrameError> decode_rate_frame(
     std::span<const std::uint8_t> bytes) {
   using core::Unexpected;
-  const std::uint8_t version = detail::version_of_length(bytes.size());
-  if (version == 0) return Unexpected{FrameError::wrong_size};
+  if (bytes.size() < detail::bytes_of(1, 0)) return Unexpected{FrameError::wrong_size};
   LittleEndianReader in{bytes};
   if (in.take<std::uint16_t>() != detail::kMagic) return Unexpected{FrameError::not_a_frame};
-  if (in.take<std::uint8_t>() != version) return Unexpected{FrameError::unknown_version};
+  const auto version = in.take<std::uint8_t>();
   const unsigned contents = in.take<std::uint8_t>();
+  const std::size_t size = detail::bytes_of(version, contents);
+  if (size == 0) return Unexpected{FrameError::unknown_version};
+  if (size != bytes.size()) return Unexpected{FrameError::wrong_size};
   const std::size_t checked = bytes.size() - detail::kChecksumBytes;
   LittleEndianReader checksum{bytes.subspan(checked)};
   if (checksum.take<std::uint32_t>() != core::crc32(bytes.first(checked))) {
@@ -181,8 +236,11 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
   if (version > 3) {
     message.heading.angle = detail::take_angle(in);
     message.heading.sigma = detail::take_angle(in);
-    if (!detail::take_up(contents, message.up)) return Unexpected{FrameError::impossible_value};
   }
+  if (version == 4 && !detail::take_up_axis(contents, message.up)) {
+    return Unexpected{FrameError::impossible_value};
+  }
+  if (version > 4) detail::take_blocks(in, contents, message);
   return numbered;
 }
 

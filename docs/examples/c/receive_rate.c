@@ -20,8 +20,15 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { FRAME_BYTES = 120, CHECKED_BYTES = 116, VERSION = 4 };
-enum { HAS_TEMPERATURE = 0x01, HAS_PULSES = 0x02 };
+enum { BLOCKS_AT = 116, VERSION = 5 }; /* the blocks that byte 3 names begin there */
+enum {
+  HAS_TEMPERATURE = 0x01,
+  HAS_PULSES = 0x02,
+  HAS_UP = 0x04,
+  HAS_ACCELERATION = 0x08,
+  HAS_VIBRATION = 0x10,
+  HAS_EXPLAINED = 0x20
+};
 /* Health: a fault is reported in messages without a rate, which must not be taken for standstill.
  */
 enum { CALIBRATED = 0x001, NO_RATE = 0x002 | 0x004 | 0x040 };
@@ -31,10 +38,14 @@ struct rate_message {
   int64_t time_ns;
   unsigned motion; /* 0 moving, 1 settling, 2 still */
   unsigned health;
-  unsigned contents; /* HAS_TEMPERATURE, HAS_PULSES */
+  unsigned contents; /* HAS_TEMPERATURE and the others, what of this the frame had */
   float corrected_rad_s[3];
   float temperature_c;
   uint32_t odometer_pulses;
+  float up[3]; /* unit vector in the axes of the sensor */
+  float acceleration_m_s2[3];
+  float vibration_m_s2;        /* root mean square */
+  float explained_rad_s[3][3]; /* of each axis: by temperature, acceleration, vibration */
 };
 
 static uint32_t crc32_of(const uint8_t* bytes, size_t size) {
@@ -59,12 +70,28 @@ static float float_at(const uint8_t* bytes) {
   return value;
 }
 
+/* Takes the values of a block, if the frame has it; the end of the block, or of the one before. */
+static size_t take_block(const uint8_t* bytes, size_t at, unsigned is_there, float* values,
+                         size_t count) {
+  if (!is_there) return at;
+  for (size_t i = 0; i < count; ++i) values[i] = float_at(bytes + at + 4 * i);
+  return at + 4 * count;
+}
+
+/* Bytes before the checksum. */
+static size_t checked_bytes(unsigned contents) {
+  return BLOCKS_AT + (contents & HAS_UP ? 12U : 0U) + (contents & HAS_ACCELERATION ? 12U : 0U) +
+         (contents & HAS_VIBRATION ? 4U : 0U) + (contents & HAS_EXPLAINED ? 36U : 0U);
+}
+
 /* False for anything that is not a whole rate frame, such as the learnt frame once a second. */
 static bool decode(const uint8_t* bytes, size_t size, struct rate_message* message) {
-  if (size != FRAME_BYTES || bytes[0] != 'Z' || bytes[1] != 'R' || bytes[2] != VERSION)
-    return false;
-  if (little_endian(bytes + CHECKED_BYTES, 4) != crc32_of(bytes, CHECKED_BYTES)) return false;
-  message->contents = bytes[3];
+  if (size < BLOCKS_AT || bytes[0] != 'Z' || bytes[1] != 'R' || bytes[2] != VERSION) return false;
+  const unsigned contents = bytes[3];
+  const size_t checked = checked_bytes(contents);
+  if (size != checked + 4) return false;
+  if (little_endian(bytes + checked, 4) != crc32_of(bytes, checked)) return false;
+  message->contents = contents;
   message->sequence = (uint32_t)little_endian(bytes + 4, 4);
   message->time_ns = (int64_t)little_endian(bytes + 8, 8);
   message->motion = bytes[16];
@@ -73,6 +100,10 @@ static bool decode(const uint8_t* bytes, size_t size, struct rate_message* messa
     message->corrected_rad_s[axis] = float_at(bytes + 24 + 16 * axis);
   message->temperature_c = float_at(bytes + 68);
   message->odometer_pulses = (uint32_t)little_endian(bytes + 72, 4);
+  size_t at = take_block(bytes, BLOCKS_AT, contents & HAS_UP, message->up, 3);
+  at = take_block(bytes, at, contents & HAS_ACCELERATION, message->acceleration_m_s2, 3);
+  at = take_block(bytes, at, contents & HAS_VIBRATION, &message->vibration_m_s2, 1);
+  take_block(bytes, at, contents & HAS_EXPLAINED, message->explained_rad_s[0], 9);
   return message->motion <= 2;
 }
 

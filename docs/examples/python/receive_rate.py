@@ -18,6 +18,9 @@ MOTION = ("moving", "settling", "still")
 HEALTH = ("calibrated", "sample_refused", "time_refused", "saturated", "model_inconsistent", "odometer_fault",
           "sensor_fault", "measurement_rejected", "temperature_missing", "odometer_disagreement", "odometer_dead_band", "sample_rate_off",
           "reference_disagreement", "acceleration_missing")
+# Bits of byte 3, and blocks at the end of the frame with their numbers of values.
+HAS_TEMPERATURE, HAS_PULSES, HAS_UP, HAS_ACCELERATION, HAS_VIBRATION, HAS_EXPLAINED = (1 << bit for bit in range(6))
+BLOCKS = {HAS_UP: 3, HAS_ACCELERATION: 3, HAS_VIBRATION: 1, HAS_EXPLAINED: 9}
 CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
 
 
@@ -25,10 +28,21 @@ def decode(datagram):
     """The message as a dictionary, rates in deg/s; None for anything that is not a whole rate frame."""
     if datagram[:2] != b"ZR":
         return None  # such as the learnt frame, once a second
-    if datagram[2] != 4:
-        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 4")
-    if len(datagram) != 120 or struct.unpack_from("<I", datagram, 116)[0] != zlib.crc32(datagram[:116]):
+    if datagram[2] != 5:
+        raise ValueError(f"rate frame of version {datagram[2]}; this program reads version 5")
+    contents = datagram[3]
+    at, size = {}, 116
+    for bit, values in BLOCKS.items():
+        at[bit] = size
+        size += 4 * values if contents & bit else 0
+    if len(datagram) != size + 4 or struct.unpack_from("<I", datagram, size)[0] != zlib.crc32(datagram[:size]):
         return None
+
+    def block(bit):
+        """Values of a block; None where the frame lacks it."""
+        return list(struct.unpack_from(f"<{BLOCKS[bit]}f", datagram, at[bit])) if contents & bit else None
+
+    vibration, explained = block(HAS_VIBRATION), block(HAS_EXPLAINED)
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
     temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
     turns = [struct.unpack_from("<2f", datagram, 76 + 8 * axis) for axis in range(3)]
@@ -52,8 +66,16 @@ def decode(datagram):
         # Counter-clockwise from the references of the node; infinite deviation before the first one.
         "heading_deg": math.degrees(heading[0]),
         "heading_sigma_deg": math.degrees(heading[1]),
-        "temperature_c": temperature_c if datagram[3] & 0x01 else None,
-        "odometer_pulses": pulses if datagram[3] & 0x02 else None,
+        "temperature_c": temperature_c if contents & HAS_TEMPERATURE else None,
+        "odometer_pulses": pulses if contents & HAS_PULSES else None,
+        # Unit vector that points up, in the axes of the sensor; None where it is not known.
+        "up": block(HAS_UP),
+        # Specific force, and the root mean square of its changes within a tenth of a second.
+        "acceleration_mps2": block(HAS_ACCELERATION),
+        "vibration_mps2": vibration[0] if vibration else None,
+        # Of each axis what temperature, acceleration and vibration explain of its bias.
+        "explained_dps": [[math.degrees(share) for share in explained[3 * axis:3 * axis + 3]] for axis in range(3)]
+                         if explained else None,
     }
 
 

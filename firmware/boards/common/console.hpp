@@ -35,19 +35,21 @@ class Console {
       wire::TextLine text;
       send(wire::write_rate(message, text));
     } else {
-      send_frame(wire::encode_rate_frame(sequence, message));
+      const wire::RateFrame frame = wire::encode_rate_frame(sequence, message);
+      send_frame<wire::kMostRateFrameBytes>(frame.bytes());
     }
   }
 
   /// Not inlined: the main loop does not keep room for its frame while the node computes.
   [[gnu::noinline]] void report(const app::LoopCounters& counters) {
-    if (!is_text_) send_frame(wire::encode_status_frame({counters, dropped_}));
+    if (is_text_) return;
+    send_frame<wire::kStatusFrameBytes>(wire::encode_status_frame({counters, dropped_}));
   }
 
  private:
-  template <std::size_t Size>
-  void send_frame(const std::array<std::uint8_t, Size>& frame) {
-    std::array<std::uint8_t, wire::cobs_bytes(Size)> stuffed{};
+  template <std::size_t Most>
+  void send_frame(std::span<const std::uint8_t> frame) {
+    std::array<std::uint8_t, wire::cobs_bytes(Most)> stuffed{};
     send(std::span{stuffed}.first(wire::encode_cobs(frame, stuffed)));
   }
   void send(std::span<const std::uint8_t> bytes) {

@@ -207,7 +207,8 @@ std::uint32_t node_frames() {
     for (auto& rate : sample.rate) {
       rate = core::rad_per_s(0.01F + integers.share() * (drives ? 0.3F : 1e-3F));
     }
-    for (const std::uint8_t byte : wire::encode_rate_frame({i, node.step(sample)})) {
+    const wire::RateFrame frame = wire::encode_rate_frame({i, node.step(sample)});
+    for (const std::uint8_t byte : frame.bytes()) {
       digest.add(std::uint32_t{byte});
     }
   }

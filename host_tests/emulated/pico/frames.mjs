@@ -21,7 +21,7 @@ function parse(frame) {
   const end = frame.length - 4;
   if (crc32(frame.subarray(0, end)) !== frame.readUInt32LE(end)) return { kind: 'damaged' };
   const magic = frame.toString('latin1', 0, 2);
-  if (magic === 'ZR' && frame.length === 120 && frame[2] === 4) {
+  if (magic === 'ZR' && frame.length === 120 && frame[2] === 5) {
     const axis = (at) => ({
       measured: frame.readFloatLE(at), corrected: frame.readFloatLE(at + 4),
       bias: frame.readFloatLE(at + 8), sigma: frame.readFloatLE(at + 12),

@@ -30,8 +30,9 @@ namespace {
 struct FrameWriter {
   void publish(const app::RateMessage& message) {
     const auto frame = wire::encode_rate_frame({.sequence = sequence++, .message = message});
-    std::array<std::uint8_t, wire::cobs_bytes(frame.size())> stuffed{};
-    for (const std::uint8_t byte : std::span{stuffed}.first(wire::encode_cobs(frame, stuffed))) {
+    std::array<std::uint8_t, wire::cobs_bytes(wire::kMostRateFrameBytes)> stuffed{};
+    const std::size_t size = wire::encode_cobs(frame.bytes(), stuffed);
+    for (const std::uint8_t byte : std::span{stuffed}.first(size)) {
       std::cout.put(static_cast<char>(byte));
     }
   }

@@ -23,7 +23,7 @@ CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t 
     fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps,{0}_turn_deg,{0}_turn_sigma_deg",
                    axis);
   }
-  fmt::format_to(out, ",turn_s,heading_deg,heading_sigma_deg,motion\n");
+  fmt::format_to(out, ",turn_s,heading_deg,heading_sigma_deg,up_x,up_y,up_z,motion\n");
 }
 
 void CorrectedWriter::write(const ReplayedSample& sample) {
@@ -51,6 +51,8 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
   const bool has_heading = core::is_finite(heading_sigma_deg);
   cell(has_heading, sample.message.heading.angle.in(core::deg));
   cell(has_heading, heading_sigma_deg);
+  const auto& up = sample.message.up;
+  for (const float share : up.value_or(core::Direction{})) cell(up.has_value(), share);
   fmt::format_to(out, ",{}\n", core::name(sample.message.motion));
   if (text_.size() >= kFlushAt) flush();
 }

@@ -14,6 +14,7 @@
 
 #include "core/base/numeric.hpp"
 #include "firmware/wire/cobs.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/named_socket.hpp"
@@ -130,7 +131,7 @@ class SerialSource final : public StreamSource {
     is_in_step_ = true;
   }
 
-  wire::CobsReader<128> reader_;
+  wire::CobsReader<2 * wire::kMostRateFrameBytes> reader_;
   bool is_in_step_ = false;
 };
 
@@ -267,15 +268,43 @@ void read_turn(const json& line, app::RateMessage& message) {
       core::Duration::nanoseconds(std::llround(line.at("turn_s").get<double>() * 1e9));
 }
 
-/// Vertical axis and heading; unknown in lines of older nodes.
-void read_vertical(const json& line, app::RateMessage& message) {
-  if (const json up = line.value("up", json{}); !up.is_null()) {
-    const auto name = up.get<std::string>();
-    const std::size_t axis = std::string_view{"xyz"}.find(name.empty() ? ' ' : name.back());
-    if (name.size() > 2 || axis > 2) throw json::other_error::create(503, "unknown axis", &up);
-    message.up =
-        core::UpAxis{.axis = static_cast<std::uint8_t>(axis), .points_down = name.front() == '-'};
+/// Numbers along x, y and z.
+std::array<float, 3> read_list(const json& numbers) {
+  return {numbers.at(0).get<float>(), numbers.at(1).get<float>(), numbers.at(2).get<float>()};
+}
+
+/// A direction; older nodes named an axis, such as "-z".
+core::Direction read_up(const json& up) {
+  if (!up.is_string()) return read_list(up);
+  const auto name = up.get<std::string>();
+  const std::size_t axis = std::string_view{"xyz"}.find(name.empty() ? ' ' : name.back());
+  if (name.size() > 2 || axis > 2) throw json::other_error::create(503, "unknown axis", &up);
+  return core::UpAxis{.axis = static_cast<std::uint8_t>(axis), .points_down = name.front() == '-'}
+      .direction();
+}
+
+/// Acceleration, vibration and what the inputs explain; unknown in lines of older nodes.
+void read_accelerometer(const json& line, app::RateMessage& message) {
+  if (const json forces = line.value("acceleration_mps2", json{}); !forces.is_null()) {
+    const auto [x, y, z] = read_list(forces);
+    message.acceleration = {core::m_per_s2(x), core::m_per_s2(y), core::m_per_s2(z)};
   }
+  if (const json rms = line.value("vibration_mps2", json{}); !rms.is_null()) {
+    message.vibration = core::m_per_s2(rms.get<float>());
+  }
+  for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+    const json rates = line.value(std::string{share.name}, json{});
+    if (rates.is_null()) continue;
+    if (!message.explained) message.explained.emplace();
+    for (std::size_t i = 0; i < message.explained->size(); ++i) {
+      message.explained->at(i).*share.rate = core::deg_per_s(rates.at(i).get<float>());
+    }
+  }
+}
+
+/// Vertical and heading; unknown in lines of older nodes.
+void read_vertical(const json& line, app::RateMessage& message) {
+  if (const json up = line.value("up", json{}); !up.is_null()) message.up = read_up(up);
   if (const json sigma = line.value("heading_sigma_deg", json{}); !sigma.is_null()) {
     message.heading = {.angle = core::deg(line.at("heading_deg").get<float>()),
                        .sigma = core::deg(sigma.get<float>())};
@@ -298,6 +327,7 @@ wire::NumberedMessage read_message(const json& line) {
   read_inputs(line, message);
   read_turn(line, message);
   read_vertical(line, message);
+  read_accelerometer(line, message);
   constexpr std::size_t kFirstBits = 11;  // every line has them; nodes of before lack the others
   for (std::size_t i = 0; i < wire::kHealthBits.size(); ++i) {
     const wire::HealthBit& bit = wire::kHealthBits.at(i);

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
 
 #include "core/base/numeric.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 
 namespace zerorate::linux_node {
@@ -24,18 +28,9 @@ class Line {
 
   void add_rates(std::string_view name, const app::RateMessage& message,
                  core::AngularRate app::AxisRate::*member, bool is_known) {
-    add(",\"{}\":", name);
-    char separator = '[';
-    for (const app::AxisRate& axis : message.axes) {
-      const float rate = (axis.*member).in(core::deg_per_s);
-      if (is_known && core::is_finite(rate)) {
-        add("{}{}", separator, rate);
-      } else {
-        add("{}null", separator);
-      }
-      separator = ',';
-    }
-    add("]");
+    add_list(name, message.axes, [&](const app::AxisRate& axis) {
+      return is_known ? (axis.*member).in(core::deg_per_s) : kUnknown;
+    });
   }
 
   void add_turn(const app::RateMessage& message) {
@@ -45,11 +40,7 @@ class Line {
   }
 
   void add_vertical(const app::RateMessage& message) {
-    if (message.up) {
-      add(",\"up\":\"{}{}\"", message.up->points_down ? "-" : "", "xyz"[message.up->axis]);
-    } else {
-      add(",\"up\":null");
-    }
+    add_list("up", message.up, [](float share) { return share; });
     const bool has_rate = message.up && message.has_rate();
     add_number("vertical_rate_dps", has_rate,
                has_rate ? message.vertical_rate().in(core::deg_per_s) : 0.0F);
@@ -67,6 +58,18 @@ class Line {
     } else {
       add(",\"odometer_pulses\":null");
     }
+    add_list("acceleration_mps2", message.acceleration,
+             [](core::Acceleration force) { return force.in(core::m_per_s2); });
+    add_number("vibration_mps2", message.vibration.has_value(),
+               message.vibration.value_or(core::Acceleration{}).in(core::m_per_s2));
+  }
+
+  void add_explained(const app::RateMessage& message) {
+    for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+      add_list(share.name, message.explained, [&](const app::ExplainedBias& axis) {
+        return (axis.*share.rate).in(core::deg_per_s);
+      });
+    }
   }
 
   void add_learnt(const wire::LearntModel& learnt) {
@@ -81,6 +84,33 @@ class Line {
   [[nodiscard]] std::string_view text() const { return {buffer_.data(), used_}; }
 
  private:
+  static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+  /// figure(element) of each of three elements; null where it is not finite.
+  template <class Element, class Figure>
+  void add_list(std::string_view name, const std::array<Element, 3>& elements, Figure figure) {
+    add(",\"{}\":", name);
+    char separator = '[';
+    for (const Element& element : elements) {
+      if (const float value = figure(element); core::is_finite(value)) {
+        add("{}{}", separator, value);
+      } else {
+        add("{}null", separator);
+      }
+      separator = ',';
+    }
+    add("]");
+  }
+  /// Null where there are none.
+  template <class Element, class Figure>
+  void add_list(std::string_view name, const std::optional<std::array<Element, 3>>& elements,
+                Figure figure) {
+    if (elements) {
+      add_list(name, *elements, figure);
+    } else {
+      add(",\"{}\":null", name);
+    }
+  }
   void add_number(std::string_view name, bool is_known, float number) {
     if (is_known && core::is_finite(number)) {
       add(",\"{}\":{}", name, number);
@@ -90,28 +120,15 @@ class Line {
   }
   void add_angles(std::string_view name, const app::RateMessage& message,
                   core::Angle app::AxisTurn::*member) {
-    add(",\"{}\":", name);
-    char separator = '[';
-    for (const app::AxisTurn& turn : message.turn) {
-      const float angle = (turn.*member).in(core::deg);
-      if (core::is_finite(turn.sigma.in(core::deg)) && core::is_finite(angle)) {
-        add("{}{}", separator, angle);
-      } else {
-        add("{}null", separator);
-      }
-      separator = ',';
-    }
-    add("]");
+    add_list(name, message.turn, [&](const app::AxisTurn& turn) {
+      return core::is_finite(turn.sigma.in(core::deg)) ? (turn.*member).in(core::deg) : kUnknown;
+    });
   }
   void add_figures(std::string_view name, const wire::LearntModel& learnt,
                    const wire::LearntQuantity& quantity, float app::LearntFigure::*member) {
-    add(",\"{}\":", name);
-    char separator = '[';
-    for (const app::LearntNoise& axis : learnt.axes) {
-      add("{}{}", separator, axis.*quantity.figure.*member / quantity.si_per_unit);
-      separator = ',';
-    }
-    add("]");
+    add_list(name, learnt.axes, [&](const app::LearntNoise& axis) {
+      return axis.*quantity.figure.*member / quantity.si_per_unit;
+    });
   }
 
   JsonBuffer& buffer_;
@@ -140,6 +157,7 @@ std::string_view format_json_line(const wire::NumberedMessage& numbered, JsonBuf
     line.add(",\"calm_percent\":{}", message.calm_percent);
   }
   line.add_inputs(message);
+  line.add_explained(message);
   for (const wire::HealthBit& bit : wire::kHealthBits) {
     line.add(",\"{}\":{}", bit.name, message.health.*bit.flag);
   }

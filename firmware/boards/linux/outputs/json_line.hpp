@@ -12,7 +12,7 @@
 namespace zerorate::linux_node {
 
 /// Long enough for every message, whatever its numbers are.
-using JsonBuffer = std::array<char, 2048>;
+using JsonBuffer = std::array<char, 2560>;
 
 /// The message with its newline, in the buffer: see docs/reference/zerorated.md. Numbers are the
 /// shortest decimals that give back the same single-precision bits, in deg/s; the rates are null in

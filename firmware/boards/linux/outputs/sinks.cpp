@@ -116,7 +116,8 @@ class DatagramSink final : public Sink {
 
  private:
   bool send(const wire::NumberedMessage& message) override {
-    return send_frame(wire::encode_rate_frame(message));
+    const wire::RateFrame frame = wire::encode_rate_frame(message);
+    return send_frame(frame.bytes());
   }
   bool send_frame(std::span<const std::uint8_t> frame) {
     const ssize_t sent =
@@ -192,26 +193,36 @@ class CanSink final : public Sink {
       keep_reason(ECOMM);
       return false;
     }
-    for (const wire::CanFrame& frame : wire::encode_can_frames(message, id_)) {
-      if (!write_frame(frame)) return false;
-    }
-    return send_turn(message) && send_vertical(message) && send_inputs(message);
+    if (!write_frames(wire::encode_can_frames(message, id_))) return false;
+    return send_turn(message) && send_vertical(message) && send_acceleration(message) &&
+           send_inputs(message);
   }
 
   bool send_turn(const wire::NumberedMessage& message) {
     if (message.sequence % wire::kCanTurnEvery != 0) return true;
-    return std::ranges::all_of(wire::encode_can_turn(message.message, id_),
-                               [&](const wire::CanFrame& frame) { return write_frame(frame); });
+    return write_frames(wire::encode_can_turn(message.message, id_));
   }
   bool send_vertical(const wire::NumberedMessage& message) {
     return message.sequence % wire::kCanTurnEvery != 0 || !message.message.up ||
-           write_frame(wire::encode_can_vertical(message.message, id_));
+           (write_frame(wire::encode_can_vertical(message.message, id_)) &&
+            write_frame(wire::encode_can_up(message.message, id_)));
+  }
+  bool send_acceleration(const wire::NumberedMessage& message) {
+    const bool has_any = message.message.acceleration || message.message.vibration;
+    return message.sequence % wire::kCanTurnEvery != 0 || !has_any ||
+           write_frame(wire::encode_can_acceleration(message.message, id_));
   }
   bool send_inputs(const wire::NumberedMessage& message) {
-    return message.sequence % wire::kCanInputsEvery != 0 ||
-           write_frame(wire::encode_can_inputs(message.message, id_));
+    if (message.sequence % wire::kCanInputsEvery != 0) return true;
+    if (!write_frame(wire::encode_can_inputs(message.message, id_))) return false;
+    return !message.message.explained ||
+           write_frames(wire::encode_can_explained(message.message, id_));
   }
 
+  bool write_frames(std::span<const wire::CanFrame> frames) {
+    return std::ranges::all_of(frames,
+                               [&](const wire::CanFrame& frame) { return write_frame(frame); });
+  }
   bool write_frame(const wire::CanFrame& frame) {
     can_frame out{};
     out.can_id = frame.id;

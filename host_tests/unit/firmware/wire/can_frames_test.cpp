@@ -75,6 +75,12 @@ class Reading {
     frames_.insert(frames_.end(), turns.begin(), turns.end());
     if (message.message.up) {
       frames_.push_back(encode_can_vertical(message.message, kDefaultCanId));
+      frames_.push_back(encode_can_up(message.message, kDefaultCanId));
+    }
+    frames_.push_back(encode_can_acceleration(message.message, kDefaultCanId));
+    if (message.message.explained) {
+      const auto explained = encode_can_explained(message.message, kDefaultCanId);
+      frames_.insert(frames_.end(), explained.begin(), explained.end());
     }
   }
 
@@ -106,7 +112,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 TEST(DbcFile, LetsNoTwoSignalsShareABit) {
   const Dbc dbc = read_dbc();
-  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames + 1);
+  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames + 3 + kCanExplainedFrames);
   for (const auto& [id, signals] : dbc) {
     std::set<unsigned> bits;
     for (const auto& [name, signal] : signals) {
@@ -190,12 +196,19 @@ TEST(CanVerticalFrame, HoldsRateAndHeading) {
   for (int i = 0; i < 200; ++i) {
     app::RateMessage sent = testing::random_message(random).message;
     sent.health = {};
-    sent.up = core::UpAxis{.axis = static_cast<std::uint8_t>(i % 3), .points_down = i % 2 == 0};
+    sent.up = core::Direction{0.6F, i % 2 == 0 ? 0.48F : -0.48F, 0.64F};
+    for (app::AxisRate& axis : sent.axes) axis.corrected = axis.corrected * 0.5F;
     const Reading reading{{.sequence = 0, .message = sent}};
-    const double sign = i % 2 == 0 ? -1.0 : 1.0;
-    const double rate =
-        sign * kDegPerRad * double{sent.axes.at(sent.up->axis).corrected.in(core::rad_per_s)};
-    EXPECT_NEAR(reading.value("RateVertical"), rate, 0.5e-6 + 4.0 * 6e-8 * std::abs(rate));
+    double rate = 0.0;
+    double size = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double share = double{sent.up->at(axis)} *
+                           double{sent.axes.at(axis).corrected.in(core::rad_per_s)} * kDegPerRad;
+      rate += share;
+      size += std::abs(share);
+    }
+    // Half an LSB, and the eight roundings of single precision on the way.
+    EXPECT_NEAR(reading.value("RateVertical"), rate, 0.5e-6 + 8.0 * 6e-8 * size);
     EXPECT_NEAR(reading.value("Heading"), kDegPerRad * double{sent.heading.angle.in(core::rad)},
                 0.0051);
     EXPECT_NEAR(reading.value("HeadingSigma"),
@@ -205,10 +218,44 @@ TEST(CanVerticalFrame, HoldsRateAndHeading) {
 
 TEST(CanVerticalFrame, HasNoHeadingBeforeAReference) {
   app::RateMessage message;
-  message.up = core::UpAxis{};
+  message.up = core::UpAxis{}.direction();
   const Reading reading{{.sequence = 0, .message = message}};
   EXPECT_EQ(reading.raw("Heading"), -32768);
   EXPECT_EQ(reading.raw("HeadingSigma"), 65535);
+}
+
+TEST(CanFramesOfAnAccelerometer, HoldForcesVibrationAndShares) {
+  std::mt19937_64 random{9};
+  for (int i = 0; i < 200; ++i) {
+    const app::RateMessage sent = testing::random_message(random).message;
+    const Reading reading{{.sequence = 0, .message = sent}};
+    const std::array names{"X", "Y", "Z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string name = names[axis];
+      if (sent.up) {
+        EXPECT_NEAR(reading.value("Up" + name), sent.up->at(axis), 0.501e-4);
+      }
+      if (sent.acceleration) {
+        EXPECT_NEAR(reading.value("Acceleration" + name),
+                    sent.acceleration->at(axis).in(core::m_per_s2), 0.501e-2);
+      } else {
+        EXPECT_EQ(reading.raw("Acceleration" + name), -32768);
+      }
+      if (!sent.explained) continue;
+      const auto expect_share = [&](const std::string& signal, core::AngularRate share) {
+        const double dps = double{share.in(core::rad_per_s)} * kDegPerRad;
+        EXPECT_NEAR(reading.value(signal + name), dps, 0.501e-4) << signal << name;
+      };
+      expect_share("ByTemperature", sent.explained->at(axis).temperature);
+      expect_share("ByAcceleration", sent.explained->at(axis).acceleration);
+      expect_share("ByVibration", sent.explained->at(axis).vibration);
+    }
+    if (!sent.vibration || sent.vibration->in(core::m_per_s2) > 65.5F) {
+      EXPECT_EQ(reading.raw("Vibration"), 65535);
+    } else {
+      EXPECT_NEAR(reading.value("Vibration"), sent.vibration->in(core::m_per_s2), 0.501e-3);
+    }
+  }
 }
 
 TEST(CanTurnFrames, HoldTheAngleItsErrorAndItsTime) {

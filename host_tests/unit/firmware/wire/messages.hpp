@@ -2,6 +2,7 @@
 /// Messages with every field set to something else.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 
@@ -31,8 +32,22 @@ namespace zerorate::wire::testing {
   message.heading = {.angle = core::rad(rate(random) / 12.0F),
                      .sigma = core::rad((rate(random) + 35.0F) / 100.0F)};
   if (random() % 4 != 0) {
-    message.up = core::UpAxis{.axis = static_cast<std::uint8_t>(random() % 3),
-                              .points_down = random() % 2 == 0};
+    // A point on the sphere, as a figure of two angles.
+    const float longitude = rate(random);
+    const float latitude = rate(random);
+    message.up = core::Direction{std::cos(latitude) * std::cos(longitude),
+                                 std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
+  }
+  if (random() % 4 != 0) {
+    for (auto& force : message.acceleration.emplace()) force = core::m_per_s2(4.0F * rate(random));
+  }
+  if (random() % 4 != 0) message.vibration = core::m_per_s2(rate(random) + 35.0F);
+  if (random() % 4 != 0) {
+    for (app::ExplainedBias& axis : message.explained.emplace()) {
+      axis = {.temperature = core::rad_per_s(1e-3F * rate(random)),
+              .acceleration = core::rad_per_s(1e-3F * rate(random)),
+              .vibration = core::rad_per_s(1e-3F * rate(random))};
+    }
   }
   if (random() % 4 != 0) message.temperature = core::Temperature::from_degc(rate(random));
   if (random() % 4 != 0) message.odometer_pulses = static_cast<std::uint32_t>(random());

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "firmware/wire/rate_text.hpp"
@@ -22,7 +21,7 @@ TEST(RateFrameOfAnyMessage, IsReadBackBitForBit) {
   std::mt19937_64 random{1};
   for (int i = 0; i < 1000; ++i) {
     const NumberedMessage sent = random_message(random);
-    const auto received = decode_rate_frame(encode_rate_frame(sent));
+    const auto received = decode_rate_frame(encode_rate_frame(sent).bytes());
     ASSERT_TRUE(received);
     EXPECT_EQ(*received, sent);
   }
@@ -31,7 +30,11 @@ TEST(RateFrameOfAnyMessage, IsReadBackBitForBit) {
 TEST(RateFrameWithoutCalibration, CarriesAnInfiniteSigma) {
   NumberedMessage sent;
   sent.message.axes[1].sigma = core::rad_per_s(std::numeric_limits<float>::infinity());
-  EXPECT_EQ(*decode_rate_frame(encode_rate_frame(sent)), sent);
+  EXPECT_EQ(*decode_rate_frame(encode_rate_frame(sent).bytes()), sent);
+}
+
+std::vector<std::uint8_t> bytes_of(const RateFrame& frame) {
+  return {frame.bytes().begin(), frame.bytes().end()};
 }
 
 TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
@@ -49,10 +52,10 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   sent.message.turn[1].angle = core::rad(-2.0F);
   sent.message.turn_time = core::Duration::nanoseconds(0x0123456789ABCDEF);
   sent.message.heading = {.angle = core::rad(1.0F), .sigma = core::rad(-2.0F)};
-  sent.message.up = core::UpAxis{.axis = 1, .points_down = true};
-  const RateFrame frame = encode_rate_frame(sent);
+  const std::vector<std::uint8_t> frame = bytes_of(encode_rate_frame(sent));
+  ASSERT_EQ(frame.size(), 120U);
   const std::vector<std::uint8_t> head(frame.begin(), frame.begin() + 24);
-  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  4,    0x2F, 0x04, 0x03, 0x02, 0x01,
+  EXPECT_EQ(head, (std::vector<std::uint8_t>{'Z',  'R',  5,    0x03, 0x04, 0x03, 0x02, 0x01,
                                              0xEF, 0xCD, 0xAB, 0x89, 0x67, 0x45, 0x23, 0x01,
                                              2,    0x41, 0x04, 87,   0,    0,    0x80, 0x3F}));
   EXPECT_EQ(frame[66], 0x00);  // -2.0F = 0xC0000000, sigma of z
@@ -69,22 +72,51 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
   EXPECT_EQ(checksum, ::crc32(0, frame.data(), 116));
 }
 
-/// The frame of an older node: without the last values.
-std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, std::size_t checked) {
-  std::vector<std::uint8_t> old(frame.begin(),
-                                frame.begin() + static_cast<std::ptrdiff_t>(checked));
-  old[2] = version;
-  if (version == 1) old[3] = 0;
-  if (version < 4) old[3] &= 3;
+TEST(RateFrameWithEveryBlock, HasThemInTheOrderOfItsPage) {
+  NumberedMessage sent;
+  sent.message.up = core::Direction{1.0F, 2.0F, 3.0F};
+  sent.message.acceleration =
+      std::array{core::m_per_s2(4.0F), core::m_per_s2(5.0F), core::m_per_s2(6.0F)};
+  sent.message.vibration = core::m_per_s2(7.0F);
+  float figure = 8.0F;
+  for (app::ExplainedBias& axis : sent.message.explained.emplace()) {
+    for (auto* const share : {&axis.temperature, &axis.acceleration, &axis.vibration}) {
+      *share = core::rad_per_s(figure++);
+    }
+  }
+  const std::vector<std::uint8_t> frame = bytes_of(encode_rate_frame(sent));
+  ASSERT_EQ(frame.size(), 184U);
+  EXPECT_EQ(frame[3], 0x3C);
+  std::array<float, 16> figures{};
+  std::memcpy(figures.data(), &frame[116], 64);  // the test runs on little-endian machines
+  for (std::size_t i = 0; i < figures.size(); ++i) EXPECT_EQ(figures[i], static_cast<float>(i + 1));
+}
+
+/// Puts the checksum behind the bytes.
+std::vector<std::uint8_t> checked(std::vector<std::uint8_t> bytes) {
   const auto checksum =
-      static_cast<std::uint32_t>(::crc32(0, old.data(), static_cast<uInt>(checked)));
-  old.resize(checked + 4);
-  std::memcpy(&old[checked], &checksum, 4);
-  return old;
+      static_cast<std::uint32_t>(::crc32(0, bytes.data(), static_cast<uInt>(bytes.size())));
+  bytes.resize(bytes.size() + 4);
+  std::memcpy(&bytes[bytes.size() - 4], &checksum, 4);
+  return bytes;
+}
+/// The frame of an older node: without the last values.
+std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, std::size_t size) {
+  std::vector<std::uint8_t> old = bytes_of(frame);
+  old.resize(size);
+  old[2] = version;
+  old[3] = version == 1 ? 0 : old[3] & 3;
+  return checked(old);
+}
+void without_accelerometer(app::RateMessage& message) {
+  message.up.reset();
+  message.acceleration.reset();
+  message.vibration.reset();
+  message.explained.reset();
 }
 void without_heading(app::RateMessage& message) {
   message.heading = {};
-  message.up.reset();
+  without_accelerometer(message);
 }
 void without_turn(app::RateMessage& message) {
   message.turn = {};
@@ -102,16 +134,30 @@ std::vector<std::uint8_t> version_1(const RateFrame& frame) {
 
 /// Random messages, read back as a node of that version sent them.
 /// @param forget takes out of a message what that version does not have
-void expect_reading(std::uint8_t version, std::size_t checked, std::uint64_t seed,
+void expect_reading(std::uint8_t version, std::size_t size, std::uint64_t seed,
                     void (*forget)(app::RateMessage&)) {
   std::mt19937_64 random{seed};
   for (int i = 0; i < 100; ++i) {
     NumberedMessage sent = random_message(random);
-    const auto received = decode_rate_frame(older(encode_rate_frame(sent), version, checked));
+    const auto received = decode_rate_frame(older(encode_rate_frame(sent), version, size));
     ASSERT_TRUE(received);
     forget(sent.message);
     EXPECT_EQ(*received, sent);
   }
+}
+
+TEST(RateFrameOfVersion4, IsReadWithoutTheAccelerometer) {
+  expect_reading(4, 116, 6, without_accelerometer);
+}
+
+TEST(RateFrameOfVersion4, HasTheVerticalAsAnAxis) {
+  std::vector<std::uint8_t> frame = bytes_of(encode_rate_frame({}));
+  frame.resize(116);
+  frame[2] = 4;
+  frame[3] = 0x2C;  // given, y, down
+  EXPECT_EQ(decode_rate_frame(checked(frame))->message.up, (core::Direction{0.0F, -1.0F, 0.0F}));
+  frame[3] = 0x1C;  // no axis
+  EXPECT_EQ(decode_rate_frame(checked(frame)).error(), FrameError::impossible_value);
 }
 
 TEST(RateFrameOfVersion3, IsReadWithoutTheHeading) {
@@ -131,9 +177,9 @@ TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
 
 TEST(RateFrameWithAnyWrongBit, IsRefused) {
   std::mt19937_64 random{2};
-  const RateFrame good = encode_rate_frame(random_message(random));
+  const std::vector<std::uint8_t> good = bytes_of(encode_rate_frame(random_message(random)));
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-    RateFrame bad = good;
+    std::vector<std::uint8_t> bad = good;
     bad[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
     EXPECT_FALSE(decode_rate_frame(bad)) << bit;
   }
@@ -143,28 +189,27 @@ TEST(BytesThatAreNoRateFrame, AreRefusedForTheirReason) {
   const auto reason = [](const std::vector<std::uint8_t>& bytes) {
     return decode_rate_frame(bytes).error();
   };
-  const RateFrame good = encode_rate_frame({});
-  std::vector<std::uint8_t> bytes(good.begin(), good.end());
+  const std::vector<std::uint8_t> bytes = bytes_of(encode_rate_frame({}));
   EXPECT_EQ(reason({}), FrameError::wrong_size);
   EXPECT_EQ(reason({bytes.begin(), bytes.end() - 1}), FrameError::wrong_size);
   auto changed = bytes;
   changed[0] = 'z';
   EXPECT_EQ(reason(changed), FrameError::not_a_frame);
   changed = bytes;
-  changed[2] = 5;
-  EXPECT_EQ(reason(changed), FrameError::unknown_version);
+  for (const std::uint8_t version : {std::uint8_t{0}, std::uint8_t{6}}) {
+    changed[2] = version;
+    EXPECT_EQ(reason(changed), FrameError::unknown_version);
+  }
+  changed = bytes;
+  changed[3] = 4;  // a direction, for which there is no room
+  EXPECT_EQ(reason(changed), FrameError::wrong_size);
   changed = bytes;
   changed[30] ^= 1;
   EXPECT_EQ(reason(changed), FrameError::wrong_checksum);
   changed = bytes;
-  // No such motion, and no such axis, under checksums that fit.
-  for (const auto& [at, value] : {std::pair{16, 3}, std::pair{3, 0x1C}}) {
-    changed = bytes;
-    changed[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(value);
-    const auto checksum = static_cast<std::uint32_t>(::crc32(0, changed.data(), 116));
-    std::memcpy(&changed[116], &checksum, 4);
-    EXPECT_EQ(reason(changed), FrameError::impossible_value);
-  }
+  changed.resize(116);
+  changed[16] = 3;  // no motion, under a checksum that fits
+  EXPECT_EQ(reason(checked(changed)), FrameError::impossible_value);
 }
 
 std::string line_of(const app::RateMessage& message) {

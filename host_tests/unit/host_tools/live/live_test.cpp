@@ -38,6 +38,10 @@ TEST(JsonMessage, RoundTripsUpToTheRoundingOfDegrees) {
     EXPECT_EQ(read->message.health, sent.message.health);
     EXPECT_EQ(read->message.temperature, sent.message.temperature);
     EXPECT_EQ(read->message.odometer_pulses, sent.message.odometer_pulses);
+    EXPECT_EQ(read->message.up, sent.message.up);
+    EXPECT_EQ(read->message.acceleration, sent.message.acceleration);
+    EXPECT_EQ(read->message.vibration, sent.message.vibration);
+    ASSERT_EQ(read->message.explained.has_value(), sent.message.explained.has_value());
     for (std::size_t axis = 0; axis < 3; ++axis) {
       EXPECT_FLOAT_EQ(read->message.axes[axis].bias.in(core::deg_per_s),
                       sent.message.axes[axis].bias.in(core::deg_per_s));
@@ -45,8 +49,22 @@ TEST(JsonMessage, RoundTripsUpToTheRoundingOfDegrees) {
         EXPECT_FLOAT_EQ(read->message.axes[axis].corrected.in(core::deg_per_s),
                         sent.message.axes[axis].corrected.in(core::deg_per_s));
       }
+      for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+        if (!sent.message.explained) break;
+        EXPECT_FLOAT_EQ((read->message.explained->at(axis).*share.rate).in(core::deg_per_s),
+                        (sent.message.explained->at(axis).*share.rate).in(core::deg_per_s));
+      }
     }
   }
+}
+
+TEST(JsonMessageOfAnOlderNode, HasTheVerticalAsAnAxis) {
+  linux_node::JsonBuffer buffer{};
+  std::string line{linux_node::format_json_line(calibrated_message(1), buffer)};
+  const std::string none = "\"up\":null";
+  ASSERT_NE(line.find(none), std::string::npos);
+  line.replace(line.find(none), none.size(), "\"up\":\"-y\"");
+  EXPECT_EQ(parse_json_message(line)->message.message.up, (core::Direction{0.0F, -1.0F, 0.0F}));
 }
 
 TEST(JsonMessage, TakesADeviationThatIsNullForInfinite) {

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -32,10 +34,23 @@ NumberedMessage widest_message() {
   widest.message.turn_time = core::Duration::nanoseconds(1);
   widest.message.heading = {.angle = core::rad(-1.17549435e-38F),
                             .sigma = core::rad(-1.17549435e-38F)};
-  widest.message.up = core::UpAxis{.axis = 2, .points_down = true};
+  constexpr float kWidest = -1.17549435e-38F;
+  widest.message.up = core::Direction{kWidest, kWidest, kWidest};
+  widest.message.vibration = core::m_per_s2(kWidest);
+  widest.message.acceleration.emplace().fill(core::m_per_s2(kWidest));
+  const core::AngularRate share = core::rad_per_s(kWidest);
+  widest.message.explained.emplace().fill({share, share, share});
   widest.message.temperature = core::Temperature::from_degc(-1.17549435e-38F);
   widest.message.odometer_pulses = std::numeric_limits<std::uint32_t>::max();
   return widest;
+}
+
+/// Three numbers, or null where the message has none.
+template <class Element, class Figure>
+void expect_list(const nlohmann::json& list, const std::optional<std::array<Element, 3>>& sent,
+                 Figure figure) {
+  EXPECT_EQ(list.is_null(), !sent);
+  for (std::size_t i = 0; i < 3 && sent; ++i) EXPECT_EQ(list[i].get<float>(), figure((*sent)[i]));
 }
 
 TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
@@ -67,7 +82,19 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
     EXPECT_EQ(json["heading_deg"].get<float>(), sent.message.heading.angle.in(core::deg));
     EXPECT_EQ(json["heading_sigma_deg"].get<float>(), sent.message.heading.sigma.in(core::deg));
     const bool has_vertical = sent.message.up && sent.message.has_rate();
-    EXPECT_EQ(json["up"].is_null(), !sent.message.up);
+    expect_list(json["up"], sent.message.up, [](float share) { return share; });
+    expect_list(json["acceleration_mps2"], sent.message.acceleration,
+                [](core::Acceleration force) { return force.in(core::m_per_s2); });
+    EXPECT_EQ(json["vibration_mps2"].is_null(), !sent.message.vibration);
+    if (sent.message.vibration) {
+      EXPECT_EQ(json["vibration_mps2"].get<float>(), sent.message.vibration->in(core::m_per_s2));
+    }
+    expect_list(json["explained_temperature_dps"], sent.message.explained,
+                [](auto axis) { return axis.temperature.in(core::deg_per_s); });
+    expect_list(json["explained_acceleration_dps"], sent.message.explained,
+                [](auto axis) { return axis.acceleration.in(core::deg_per_s); });
+    expect_list(json["explained_vibration_dps"], sent.message.explained,
+                [](auto axis) { return axis.vibration.in(core::deg_per_s); });
     EXPECT_EQ(json["vertical_rate_dps"].is_null(), !has_vertical);
     if (has_vertical) {
       EXPECT_EQ(json["vertical_rate_dps"].get<float>(),

@@ -59,8 +59,9 @@ TEST(UdpSink, SendsOneFrameADatagram) {
     sink->publish(sent);
     std::array<std::uint8_t, 200> bytes{};
     const ssize_t received = recv(receiver.get(), bytes.data(), bytes.size(), 0);
-    ASSERT_EQ(received, static_cast<ssize_t>(wire::kRateFrameBytes));
-    EXPECT_EQ(*wire::decode_rate_frame(std::span{bytes}.first(wire::kRateFrameBytes)), sent);
+    ASSERT_GT(received, 0);
+    const auto frame = std::span{bytes}.first(static_cast<std::size_t>(received));
+    EXPECT_EQ(*wire::decode_rate_frame(frame), sent);
   }
   EXPECT_EQ(sink->sent(), 100U);
 }
