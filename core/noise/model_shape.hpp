@@ -14,7 +14,7 @@ struct ModelShape {
   std::size_t decaying = 0;        ///< first-order Gauss-Markov modes
   std::size_t rotating = 0;        ///< damped oscillations, two states each
   std::size_t inputs = 0;          ///< terms that follow a temperature or a specific force
-  bool has_accelerometer = false;  ///< a term may follow the specific force
+  bool has_accelerometer = false;  ///< the specific force is measured: a term may follow it
   std::size_t hypotheses = 1;      ///< strengths of the slow noise; 1: it is known
 
   constexpr bool operator==(const ModelShape&) const = default;

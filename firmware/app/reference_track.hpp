@@ -66,7 +66,7 @@ class ReferenceTrack {
   /// @param axis place of the vertical among the axes of the sum
   /// @param sense -1 where that axis points down
   constexpr ReferenceTrack(const core::HeadingFilter::Params& filter, std::size_t axis, float sense)
-      : filter_(filter), axis_(axis), sense_(sense) {}
+      : filter_(filter), sense_(sense), axis_(static_cast<std::uint8_t>(axis)) {}
 
   [[nodiscard]] constexpr State state() const { return {filter_.state(), recent_.state(), marks_}; }
   constexpr void restore(const State& state) {
@@ -218,8 +218,8 @@ class ReferenceTrack {
   core::HeadingFilter filter_;
   core::RecentTurn recent_;
   Marks marks_{};
-  std::size_t axis_;
   float sense_;
+  std::uint8_t axis_;
 };
 
 }  // namespace zerorate::app

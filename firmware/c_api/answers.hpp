@@ -2,6 +2,7 @@
 /// Answers of the node in the types of the C interface, and its samples in those of the node.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -48,6 +49,10 @@ inline constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   rate.vertical_rad_s = kNone;
   rate.heading_rad = kNone;
   rate.heading_sigma_rad = std::numeric_limits<float>::infinity();
+#if ZERORATE_INPUTS > 0
+  rate.vertical_turn_rad = kNone;
+  rate.vertical_turn_sigma_rad = std::numeric_limits<float>::infinity();
+#endif
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] = kNone;
     rate.bias_rad_s[i] = kNone;
@@ -58,36 +63,39 @@ inline constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   return rate;
 }
 
+[[nodiscard]] inline zerorate_health health_of(const app::Health& health) {
+  return {.calibrated = health.calibrated,
+          .sample_refused = health.sample_refused,
+          .time_refused = health.time_refused,
+          .saturated = health.saturated,
+          .model_inconsistent = health.model_inconsistent,
+          .odometer_fault = health.odometer_fault,
+          .measurement_rejected = health.measurement_rejected,
+          .temperature_missing = health.temperature_missing,
+          .acceleration_missing = health.acceleration_missing,
+          .odometer_disagreement = health.odometer_disagreement,
+          .odometer_dead_band = health.odometer_dead_band,
+          .sensor_fault = health.sensor_fault,
+          .sample_rate_off = health.sample_rate_off,
+          .reference_disagreement = health.reference_disagreement,
+          .usable = health.is_usable()};
+}
 [[nodiscard]] inline zerorate_rate rate_of(const app::RateMessage& message) {
-  zerorate_rate rate{.time_ns = message.time.ns(),
-                     .motion = motion_of(message.motion),
-                     .health = {.calibrated = message.health.calibrated,
-                                .sample_refused = message.health.sample_refused,
-                                .time_refused = message.health.time_refused,
-                                .saturated = message.health.saturated,
-                                .model_inconsistent = message.health.model_inconsistent,
-                                .odometer_fault = message.health.odometer_fault,
-                                .measurement_rejected = message.health.measurement_rejected,
-                                .temperature_missing = message.health.temperature_missing,
-                                .acceleration_missing = message.health.acceleration_missing,
-                                .odometer_disagreement = message.health.odometer_disagreement,
-                                .odometer_dead_band = message.health.odometer_dead_band,
-                                .sensor_fault = message.health.sensor_fault,
-                                .sample_rate_off = message.health.sample_rate_off,
-                                .reference_disagreement = message.health.reference_disagreement,
-                                .usable = message.health.is_usable()},
-                     .corrected_rad_s = {},
-                     .bias_rad_s = {},
-                     .sigma_rad_s = {},
-                     .turn_rad = {},
-                     .turn_sigma_rad = {},
-                     .turn_time_ns = message.turn_time.ns(),
-                     .vertical_rad_s = message.up && message.has_rate()
-                                           ? message.vertical_rate().in(core::rad_per_s)
-                                           : kNone,
-                     .heading_rad = message.heading.angle.in(core::rad),
-                     .heading_sigma_rad = message.heading.sigma.in(core::rad),
-                     .calm_percent = message.calm_percent};
+  zerorate_rate rate{};
+  rate.time_ns = message.time.ns();
+  rate.motion = motion_of(message.motion);
+  rate.health = health_of(message.health);
+  rate.turn_time_ns = message.turn_time.ns();
+  rate.vertical_rad_s =
+      message.up && message.has_rate() ? message.vertical_rate().in(core::rad_per_s) : kNone;
+  rate.heading_rad = message.heading.angle.in(core::rad);
+  rate.heading_sigma_rad = message.heading.sigma.in(core::rad);
+  rate.calm_percent = message.calm_percent;
+#if ZERORATE_INPUTS > 0
+  if (message.up) std::ranges::copy(*message.up, rate.up);
+  rate.vertical_turn_rad = message.vertical_turn.angle.in(core::rad);
+  rate.vertical_turn_sigma_rad = message.vertical_turn.sigma.in(core::rad);
+#endif
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
     rate.corrected_rad_s[i] =
         message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;

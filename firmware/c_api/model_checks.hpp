@@ -141,7 +141,7 @@ inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();
 [[nodiscard]] inline bool is_sound_place(const zerorate_config& config) {
   constexpr float kPole_deg = 90.0F;
   return config.up_axis >= -ZERORATE_AXES && config.up_axis <= ZERORATE_AXES &&
-         (config.up_axis == 0 ||
+         ((config.up_axis == 0 && ZERORATE_INPUTS == 0) ||
           (config.latitude_deg >= -kPole_deg && config.latitude_deg <= kPole_deg));
 }
 [[nodiscard]] inline bool is_sound(const zerorate_config& config) {

@@ -149,7 +149,10 @@ template <core::ModelShape Shape>
 }
 [[nodiscard]] inline core::EarthRate earth_of(const zerorate_config& config) {
   const auto up = up_axis_of(config);
-  return up ? core::earth_rate(config.latitude_deg, *up) : core::EarthRate{};
+  if (up) return core::earth_rate(config.latitude_deg, *up);
+  // An accelerometer finds the vertical.
+  const bool is_stated = kShape.has_accelerometer && config.latitude_deg != 0.0F;
+  return is_stated ? core::earth_rate(config.latitude_deg, core::UpAxis{}) : core::EarthRate{};
 }
 
 [[nodiscard]] inline core::StandstillSource source_of(zerorate_standstill standstill) {

@@ -30,11 +30,14 @@ inline constexpr core::ModelShape kLargestShape{
 inline constexpr core::ModelShape kLargestLearningShape =
     core::with_hypotheses(kLargestShape, kMostHypotheses);
 
+[[nodiscard]] constexpr core::ModelShape with_accelerometer(core::ModelShape shape) {
+  shape.has_accelerometer = true;
+  return shape;
+}
 /// A shape with room for every input.
 [[nodiscard]] constexpr core::ModelShape with_all_inputs(core::ModelShape shape) {
   shape.inputs = core::kInputs - 1;
-  shape.has_accelerometer = true;
-  return shape;
+  return with_accelerometer(shape);
 }
 /// Shape of every model.
 inline constexpr core::ModelShape kWidestShape = with_all_inputs(kLargestShape);
@@ -49,15 +52,20 @@ using NodeModel = core::NodeModel<Shape>;
 
 /// Calls `run` with the shape of the filter for a model as a template argument: six decades where
 /// they are enough, otherwise `Largest`, where need be with all inputs.
+/// @param has_accelerometer whether the node is given the specific force: a witness of motion and
+///   of the vertical, whatever the model follows
 template <core::ModelShape Largest, class Run>
-auto with_shape_of(const SensorModel& model, Run run) {
-  if (fits_six_decades(model)) {
-    return run
-        .template operator()<core::ModelShape{.decaying = 6, .hypotheses = Largest.hypotheses}>();
-  }
+auto with_shape_of(const SensorModel& model, bool has_accelerometer, Run run) {
+  constexpr core::ModelShape kSixDecades{.decaying = 6, .hypotheses = Largest.hypotheses};
   if constexpr (Largest.inputs > 0) {
-    if (!model.inputs.empty()) return run.template operator()<with_all_inputs(Largest)>();
+    if (has_accelerometer && fits_six_decades(model)) {
+      return run.template operator()<with_accelerometer(kSixDecades)>();
+    }
+    if (has_accelerometer || !model.inputs.empty()) {
+      return run.template operator()<with_all_inputs(Largest)>();
+    }
   }
+  if (fits_six_decades(model)) return run.template operator()<kSixDecades>();
   return run.template operator()<Largest>();
 }
 

@@ -196,7 +196,8 @@ class Node {
     const evaluate::SampleTiming timing{period, evaluate::filter_tick(options_, period)};
     const std::int64_t first_ns = samples.time_ns.data()[0];
     node_ = model::with_shape_of<model::kLargestLearningShape>(
-        options_.model, [&]<core::ModelShape Shape>() -> std::unique_ptr<AnyNode> {
+        options_.model, columns.acceleration,
+        [&]<core::ModelShape Shape>() -> std::unique_ptr<AnyNode> {
           return std::make_unique<NodeOfShape<Shape>>(options_, columns, timing, first_ns);
         });
     columns_ = columns;

@@ -42,10 +42,16 @@ core::StandstillSource read_source(StrictTable& table) {
       table.choice("source", kSources, Presence::optional).value_or(0));
 }
 
+/// @param measures_vertical whether the axis may be left to the accelerometer
 /// @param up the axis that [reference] states, if there is one; becomes that of the table
-core::EarthRate read_earth(StrictTable& table, std::optional<core::UpAxis>& up) {
+core::EarthRate read_earth(StrictTable& table, bool measures_vertical,
+                           std::optional<core::UpAxis>& up) {
   const double latitude = *table.number("latitude_deg", kLatitude, Presence::required);
-  const core::UpAxis of_earth = read_up(table, Presence::optional);
+  const auto stated = read_up(table, Presence::optional);
+  const core::UpAxis of_earth = stated.value_or(core::UpAxis{});
+  if (!stated && measures_vertical) {
+    return core::earth_rate(static_cast<float>(latitude), up.value_or(core::UpAxis{}));
+  }
   if (up.value_or(of_earth) != of_earth) {
     table.fail_at("up",
                   "not the axis of \"up\" in [reference], and a sensor has one that points up; "
@@ -219,8 +225,9 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
   std::optional<core::EarthRate> earth;
   std::optional<core::UpAxis> up;
   if (configuration.reference) up = configuration.reference->up;
-  with_table(root, "earth", Presence::optional, errors,
-             [&](StrictTable& table) { earth = read_earth(table, up); });
+  with_table(root, "earth", Presence::optional, errors, [&](StrictTable& table) {
+    earth = read_earth(table, configuration.gyro.acceleration_range_g.has_value(), up);
+  });
   // Values that depend on each other can be judged when each of them is right.
   if (!errors.is_empty()) return;
   errors.attempt([&] {

@@ -319,7 +319,7 @@ ReferenceSettings read_reference(StrictTable& table) {
   static constexpr std::array<std::string_view, 2> kSenses{"clockwise", "counter-clockwise"};
   const std::string_view type = kTypes.at(*table.choice("type", kTypes, Presence::required));
   return {
-      .up = read_up(table, Presence::required),
+      .up = *read_up(table, Presence::required),
       .origin = read_origin(table, type, kHeadingKeys),
       .counts_clockwise = *table.choice("sense", kSenses, Presence::required) == 0,
       .sigma =
@@ -353,11 +353,12 @@ UdpSettings read_udp(StrictTable& table) {
   return udp;
 }
 
-core::UpAxis read_up(StrictTable& table, Presence presence) {
+std::optional<core::UpAxis> read_up(StrictTable& table, Presence presence) {
   static constexpr std::array<std::string_view, 6> kUp{"x", "y", "z", "-x", "-y", "-z"};
-  constexpr std::size_t kZ = 2;
-  const std::size_t up = table.choice("up", kUp, presence).value_or(kZ);
-  return {.axis = static_cast<std::uint8_t>(up % 3), .points_down = up >= kUp.size() / 2};
+  const auto up = table.choice("up", kUp, presence);
+  if (!up) return std::nullopt;
+  return core::UpAxis{.axis = static_cast<std::uint8_t>(*up % 3),
+                      .points_down = *up >= kUp.size() / 2};
 }
 
 std::string read_socket_path(StrictTable& table, std::string_view key) {

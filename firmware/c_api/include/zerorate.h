@@ -214,8 +214,8 @@ typedef struct zerorate_config {
   uint32_t sensor_id;           /**< a snapshot of another sensor is refused */
   zerorate_standstill standstill;
   int8_t up_axis;     /**< 1, 2, 3: x, y, z points up; negative: it points down; 0: not known, and
-                         the Earth's rotation stays in the bias */
-  float latitude_deg; /**< if up_axis is known; north positive */
+                         the Earth's rotation stays in the bias unless an accelerometer is read */
+  float latitude_deg; /**< north positive; without up_axis 0 means: not known */
 } zerorate_config;
 
 /** Every flag is an alarm except `calibrated` and `usable`. */
@@ -258,10 +258,16 @@ typedef struct zerorate_rate {
   float turn_sigma_rad[ZERORATE_AXES]; /**< infinite: no departure, or full scale since */
   int64_t turn_time_ns;                /**< time that is summed since departure */
   float vertical_rad_s;    /**< corrected, about the vertical, counter-clockwise seen from above;
-                                NaN where `up_axis` is not known or there is no rate */
+                                NaN where the vertical is not known or there is no rate */
   float heading_rad;       /**< by references (zerorate_references.h), counter-clockwise */
   float heading_sigma_rad; /**< infinite: no reference yet, or the turn since it was lost */
-  uint8_t calm_percent;    /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
+#if ZERORATE_INPUTS > 0
+  float up[3]; /**< direction of the vertical in axes of the sensor, by the accelerometer; zero
+                  where it is not known */
+  float vertical_turn_rad;       /**< turn about it since departure, counter-clockwise from above */
+  float vertical_turn_sigma_rad; /**< infinite: not known */
+#endif
+  uint8_t calm_percent; /**< of the newest stop, learnt from; or ZERORATE_NO_CALM */
 } zerorate_rate;
 
 /** Heading error that the bias will cause, as far as it can be predicted. */

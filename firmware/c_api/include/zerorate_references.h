@@ -8,8 +8,9 @@
  *       (void)zerorate_heading_reference(&gyro, time_ns, -course_deg * 0.0174533F, 0.012F);
  *     }
  *
- * Of an instance with `up_axis`; ZERORATE_BAD_ARGUMENT without. Not of one whose library was
- * compiled with ZERORATE_TAKES_REFERENCES=0: its program does not link.
+ * Of an instance whose vertical is known: by `up_axis`, or by an accelerometer;
+ * ZERORATE_BAD_ARGUMENT without. Not of one whose library was compiled with
+ * ZERORATE_TAKES_REFERENCES=0: its program does not link.
  */
 #ifndef ZERORATE_REFERENCES_H
 #define ZERORATE_REFERENCES_H
@@ -32,9 +33,9 @@ typedef struct zerorate_learnt_motion {
 
 /**
  * The heading of the vehicle at a time, counter-clockwise seen from above (a compass heading is its
- * negative): a GNSS course in motion, two antennas, a map, a mark at a stop. Needs `up_axis`. Its
- * time lies in the newest two seconds, or in the stop that lasts. The first one is a beginning; one
- * that hardly anything was turned before is not needed, and answered by ZERORATE_OK too.
+ * negative): a GNSS course in motion, two antennas, a map, a mark at a stop. Needs the vertical.
+ * Its time lies in the newest two seconds, or in the stop that lasts. The first one is a beginning;
+ * one that hardly anything was turned before is not needed, and answered by ZERORATE_OK too.
  * @param sigma_rad standard deviation of its error, above 0 and at most 1.6
  * @return ZERORATE_REFERENCE_TIME, _REFERENCE_REFUSED: it did not teach; ZERORATE_NOTHING_LEARNT
  *         before the first standstill, ZERORATE_BAD_ARGUMENT
@@ -51,7 +52,7 @@ zerorate_result zerorate_heading_reference(zerorate_node* self, int64_t time_ns,
 zerorate_result zerorate_turn_reference(zerorate_node* self, int64_t from_ns, int64_t to_ns,
                                         float angle_rad, float sigma_rad);
 
-/** What references taught. ZERORATE_BAD_ARGUMENT where `up_axis` is not known. */
+/** What references taught. ZERORATE_BAD_ARGUMENT where the vertical is not known. */
 zerorate_result zerorate_get_learnt_motion(const zerorate_node* self,
                                            zerorate_learnt_motion* learnt);
 

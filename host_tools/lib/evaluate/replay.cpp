@@ -260,7 +260,7 @@ class Run {
   [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
     const core::ScaleCorrection& scale = replayed_.params().model.scale;
     return double{scale.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
-           double{replayed_.params().earth.vertical_rad_s[axis]};
+           double{node_.ticks().earth().vertical_rad_s[axis]};
   }
   void predict_biases() {
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
@@ -373,9 +373,9 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.truth_known = options.schedule.has_value() || static_cast<bool>(observer.true_rate);
   result.sample_period = sample_period(options, rows);
   result.filter_tick = filter_tick(options, result.sample_period);
-  model::with_shape_of<model::kLargestLearningShape>(options.model, [&]<core::ModelShape Shape>() {
-    run<Shape>(rows, reader, options, observer, result);
-  });
+  model::with_shape_of<model::kLargestLearningShape>(
+      options.model, reader.columns().acceleration,
+      [&]<core::ModelShape Shape>() { run<Shape>(rows, reader, options, observer, result); });
   return result;
 }
 

@@ -28,7 +28,7 @@ InnovationsLikelihood::InnovationsLikelihood(std::span<const TickMean> ticks, st
 
 template <class Take>
 void InnovationsLikelihood::for_each_innovation(const model::SensorModel& model, Take take) const {
-  model::with_shape_of<kLargestWithoutInputs>(model, [&]<core::ModelShape Shape>() {
+  model::with_shape_of<kLargestWithoutInputs>(model, false, [&]<core::ModelShape Shape>() {
     using Node = app::TickNode<Shape, app::kFilterAlone>;
     const app::NodeParams<Shape> params{
         .model = model::make_node_model<Shape>(model, sample_period_, tick_),

@@ -224,7 +224,7 @@ std::vector<ScoredDrive> drives(TickRun<Shape> run, const ScoredTicks& ticks) {
 template <core::ModelShape Largest, class Use>
 auto with_learnt_run(const model::SensorModel& model, const ScoredTicks& ticks, Learning learning,
                      Use use) try {
-  return model::with_shape_of<Largest>(model, [&]<core::ModelShape Shape>() {
+  return model::with_shape_of<Largest>(model, false, [&]<core::ModelShape Shape>() {
     const app::NodeParams<Shape> params{
         .model = model::make_node_model<Shape>(model, ticks.sample_period, ticks.tick),
         .learns_white_noise = learning == Learning::on};
