@@ -42,15 +42,18 @@ struct Campaign {
   std::uint64_t first = 1;      ///< number of the first drive, which is its seed
   bool warms = false;           ///< a fifth of the sensors warm up
   bool expects_warmth = false;  ///< the model has a table [warm_up]
+  /// Instead of the odometer an accelerometer shows when the vehicle stands. A steady turn that
+  /// begins and ends without a jolt is left out: nothing tells it from a bias.
+  bool by_accelerometer = false;
 };
 
-/// @param expects_warmth  a warm-up of 1 deg/s either way, over 5 min
-FaultyNode::Params node_params(bool expects_warmth) {
+/// A warm-up that is expected is one of 1 deg/s either way, over 5 min.
+FaultyNode::Params node_params(const Campaign& campaign) {
   const auto period = core::Duration::nanoseconds(std::llround(kLsm6dsoPeriod_s * 1e9));
   const auto tick = core::Duration::milliseconds(500);
   model::SensorModel sensor = lsm6dso();
   sensor.turn_on = model::TurnOn{.sigma_rad_s = kTurnOn_rad_s};
-  if (expects_warmth) {
+  if (campaign.expects_warmth) {
     sensor.warm_up = model::WarmUp{.amplitude_sigma_rad_s = 1.0 * kDps, .time_constant_s = 300.0};
   }
   const auto noise = model::make_node_model<kFaultyShape>(sensor, period, tick);
@@ -61,14 +64,15 @@ FaultyNode::Params node_params(bool expects_warmth) {
                     .largest_bias_rad_s = noise.largest_bias_rad_s,
                     .gate = {.threshold_sigma = 5.0F, .longest_knock_ticks = 20},
                     .sample_period = period,
-                    .hypotheses = noise.hypotheses}};
+                    .hypotheses = noise.hypotheses},
+          .standstill = {.source = campaign.by_accelerometer ? core::StandstillSource::gyro
+                                                             : core::StandstillSource::odometer}};
 }
 
 /// Looks at every message of a drive.
 class Judge {
  public:
   explicit Judge(const std::vector<simulate::ScenarioRow>& rows) : rows_(rows) {}
-
   void go_to(std::size_t row) { row_ = row; }
   void count_restart_with_memory() { ++outcome_.restarts_with_memory; }
   [[nodiscard]] const Outcome& outcome() const { return outcome_; }
@@ -120,14 +124,17 @@ class Drive {
   Drive(const Campaign& campaign, std::uint64_t number)
       : random_(number),
         chip_random_(~number),
-        unseen_(unseen_of(number, campaign.warms)),
-        params_(params_of(campaign.expects_warmth)),
+        force_random_(number ^ 0x5555555555555555U),
+        by_accelerometer_(campaign.by_accelerometer),
+        unseen_(unseen_of(number, campaign)),
+        params_(params_of(campaign)),
         rows_(random_drive(random_, unseen_)) {
     smooth_biases(rows_);
     draw_bus_faults();
     draw_wire_faults();
-    chip_faults_ =
-        random_chip_faults(chip_random_, static_cast<double>(rows_.back().row.time_ns) * 1e-9);
+    const double end_s = static_cast<double>(rows_.back().row.time_ns) * 1e-9;
+    chip_faults_ = random_chip_faults(chip_random_, end_s);
+    force_faults_ = random_force_faults(force_random_, end_s);
     // A program that begins anew has not seen the noise of axes that are frozen already.
     if (chip_faults_.frozen.length_s > 0.0) wires_.restart_s = ChipFaults::kNever;
   }
@@ -149,6 +156,7 @@ class Drive {
       suspend_and_cut(time_s);
       count_pulses(time_s);
       measure(time_s);
+      if (by_accelerometer_) measure_force(time_s);
       judge_.go_to(row_);
       loop_->poll();
     }
@@ -161,21 +169,20 @@ class Drive {
   using Gyro = drivers::Lsm6dso<drivers::SpiRegisters<Bus>>;
   using Loop = app::NodeLoop<FaultyNode, Gyro, FaultyOdometer, FaultyPin, SleepingClock, Judge>;
 
-  [[nodiscard]] static Unseen unseen_of(std::uint64_t number, bool warms) {
+  [[nodiscard]] static Unseen unseen_of(std::uint64_t number, const Campaign& campaign) {
     constexpr std::uint64_t kOfItsOwn = std::uint64_t{1} << 40U;
     Random random{kOfItsOwn + number};
     Unseen unseen = random_unseen(random);
-    if (warms) {
-      unseen.turns_before = 0;
-    } else {
-      unseen.warm_up_dps = {};
-    }
+    if (campaign.warms || campaign.by_accelerometer) unseen.turns_before = 0;
+    if (!campaign.warms) unseen.warm_up_dps = {};
     return unseen;
   }
-  static const FaultyNode::Params& params_of(bool expects_warmth) {
-    static const FaultyNode::Params plain = node_params(false);
-    static const FaultyNode::Params warm = node_params(true);
-    return expects_warmth ? warm : plain;
+  static const FaultyNode::Params& params_of(const Campaign& campaign) {
+    static const FaultyNode::Params plain = node_params({});
+    static const FaultyNode::Params warm = node_params({.expects_warmth = true});
+    static const FaultyNode::Params alone = node_params({.by_accelerometer = true});
+    if (campaign.by_accelerometer) return alone;
+    return campaign.expects_warmth ? warm : plain;
   }
 
   void draw_bus_faults() {
@@ -237,6 +244,30 @@ class Drive {
     distort(rate, time_s);
     chip_.measure(rate, core::Temperature::from_degc(25.0F));
   }
+  /// Specific force of a car: acceleration, curves and the road, and the noise of the chip.
+  void measure_force(double time_s) {
+    constexpr double kGravity_mps2 = 9.80665;
+    constexpr double kNoise_g = 0.001;
+    constexpr double kRoad_g_per_mps = 0.002;
+    if (force_faults_.absent.is_on(time_s)) return;
+    const auto& row = rows_[row_];
+    const double speed = double{row.row.speed_m_s};
+    const double before = row_ == 0 ? speed : double{rows_[row_ - 1].row.speed_m_s};
+    std::array<double, 3> force_g{(speed - before) / kLsm6dsoPeriod_s / kGravity_mps2,
+                                  speed * double{row.true_rate_rad_s[2]} / kGravity_mps2, 1.0};
+    std::normal_distribution<double> shake{0.0, kNoise_g + kRoad_g_per_mps * speed};
+    std::array<core::Acceleration, 3> force{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double reading_g = force_faults_.scale * (force_g[axis] + shake(force_random_));
+      force[axis] = core::standard_gravity(static_cast<float>(reading_g));
+    }
+    if (force_faults_.frozen.is_on(time_s)) force = newest_force_;
+    newest_force_ = force;
+    if (force_faults_.infinite.is_on(time_s)) {
+      force.fill(core::standard_gravity(std::numeric_limits<float>::infinity()));
+    }
+    node_->take_acceleration(clock_.now(), force);
+  }
   void distort(std::array<core::AngularRate, 3>& rate, double time_s) {
     const auto step_rad_s = static_cast<float>(chip_faults_.rounding_dps * kDps);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -273,11 +304,15 @@ class Drive {
 
   Random random_;
   Random chip_random_;
+  Random force_random_;
+  bool by_accelerometer_;
   Unseen unseen_;
   const FaultyNode::Params& params_;
   std::vector<simulate::ScenarioRow> rows_;
   WireFaults wires_;
   ChipFaults chip_faults_;
+  ForceFaults force_faults_;
+  std::array<core::Acceleration, 3> newest_force_{};
   std::array<core::AngularRate, 3> given_{};  ///< newest conversion
   hal::sim::SimulatedClock clock_;
   SleepingClock sleeping_{clock_};
@@ -347,6 +382,12 @@ TEST(NodeOverTwoThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
 }
 TEST(NodeOverTenThousandFaultyDrives, NeverCallsWrongBiasHealthy) {
   expect_honest_health({.drives = 10'000});
+}
+TEST(NodeOverTwoThousandFaultyDrives, IsAsHonestByAnAccelerometer) {
+  expect_honest_health({.drives = 2'000, .by_accelerometer = true});
+}
+TEST(NodeOverTenThousandFaultyDrives, IsAsHonestByAnAccelerometer) {
+  expect_honest_health({.drives = 10'000, .by_accelerometer = true});
 }
 TEST(NodeOverWarmingDrives, IsWrongLessOftenByAModelWithAWarmUp) {
   const Campaign plain{.drives = 2'000, .warms = true};

@@ -32,8 +32,8 @@
 namespace zerorate::scenario {
 
 /// Learns as the Linux node does; six lags of 1/f noise and a warm-up.
-inline constexpr core::ModelShape kFaultyShape =
-    core::with_hypotheses(core::ModelShape{.decaying = 7}, model::kMostHypotheses);
+inline constexpr core::ModelShape kFaultyShape{
+    .decaying = 7, .has_accelerometer = true, .hypotheses = model::kMostHypotheses};
 using FaultyNode = app::GyroNode<kFaultyShape>;
 using Random = std::mt19937_64;
 
@@ -127,6 +127,23 @@ struct ChipFaults {
   add(faults.suspend_s < ChipFaults::kNever,
       "asleep at " + seconds(faults.suspend_s) + " for " + seconds(faults.slept_s));
   return text;
+}
+
+/// Faults of the accelerometer.
+struct ForceFaults {
+  Episode absent;      ///< no readings
+  Episode frozen;      ///< the reading from before, again and again
+  Episode infinite;    ///< no numbers
+  double scale = 1.0;  ///< of a range that is set otherwise than it is read
+};
+[[nodiscard]] inline ForceFaults random_force_faults(Random& random, double end_s) {
+  ForceFaults faults;
+  for (Episode* const episode : {&faults.absent, &faults.frozen, &faults.infinite}) {
+    if (happens(random, 0.8)) continue;
+    *episode = {.from_s = uniform(random, 0.0, end_s), .length_s = uniform(random, 0.1, 60.0)};
+  }
+  if (happens(random, 0.1)) faults.scale = happens(random, 0.5) ? 2.0 : 0.5;
+  return faults;
 }
 
 /// A clock that stands still while the machine sleeps, and says for how long it slept.
@@ -246,6 +263,7 @@ struct Unseen {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].row.time_ns = std::llround(static_cast<double>(k + 1) * kLsm6dsoPeriod_s * 1e9);
     rows[k].row.odometer_pulses = motion.odometer_pulses[k];
+    rows[k].row.speed_m_s = static_cast<float>(motion.speed_m_s[k]);
   }
   return rows;
 }
