@@ -20,8 +20,8 @@ using NodeWithForce = GyroNode<kShapeWithForce>;
 using Vector = std::array<double, 3>;
 
 constexpr core::Duration kPeriod = core::Duration::milliseconds(10);
-constexpr double kForceNoise_g = 0.01;  ///< of an axis of the accelerometer
-constexpr double kWhite_dps = 0.03;     ///< of a sample of the gyro
+constexpr double kForceNoise_g = 0.01;  ///< deviation of a reading of an axis
+constexpr double kWhite_dps = 0.03;     ///< deviation of a sample of the gyro
 /// Bias of x, y and z by the force along x, y and z [deg/s/g].
 constexpr std::array<Vector, 3> kCoefficients{Vector{0.05, -0.02, 0.01}, Vector{0.0, 0.04, 0.03},
                                               Vector{-0.03, 0.01, -0.06}};
