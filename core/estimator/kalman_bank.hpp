@@ -217,6 +217,17 @@ class KalmanBank {
     }
     return 0.0F;
   }
+  /// Coefficient of an input on an axis as it was learnt [rad/s per unit of the input]: the mean
+  /// over the hypotheses. Before a measurement it is what the model expects.
+  [[nodiscard]] constexpr float coefficient(std::size_t input, std::size_t axis) const {
+    static_assert(Shape.inputs > 0);
+    float mean = 0.0F;
+    for (std::size_t m = 0; m < count(); ++m) {
+      const auto& drift = state_.filters[m].axes[axis].drift;
+      mean += state_.weight(m, axis) * drift[Coefficients::kFirstInput + input];
+    }
+    return mean;
+  }
   /// Expectation of figure(hypothesis) on an axis; `otherwise` where the model is known.
   template <class Figure>
   [[nodiscard]] constexpr float expected(std::size_t axis, float otherwise, Figure figure) const {

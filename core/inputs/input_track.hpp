@@ -103,6 +103,7 @@ class InputTrack {
   [[nodiscard]] constexpr const Tick& measured() const { return measured_; }
   [[nodiscard]] static constexpr Tick measured(const State& state) { return state.measured; }
 
+  [[nodiscard]] constexpr const Force& accelerometer() const { return accelerometer_; }
   /// Whether the model needs a temperature, or a specific force, and none is known.
   [[nodiscard]] constexpr bool misses_temperature(Instant now) const {
     return !thermometer_.is_known(now) && terms_.follows(is_thermal);
@@ -221,6 +222,7 @@ class InputTrack {
 template <ModelShape Shape>
 requires(Shape.inputs == 0) class InputTrack<Shape> {
  public:
+  static constexpr std::size_t kInputs = 0;
   using Tick = TickInputs<Shape>;
   using Force = AccelerometerOf<Shape.has_accelerometer>;
   using State = typename Force::State;

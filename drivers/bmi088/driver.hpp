@@ -51,6 +51,8 @@ struct Settings {
 template <RegisterBus Bus, class AccelerometerBus = NoMember>
 class Bmi088 {
  public:
+  static constexpr bool kHasAccelerometer = RegisterBus<AccelerometerBus>;
+
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Bmi088(Bus bus,
@@ -131,7 +133,6 @@ class Bmi088 {
 
  private:
   enum class Stage : std::uint8_t { off, resetting, powering, waking, running };
-  static constexpr bool kHasAccelerometer = RegisterBus<AccelerometerBus>;
   static constexpr std::size_t kEntries = 9;
   static constexpr std::size_t kFrameBytes = bmi088::kFifoFrameBytes;
 

@@ -16,6 +16,10 @@ namespace zerorate::drivers {
 /// with `off` has no code and no memory for it.
 enum class Accelerometer : std::uint8_t { off, on };
 
+/// A driver, or a choice of drivers, whose samples can have the acceleration.
+template <class Gyro>
+concept MeasuresAcceleration = Gyro::kHasAccelerometer;
+
 /// Stands for a member that a driver without an accelerometer does not have.
 struct NoMember {};
 

@@ -19,7 +19,8 @@ namespace zerorate::drivers {
 /// beside a system call. Flashed images name their driver instead (docs/adr/0003).
 class AnyGyro {
  public:
-  static constexpr std::size_t kAxes = 3;  ///< a chip with one gives its rate on all three
+  static constexpr std::size_t kAxes = 3;          ///< a chip with one gives its rate on all three
+  static constexpr bool kHasAccelerometer = true;  ///< some have one
 
   AnyGyro() = default;
   AnyGyro(const AnyGyro&) = delete;

@@ -51,6 +51,8 @@ struct Settings {
 template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Icm42688 {
  public:
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Icm42688(Bus bus, icm42688::Settings settings = {})
@@ -111,7 +113,6 @@ class Icm42688 {
         scale_(scale(range)) {}
 
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
   static constexpr std::size_t kGyroEntries = 13;
   static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 1 : 0);
   static constexpr std::size_t kPacketBytes =

@@ -60,6 +60,8 @@ class Lsm6dso {
   using Chosen = lsm6dso::Chosen;
 
  public:
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Lsm6dso(Bus bus, lsm6dso::Settings settings = {})
@@ -131,7 +133,6 @@ class Lsm6dso {
         slots_(slots(range)) {}
 
   enum class Stage : std::uint8_t { off, resetting, running };
-  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
   static constexpr lsm6dso::AccelerationRange kUsualRange = lsm6dso::AccelerationRange::g_4;
   static constexpr std::size_t kEntries =
       lsm6dso::kGyroEntries + (kHasAccelerometer ? lsm6dso::kAccelerometerEntries : 0);

@@ -47,6 +47,8 @@ struct Settings {
 template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Mpu6500 {
  public:
+  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
+
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Mpu6500(Bus bus, mpu6500::Settings settings = {})
@@ -109,7 +111,6 @@ class Mpu6500 {
         accelerometer_(accelerometer(range)) {}
 
   enum class Stage : std::uint8_t { off, resetting, clearing, running };
-  static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
   static constexpr std::size_t kGyroEntries = 9;
   static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 2 : 0);
   static constexpr std::size_t kSampleBytes =

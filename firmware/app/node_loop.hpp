@@ -10,9 +10,11 @@
 #include <span>
 
 #include "core/base/time.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "firmware/app/chatter_watch.hpp"
 #include "firmware/app/gyro_node.hpp"
+#include "firmware/app/message_inputs.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/rate_watch.hpp"
 #include "firmware/app/sample_watch.hpp"
@@ -168,6 +170,10 @@ class NodeLoop {
       if (frozen != 0) continue;
       temperature_watch_.take(sample);
       RateMessage message = node_.step(sample);
+      if constexpr (drivers::MeasuresAcceleration<Gyro>) {
+        if (sample.has_acceleration) message.acceleration = sample.acceleration;
+      }
+      describe_inputs(node_.ticks(), message);
       message.health.sample_rate_off = sample_rate_.is_off();
       chatter_.take(
           sample, message.health.calibrated,

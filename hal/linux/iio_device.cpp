@@ -6,48 +6,28 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 namespace zerorate::hal::linux_os {
 namespace {
 
-constexpr std::string_view kAxisNames = "xyz";
 constexpr double kWakeUps_hz = 50.0;
 constexpr double kRoom_s = 2.0;
 
-bool is_gyro(const SysfsFolder& folder) {
-  return std::ranges::any_of(kAxisNames, [&](char axis) {
-    return folder.has(std::string{"in_anglvel_"} + axis + "_raw");
-  });
-}
-
-std::string listed(const std::vector<IioIdentity>& gyros) {
+std::string listed(const std::vector<IioIdentity>& devices) {
   std::string list;
-  for (const IioIdentity& gyro : gyros) {
-    list += (list.empty() ? "" : ", ") + gyro.node + " \"" + gyro.name + "\"";
-    if (!gyro.label.empty()) list += " labelled \"" + gyro.label + "\"";
+  for (const IioIdentity& device : devices) {
+    list += (list.empty() ? "" : ", ") + device.node + " \"" + device.name + "\"";
+    if (!device.label.empty()) list += " labelled \"" + device.label + "\"";
   }
   return list;
 }
 
-bool is_called(const IioIdentity& gyro, std::string_view wanted) {
+bool is_called(const IioIdentity& device, std::string_view wanted) {
   constexpr std::string_view kFolder = "/dev/";
   if (wanted.starts_with(kFolder)) wanted.remove_prefix(kFolder.size());
-  return wanted == gyro.node || "iio:device" + std::string{wanted} == gyro.node ||
-         wanted == gyro.name || (!gyro.label.empty() && wanted == gyro.label);
-}
-
-unsigned number_at(std::string_view& text) {
-  unsigned value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{}) return 0;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return value;
-}
-
-bool take(std::string_view& text, std::string_view prefix) {
-  if (!text.starts_with(prefix)) return false;
-  text.remove_prefix(prefix.size());
-  return true;
+  return wanted == device.node || "iio:device" + std::string{wanted} == device.node ||
+         wanted == device.name || (!device.label.empty() && wanted == device.label);
 }
 
 /// The element's place: after the one before, at a multiple of its own size.
@@ -67,83 +47,60 @@ bool is_near(double a, double b) {
 
 }  // namespace
 
-IioElement parse_iio_type(std::string_view type, const std::string& path) {
-  std::string_view rest = type;
-  IioElement element;
-  element.is_big_endian = rest.starts_with("be:");
-  bool is_right = take(rest, "be:") || take(rest, "le:");
-  element.is_signed = rest.starts_with('s');
-  is_right = is_right && (take(rest, "s") || take(rest, "u"));
-  element.bits = number_at(rest);
-  is_right = is_right && take(rest, "/");
-  const unsigned storage = number_at(rest);
-  element.bytes = storage / 8;
-  if (take(rest, ">>")) element.shift = number_at(rest);
-  const bool is_storage = storage == 8 || storage == 16 || storage == 32 || storage == 64;
-  if (!is_right || !rest.empty() || !is_storage || element.bits == 0 ||
-      element.bits + element.shift > storage) {
-    throw KernelFileError(path, "\"" + std::string{type} + "\" is no layout that is understood",
-                          "expected is one as \"le:s16/16>>0\"");
-  }
-  return element;
-}
-
-std::int64_t IioElement::decode(std::span<const std::uint8_t> scan) const {
-  std::uint64_t value = 0;
-  for (unsigned i = 0; i < bytes; ++i) {
-    const unsigned significance = is_big_endian ? bytes - 1 - i : i;
-    value |= std::uint64_t{scan[offset + i]} << (8 * significance);
-  }
-  const unsigned unused = 64 - bits;
-  value = (value >> shift) << unused;
-  if (is_signed) return static_cast<std::int64_t>(value) >> unused;
-  return static_cast<std::int64_t>(value >> unused);
-}
-
-std::vector<IioIdentity> find_iio_gyros(const IioPlaces& places) {
-  std::vector<IioIdentity> gyros;
+std::vector<IioIdentity> find_iio_devices(const IioPlaces& places, const IioQuantity& quantity) {
+  std::vector<IioIdentity> devices;
   for (const std::string& entry : SysfsFolder{places.sysfs}.entries()) {
     const SysfsFolder folder{places.sysfs + "/" + entry};
-    if (!entry.starts_with("iio:device") || !is_gyro(folder)) continue;
-    gyros.push_back({entry, folder.text_or("name", ""), folder.text_or("label", "")});
+    if (!entry.starts_with("iio:device") || !has_axes(folder, quantity)) continue;
+    devices.push_back({entry, folder.text_or("name", ""), folder.text_or("label", "")});
   }
-  std::ranges::sort(gyros, [](const IioIdentity& a, const IioIdentity& b) {
+  std::ranges::sort(devices, [](const IioIdentity& a, const IioIdentity& b) {
     return std::pair{a.node.size(), a.node} < std::pair{b.node.size(), b.node};
   });
-  return gyros;
+  return devices;
 }
 
-IioIdentity find_iio_gyro(const IioPlaces& places, std::string_view wanted) {
-  const std::vector<IioIdentity> all = find_iio_gyros(places);
+IioIdentity find_iio_device(const IioPlaces& places, const IioQuantity& quantity,
+                            std::string_view wanted) {
+  const std::vector<IioIdentity> all = find_iio_devices(places, quantity);
+  const std::string sensor{quantity.sensor};
   std::vector<IioIdentity> found;
   std::ranges::copy_if(all, std::back_inserter(found),
-                       [&](const IioIdentity& gyro) { return is_called(gyro, wanted); });
+                       [&](const IioIdentity& device) { return is_called(device, wanted); });
   if (found.size() == 1) return found.front();
   const std::string quoted = "\"" + std::string{wanted} + "\"";
   if (!found.empty()) {
-    throw KernelFileError(places.sysfs, "several gyros are called " + quoted,
+    throw KernelFileError(places.sysfs, "several " + sensor + "s are called " + quoted,
                           "give its number or label: " + listed(found));
   }
-  throw KernelFileError(places.sysfs, "no gyro is called " + quoted,
+  throw KernelFileError(places.sysfs, "no " + sensor + " is called " + quoted,
                         all.empty() ? "there is none; is the driver's module loaded and bound?"
                                     : "there are " + listed(all));
 }
 
-std::optional<std::string> rate_attribute(const SysfsFolder& device) {
-  return device.first_of({"sampling_frequency", "in_anglvel_sampling_frequency"});
-}
-
-IioDevice::IioDevice(const IioPlaces& places, std::string_view wanted, const IioWishes& wishes)
-    : identity_(find_iio_gyro(places, wanted)),
+IioDevice::IioDevice(const IioPlaces& places, const IioQuantity& quantity, std::string_view wanted,
+                     const IioWishes& wishes)
+    : identity_(find_iio_device(places, quantity, wanted)),
       nodes_(places.nodes),
       devices_(places.sysfs),
       calls_(places.calls != nullptr ? places.calls : &real_calls()),
-      folder_(places.sysfs + "/" + identity_.node) {
-  find_channels();
+      folder_(places.sysfs + "/" + identity_.node),
+      axes_(folder_, quantity) {
+  if (wishes.acceleration_range_m_s2) acceleration_.emplace(folder_, kIioAcceleration);
+  find_thermometer();
   if (has_buffer()) open_node();
-  set_scale(wishes.full_scale_rad_s);
-  set_rate(wishes.rate_hz);
-  read_mounting();
+  set_range(axes_, wishes.full_scale);
+  const auto rate = rate_attribute(folder_, quantity);
+  rate_hz_ = set_rate(rate, wishes.rate_hz);
+  if (!acceleration_) return;
+  set_range(*acceleration_, *wishes.acceleration_range_m_s2);
+  const auto rate_of_acceleration = rate_attribute(folder_, kIioAcceleration);
+  if (rate_of_acceleration != rate) (void)set_rate(rate_of_acceleration, wishes.rate_hz);
+}
+
+void IioDevice::set_range(IioAxes& axes, double full_scale) {
+  axes.set_range(full_scale);
+  keep(axes.scale_attribute());
 }
 
 /// Settings of a device whose buffer runs cannot be changed. Who has the node has the device.
@@ -161,12 +118,7 @@ void IioDevice::open_node() {
   if (folder_.text("buffer/enable") != "0") folder_.write("buffer/enable", "0");
 }
 
-void IioDevice::find_channels() {
-  for (const char axis : kAxisNames) {
-    std::string channel = std::string{"in_anglvel_"} + axis;
-    if (folder_.has(channel + "_raw")) axes_.push_back(std::move(channel));
-  }
-  if (axes_.size() == 2) throw KernelFileError(folder_.path(), "a gyro of two axes");
+void IioDevice::find_thermometer() {
   for (const char* const name : {"in_temp", "in_temp0"}) {
     if (folder_.has(std::string{name} + "_raw")) temperature_ = name;
   }
@@ -179,38 +131,8 @@ void IioDevice::find_channels() {
   }
 }
 
-void IioDevice::set_scale(double full_scale_rad_s) {
-  constexpr double kCounts = 32768.0;
-  constexpr double kRounding = 0.99;  // a scale may be given with two digits (bmg160)
-  const auto attribute = folder_.first_of({"in_anglvel_scale", axes_[0] + "_scale"});
-  if (!attribute) throw KernelFileError(folder_.path_of("in_anglvel_scale"), ENOENT);
-  const auto choices = folder_.first_of(
-      {"in_anglvel_scale_available", "anglvel_scale_available", axes_[0] + "_scale_available"});
-  const auto holds = [&](double scale) { return scale * kCounts >= kRounding * full_scale_rad_s; };
-  if (choices) {
-    auto scales = parse_numbers(folder_.text(*choices), folder_.path_of(*choices));
-    std::ranges::sort(scales);
-    const auto smallest = std::ranges::find_if(scales, holds);
-    if (smallest == scales.end()) {
-      throw KernelFileError(folder_.path_of(*choices), "no range is so large as full_scale_dps");
-    }
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), *smallest,
-                                   std::chars_format::fixed, 9);
-    folder_.write(*attribute, {digits.data(), end.ptr});
-  }
-  scale_ = folder_.number(*attribute);
-  if (!(scale_ > 0.0)) throw KernelFileError(folder_.path_of(*attribute), "not above 0");
-  if (!choices && !holds(scale_)) {
-    throw KernelFileError(folder_.path_of(*attribute), "the range is smaller than full_scale_dps");
-  }
-  keep(*attribute);
-}
-
-void IioDevice::set_rate(double rate_hz) {
-  rate_hz_ = rate_hz;
-  const auto attribute = rate_attribute(folder_);
-  if (!attribute) return;  // the driver has none; the rate is that of the polling
+double IioDevice::set_rate(const std::optional<std::string>& attribute, double rate_hz) {
+  if (!attribute) return rate_hz;  // the driver has none; the rate is that of the polling
   const std::string available = folder_.text_or(*attribute + "_available", "");
   std::string written;
   std::size_t begin = 0;
@@ -234,23 +156,13 @@ void IioDevice::set_rate(double rate_hz) {
                           "it offers " + available);
   }
   folder_.write(*attribute, written);
-  rate_hz_ = folder_.number(*attribute);
-  if (!is_near(rate_hz_, rate_hz)) {
+  const double told_hz = folder_.number(*attribute);
+  if (!is_near(told_hz, rate_hz)) {
     throw KernelFileError(folder_.path_of(*attribute), "reads " + folder_.text(*attribute) +
                                                            " after " + written + " was written");
   }
   keep(*attribute);
-}
-
-void IioDevice::read_mounting() {
-  const auto attribute =
-      folder_.first_of({"in_anglvel_mount_matrix", "in_mount_matrix", "mount_matrix"});
-  if (!attribute) return;
-  const auto numbers = parse_numbers(folder_.text(*attribute), folder_.path_of(*attribute));
-  if (numbers.size() != 9) {
-    throw KernelFileError(folder_.path_of(*attribute), "not nine numbers");
-  }
-  for (std::size_t i = 0; i < numbers.size(); ++i) mounting_.at(i / 3).at(i % 3) = numbers[i];
+  return told_hz;
 }
 
 double IioDevice::celsius(std::int64_t raw) const {
@@ -294,14 +206,21 @@ void IioDevice::take_trigger() const {
                         "is the chip's interrupt line in the device tree?");
 }
 
+std::vector<std::string> IioDevice::scanned_channels() const {
+  std::vector<std::string> channels = axes_.names();
+  if (acceleration_) std::ranges::copy(acceleration_->names(), std::back_inserter(channels));
+  return channels;
+}
+
 void IioDevice::lay_out_scan() {
+  const std::vector<std::string> channels = scanned_channels();
   const std::string temperature = temperature_.empty() ? "in_temp" : temperature_;
   std::vector<std::pair<int, std::string>> order;
   for (const std::string& entry : SysfsFolder{folder_.path_of("scan_elements")}.entries()) {
     if (!entry.ends_with("_en")) continue;
     const std::string channel = entry.substr(0, entry.size() - 3);
     const bool is_wanted = channel == "in_timestamp" || channel == temperature ||
-                           std::ranges::find(axes_, channel) != axes_.end();
+                           std::ranges::find(channels, channel) != channels.end();
     const std::string enable = "scan_elements/" + entry;
     const std::string wanted = is_wanted ? "1" : "0";
     if (folder_.text(enable) != wanted) folder_.write(enable, wanted);
@@ -309,7 +228,7 @@ void IioDevice::lay_out_scan() {
     if (is_wanted) order.emplace_back(static_cast<int>(index), channel);
   }
   std::ranges::sort(order);
-  elements_.assign(axes_.size(), {});
+  elements_.assign(channels.size(), {});
   temperature_element_.reset();
   std::size_t end = 0;
   std::size_t largest = 1;
@@ -318,8 +237,10 @@ void IioDevice::lay_out_scan() {
     IioElement element = parse_iio_type(folder_.text(type), folder_.path_of(type));
     end = place(element, end);
     largest = std::max<std::size_t>(largest, element.bytes);
-    const auto axis = std::ranges::find(axes_, channel);
-    if (axis != axes_.end()) elements_.at(static_cast<std::size_t>(axis - axes_.begin())) = element;
+    const auto axis = std::ranges::find(channels, channel);
+    if (axis != channels.end()) {
+      elements_.at(static_cast<std::size_t>(axis - channels.begin())) = element;
+    }
     if (channel == temperature) temperature_element_ = element;
     if (channel == "in_timestamp") stamp_ = element;
   }
@@ -366,19 +287,23 @@ core::Result<std::optional<IioScan>, int> IioDevice::next_scan() {
   begin_ += scan_bytes_;
   IioScan scan;
   scan.time = core::Instant{} + core::Duration::nanoseconds(stamp_.decode(bytes));
+  const std::size_t axes = axes_.names().size();
   for (std::size_t i = 0; i < scan.raw.size(); ++i) {
-    scan.raw.at(i) = elements_[std::min(i, elements_.size() - 1)].decode(bytes);
+    scan.raw.at(i) = elements_[std::min(i, axes - 1)].decode(bytes);
+  }
+  if (acceleration_) {
+    scan.acceleration.emplace();
+    for (std::size_t i = 0; i < scan.acceleration->size(); ++i) {
+      scan.acceleration->at(i) = elements_.at(axes + i).decode(bytes);
+    }
   }
   if (temperature_element_) scan.temperature = temperature_element_->decode(bytes);
   return std::optional{scan};
 }
 
 IioScan IioDevice::read_attributes() const {
-  IioScan scan;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    scan.raw.at(i) = static_cast<std::int64_t>(folder_.number(axes_[i] + "_raw"));
-  }
-  if (axes_.size() == 1) scan.raw.fill(scan.raw[0]);
+  IioScan scan{.raw = axes_.read()};
+  if (acceleration_) scan.acceleration = acceleration_->read();
   return scan;
 }
 

@@ -18,6 +18,9 @@
 
 namespace zerorate::hal::sim {
 
+class SimulatedBmi088Module;
+struct SimulatedBmi088Spi;
+
 /// The gyro die (Bosch BST-BMI088-DS001, 5.4 and 5.5): identity, reset values, software reset,
 /// power-up transient, rounding and clipping, data-ready flag that falls by itself, FIFO with
 /// watermark and overrun, INT3.
@@ -30,6 +33,7 @@ namespace zerorate::hal::sim {
 class SimulatedBmi088 : public SimulatedRegisters<64> {
  public:
   static constexpr std::string_view kName = "bmi088";
+  using Module = SimulatedBmi088Module;  ///< with the accelerometer
 
   /// @param clock the simulation's time; must outlive the chip
   explicit SimulatedBmi088(const SimulatedClock& clock) : SimulatedRegisters(clock) {
@@ -108,6 +112,8 @@ static_assert(RegisterChip<SimulatedBmi088Accelerometer>);
 /// Both dies of one module.
 class SimulatedBmi088Module : public SimulatedBmi088 {
  public:
+  using Spi = SimulatedBmi088Spi;  ///< both dies on SPI
+
   explicit SimulatedBmi088Module(const SimulatedClock& clock)
       : SimulatedBmi088(clock), accelerometer_(clock) {}
 
@@ -156,6 +162,15 @@ class SimulatedBmi088I2c {
   SimulatedI2cBus<SimulatedBmi088> gyro_;
   SimulatedI2cBus<SimulatedBmi088Accelerometer> accelerometer_;
   I2cAddress accelerometer_address_;
+};
+
+/// An SpiDevice for each die. The accelerometer sends a dummy byte first (DS001, 6.1.2).
+struct SimulatedBmi088Spi {
+  explicit SimulatedBmi088Spi(SimulatedBmi088Module& module)
+      : gyro(module), accelerometer(module.accelerometer()) {}
+
+  SimulatedSpiDevice<SimulatedBmi088> gyro;
+  SimulatedSpiDevice<SimulatedBmi088Accelerometer, 1> accelerometer;
 };
 
 }  // namespace zerorate::hal::sim

@@ -19,7 +19,8 @@ namespace zerorate::hal::sim {
 
 /// An SpiDevice: while selected, the first byte is the address with bit 7 set to read; every byte
 /// after it is data.
-template <RegisterChip Chip>
+/// @tparam kDummies  bytes without meaning before what is read, as some dies send them
+template <RegisterChip Chip, std::size_t kDummies = 0>
 class SimulatedSpiDevice {
  public:
   explicit SimulatedSpiDevice(Chip& chip) : chip_(&chip) {}
@@ -41,6 +42,11 @@ class SimulatedSpiDevice {
   std::uint8_t exchange(std::uint8_t sent) {
     if (!command_) {
       command_ = sent;
+      dummies_ = (sent & kRead) != 0 ? kDummies : 0;
+      return kUndriven;
+    }
+    if (dummies_ > 0) {
+      --dummies_;
       return kUndriven;
     }
     const auto address = static_cast<std::uint8_t>(*command_ & ~kRead);
@@ -54,6 +60,7 @@ class SimulatedSpiDevice {
   static constexpr std::uint8_t kUndriven = 0xFF;  // a pulled-up line while the chip listens
   Chip* chip_;
   std::optional<std::uint8_t> command_;  // address of the next byte and the read bit
+  std::size_t dummies_ = 0;              // still to come
 };
 
 /// - `exchange_frame(command)` takes a command and gives the reply to the one before

@@ -96,6 +96,7 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
   }
 }
 
+constexpr std::string_view kAccelerationRange = "acceleration_range_g";
 constexpr std::array<std::string_view, 3> kBuses{"spi", "i2c", "iio"};
 
 /// False where the table names none that exists.
@@ -123,6 +124,23 @@ void read_simulation(StrictTable& table, GyroSettings& gyro, ErrorList& errors) 
   errors.attempt([&] { gyro.drives = table.boolean("drives", Presence::optional).value_or(true); });
 }
 
+/// Whether the acceleration is to be read; its other keys stand beside that one only.
+bool reads_acceleration(StrictTable& table) {
+  const bool is_on = table.boolean("acceleration", Presence::optional).value_or(false);
+  const bool has_range = table.find(kAccelerationRange, "", Presence::optional) != nullptr;
+  if (has_range && !is_on)
+    table.fail_at(kAccelerationRange, "stands only beside acceleration = true");
+  return is_on;
+}
+
+void read_iio_acceleration(StrictTable& table, GyroSettings& gyro) {
+  constexpr double kUsualRange_g = 4.0;
+  if (!reads_acceleration(table)) return;
+  gyro.accelerometer_device = *name_at(table, "accelerometer_device", Presence::required);
+  gyro.acceleration_range_g =
+      table.number(kAccelerationRange, kPositive, Presence::optional).value_or(kUsualRange_g);
+}
+
 /// A gyro of the kernel's: its chip may be one that we have no driver for.
 void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   constexpr double kUsualRange_dps = 250.0;
@@ -134,12 +152,7 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
     if (gyro.is_simulated()) table.fail_at("chip", "\"simulated\" is on no bus");
   });
   errors.attempt([&] { gyro.rate_hz = *table.number("rate_hz", kPositive, Presence::required); });
-  errors.attempt([&] {
-    for (const std::string_view key : {"acceleration", "acceleration_range_g"}) {
-      if (table.find(key, "", Presence::optional) == nullptr) continue;
-      table.fail_at(key, "not through a driver of the kernel: bus = \"spi\" or \"i2c\" reads it");
-    }
-  });
+  errors.attempt([&] { read_iio_acceleration(table, gyro); });
   errors.attempt([&] {
     const ChipDescription* const chip = find_chip(gyro.chip);
     const bool has_one_range = chip != nullptr && chip->full_scales_dps.size() == 1;
@@ -165,18 +178,15 @@ void read_second_die(StrictTable& table, const ChipDescription& chip, GyroSettin
 }
 
 void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
-  constexpr std::string_view kRange = "acceleration_range_g";
-  const bool has_range = table.find(kRange, "", Presence::optional) != nullptr;
-  const bool is_on = table.boolean("acceleration", Presence::optional).value_or(false);
+  const bool is_on = reads_acceleration(table);
   if (is_on && chip.acceleration_ranges_g.empty()) {
     table.fail_at("acceleration",
                   "no accelerometer of the chip is read; leave the key out, or set it to false");
   }
-  if (has_range && !is_on) table.fail_at(kRange, "stands only beside acceleration = true");
   if (!is_on) return;
   read_second_die(table, chip, gyro);
-  gyro.acceleration_range_g =
-      one_of(table, kRange, chip.acceleration_ranges_g, chip.usual_acceleration_range_g);
+  gyro.acceleration_range_g = one_of(table, kAccelerationRange, chip.acceleration_ranges_g,
+                                     chip.usual_acceleration_range_g);
 }
 
 void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/attitude.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 
 namespace zerorate::linux_node {
@@ -141,6 +143,23 @@ void add_sinks(Text& text, const NodeService& service) {
   }
 }
 
+void add_attitude(Text& text, const core::Attitude& attitude) {
+  text.gauge("tilt_deg", "Angle between the sensor's z axis and the vertical.",
+             attitude.tilt.in(core::deg));
+  text.gauge("roll_deg", "Turn of the sensor about x from level.", attitude.roll.in(core::deg));
+  text.gauge("pitch_deg", "Turn of the sensor about y from level.", attitude.pitch.in(core::deg));
+}
+
+void add_explained(Text& text, const std::array<app::ExplainedBias, 3>& explained) {
+  for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+    text.head(share.name, "Share of the bias that this input explains, in deg/s.", "gauge");
+    for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
+      text.sample(share.name, (explained.at(i).*share.rate).in(core::deg_per_s), "axis",
+                  kAxisNames.at(i));
+    }
+  }
+}
+
 void add_message(Text& text, const app::RateMessage& message) {
   text.gauge("motion", "0 moving, 1 settling, 2 still.", static_cast<float>(message.motion));
   text.head("health", "Flags of the newest message.", "gauge");
@@ -153,6 +172,12 @@ void add_message(Text& text, const app::RateMessage& message) {
   }
   text.rates("bias_dps", "Predicted bias in deg/s.", message, &app::AxisRate::bias);
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
+  if (message.up) add_attitude(text, core::attitude_of(*message.up));
+  if (message.vibration) {
+    text.gauge("vibration_mps2", "Root mean square of the newest tick's specific force, in m/s2.",
+               message.vibration->in(core::m_per_s2));
+  }
+  if (message.explained) add_explained(text, *message.explained);
 }
 
 void add_learnt_figures(Text& text, std::string_view quantity_name, std::string_view help,

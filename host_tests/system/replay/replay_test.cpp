@@ -107,6 +107,40 @@ TEST(ReplayThroughEveryChip, AgreesToItsRounding) {
   }
 }
 
+TEST(ReplayThroughEveryChip, GivesItTheAcceleration) {
+  const ScratchFolder folder;
+  constexpr std::size_t kLost = 1500;
+  auto rows = rows_at_rest(3000, 0.01, 1);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double tilt = 1e-3 * static_cast<double>(k);
+    rows[k].acceleration_m_s2 = {static_cast<float>(9.8 * std::sin(tilt)), -0.5F,
+                                 static_cast<float>(9.8 * std::cos(tilt))};
+  }
+  rows[kLost].acceleration_m_s2 = recording::kNoAcceleration;
+  for (const ChipUnderTest& under_test : kChips) {
+    SCOPED_TRACE(under_test.chip);
+    recording::Columns columns = under_test.columns;
+    columns.acceleration = true;
+    const auto path = write_rows(folder.path() / "tilting.csv", columns, rows);
+    const Replayed chip = replay_file(path, {.model = sensor_model(),
+                                             .schedule = kShortDrives,
+                                             .through = Through::chip,
+                                             .chip = under_test.chip});
+    EXPECT_EQ(chip.result.loop.read_errors, 0U);
+    ASSERT_EQ(chip.messages.size(), rows.size());
+    const bool has_accelerometer = std::string{under_test.chip} != "adxrs453";
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto& measured = chip.messages[k].acceleration;
+      ASSERT_EQ(measured.has_value(), has_accelerometer && k != kLost) << k;
+      for (std::size_t axis = 0; axis < 3 && measured; ++axis) {
+        // Half an LSB of the widest usual range, 6 g of the BMI088, and single precision.
+        ASSERT_NEAR(measured->at(axis).in(core::m_per_s2), rows[k].acceleration_m_s2[axis],
+                    0.5 * 9.80665 * 6.0 / 32768.0 + 1e-6);
+      }
+    }
+  }
+}
+
 TEST(ReplayThroughAChipOfOneAxis, RefusesThreeAxes) {
   const ScratchFolder folder;
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows_at_rest(100, 0.01, 1));

@@ -11,8 +11,10 @@
 #include <numbers>
 #include <random>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "core/base/attitude.hpp"
 #include "core/base/crc32.hpp"
 #include "core/base/earth_rate.hpp"
 #include "core/base/numeric.hpp"
@@ -246,6 +248,31 @@ TEST(EarthRateOfAnAxisThatPointsDown, HasTheOtherSign) {
   EXPECT_GT(up.vertical_rad_s[0], 0.0F);
   EXPECT_EQ(down.vertical_rad_s[0], -up.vertical_rad_s[0]);
   EXPECT_EQ(down.heading_variance_rad2_s2, up.heading_variance_rad2_s2);
+}
+
+TEST(AngleOfAVector, IsThatOfTheLibraryInEveryOctant) {
+  for (int degree = -180; degree <= 180; ++degree) {
+    const double angle = degree * std::numbers::pi / 180.0;
+    const auto x = static_cast<float>(3.0 * std::cos(angle));
+    const auto y = static_cast<float>(3.0 * std::sin(angle));
+    EXPECT_NEAR(double{angle_of(y, x).in(rad)}, std::atan2(double{y}, double{x}), 1e-6) << degree;
+  }
+  EXPECT_EQ(angle_of(0.0F, 0.0F), Angle{});
+}
+
+TEST(AttitudeOfASensor, IsThatOfTheRotationsThatTiltedIt) {
+  // Up in the sensor's axes, after a pitch and then a roll: the last row of the product of both.
+  for (const auto& [roll_deg, pitch_deg] :
+       {std::pair{0.0, 0.0}, {10.0, 0.0}, {0.0, -20.0}, {170.0, 35.0}, {-120.0, -80.0}}) {
+    const double roll = roll_deg * std::numbers::pi / 180.0;
+    const double pitch = pitch_deg * std::numbers::pi / 180.0;
+    const Attitude attitude = attitude_of({static_cast<float>(-std::sin(pitch)),
+                                           static_cast<float>(std::cos(pitch) * std::sin(roll)),
+                                           static_cast<float>(std::cos(pitch) * std::cos(roll))});
+    EXPECT_NEAR(attitude.roll.in(deg), roll_deg, 1e-3);
+    EXPECT_NEAR(attitude.pitch.in(deg), pitch_deg, 1e-3);
+    EXPECT_NEAR(attitude.tilt.in(rad), std::acos(std::cos(pitch) * std::cos(roll)), 1e-3);
+  }
 }
 
 }  // namespace

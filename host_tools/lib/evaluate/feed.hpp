@@ -51,9 +51,12 @@ class ChipFeed {
  public:
   /// Powers the chip on so long before the first sample that its start-up is over by then.
   /// @param has_data_ready false: the wire of its pin is broken
-  ChipFeed(Node& node, const SimulatedChip& chip, core::Instant first_sample, bool has_data_ready)
+  /// @param has_acceleration whether samples have one, for the chip's accelerometer where it has
+  /// one
+  ChipFeed(Node& node, const SimulatedChip& chip, core::Instant first_sample, bool has_data_ready,
+           bool has_acceleration)
       : clock_(first_sample - kStartUp),
-        gyro_(chip.make(clock_)),
+        gyro_(chip.make(clock_, has_acceleration && chip.has_accelerometer)),
         loop_(node, *gyro_, odometer_, has_data_ready ? gyro_->interrupt() : loose_wire_, clock_,
               sink_) {
     // No further than that: a chip that measures whenever it is read would give samples of nothing.
@@ -66,7 +69,7 @@ class ChipFeed {
   app::RateMessage feed(const core::GyroSample& sample, std::span<const core::Instant> pulses) {
     clock_.advance_to(sample.time);
     for (const core::Instant pulse : pulses) odometer_.pulse(pulse);
-    gyro_->measure(sample.rate, sample.temperature);
+    gyro_->measure(sample);
     sink_.message.reset();
     loop_.poll();
     // A sample that the driver dropped (a fault, a restart) leaves its time without a rate.

@@ -320,7 +320,7 @@ void run(BufferedRows& rows, const recording::Reader& reader, const ReplayOption
   using Node = typename Run<Shape>::Node;
   if (options.through == Through::chip) {
     run->to_the_end(ChipFeed<Node>{run->node(), find_simulated_chip(options.chip), run->start(),
-                                   options.has_data_ready});
+                                   options.has_data_ready, reader.columns().acceleration});
   } else {
     run->to_the_end(DirectFeed<Node>{run->node(), result.axis_count});
   }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "drivers/chips/chips.hpp"
+#include "drivers/common/acceleration.hpp"
 #include "drivers/common/any_gyro.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
+#include "hal/sim/accelerometer.hpp"
 #include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
 
@@ -25,6 +28,9 @@ struct Wiring {
   hal::sim::DataReadyPin no_pin;
 };
 
+/// A force beyond every range: the driver gives a sample without acceleration.
+constexpr core::Acceleration kBeyondRange = core::standard_gravity(1000.0F);
+
 /// @tparam Device  how the chip hangs on SPI
 template <class Simulated, class Device, class Driver>
 class Assembled final
@@ -32,9 +38,13 @@ class Assembled final
  public:
   using drivers::ErasedGyro<Wiring<Simulated, Device>, Driver, SimulatedGyro>::ErasedGyro;
 
-  void measure(const std::array<core::AngularRate, 3>& rate,
-               core::Temperature temperature) override {
-    this->wiring().chip.measure(rate, temperature);
+  void measure(const core::GyroSample& sample) override {
+    if constexpr (drivers::MeasuresAcceleration<Driver>) {
+      hal::sim::SimulatedAccelerometer::Force force = sample.acceleration;
+      if (!sample.has_acceleration) force.fill(kBeyondRange);
+      this->wiring().chip.set_specific_force(force);
+    }
+    this->wiring().chip.measure(sample.rate, sample.temperature);
   }
   hal::sim::DataReadyPin& interrupt() override {
     if constexpr (requires { this->wiring().chip.interrupt(); }) {
@@ -45,30 +55,64 @@ class Assembled final
   }
 };
 
-template <class Simulated, template <class> class Driver, class Device, class Link, class Settings>
-std::unique_ptr<SimulatedGyro> assemble(const hal::sim::SimulatedClock& clock,
-                                        const Settings& settings) {
-  using OnLink = Driver<Link>;
+/// @param link  makes from the device what the driver talks through
+/// @param settings  what the driver takes besides the link
+template <class Simulated, class Device, template <class> class Driver, class Link,
+          class... Settings>
+std::unique_ptr<SimulatedGyro> assemble(const hal::sim::SimulatedClock& clock, Link link,
+                                        const Settings&... settings) {
+  using OnLink = Driver<std::invoke_result_t<Link, Device&>>;
   return std::make_unique<Assembled<Simulated, Device, OnLink>>(
       [&](Wiring<Simulated, Device>& wiring) {
-        return OnLink{Link{wiring.device}, settings};
+        return OnLink{link(wiring.device), settings...};
       },
       clock);
 }
 
+template <class Simulated>
+using SpiOf = hal::sim::SimulatedSpiDevice<Simulated>;
+template <class Simulated>
+constexpr auto kRegisters = [](SpiOf<Simulated>& device) { return drivers::SpiRegisters{device}; };
+
+/// The driver that reads the accelerometer, too.
+template <drivers::AccelerometerChipEntry Chip, class Simulated>
+std::unique_ptr<SimulatedGyro> make_with_acceleration(const hal::sim::SimulatedClock& clock) {
+  const auto range = std::ranges::find_if(Chip::kAccelerationRanges, [](const auto& choice) {
+                       return choice.value == Chip::kUsualAccelerationRange_g;
+                     })->code;
+  const typename Chip::Settings settings{};
+  if constexpr (drivers::TwoDieChipEntry<Chip>) {
+    using Device = typename Simulated::Module::Spi;
+    const auto link = [](Device& device) {
+      return Chip::buses(
+          drivers::SpiRegisters{device.gyro},
+          typename Chip::template AccelerometerSpi<
+              std::remove_reference_t<decltype(device.accelerometer)>>{device.accelerometer});
+    };
+    return assemble<typename Simulated::Module, Device, Chip::template DriverWithAcceleration>(
+        clock, link, settings, range);
+  } else {
+    return assemble<Simulated, SpiOf<Simulated>, Chip::template DriverWithAcceleration>(
+        clock, kRegisters<Simulated>, settings, range);
+  }
+}
+
 template <class Chip, class Simulated>
-std::unique_ptr<SimulatedGyro> make(const hal::sim::SimulatedClock& clock) {
+std::unique_ptr<SimulatedGyro> make(const hal::sim::SimulatedClock& clock,
+                                    [[maybe_unused]] bool reads_accelerometer) {
+  if constexpr (drivers::AccelerometerChipEntry<Chip>) {
+    if (reads_accelerometer) return make_with_acceleration<Chip, Simulated>(clock);
+  }
   if constexpr (drivers::RegisterChipEntry<Chip>) {
-    using Device = hal::sim::SimulatedSpiDevice<Simulated>;
-    return assemble<Simulated, Chip::template Driver, Device, drivers::SpiRegisters<Device>>(
-        clock, typename Chip::Settings{});
+    return assemble<Simulated, SpiOf<Simulated>, Chip::template Driver>(
+        clock, kRegisters<Simulated>, typename Chip::Settings{});
   } else {
     using Device = hal::sim::SimulatedFrameSpi<Simulated>;
     // The chip has no rate of its own; shorter than any recording's, each row is due.
     const auto settings =
         Chip::settings(core::Duration::microseconds(1), Chip::kFullScales[0].code, false);
-    return assemble<Simulated, Chip::template Driver, Device, drivers::SpiFrames<Device>>(clock,
-                                                                                          settings);
+    return assemble<Simulated, Device, Chip::template Driver>(
+        clock, [](Device& device) { return drivers::SpiFrames{device}; }, settings);
   }
 }
 
@@ -77,8 +121,10 @@ template <class Chip>
 void add(std::vector<SimulatedChip>& chips) {
   hal::sim::AllSimulatedChips::for_each([&]<class Simulated> {
     if constexpr (Simulated::kName == Chip::kName) {
-      chips.push_back(
-          {.name = Chip::kName, .axis_count = Chip::kAxes, .make = make<Chip, Simulated>});
+      chips.push_back({.name = Chip::kName,
+                       .axis_count = Chip::kAxes,
+                       .has_accelerometer = drivers::AccelerometerChipEntry<Chip>,
+                       .make = make<Chip, Simulated>});
     }
   });
 }

@@ -2,7 +2,6 @@
 /// Any of the simulated chips with its bus and its driver, as one GyroSource.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -14,12 +13,11 @@
 
 namespace zerorate::evaluate {
 
-/// A gyro whose read() returns the rate given to measure(), rounded as the chip rounds.
+/// A gyro whose read() returns the sample given to measure(), rounded as the chip rounds.
 class SimulatedGyro : public drivers::AnyGyro {
  public:
   /// One conversion of the chip, at the time of its clock.
-  virtual void measure(const std::array<core::AngularRate, 3>& rate,
-                       core::Temperature temperature) = 0;
+  virtual void measure(const core::GyroSample& sample) = 0;
   /// Data-ready pin of the chip's conversions; a chip without a pin never drives it.
   virtual hal::sim::DataReadyPin& interrupt() = 0;
 };
@@ -28,9 +26,13 @@ class SimulatedGyro : public drivers::AnyGyro {
 struct SimulatedChip {
   std::string_view name;
   std::size_t axis_count;  ///< 3, or 1, which is z and comes out on all three
-  /// In data-ready mode and over SPI, at the driver's default range.
+  bool has_accelerometer;
+  /// In data-ready mode and over SPI, at the driver's default ranges.
   /// @param clock must outlive the gyro
-  std::unique_ptr<SimulatedGyro> (*make)(const hal::sim::SimulatedClock& clock);
+  /// @param reads_accelerometer whether the driver reads the accelerometer, which the chip must
+  /// have
+  std::unique_ptr<SimulatedGyro> (*make)(const hal::sim::SimulatedClock& clock,
+                                         bool reads_accelerometer);
 };
 
 /// All chips, by name.

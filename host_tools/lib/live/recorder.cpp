@@ -33,12 +33,12 @@ Recorder::Recorder(RecorderSettings settings) : settings_(std::move(settings)) {
 void Recorder::check_columns() const {
   const recording::Columns& columns = writer_->columns();
   const std::size_t axes = settings_.axis ? 1 : recording::kMaxAxes;
-  const bool is_too_much = columns.acceleration || columns.still || columns.ref_heading ||
-                           columns.ref_rate || columns.ref_speed;
+  const bool is_too_much =
+      columns.still || columns.ref_heading || columns.ref_rate || columns.ref_speed;
   if (columns.axis_count == axes && !is_too_much) return;
   throw recording::Error{{settings_.path.string()},
                          "other columns than this recording has",
-                         "the same axes, and no acceleration, still or reference column",
+                         "the same axes, and no still or reference column",
                          "Name the same axis, or choose another file."};
 }
 
@@ -53,6 +53,7 @@ void Recorder::take(const wire::NumberedMessage& numbered, std::int64_t utc_ns) 
   count_pulses(message);
   has_temperature_ |= message.temperature.has_value();
   has_pulses_ |= message.odometer_pulses.has_value();
+  has_acceleration_ |= message.acceleration.has_value();
   const recording::Row row = row_of(message);
   if (writer_) {
     write(row);
@@ -132,13 +133,17 @@ recording::Row Recorder::row_of(const app::RateMessage& message) const {
   }
   if (settings_.axis) row.rate_rad_s[0] = row.rate_rad_s.at(*settings_.axis);
   if (message.temperature) row.temperature_degc = message.temperature->degc();
+  for (std::size_t i = 0; i < row.acceleration_m_s2.size() && message.acceleration; ++i) {
+    row.acceleration_m_s2.at(i) = message.acceleration->at(i).in(core::m_per_s2);
+  }
   return row;
 }
 
 void Recorder::begin_file() {
   const recording::Columns columns{.axis_count = settings_.axis ? 1 : recording::kMaxAxes,
                                    .temperature = has_temperature_,
-                                   .odometer = has_pulses_};
+                                   .odometer = has_pulses_,
+                                   .acceleration = has_acceleration_};
   writer_.emplace(settings_.path, columns, settings_.comment);
   for (const recording::Row& row : waiting_) write(row);
   waiting_.clear();

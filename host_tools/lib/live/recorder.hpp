@@ -33,8 +33,8 @@ struct RecorderSettings {
   std::string comment;              ///< first line of a new file
 };
 
-/// Turns messages into the rows of a recording: measured rates, temperature and odometer pulses, as
-/// far as the messages have them.
+/// Turns messages into the rows of a recording: measured rates, temperature, odometer pulses and
+/// acceleration, as far as the messages have them.
 ///
 /// The time of a row is that of the sample, moved to seconds since 1970 by one offset for as long
 /// as the node runs. After a restart of the node, and in a file that is continued, the pulse count
@@ -80,6 +80,7 @@ class Recorder {
   std::vector<recording::Row> waiting_;  ///< until the columns are known
   bool has_temperature_ = false;
   bool has_pulses_ = false;
+  bool has_acceleration_ = false;
 
   std::optional<wire::NumberedMessage> newest_;
   std::optional<wire::NumberedMessage> doubted_;  ///< newest one whose time jumped

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/attitude.hpp"
 #include "core/base/numeric.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "host_tools/lib/statistics/half_width.hpp"
 
@@ -65,6 +67,37 @@ std::string vertical_line(const app::RateMessage& message, bool is_heard) {
       turn_text({.angle = message.heading.angle, .sigma = message.heading.sigma}, is_heard));
 }
 
+/// Attitude of the sensor by the direction that points up, and its vibration.
+std::string attitude_line(const app::RateMessage& message, bool is_heard) {
+  std::string words;
+  if (message.up && is_heard) {
+    const core::Attitude attitude = core::attitude_of(*message.up);
+    words =
+        fmt::format("tilt {:.1f} deg (roll {:+.1f}, pitch {:+.1f})", attitude.tilt.in(core::deg),
+                    attitude.roll.in(core::deg), attitude.pitch.in(core::deg));
+  }
+  if (message.vibration && is_heard) {
+    words += fmt::format("{}vibration {:.4f} g", words.empty() ? "" : ", ",
+                         message.vibration->in(core::standard_gravity));
+  }
+  return words.empty() ? words : words + "\n";
+}
+
+/// Shares of the bias of each axis by input, where the model has inputs.
+std::string explained_lines(const app::RateMessage& message, bool is_heard) {
+  if (!message.explained || !is_heard) return {};
+  std::string text =
+      fmt::format("{:22} {:>12} {:>12} {:>12}\n", "bias explained, deg/s", "x", "y", "z");
+  for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+    text += fmt::format("  by {:17}", share.input);
+    for (const app::ExplainedBias& axis : *message.explained) {
+      text += fmt::format(" {:>12}", number(true, (axis.*share.rate).in(core::deg_per_s), 5));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string calm_line(const app::RateMessage& message) {
   if (message.calm_percent == app::RateMessage::kNoCalm) return {};
   return fmt::format("newest stop: {} % calm\n", message.calm_percent);
@@ -115,7 +148,8 @@ std::string format_screen(const Tally& tally, std::string_view source,
     text += fmt::format("{:3} {:>14} {:>13} {:>17} {:>20}\n", "xyz"[i], axis.rate_dps,
                         axis.bias_dps, axis.interval_dph, turn_text(message.turn.at(i), is_heard));
   }
-  text += vertical_line(message, is_heard);
+  text += vertical_line(message, is_heard) + attitude_line(message, is_heard) +
+          explained_lines(message, is_heard);
   text += format_learnt(tally);
   if (tally.status) text += format_counters(*tally.status);
   return text;

@@ -51,7 +51,7 @@ int Bus::error_number() const {
 
 std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places) {
   std::vector<KernelGyro> gyros;
-  const auto identities = hal::linux_os::find_iio_gyros(places);
+  const auto identities = hal::linux_os::find_iio_devices(places, hal::linux_os::kIioRate);
   for (const auto& identity : identities) {
     const auto namesakes =
         std::ranges::count(identities, identity.name, &hal::linux_os::IioIdentity::name);

@@ -22,9 +22,9 @@ inline constexpr std::string_view kSimulatedChip = "simulated";
 /// How one gyro is wired and set.
 struct GyroSettings {
   std::string chip;  ///< a ChipDescription's name, or kSimulatedChip; on IIO also empty: unknown
-  BusKind bus = BusKind::spi;          ///< one of the chip's
-  std::string device;                  ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_gyro
-  std::uint8_t address = 0;            ///< on I2C
+  BusKind bus = BusKind::spi;  ///< one of the chip's
+  std::string device;          ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_device
+  std::uint8_t address = 0;    ///< on I2C
   std::uint32_t speed_hz = 1'000'000;  ///< on SPI
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
@@ -32,7 +32,7 @@ struct GyroSettings {
   /// Range of the accelerometer, one of the chip's; none: samples carry no acceleration.
   std::optional<double> acceleration_range_g;
   std::uint8_t accelerometer_address = 0;  ///< on I2C, of a chip whose accelerometer answers apart
-  std::string accelerometer_device;        ///< its node on SPI
+  std::string accelerometer_device;        ///< its node on SPI; on IIO as `device`
   double time_factor = 1.0;  ///< speed of the simulated gyro's clock over the true one
   bool drives = true;        ///< whether the simulated vehicle ever leaves its place
 

@@ -49,6 +49,7 @@ IioGyro::IioGyro(const GyroSettings& settings, hal::linux_os::IioPlaces places)
 
 core::Result<void, drivers::DriverError> IioGyro::start(core::Instant now) {
   device_.reset();  // closes its node, which a second opening would find in use
+  accelerometer_.reset();
   waiting_.reset();
   has_newest_ = false;
   try {
@@ -61,14 +62,18 @@ core::Result<void, drivers::DriverError> IioGyro::start(core::Instant now) {
 }
 
 void IioGyro::open(core::Instant now) {
-  device_.emplace(
-      places_, settings_.device,
-      hal::linux_os::IioWishes{.rate_hz = settings_.rate_hz,
-                               .full_scale_rad_s = settings_.full_scale_dps * kRadPerDeg});
+  hal::linux_os::IioWishes wishes{.rate_hz = settings_.rate_hz,
+                                  .full_scale = settings_.full_scale_dps * kRadPerDeg};
+  const bool reads_another = settings_.acceleration_range_g && !has_own_accelerometer();
+  if (settings_.acceleration_range_g && !reads_another) {
+    wishes.acceleration_range_m_s2 = acceleration_range_m_s2(settings_);
+  }
+  device_.emplace(places_, hal::linux_os::kIioRate, settings_.device, wishes);
+  if (reads_another) accelerometer_.emplace(settings_, places_, now);
   period_ = period_of(device_->rate_hz());
   const ChipDescription* const known = find_chip(settings_.chip);
   has_thermometer_ = known == nullptr || known->has_thermometer;  // bmg160 shows one of the BMI088
-  rad_s_per_count_ = exact_scale(device_->rad_s_per_count(), known);
+  rad_s_per_count_ = exact_scale(device_->axes().si_per_count(), known);
   is_buffered_ = device_->has_buffer();
   temperature_ = device_->read_temperature();
   temperature_at_ = now;
@@ -90,6 +95,13 @@ void IioGyro::open(core::Instant now) {
         "no buffer, and reading all axes takes " + std::to_string(taken.ns() / 1'000'000) + " ms",
         "wire the chip's interrupt line, or lower rate_hz");
   }
+}
+
+/// Whether the accelerometer is in the gyro's device.
+bool IioGyro::has_own_accelerometer() const {
+  using namespace hal::linux_os;
+  return find_iio_device(places_, kIioAcceleration, settings_.accelerometer_device).node ==
+         find_iio_device(places_, kIioRate, settings_.device).node;
 }
 
 core::Result<std::size_t, drivers::DriverError> IioGyro::read(core::Instant now,
@@ -134,7 +146,7 @@ IioGyro::Count IioGyro::read_buffer(core::Instant now, std::span<drivers::GyroSa
     }
     newest_ = scan->time;
     has_newest_ = true;
-    if (scan->time - started_ >= kSettling) out[count++] = sample_of(*scan);
+    if (scan->time - started_ >= kSettling) out[count++] = sample_of(*scan, now);
   }
   if (count == 0 && now - std::max(newest_, started_) > kLongestSilence) {
     return failed(hal::BusError::timeout,
@@ -151,16 +163,16 @@ IioGyro::Count IioGyro::read_attributes(core::Instant now, std::span<drivers::Gy
   if (next_ <= now) next_ = now + period_;
   IioScan scan = device_->read_attributes();
   scan.time = now;
-  out[0] = sample_of(scan);
+  out[0] = sample_of(scan, now);
   return std::size_t{1};
 }
 
-drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
+drivers::GyroSample IioGyro::sample_of(const IioScan& scan, core::Instant now) {
   constexpr std::int64_t kLargest = 32767;
   drivers::GyroSample sample{.time = scan.time};
   const double full_scale = settings_.full_scale_dps * kRadPerDeg;
-  const auto& mounting = device_->mounting();
-  const bool has_one_axis = device_->axes() == 1;
+  const auto& mounting = device_->axes().mounting();
+  const bool has_one_axis = device_->axes().names().size() == 1;
   for (std::size_t row = 0; row < mounting.size(); ++row) {
     double rate = 0.0;
     bool is_saturated = false;
@@ -182,7 +194,17 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan) {
         core::Temperature::from_degc(static_cast<float>(device_->celsius(*temperature)));
     sample.has_temperature = true;
   }
+  if (const auto force = force_at(scan, now)) {
+    sample.acceleration = *force;
+    sample.has_acceleration = true;
+  }
   return sample;
+}
+
+std::optional<Force> IioGyro::force_at(const IioScan& scan, core::Instant now) {
+  if (accelerometer_) return accelerometer_->take(scan.time, now);
+  if (!scan.acceleration) return std::nullopt;
+  return force_of(*device_->acceleration(), *scan.acceleration, acceleration_range_m_s2(settings_));
 }
 
 core::Result<void, drivers::DriverError> IioGyro::verify_next() {
@@ -193,13 +215,15 @@ core::Result<void, drivers::DriverError> IioGyro::verify_next() {
     return {};
   }
   if (++calls_of_verify_ % interval != 0) return {};
+  std::string changed;
   try {
-    if (device_->verify_next()) return {};
+    if (!device_->verify_next()) changed = device_->identity().node;
+    if (accelerometer_ && !accelerometer_->verify_next()) changed = accelerometer_->identity().node;
   } catch (const KernelFileError& error) {
     return failed(error);
   }
-  told_ = places_.sysfs + "/" + device_->identity().node +
-          ": another program changed the settings of the device";
+  if (changed.empty()) return {};
+  told_ = places_.sysfs + "/" + changed + ": another program changed the settings of the device";
   return drivers::refused(DriverErrorCode::configuration_lost, 0);
 }
 
@@ -220,6 +244,7 @@ core::Unexpected<drivers::DriverError> IioGyro::failed(const KernelFileError& er
 core::Unexpected<drivers::DriverError> IioGyro::failed(hal::BusError bus, std::string told) {
   told_ = std::move(told);
   device_.reset();
+  accelerometer_.reset();
   was_removed_ = bus == hal::BusError::not_present;
   return drivers::bus_failed(bus, 0);
 }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "firmware/boards/linux/chips/gyro.hpp"
+#include "firmware/boards/linux/chips/iio_accelerometer.hpp"
 #include "hal/linux/iio_device.hpp"
 
 namespace zerorate::linux_node {
@@ -22,7 +23,8 @@ inline constexpr double kHighestPolledRate_hz = 100.0;
 /// A GyroSource over an IioDevice. The scale is the chip's own where `settings.chip` is known and
 /// the driver's is the same to 1 %. Each failure of the kernel is kept in words. A device that was
 /// unplugged is looked for again at the next start(). A temperature is passed on unless the chip
-/// has no thermometer.
+/// has no thermometer. The acceleration comes from the device that the settings name: the gyro's
+/// own, or another one.
 ///
 /// With a buffer the samples carry the kernel's stamps of the chip's interrupt, and a gap between
 /// two of them is fifo_overrun. Without one the axes are read one after the other, once a period,
@@ -50,13 +52,18 @@ class IioGyro final : public DeviceGyro {
   Count read_buffer(core::Instant now, std::span<drivers::GyroSample> out);
   Count read_attributes(core::Instant now, std::span<drivers::GyroSample> out);
   [[nodiscard]] bool is_after_gap(core::Instant time) const;
-  [[nodiscard]] drivers::GyroSample sample_of(const hal::linux_os::IioScan& scan);
+  [[nodiscard]] bool has_own_accelerometer() const;
+  [[nodiscard]] drivers::GyroSample sample_of(const hal::linux_os::IioScan& scan,
+                                              core::Instant now);
+  [[nodiscard]] std::optional<Force> force_at(const hal::linux_os::IioScan& scan,
+                                              core::Instant now);
   core::Unexpected<drivers::DriverError> failed(const hal::linux_os::KernelFileError& error);
   core::Unexpected<drivers::DriverError> failed(hal::BusError bus, std::string told);
 
   GyroSettings settings_;
   hal::linux_os::IioPlaces places_;
   std::optional<hal::linux_os::IioDevice> device_;
+  std::optional<IioAccelerometer> accelerometer_;  ///< a device of its own
   bool is_buffered_ = false;
   bool has_thermometer_ = true;
   double rad_s_per_count_ = 0.0;

@@ -271,7 +271,9 @@ TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
   second["label"] = "roof";
   made.add("iio:device12", second);
   made.add("iio:device3", {{"name", "lsm6dso_accel"}, {"in_accel_x_raw", "0"}});
-  const auto node = [&](const char* wanted) { return find_iio_gyro(made.places(), wanted).node; };
+  const auto node = [&](const char* wanted) {
+    return find_iio_device(made.places(), kIioRate, wanted).node;
+  };
   EXPECT_EQ(node("0"), "iio:device0");
   EXPECT_EQ(node("iio:device12"), "iio:device12");
   EXPECT_EQ(node("/dev/iio:device12"), "iio:device12");
@@ -283,8 +285,12 @@ TEST(FindIioGyro, TakesNumberNodeNameAndLabelAndTellsWhatThereIs) {
             sys + ": several gyros are called \"lsm6dso_gyro\" (give its number or label: " + list);
   EXPECT_EQ(kernel_error_of([&] { return node("3"); }),
             sys + ": no gyro is called \"3\" (there are " + list);
+  EXPECT_EQ(find_iio_device(made.places(), kIioAcceleration, "3").name, "lsm6dso_accel");
+  EXPECT_EQ(
+      kernel_error_of([&] { return find_iio_device(made.places(), kIioAcceleration, "0").node; }),
+      sys + ": no accelerometer is called \"0\" (there are iio:device3 \"lsm6dso_accel\")");
   EXPECT_TRUE(contains(kernel_error_of([] {
-                         return find_iio_gyro({"/nowhere", "/nowhere"}, "x").node;
+                         return find_iio_device({"/nowhere", "/nowhere"}, kIioRate, "x").node;
                        }),
                        "is the driver's module loaded and bound?"));
 }

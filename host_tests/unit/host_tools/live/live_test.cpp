@@ -167,6 +167,23 @@ TEST(ScreenOfANode, ShowsTheTurnSinceDepartureWithItsInterval) {
   EXPECT_NE(screen.find("7.06         -90.2 +- 1.0\n"), std::string::npos) << screen;
 }
 
+TEST(ScreenOfANode, ShowsAttitudeVibrationAndSharesOfTheBias) {
+  NumberedMessage message = calibrated_message(7);
+  message.message.up = core::Direction{0.0F, 0.6F, 0.8F};  // rolled by the arc tangent of 3/4
+  message.message.vibration = core::standard_gravity(0.0123F);
+  message.message.explained.emplace()[1].acceleration = core::deg_per_s(-0.0125F);
+  const std::string screen = format_screen(tally_of(message), "x", milliseconds{10});
+  EXPECT_NE(screen.find("tilt 36.9 deg (roll +36.9, pitch +0.0), vibration 0.0123 g\n"),
+            std::string::npos)
+      << screen;
+  EXPECT_NE(screen.find("by acceleration          +0.00000     -0.01250     +0.00000\n"),
+            std::string::npos)
+      << screen;
+  const std::string old = format_screen(tally_of(message), "x", milliseconds{3000});
+  EXPECT_EQ(old.find("tilt"), std::string::npos);
+  EXPECT_EQ(old.find("explained"), std::string::npos);
+}
+
 TEST(ScreenOfANode, ShowsNoOldOrMissingRate) {
   NumberedMessage message = calibrated_message(7);
   const std::string old = format_screen(tally_of(message), "x", milliseconds{3000});
@@ -192,6 +209,11 @@ TEST(ScreenOfANode, FitsOnATerminalOf80Columns) {
   Tally tally = tally_of(message);
   tally.status.emplace();
   tally.learnt = wire::testing::some_learnt_model();
+  app::RateMessage& widest = tally.newest->message;
+  widest.up = core::Direction{-0.6F, -0.64F, -0.48F};
+  widest.vibration = core::standard_gravity(10.0F);
+  const core::AngularRate share = core::deg_per_s(-100.0F);
+  widest.explained.emplace().fill({share, share, share});
   const std::string screen = format_screen(tally, "serial /dev/ttyUSB0", milliseconds{0});
   std::istringstream lines{screen};
   for (std::string line; std::getline(lines, line);) EXPECT_LT(line.size(), 80U) << line;

@@ -96,6 +96,33 @@ TEST_P(RecordingOfMessages, HoldsRateTemperatureAndPulsesBitForBit) {
   EXPECT_EQ(recorder.counts().lost, 0U);
 }
 
+TEST_P(RecordingOfMessages, HoldsTheAccelerationBitForBit) {
+  Recorder recorder{settings()};
+  const auto force_at = [](std::uint32_t number, std::size_t axis) {
+    return 0.1F * static_cast<float>(axis + 1) + 1e-3F * static_cast<float>(number);
+  };
+  constexpr std::uint32_t kSaturated = 7;  // a sample without
+  for (std::uint32_t number = 0; number < 300; ++number) {
+    auto message = message_at(number);
+    for (std::size_t axis = 0; axis < 3 && number != kSaturated; ++axis) {
+      if (!message.message.acceleration) message.message.acceleration.emplace();
+      message.message.acceleration->at(axis) = core::m_per_s2(force_at(number, axis));
+    }
+    recorder.take(message, utc_of(message));
+  }
+  recorder.finish();
+  const Content content = read(path());
+  ASSERT_TRUE(content.columns.acceleration);
+  ASSERT_EQ(content.rows.size(), 300U);
+  for (std::uint32_t number = 0; number < 300; ++number) {
+    const Row& row = content.rows[number];
+    ASSERT_EQ(row.has_acceleration(), number != kSaturated);
+    for (std::size_t axis = 0; axis < 3 && number != kSaturated; ++axis) {
+      EXPECT_EQ(row.acceleration_m_s2[axis], force_at(number, axis));
+    }
+  }
+}
+
 TEST_P(RecordingOfMessages, HasNoColumnThatTheNodeDoesNotTell) {
   Recorder recorder{settings()};
   for (std::uint32_t number = 0; number < 300; ++number) {
@@ -107,6 +134,7 @@ TEST_P(RecordingOfMessages, HasNoColumnThatTheNodeDoesNotTell) {
   recorder.finish();
   const Content content = read(path());
   EXPECT_FALSE(content.columns.temperature || content.columns.odometer);
+  EXPECT_FALSE(content.columns.acceleration);
   EXPECT_EQ(content.rows.size(), 300U);
 }
 

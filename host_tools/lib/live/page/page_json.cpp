@@ -1,6 +1,8 @@
 #include "host_tools/lib/live/page/page_json.hpp"
 
+#include "core/base/attitude.hpp"
 #include "core/base/numeric.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "host_tools/lib/live/view.hpp"
 #include "host_tools/lib/statistics/half_width.hpp"
@@ -49,6 +51,29 @@ json vertical_json(const app::RateMessage& message, bool is_heard) {
           {"heading_half95_deg", heading.half95_deg}};
 }
 
+/// Attitude of the sensor; null where the direction that points up is not known.
+json attitude_json(const app::RateMessage& message, bool is_heard) {
+  if (!message.up || !is_heard) return nullptr;
+  const core::Attitude attitude = core::attitude_of(*message.up);
+  return {{"tilt_deg", attitude.tilt.in(core::deg)},
+          {"roll_deg", attitude.roll.in(core::deg)},
+          {"pitch_deg", attitude.pitch.in(core::deg)}};
+}
+
+/// Shares of the bias by input, of x, y and z; null where the model has no inputs.
+json explained_json(const app::RateMessage& message, bool is_heard) {
+  if (!message.explained || !is_heard) return nullptr;
+  json shares = json::array();
+  for (const wire::ExplainedShare& share : wire::kExplainedShares) {
+    json rates = json::array();
+    for (const app::ExplainedBias& axis : *message.explained) {
+      rates.push_back(number(true, axis.*share.rate, core::deg_per_s));
+    }
+    shares.push_back({{"input", share.input}, {"rate_dps", rates}});
+  }
+  return shares;
+}
+
 }  // namespace
 
 json now_json(const Tally& tally, const std::string& source, std::chrono::milliseconds silence) {
@@ -87,6 +112,11 @@ json now_json(const Tally& tally, const std::string& source, std::chrono::millis
          {"turn_half95_deg", turned.half95_deg}});
   }
   now["vertical"] = vertical_json(message, is_heard);
+  now["attitude"] = attitude_json(message, is_heard);
+  now["vibration_g"] = message.vibration && is_heard
+                           ? json(message.vibration->in(core::standard_gravity))
+                           : json(nullptr);
+  now["explained"] = explained_json(message, is_heard);
   now["learnt"] =
       tally.learnt && tally.learnt->is_learnt() ? learnt_json(*tally.learnt) : json(nullptr);
   return now;

@@ -105,6 +105,28 @@ function showVertical(vertical) {
   line.textContent = `About the vertical: ${fixed(rate, 2)} deg/s. Heading: ${course}, counter-clockwise.`;
 }
 
+// Roll about x and pitch about y turn a level sensor, whose z axis points up, to its place.
+function showAttitude(now) {
+  const words = [];
+  if (now.attitude !== null) {
+    const { tilt_deg: tilt, roll_deg: roll, pitch_deg: pitch } = now.attitude;
+    words.push(`The sensor leans by ${fixed(tilt, 1)} deg: roll ${fixed(roll, 1)} deg, pitch ${fixed(pitch, 1)} deg.`);
+  }
+  if (now.vibration_g !== null) words.push(`Vibration: ${fixed(now.vibration_g, 4)} g.`);
+  byId("attitude").hidden = words.length === 0;
+  byId("attitude").textContent = words.join(" ");
+}
+
+function showExplained(explained) {
+  byId("inputs").hidden = explained === null;
+  if (explained === null) return;
+  byId("explained").tBodies[0].replaceChildren(...explained.map(({ input, rate_dps: rates }) => {
+    const row = element("tr");
+    row.append(element("th", "", input), ...rates.map((rate) => element("td", "", fixed(rate, 5))));
+    return row;
+  }));
+}
+
 function showStops(now) {
   const calm = now.calm_percent === null ? "" : ` Of the newest one, ${now.calm_percent} % was calm enough to learn from.`;
   byId("stops").textContent = `${counted(now.stops, "stop", "stops")} since the monitor was started.${calm}`;
@@ -134,6 +156,8 @@ function showNow(now) {
   showAxes(now);
   byId("since").textContent = now.silent_s === null && !now.wrong.includes("odometer_fault") ? since(now) : "";
   showVertical(now.vertical);
+  showAttitude(now);
+  showExplained(now.explained);
   showStops(now);
   showLearnt(now.learnt);
   byId("link").textContent = `From ${now.source}: ${now.messages} messages, ${now.lost} lost, ${now.damaged} damaged, ` +

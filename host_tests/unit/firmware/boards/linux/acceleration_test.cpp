@@ -60,8 +60,9 @@ TEST(ConfigurationOfAcceleration, IsRefusedWithReasonAndCure) {
        "z.toml:4:16: \"acceleration\" in [gyro]: no accelerometer of the chip is read; leave the "
        "key out, or set it to false"},
       {schema + "bus = \"iio\"\nacceleration = true\n",
-       "z.toml:4:16: \"acceleration\" in [gyro]: not through a driver of the kernel: bus = "
-       "\"spi\" or \"i2c\" reads it"},
+       "missing \"accelerometer_device\" in [gyro]"},
+      {schema + "bus = \"iio\"\nacceleration_range_g = 4\n",
+       "z.toml:4:24: \"acceleration_range_g\" in [gyro]: stands only beside acceleration = true"},
   };
   for (const Mistake& mistake : mistakes) {
     EXPECT_THAT(mistake_in(mistake.toml), HasSubstr(mistake.message));

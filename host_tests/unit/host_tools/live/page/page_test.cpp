@@ -26,6 +26,7 @@
 #include "hal/linux/named_socket.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 #include "host_tests/unit/host_tools/live/messages.hpp"
+#include "host_tools/lib/live/page/page_json.hpp"
 
 namespace zerorate::live {
 namespace {
@@ -115,6 +116,24 @@ TEST(PageOfANode, TellsAViewerTheHistoryFirstAndThenOnlyWhatIsNew) {
 }
 
 /// A page of another origin whose name leads to this machine, by a trick of its name server.
+TEST(PageOfANode, HasAttitudeVibrationAndSharesOfTheBias) {
+  auto message = calibrated_message(1);
+  const auto none = now_json(tally_of(message), "x", milliseconds{0});
+  EXPECT_TRUE(none["attitude"].is_null() && none["vibration_g"].is_null());
+  EXPECT_TRUE(none["explained"].is_null());
+  message.message.up = core::Direction{-1.0F, 0.0F, 0.0F};
+  message.message.vibration = core::standard_gravity(0.25F);
+  message.message.explained.emplace()[2].vibration = core::deg_per_s(0.5F);
+  const auto now = now_json(tally_of(message), "x", milliseconds{0});
+  EXPECT_NEAR(now["attitude"]["pitch_deg"].get<double>(), 90.0, 1e-3);
+  EXPECT_NEAR(now["attitude"]["tilt_deg"].get<double>(), 90.0, 1e-3);
+  EXPECT_NEAR(now["vibration_g"].get<double>(), 0.25, 1e-6);
+  EXPECT_EQ(now["explained"][2]["input"], "vibration");
+  EXPECT_NEAR(now["explained"][2]["rate_dps"][2].get<double>(), 0.5, 1e-6);
+  const auto old = now_json(tally_of(message), "x", milliseconds{3000});
+  EXPECT_TRUE(old["attitude"].is_null() && old["explained"].is_null());
+}
+
 TEST(PageOfANode, IsReadByItsOwnNamesAndByNoOtherPage) {
   const Page page{"127.0.0.1", 0};
   const std::string url = page.url().substr(0, page.url().size() - 1);
