@@ -34,7 +34,7 @@ struct EarthRate {
   std::array<float, 3> heading_variance_rad2_s2{};
 
   constexpr bool operator==(const EarthRate&) const = default;
-  /// The same for another direction of the vertical than an axis.
+  /// Shares for another direction of the vertical than an axis.
   /// @param axis the one that these shares are of
   [[nodiscard]] constexpr EarthRate about(UpAxis axis, const Direction& up) const {
     const float vertical = (axis.points_down ? -1.0F : 1.0F) * vertical_rad_s[axis.axis];
@@ -46,7 +46,7 @@ struct EarthRate {
     }
     return earth;
   }
-  /// The same where nothing is known of the vertical: all of it stays in the bias.
+  /// Shares where nothing is known of the vertical: all of the rotation stays in the bias.
   [[nodiscard]] constexpr EarthRate about_any(UpAxis axis) const {
     const float vertical = vertical_rad_s[axis.axis];
     const float all = vertical * vertical + heading_variance_rad2_s2[axis.axis == 0 ? 1 : 0];

@@ -81,7 +81,7 @@ class MeasuredVertical {
 
   struct State {
     Direction up{0.0F, 0.0F, 1.0F};  ///< newest one
-    Direction mean_of_stops{};       ///< of the directions of the stops before this one, unit
+    Direction mean_of_stops{};       ///< mean direction at the stops before this one, unit
     std::uint16_t rest_ticks = 0;    ///< ticks of this stop that `up` is the mean of
     std::uint8_t stops = 0;          ///< stops before this one, at most kMostStops
     bool is_measured = false;
@@ -154,7 +154,7 @@ class MeasuredVertical {
   static constexpr std::size_t kVertical = 3;
   static constexpr std::uint8_t kMostStops = 32;       ///< stops of the mean, later ones count more
   static constexpr std::uint16_t kMostRestTicks = 64;  ///< ticks of a mean at rest, likewise
-  static constexpr float kMostOff_g = 0.1F;            ///< of the force at rest from 1 g
+  static constexpr float kMostOff_g = 0.1F;  ///< largest deviation of the force at rest from 1 g
   static constexpr float kMostOffInMotion_g = 0.02F;
 
   [[nodiscard]] static constexpr float dot(const Direction& a, const Direction& b) {

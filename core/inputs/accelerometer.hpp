@@ -20,10 +20,10 @@ using SpecificForce = std::array<float, 3>;
 /// Specific force of a tick.
 struct TickForce {
   SpecificForce mean_g{};
-  float variance_g2 = 0.0F;    ///< of a reading about the mean, summed over the axes
+  float variance_g2 = 0.0F;    ///< variance of a reading, summed over the axes
   std::uint32_t readings = 0;  ///< 0: it was not measured
 };
-/// The same in a node without an accelerometer.
+/// Place of a TickForce in a node without an accelerometer.
 struct NoForce {};
 
 /// Mean and variance of the specific force over a tick. A reading that is not finite, or beyond

@@ -243,6 +243,7 @@ requires(Shape.inputs == 0) class InputTrack<Shape> {
   constexpr void take_acceleration(Instant at, const std::array<Acceleration, 3>& acceleration) {
     accelerometer_.take(at, acceleration);
   }
+  [[nodiscard]] constexpr const Force& accelerometer() const { return accelerometer_; }
   [[nodiscard]] constexpr auto tick_force() const { return accelerometer_.tick_force(); }
   [[nodiscard]] constexpr Tick tick() const { return {}; }
   [[nodiscard]] constexpr Tick measurement() const { return {}; }

@@ -49,7 +49,7 @@ class CalmJudge {
     Rates newest_rad_s{};     ///< newest sample
     Rates squares{};          ///< squared differences of neighbouring samples, summed
     Rates local_rad2_s2{};    ///< variance of a window's mean by these, over two windows or so
-    RestSpread<Axes> spread;  ///< of the rates
+    RestSpread<Axes> spread;  ///< spread of the rates
     [[no_unique_address]] Witness witness;  ///< spread of the specific force
     std::uint32_t next_tick = 0;            ///< tick that continues the window
     std::uint16_t differences = 0;          ///< number of differences in `squares`

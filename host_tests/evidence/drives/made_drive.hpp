@@ -37,7 +37,7 @@ struct Drive {
   std::vector<double> speed_mps;
   std::vector<double> odometer_pulses;
   std::vector<Axes> measured_dps;
-  std::vector<Axes> force_g;        ///< of an accelerometer beside the gyro; empty: there is none
+  std::vector<Axes> force_g;        ///< readings of an accelerometer; empty: there is none
   std::vector<double> heading_deg;  ///< integral of the true rate about z
 };
 

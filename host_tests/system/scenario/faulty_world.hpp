@@ -134,7 +134,7 @@ struct ForceFaults {
   Episode absent;      ///< no readings
   Episode frozen;      ///< the reading from before, again and again
   Episode infinite;    ///< no numbers
-  double scale = 1.0;  ///< of a range that is set otherwise than it is read
+  double scale = 1.0;  ///< factor of a range that is set otherwise than it is read
 };
 [[nodiscard]] inline ForceFaults random_force_faults(Random& random, double end_s) {
   ForceFaults faults;

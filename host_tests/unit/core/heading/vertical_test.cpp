@@ -54,7 +54,7 @@ TEST(MeasuredVerticalInMotion, FollowsExactRotations) {
   EXPECT_LT(degrees_between(vertical.up(), up), 0.02);
 }
 
-TEST(MeasuredVerticalInMotion, ForgetsTheErrorOfTheRatesOverMinutes) {
+TEST(MeasuredVerticalInMotion, ForgetsErrorsOfTheRatesOverMinutes) {
   MeasuredVertical vertical{std::nullopt};
   const Eigen::Vector3d up(0.0, 0.0, 1.0);
   rest(vertical, up);

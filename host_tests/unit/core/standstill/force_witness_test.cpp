@@ -12,7 +12,7 @@ namespace zerorate::core {
 namespace {
 
 constexpr bool kAlone = true;
-constexpr std::uint32_t kReadings = 50;  // of a window of half a second
+constexpr std::uint32_t kReadings = 50;  // in a window of half a second
 
 /// Windows of one tick each; returns how many of them were motion.
 /// @param mean_g expected mean force along x of a window
@@ -56,7 +56,7 @@ TEST(ForceWitnessOfATiltByOneMilliG, FindsNoMotion) {
 }
 
 // A vibration of 50 mg rms, of whose mean over half a second 4 mg are left.
-TEST(ForceWitnessOfAnEngineThatStarts, CountsItAsRestBesideAnOdometer) {
+TEST(ForceWitnessOfAnEngine, CountsItAsRestBesideAnOdometer) {
   for (const bool is_alone : {false, true}) {
     ForceWitness witness;
     (void)motions(witness, 100, 0.0002, is_alone, [](int) { return 0.0; });
