@@ -11,7 +11,6 @@
 #include "core/base/crc32.hpp"
 #include "core/base/result.hpp"
 #include "firmware/app/rate_message.hpp"
-#include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
 #include "firmware/wire/little_endian.hpp"
 
@@ -146,7 +145,9 @@ constexpr void put_blocks(LittleEndianWriter& out, const app::RateMessage& messa
   if (message.vibration) out.put(message.vibration->in(core::m_per_s2));
   if (message.explained) {
     for (const app::ExplainedBias& axis : *message.explained) {
-      for (const ExplainedShare& share : kExplainedShares) put_rate(out, axis.*share.rate);
+      for (const auto rate : {axis.temperature, axis.acceleration, axis.vibration}) {
+        put_rate(out, rate);
+      }
     }
   }
 }
@@ -160,7 +161,9 @@ constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateM
   if ((contents & kHasVibration) != 0) message.vibration = core::m_per_s2(in.take_float());
   if ((contents & kHasExplained) != 0) {
     for (app::ExplainedBias& axis : message.explained.emplace()) {
-      for (const ExplainedShare& share : kExplainedShares) axis.*share.rate = take_rate(in);
+      for (auto* const rate : {&axis.temperature, &axis.acceleration, &axis.vibration}) {
+        *rate = take_rate(in);
+      }
     }
   }
 }

@@ -29,7 +29,8 @@ class Console {
     if (key == 'b') is_text_ = false;
   }
 
-  void publish(const app::RateMessage& message) {
+  /// Not inlined: the main loop does not keep room for its frame while the node computes.
+  [[gnu::noinline]] void publish(const app::RateMessage& message) {
     const std::uint32_t sequence = sequence_++;
     if (is_text_) {
       wire::TextLine text;
@@ -40,7 +41,7 @@ class Console {
     }
   }
 
-  /// Not inlined: the main loop does not keep room for its frame while the node computes.
+  /// Likewise.
   [[gnu::noinline]] void report(const app::LoopCounters& counters) {
     if (is_text_) return;
     send_frame<wire::kStatusFrameBytes>(wire::encode_status_frame({counters, dropped_}));

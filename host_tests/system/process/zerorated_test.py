@@ -49,8 +49,8 @@ port = {port}
 def decoded(frame):
     """Sequence, health bits and axis x of a frame, checked against its page and zlib."""
     magic, version, sequence, motion, health = struct.unpack_from("<2sBxI8xBH", frame)
-    assert (len(frame), magic, version) == (120, b"ZR", 4), frame
-    assert struct.unpack_from("<I", frame, 116)[0] == zlib.crc32(frame[:116])
+    assert (magic, version) == (b"ZR", 5) and 120 <= len(frame) <= 184, frame
+    assert struct.unpack_from("<I", frame, len(frame) - 4)[0] == zlib.crc32(frame[:-4])
     return {"sequence": sequence, "motion": motion, "health": health,
             "x": struct.unpack_from("<4f", frame, 20)}
 
