@@ -42,9 +42,10 @@ inline constexpr std::uint16_t kCanUpOffset = 9;
 inline constexpr std::uint16_t kCanAccelerationOffset = 10;
 inline constexpr std::uint16_t kCanExplainedOffset = 11;
 inline constexpr std::size_t kCanExplainedFrames = 3;
+/// Identifier of the frame of the turn about the vertical, from that of the status frame.
+inline constexpr std::uint16_t kCanVerticalTurnOffset = 14;
 /// Greatest identifier of the status frame: the last frame must still have 11 bits.
-inline constexpr std::uint16_t kGreatestCanId =
-    0x7FF - (kCanExplainedOffset + kCanExplainedFrames - 1);
+inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanVerticalTurnOffset;
 /// Messages from one frame of the inputs and of the explained bias to the next: they change slowly,
 /// and the bus is shared.
 inline constexpr std::uint32_t kCanInputsEvery = 16;
@@ -101,6 +102,17 @@ template <class Content>
   if (!is_known) return kCanShortNotAvailable;
   return encode_can_short(heading.angle.in(core::deg) / kCanHeadingLsbDeg);
 }
+[[nodiscard]] constexpr CanFrame encode_can_turn_of(const app::AxisTurn& turn, core::Duration time,
+                                                    std::uint16_t id) {
+  constexpr std::int64_t kLongest_s = 0xFFFF;
+  const std::int64_t time_s = time / core::Duration::seconds(1);
+  CanFrame frame{.id = id};
+  LittleEndianWriter out{frame.data};
+  out.put(encode_can_value(turn.angle.in(core::deg) / kCanTurnLsbDeg));
+  out.put(encode_can_sigma(turn.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
+  out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
+  return frame;
+}
 }  // namespace detail
 
 /// @param id  identifier of the status frame, at most kGreatestCanId
@@ -153,18 +165,21 @@ template <class Content>
 [[nodiscard]] constexpr std::array<CanFrame, kCanTurnFrames> encode_can_turn(
     const app::RateMessage& message, std::uint16_t id) {
   ZERORATE_ASSERT(id <= kGreatestCanId);
-  constexpr std::int64_t kLongest_s = 0xFFFF;
-  const std::int64_t time_s = message.turn_time / core::Duration::seconds(1);
   std::array<CanFrame, kCanTurnFrames> frames{};
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].id = static_cast<std::uint16_t>(id + kCanTurnOffset + i);
-    LittleEndianWriter out{frames[i].data};
-    const app::AxisTurn& turn = message.turn[i];
-    out.put(detail::encode_can_value(turn.angle.in(core::deg) / kCanTurnLsbDeg));
-    out.put(detail::encode_can_sigma(turn.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
-    out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
+    frames[i] = detail::encode_can_turn_of(message.turn[i], message.turn_time,
+                                           static_cast<std::uint16_t>(id + kCanTurnOffset + i));
   }
   return frames;
+}
+/// Frame of the turn about the vertical since departure, of a message with `up`. Send it with every
+/// kCanTurnEvery-th message.
+/// @param id  identifier of the status frame, at most kGreatestCanId
+[[nodiscard]] constexpr CanFrame encode_can_vertical_turn(const app::RateMessage& message,
+                                                          std::uint16_t id) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  return detail::encode_can_turn_of(message.vertical_turn, message.turn_time,
+                                    static_cast<std::uint16_t>(id + kCanVerticalTurnOffset));
 }
 
 /// Frame of rate and heading about the vertical, of a message with `up`. Send it with every

@@ -17,7 +17,7 @@
 namespace zerorate::wire {
 
 inline constexpr std::size_t kLeastRateFrameBytes = 120;  ///< without vertical and accelerometer
-inline constexpr std::size_t kMostRateFrameBytes = 184;
+inline constexpr std::size_t kMostRateFrameBytes = 192;
 
 /// Bytes of a frame, as many as its message needs.
 class RateFrame {
@@ -97,7 +97,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   if (version == 0 || version > kRateVersion) return 0;
   if (version <= kOlder.size()) return kOlder[version - 1U];
   const auto has = [&](unsigned what) { return (contents & what) != 0; };
-  return kLeastRateFrameBytes + (has(kHasUp) ? 12U : 0U) + (has(kHasAcceleration) ? 12U : 0U) +
+  return kLeastRateFrameBytes + (has(kHasUp) ? 20U : 0U) + (has(kHasAcceleration) ? 12U : 0U) +
          (has(kHasVibration) ? 4U : 0U) + (has(kHasExplained) ? 36U : 0U);
 }
 static_assert(bytes_of(kRateVersion, 0xFF) == kMostRateFrameBytes);
@@ -138,6 +138,8 @@ constexpr void take_turn(LittleEndianReader& in, app::RateMessage& message) {
 constexpr void put_blocks(LittleEndianWriter& out, const app::RateMessage& message) {
   if (message.up) {
     for (const float share : *message.up) out.put(share);
+    put_angle(out, message.vertical_turn.angle);
+    put_angle(out, message.vertical_turn.sigma);
   }
   if (message.acceleration) {
     for (const auto force : *message.acceleration) out.put(force.in(core::m_per_s2));
@@ -154,6 +156,8 @@ constexpr void put_blocks(LittleEndianWriter& out, const app::RateMessage& messa
 constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateMessage& message) {
   if ((contents & kHasUp) != 0) {
     for (float& share : message.up.emplace()) share = in.take_float();
+    message.vertical_turn.angle = take_angle(in);
+    message.vertical_turn.sigma = take_angle(in);
   }
   if ((contents & kHasAcceleration) != 0) {
     for (auto& force : message.acceleration.emplace()) force = core::m_per_s2(in.take_float());
@@ -169,7 +173,7 @@ constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateM
 }
 }  // namespace detail
 
-/// Cost: 184 bytes of stack and the checksum of the bytes in use; no heap.
+/// Cost: 192 bytes of stack and the checksum of the bytes in use; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
                                                     const app::RateMessage& message) {
   const unsigned contents = detail::contents_of(message);

@@ -1,4 +1,5 @@
-/* Ten minutes of a gyro that lies still, and what the node makes of them: docs/examples/library in C. */
+/* Ten minutes of a gyro that lies still, and what the node makes of them: docs/examples/library in
+ * C. */
 
 #include <stdint.h>
 #include <stdio.h>
@@ -15,7 +16,9 @@ static const zerorate_model kModel = {
     .is_stationary = true,
     .white_variance_rad2_s2 = 2.4e-7F,
     .turn_on_variance_rad2_s2 = ZERORATE_UNKNOWN_VARIANCE,
-    .decaying = {{.one_minus_phi = 0.0951626F, .noise_variance = 7.25e-11F, .initial_variance = 4e-10F}},
+    .decaying = {{.one_minus_phi = 0.0951626F,
+                  .noise_variance = 7.25e-11F,
+                  .initial_variance = 4e-10F}},
 };
 
 static zerorate_node gyro;

@@ -42,7 +42,8 @@ struct rate_message {
   float corrected_rad_s[3];
   float temperature_c;
   uint32_t odometer_pulses;
-  float up[3]; /* unit vector in the axes of the sensor */
+  float up[3];                /* unit vector in the axes of the sensor */
+  float vertical_turn_rad[2]; /* about it since departure, and the standard deviation */
   float acceleration_m_s2[3];
   float vibration_m_s2;        /* root mean square */
   float explained_rad_s[3][3]; /* of each axis: by temperature, acceleration, vibration */
@@ -80,7 +81,7 @@ static size_t take_block(const uint8_t* bytes, size_t at, unsigned is_there, flo
 
 /* Bytes before the checksum. */
 static size_t checked_bytes(unsigned contents) {
-  return BLOCKS_AT + (contents & HAS_UP ? 12U : 0U) + (contents & HAS_ACCELERATION ? 12U : 0U) +
+  return BLOCKS_AT + (contents & HAS_UP ? 20U : 0U) + (contents & HAS_ACCELERATION ? 12U : 0U) +
          (contents & HAS_VIBRATION ? 4U : 0U) + (contents & HAS_EXPLAINED ? 36U : 0U);
 }
 
@@ -101,6 +102,7 @@ static bool decode(const uint8_t* bytes, size_t size, struct rate_message* messa
   message->temperature_c = float_at(bytes + 68);
   message->odometer_pulses = (uint32_t)little_endian(bytes + 72, 4);
   size_t at = take_block(bytes, BLOCKS_AT, contents & HAS_UP, message->up, 3);
+  at = take_block(bytes, at, contents & HAS_UP, message->vertical_turn_rad, 2);
   at = take_block(bytes, at, contents & HAS_ACCELERATION, message->acceleration_m_s2, 3);
   at = take_block(bytes, at, contents & HAS_VIBRATION, &message->vibration_m_s2, 1);
   take_block(bytes, at, contents & HAS_EXPLAINED, message->explained_rad_s[0], 9);

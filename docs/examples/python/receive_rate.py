@@ -20,7 +20,7 @@ HEALTH = ("calibrated", "sample_refused", "time_refused", "saturated", "model_in
           "reference_disagreement", "acceleration_missing")
 # Bits of byte 3, and blocks at the end of the frame with their numbers of values.
 HAS_TEMPERATURE, HAS_PULSES, HAS_UP, HAS_ACCELERATION, HAS_VIBRATION, HAS_EXPLAINED = (1 << bit for bit in range(6))
-BLOCKS = {HAS_UP: 3, HAS_ACCELERATION: 3, HAS_VIBRATION: 1, HAS_EXPLAINED: 9}
+BLOCKS = {HAS_UP: 5, HAS_ACCELERATION: 3, HAS_VIBRATION: 1, HAS_EXPLAINED: 9}
 CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
 
 
@@ -42,7 +42,7 @@ def decode(datagram):
         """Values of a block; None where the frame lacks it."""
         return list(struct.unpack_from(f"<{BLOCKS[bit]}f", datagram, at[bit])) if contents & bit else None
 
-    vibration, explained = block(HAS_VIBRATION), block(HAS_EXPLAINED)
+    vertical, vibration, explained = block(HAS_UP), block(HAS_VIBRATION), block(HAS_EXPLAINED)
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
     temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
     turns = [struct.unpack_from("<2f", datagram, 76 + 8 * axis) for axis in range(3)]
@@ -69,7 +69,10 @@ def decode(datagram):
         "temperature_c": temperature_c if contents & HAS_TEMPERATURE else None,
         "odometer_pulses": pulses if contents & HAS_PULSES else None,
         # Unit vector that points up, in the axes of the sensor; None where it is not known.
-        "up": block(HAS_UP),
+        "up": vertical[:3] if vertical else None,
+        # Angle about that vector since the vehicle drove off, counter-clockwise from above.
+        "vertical_turn_deg": math.degrees(vertical[3]) if vertical else None,
+        "vertical_turn_sigma_deg": math.degrees(vertical[4]) if vertical else None,
         # Specific force, and the root mean square of its changes within a tenth of a second.
         "acceleration_mps2": block(HAS_ACCELERATION),
         "vibration_mps2": vibration[0] if vibration else None,

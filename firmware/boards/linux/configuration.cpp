@@ -34,7 +34,7 @@ constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
 constexpr Rule kPriority{[](double x) { return x >= 0.0 && x <= 99.0; },
                          "a whole number from 0 to 99"};
 constexpr Rule kCanId{[](double x) { return x >= 0.0 && x <= wire::kGreatestCanId; },
-                      "an identifier from 0 to 0x7F2: the other frames take the thirteen after it"};
+                      "an identifier from 0 to 0x7F1: the other frames take the fourteen after it"};
 
 core::StandstillSource read_source(StrictTable& table) {
   static constexpr std::array<std::string_view, 3> kSources{"odometer", "gyro", "odometer-alone"};

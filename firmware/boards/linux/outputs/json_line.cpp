@@ -44,6 +44,10 @@ class Line {
     const bool has_rate = message.up && message.has_rate();
     add_number("vertical_rate_dps", has_rate,
                has_rate ? message.vertical_rate().in(core::deg_per_s) : 0.0F);
+    const float turn_sigma_deg = message.vertical_turn.sigma.in(core::deg);
+    const bool has_turn = message.up && core::is_finite(turn_sigma_deg);
+    add_number("vertical_turn_deg", has_turn, message.vertical_turn.angle.in(core::deg));
+    add_number("vertical_turn_sigma_deg", has_turn, turn_sigma_deg);
     const float sigma_deg = message.heading.sigma.in(core::deg);
     const bool is_known = core::is_finite(sigma_deg);
     add_number("heading_deg", is_known, message.heading.angle.in(core::deg));

@@ -205,7 +205,8 @@ class CanSink final : public Sink {
   bool send_vertical(const wire::NumberedMessage& message) {
     return message.sequence % wire::kCanTurnEvery != 0 || !message.message.up ||
            (write_frame(wire::encode_can_vertical(message.message, id_)) &&
-            write_frame(wire::encode_can_up(message.message, id_)));
+            write_frame(wire::encode_can_up(message.message, id_)) &&
+            write_frame(wire::encode_can_vertical_turn(message.message, id_)));
   }
   bool send_acceleration(const wire::NumberedMessage& message) {
     const bool has_any = message.message.acceleration || message.message.vibration;

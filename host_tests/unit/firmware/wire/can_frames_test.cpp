@@ -76,6 +76,7 @@ class Reading {
     if (message.message.up) {
       frames_.push_back(encode_can_vertical(message.message, kDefaultCanId));
       frames_.push_back(encode_can_up(message.message, kDefaultCanId));
+      frames_.push_back(encode_can_vertical_turn(message.message, kDefaultCanId));
     }
     frames_.push_back(encode_can_acceleration(message.message, kDefaultCanId));
     if (message.message.explained) {
@@ -112,7 +113,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 TEST(DbcFile, LetsNoTwoSignalsShareABit) {
   const Dbc dbc = read_dbc();
-  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames + 3 + kCanExplainedFrames);
+  ASSERT_EQ(dbc.size(), kCanFrames + 1 + kCanTurnFrames + 4 + kCanExplainedFrames);
   for (const auto& [id, signals] : dbc) {
     std::set<unsigned> bits;
     for (const auto& [name, signal] : signals) {
@@ -230,6 +231,11 @@ TEST(CanFramesOfAnAccelerometer, HoldForcesVibrationAndShares) {
     const app::RateMessage sent = testing::random_message(random).message;
     const Reading reading{{.sequence = 0, .message = sent}};
     const std::array names{"X", "Y", "Z"};
+    if (sent.up) {
+      EXPECT_NEAR(reading.value("TurnVertical"), sent.vertical_turn.angle.in(core::deg), 2e-4);
+      EXPECT_NEAR(reading.value("TurnSigmaVertical"), sent.vertical_turn.sigma.in(core::deg),
+                  0.501e-3);
+    }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::string name = names[axis];
       if (sent.up) {

@@ -37,6 +37,8 @@ namespace zerorate::wire::testing {
     const float latitude = rate(random);
     message.up = core::Direction{std::cos(latitude) * std::cos(longitude),
                                  std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
+    message.vertical_turn = {.angle = core::rad(rate(random)),
+                             .sigma = core::rad((rate(random) + 35.0F) / 100.0F)};
   }
   if (random() % 4 != 0) {
     for (auto& force : message.acceleration.emplace()) force = core::m_per_s2(4.0F * rate(random));

@@ -75,20 +75,21 @@ TEST(RateFrame, LiesInTheBytesThatItsPageNames) {
 TEST(RateFrameWithEveryBlock, HasThemInTheOrderOfItsPage) {
   NumberedMessage sent;
   sent.message.up = core::Direction{1.0F, 2.0F, 3.0F};
+  sent.message.vertical_turn = {.angle = core::rad(4.0F), .sigma = core::rad(5.0F)};
   sent.message.acceleration =
-      std::array{core::m_per_s2(4.0F), core::m_per_s2(5.0F), core::m_per_s2(6.0F)};
-  sent.message.vibration = core::m_per_s2(7.0F);
-  float figure = 8.0F;
+      std::array{core::m_per_s2(6.0F), core::m_per_s2(7.0F), core::m_per_s2(8.0F)};
+  sent.message.vibration = core::m_per_s2(9.0F);
+  float figure = 10.0F;
   for (app::ExplainedBias& axis : sent.message.explained.emplace()) {
     for (auto* const share : {&axis.temperature, &axis.acceleration, &axis.vibration}) {
       *share = core::rad_per_s(figure++);
     }
   }
   const std::vector<std::uint8_t> frame = bytes_of(encode_rate_frame(sent));
-  ASSERT_EQ(frame.size(), 184U);
+  ASSERT_EQ(frame.size(), 192U);
   EXPECT_EQ(frame[3], 0x3C);
-  std::array<float, 16> figures{};
-  std::memcpy(figures.data(), &frame[116], 64);  // the test runs on little-endian machines
+  std::array<float, 18> figures{};
+  std::memcpy(figures.data(), &frame[116], 72);  // the test runs on little-endian machines
   for (std::size_t i = 0; i < figures.size(); ++i) EXPECT_EQ(figures[i], static_cast<float>(i + 1));
 }
 
@@ -110,6 +111,7 @@ std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, st
 }
 void without_accelerometer(app::RateMessage& message) {
   message.up.reset();
+  message.vertical_turn = {};
   message.acceleration.reset();
   message.vibration.reset();
   message.explained.reset();

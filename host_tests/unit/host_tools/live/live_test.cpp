@@ -39,6 +39,8 @@ TEST(JsonMessage, RoundTripsUpToTheRoundingOfDegrees) {
     EXPECT_EQ(read->message.temperature, sent.message.temperature);
     EXPECT_EQ(read->message.odometer_pulses, sent.message.odometer_pulses);
     EXPECT_EQ(read->message.up, sent.message.up);
+    EXPECT_NEAR(read->message.vertical_turn.angle.in(core::rad),
+                sent.message.vertical_turn.angle.in(core::rad), 1e-5F);
     EXPECT_EQ(read->message.acceleration, sent.message.acceleration);
     EXPECT_EQ(read->message.vibration, sent.message.vibration);
     ASSERT_EQ(read->message.explained.has_value(), sent.message.explained.has_value());

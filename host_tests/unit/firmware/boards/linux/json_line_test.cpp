@@ -35,6 +35,7 @@ NumberedMessage widest_message() {
   widest.message.heading = {.angle = core::rad(-1.17549435e-38F),
                             .sigma = core::rad(-1.17549435e-38F)};
   constexpr float kWidest = -1.17549435e-38F;
+  widest.message.vertical_turn = {.angle = core::rad(kWidest), .sigma = core::rad(kWidest)};
   widest.message.up = core::Direction{kWidest, kWidest, kWidest};
   widest.message.vibration = core::m_per_s2(kWidest);
   widest.message.acceleration.emplace().fill(core::m_per_s2(kWidest));
@@ -83,6 +84,12 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
     EXPECT_EQ(json["heading_sigma_deg"].get<float>(), sent.message.heading.sigma.in(core::deg));
     const bool has_vertical = sent.message.up && sent.message.has_rate();
     expect_list(json["up"], sent.message.up, [](float share) { return share; });
+    EXPECT_EQ(json["vertical_turn_deg"].is_null(), !sent.message.up);
+    if (sent.message.up) {
+      const app::AxisTurn& turn = sent.message.vertical_turn;
+      EXPECT_EQ(json["vertical_turn_deg"].get<float>(), turn.angle.in(core::deg));
+      EXPECT_EQ(json["vertical_turn_sigma_deg"].get<float>(), turn.sigma.in(core::deg));
+    }
     expect_list(json["acceleration_mps2"], sent.message.acceleration,
                 [](core::Acceleration force) { return force.in(core::m_per_s2); });
     EXPECT_EQ(json["vibration_mps2"].is_null(), !sent.message.vibration);
