@@ -40,7 +40,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 from receive_rate import HEALTH, messages  # noqa: E402
 
-NOT_MEASURED = [-1.0] + [0.0] * 8
+NOT_MEASURED = [-1.0] + [0.0] * 8  # REP 145: there is no such figure
+NOT_KNOWN = [0.0] * 9  # there is one, and its covariance is not known
 
 
 class ClockOffset:
@@ -118,7 +119,12 @@ class ImuNode(Node):
         imu.angular_velocity_covariance = diagonal(
             [math.radians(sigma) ** 2 + self._noise_rad_s**2 for sigma in message["sigma_dps"]])
         imu.orientation_covariance = NOT_MEASURED
-        imu.linear_acceleration_covariance = NOT_MEASURED
+        force = message["acceleration_mps2"]
+        if force is None:
+            imu.linear_acceleration_covariance = NOT_MEASURED
+        else:
+            imu.linear_acceleration.x, imu.linear_acceleration.y, imu.linear_acceleration.z = force
+            imu.linear_acceleration_covariance = NOT_KNOWN
         return imu
 
     def _bias_message(self, message, stamp):

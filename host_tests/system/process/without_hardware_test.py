@@ -28,15 +28,15 @@ from zerorated_test import LIMIT_S, REPOSITORY
 
 
 class Simulated(zerorated_test.Node):
-    def simulate(self, more=""):
+    def simulate(self, more="", of_gyro=""):
         text = self.file.read_text()
         gyro, rest = text.index("[gyro]"), text.index("[state]")
-        self.file.write_text(text[:gyro] + '[gyro]\nchip = "simulated"\n' + text[rest:] + more)
+        self.file.write_text(text[:gyro] + '[gyro]\nchip = "simulated"\n' + of_gyro + text[rest:] + more)
 
     def consume(self, command, count):
         """Lines of a consumer of so many messages, and the messages by number as the JSON lines have them."""
         lines = self.folder / "rate.jsonl"
-        self.simulate(f'[[sink]]\ntype = "json"\nfile = "{lines}"\n')
+        self.simulate(f'[[sink]]\ntype = "json"\nfile = "{lines}"\n', "acceleration = true\n")
         self.receiver.close()
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as consumer:
             time.sleep(0.5)
@@ -135,6 +135,10 @@ class WithoutHardware(Simulated):
             for rate, expected in zip((x, y, z), message["rate_dps"], strict=True):
                 self.assertAlmostEqual(float(rate), expected, delta=1e-6 * max(1.0, abs(expected)))
         self.assertGreater(sum(fields[3] != "none" for fields in received), 0.9 * count)
+        forces = [message["acceleration_mps2"] for message in said.values() if message["acceleration_mps2"]]
+        self.assertGreater(len(forces), 0.9 * count)
+        for force, expected in zip(forces[-1], (0.0, 0.0, 9.80665), strict=True):
+            self.assertAlmostEqual(force, expected, delta=0.06)  # six deviations of 1 mg
 
     def test_refuses_a_configuration_or_model_that_exhausts_its_stack(self):
         self.simulate()
@@ -233,7 +237,7 @@ class RosNode(Simulated):
         node._port = self.receiver.getsockname()[1]  # pylint: disable=protected-access
         self.receiver.close()
         threading.Thread(target=node.receive, daemon=True).start()
-        self.simulate()
+        self.simulate(of_gyro="acceleration = true\n")
         self.start()
         deadline = time.monotonic() + LIMIT_S
         while sum(topic == "imu/data" for topic, _ in published) < 100 and time.monotonic() < deadline:
@@ -248,7 +252,8 @@ class RosNode(Simulated):
         self.assertLess(abs(stamps[-1] - time.time_ns()), 10e9)
         imu = of_topic["imu/data"][-1]
         self.assertEqual(imu.header.frame_id, "imu_link")
-        self.assertEqual((imu.orientation_covariance[0], imu.linear_acceleration_covariance[0]), (-1.0, -1.0))
+        self.assertEqual((imu.orientation_covariance[0], imu.linear_acceleration_covariance[0]), (-1.0, 0.0))
+        self.assertAlmostEqual(imu.linear_acceleration.z, 9.80665, delta=0.06)  # six deviations of 1 mg
         covariance = imu.angular_velocity_covariance
         self.assertEqual([i for i, value in enumerate(covariance) if value != 0.0], [0, 4, 8])
         self.assertGreater(covariance[0], math.radians(0.03) ** 2)

@@ -75,6 +75,20 @@ TEST(NodeServiceWithReferences, CountsThemAndSaysWhatTheyTaught) {
   EXPECT_NE(metrics.find("zerorate_scale_factor_sigma_percent 1\n"), std::string::npos);
 }
 
+TEST(MetricsOfANode, HaveItsAttitudeAndWhatTheInputsExplain) {
+  ServiceRig rig;
+  rig.configuration.node.up = core::UpAxis{.axis = 0};
+  rig.configuration.node.model.inputs.terms[0] = {.input = core::Input::temperature,
+                                                  .sigma = 1e-5F};
+  rig.restart(kBoot);
+  rig.run(20 * 104);
+  MetricsBuffer buffer{};
+  const std::string metrics{format_metrics(*rig.service, buffer)};
+  EXPECT_NE(metrics.find("zerorate_tilt_deg 90"), std::string::npos);
+  EXPECT_NE(metrics.find("zerorate_pitch_deg -90"), std::string::npos);
+  EXPECT_NE(metrics.find("zerorate_explained_temperature_dps{axis=\"z\"} "), std::string::npos);
+}
+
 TEST(NodeServiceOnHealthyHardware, PublishesToEverySink) {
   ServiceRig rig;
   Receiver receiver{rig.folder.path() / "rate"};
