@@ -30,6 +30,7 @@ struct CommonOptions {
 struct SimulateOptions {
   CommonOptions common;
   std::string scenario;
+  bool has_accelerometer = false;
   ReplayFlags flags;
   double rest_s = 0.0;  ///< 0: no recording at rest
   bool is_fleet = false;
@@ -85,7 +86,14 @@ ExitCode run_simulate(const SimulateOptions& options) {
   const std::string path = options.common.output.empty() ? std::string{scenario.name} + ".csv.gz"
                                                          : options.common.output;
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
-  const simulate::ScenarioDrive drive = scenario.make(options.common.seed);
+  simulate::ScenarioDrive drive = scenario.make(options.common.seed);
+  if (options.has_accelerometer && !drive.rows.front().row.has_acceleration()) {
+    throw std::invalid_argument(
+        fmt::format("--accelerometer: the vehicle of {} has no forces; those of the scenarios of "
+                    "motion have, such as car-park",
+                    scenario.name));
+  }
+  drive.columns.acceleration = options.has_accelerometer;
   write(drive, path);
   fmt::print("{}: {}\nThe recording: {}\n", scenario.name, scenario.summary, path);
   replay_options.has_data_ready = drive.has_data_ready;
@@ -128,6 +136,10 @@ Command add_simulate(CLI::App& app) {
   auto* scenario =
       command->add_option("--scenario", options->scenario, "its name; list: all names");
   command
+      ->add_flag("--accelerometer", options->has_accelerometer,
+                 "the recording of a scenario of motion has accelerations, and the node takes them")
+      ->needs(scenario);
+  command
       ->add_option("--rest", options->rest_s,
                    "seconds of a gyro at rest whose noise is that of --model, instead of a drive")
       ->check(CLI::Range(10.0, 1e6))
@@ -151,6 +163,7 @@ Command add_simulate(CLI::App& app) {
       "Examples:\n"
       "  zerorate simulate --scenario list\n"
       "  zerorate simulate --scenario dead-encoder\n"
+      "  zerorate simulate --scenario car-park --accelerometer\n"
       "  zerorate simulate --scenario cold-start --model mine.toml -o cold.csv\n"
       "  zerorate simulate --rest 7200 --rate-hz 20 --model adis16405 -o rest.csv.gz\n"
       "  zerorate simulate --fleet --sensors 100 --seed 7 -o fleet");

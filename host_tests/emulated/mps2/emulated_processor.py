@@ -50,6 +50,8 @@ FIGURES = {
         "a sample of 104 Hz averaged to 10 Hz and filtered by Kalman, an axis of three, mean", 3),
     "node_step_still": ("a sample through `GyroNode::step`, still: three axes, all predictors, mean", 1),
     "node_step_moving": ("the same, moving", 1),
+    "force_step_still": ("the same with an accelerometer and three inputs, still", 1),
+    "force_step_moving": ("the same with an accelerometer and three inputs, moving", 1),
 }
 # The promises of the project.
 MOST = {

@@ -50,7 +50,7 @@ std::vector<DriveError> drive_errors(const Played& played) {
     const double next_s = is_last ? 0.0 : seconds_of(played.messages[row + 1]);
     if (!is_last && next_s >= seconds_of(message)) continue;
     const double end_s = is_last ? played.time_s(row) : played.time_s(row + 1) - next_s;
-    const auto& turn = message.turn[kYaw];
+    const app::AxisTurn& turn = message.up ? message.vertical_turn : message.turn[kYaw];
     if (std::isfinite(turn.sigma.in(core::rad))) {
       const double true_rad = heading_at(played, end_s) - heading_at(played, begin_s);
       errors.push_back({begin_s, end_s, double{turn.angle.in(core::rad)} - true_rad,
@@ -107,15 +107,17 @@ double stated_sigma_rad(const simulate::ScenarioDrive& drive) {
 }
 
 enum class Teaches : bool { always, only_at_stops };
+enum class Accelerometer : bool { no, yes };
 
 DrivesOfSeeds drives_of(const char* name, Teaches teaches, const model::SensorModel& model,
-                        std::uint64_t seeds) {
+                        std::uint64_t seeds, Accelerometer accelerometer = Accelerometer::no) {
   DrivesOfSeeds drives;
   const auto add = [](const Played& played, std::vector<DriveError>& errors) {
     for (const DriveError& error : drive_errors(played)) errors.push_back(error);
   };
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    const simulate::ScenarioDrive drive = simulate::find_scenario(name).make(seed);
+    simulate::ScenarioDrive drive = simulate::find_scenario(name).make(seed);
+    drive.columns.acceleration = accelerometer == Accelerometer::yes;
     const evaluate::ReferenceUse references{.only_at_stops = teaches == Teaches::only_at_stops,
                                             .vertical = {},
                                             .sigma_rad = stated_sigma_rad(drive)};
@@ -187,6 +189,32 @@ TEST(CarPark, LeavesWithWhatTheStreetsTaught) {
   expect_honest(inside.alone);
   expect_honest(streets.taught);
   EXPECT_LT(streets.taught.rms_deg(), 0.4 * streets.alone.rms_deg());
+}
+
+// The turn about the vertical is the same on a ramp: what the streets taught holds inside.
+TEST(CarPark, IsAStreetLikeAnyToANodeWithAnAccelerometer) {
+  const DrivesOfSeeds drives =
+      drives_of("car-park", Teaches::always, lsm6dso(), kMotionSeeds, Accelerometer::yes);
+  const Comparison inside{"car-park, ramps, forces", drives,
+                          [](const DriveError& drive) { return !drive.is_referred; }};
+  const Comparison streets{"car-park, streets, forces", drives, [](const DriveError& drive) {
+                             return drive.is_referred && is_taught(drive);
+                           }};
+  expect_honest(inside.alone);
+  expect_honest(inside.taught);
+  expect_honest(streets.taught);
+  EXPECT_LT(inside.taught.rms_deg(), 0.5 * inside.alone.rms_deg());
+}
+
+// Nothing is left to teach but the bias: the scale factor of the scenario is right.
+TEST(MountedAskew, IsNoErrorToANodeWithAnAccelerometer) {
+  const Comparison drives{
+      "mounted-askew, forces",
+      drives_of("mounted-askew", Teaches::always, lsm6dso(), kMotionSeeds, Accelerometer::yes),
+      is_taught};
+  expect_honest(drives.alone);
+  expect_honest(drives.taught);
+  EXPECT_LT(drives.alone.rms_deg(), 0.3);
 }
 
 TEST(SpinningRobot, IsLearntFromAMark) {

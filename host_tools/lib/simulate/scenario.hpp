@@ -27,7 +27,7 @@ struct ScenarioRow {
 };
 
 struct ScenarioDrive {
-  recording::Columns columns;
+  recording::Columns columns;  ///< without accelerations, which a caller may add
   std::vector<ScenarioRow> rows;
   /// Headings in the column ref_heading_deg; empty: that column has the true heading in each row.
   std::vector<SensedHeading> references{};

@@ -48,6 +48,24 @@ void add_reference(const VehicleMotion& motion, ScenarioDrive& drive) {
   }
 }
 
+/// Readings of an accelerometer in the gyro's chip: a consumer's noise, and the shaking of the
+/// road.
+void add_forces(const VehicleMotion& motion, const Tilt& mounting,
+                const random::RandomStream& stream, ScenarioDrive& drive) {
+  constexpr double kGravity_m_s2 = 9.80665;
+  constexpr double kNoise_g = 0.001;
+  constexpr double kRoad_g_per_m_s = 0.002;
+  for (std::size_t k = 0; k < motion.force_g.size(); ++k) {
+    const auto force_g = seen_by(mounting, motion.force_g[k]);
+    const double shake_g = kNoise_g + kRoad_g_per_m_s * motion.speed_m_s[k];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double noise = stream.normal(static_cast<std::int64_t>(3 * k + axis));
+      drive.rows[k].row.acceleration_m_s2[axis] =
+          static_cast<float>(kGravity_m_s2 * (force_g[axis] + shake_g * noise));
+    }
+  }
+}
+
 }  // namespace
 
 ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro, std::uint64_t seed) {
@@ -56,6 +74,8 @@ ScenarioDrive record(const VehicleMotion& motion, const ScenarioGyro& gyro, std:
   drive.columns.temperature = static_cast<bool>(gyro.temperature_degc);
   drive.rows.resize(motion.size());
   add_reference(motion, drive);
+  add_forces(motion, gyro.errors.mounting, random::RandomStream{seed}.substream("accelerometer"),
+             drive);
   const Signal empty = signal_of(motion, gyro);
   const random::RandomStream stream{seed};
   const double floor_rad_s = gyro.bias_instability_dph / 3600.0 * kRadPerDeg;

@@ -209,6 +209,8 @@ std::vector<Leg> drive_in_traffic(const DriverParams& params, const random::Rand
 }
 
 VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double metres_per_pulse) {
+  constexpr double kGravity_m_s2 = 9.80665;
+  constexpr double kLean_rad_per_m_s2 = 5.0 * units::kRadPerDeg / kGravity_m_s2;  // 5 deg per g
   using units::kRadPerDeg;
   VehicleMotion motion{.sample_period_s = sample_period_s};
   Tilt tilt_before;
@@ -224,15 +226,20 @@ VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double m
       const double yaw = std::lerp(before.turn_dps, leg.turn_dps, share) * kRadPerDeg;
       const double nod =
           0.004 * std::sin(2.0 * std::numbers::pi * 1.3 * t_s) * std::min(1.0, speed / 14.0);
-      const Tilt tilt{.roll_rad = std::atan(std::lerp(before.bank, leg.bank, share)),
+      const double lean_rad = kLean_rad_per_m_s2 * speed * yaw;
+      const Tilt tilt{.roll_rad = std::atan(std::lerp(before.bank, leg.bank, share)) + lean_rad,
                       .pitch_rad = -std::atan(std::lerp(before.grade, leg.grade, share))};
       if (motion.size() == 0) tilt_before = tilt;
       const auto turn = seen_by(tilt, {0.0, 0.0, yaw});
+      const double speed_before = motion.size() == 0 ? speed : motion.speed_m_s.back();
+      const double pushed_m_s2 = (speed - speed_before) / sample_period_s;
+      motion.force_g.push_back(
+          seen_by(tilt, {pushed_m_s2 / kGravity_m_s2, speed * yaw / kGravity_m_s2, 1.0}));
       const double rolls = (tilt.roll_rad - tilt_before.roll_rad) / sample_period_s;
       const double pitches = (tilt.pitch_rad - tilt_before.pitch_rad) / sample_period_s;
       tilt_before = tilt;
       distance_m += speed * sample_period_s;
-      motion.rate_rad_s.push_back({0.05 * yaw + rolls + turn[0], nod + pitches + turn[1], turn[2]});
+      motion.rate_rad_s.push_back({rolls + turn[0], nod + pitches + turn[1], turn[2]});
       motion.turn_rad_s.push_back(yaw);
       motion.speed_m_s.push_back(speed);
       motion.odometer_pulses.push_back(static_cast<std::int64_t>(distance_m / metres_per_pulse));

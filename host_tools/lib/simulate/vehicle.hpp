@@ -32,6 +32,8 @@ struct VehicleMotion {
   std::vector<double> turn_rad_s{};             ///< rate of the heading: about the vertical
   std::vector<double> speed_m_s{};              ///< magnitude
   std::vector<std::int64_t> odometer_pulses{};  ///< cumulative
+  /// Specific force along the body's axes [g]; empty: not known.
+  std::vector<std::array<double, 3>> force_g{};
 
   [[nodiscard]] std::size_t size() const { return odometer_pulses.size(); }
 };
@@ -51,8 +53,8 @@ struct Leg {
   double bank = 0.0;      ///< rise of its left side per width
 };
 
-/// The body leans and nods as that of simulate_vehicle(); it does not rock after braking. On a
-/// slope its axes are tilted, and share the turn about the vertical.
+/// The body nods as that of simulate_vehicle(), and leans outwards in a curve by 5 deg per g; it
+/// does not rock after braking. Tilted axes share the turn about the vertical, and its forces.
 [[nodiscard]] VehicleMotion follow(std::span<const Leg> legs, double sample_period_s,
                                    double metres_per_pulse = 0.05);
 

@@ -175,27 +175,47 @@ void count_front_end() {
   emulated::write_line("averaged_sample_of_three_axes", mean_hundredths(1040, prepare, one));
 }
 
-using Node = app::GyroNode<kShape, app::NodeCapacity{.held_ticks = 16, .average_levels = 8}>;
+template <core::ModelShape Shape>
+using NodeOf = app::GyroNode<Shape, app::NodeCapacity{.held_ticks = 16, .average_levels = 8}>;
+using Node = NodeOf<kShape>;
+constexpr core::ModelShape kForceShape{
+    .decaying = kShape.decaying, .inputs = 3, .has_accelerometer = true};
+using ForceNode = NodeOf<kForceShape>;
+
 constexpr Node::Params kParams{.model = {.modes = kModes,
                                          .white_variance_rad2_s2 = kWhiteVariance,
                                          .sample_period = kSamplePeriod},
                                .standstill = {.hold_back = core::Duration::milliseconds(500)}};
+constexpr float kSensitivity_rad_s_g = 1e-3F;
+constexpr ForceNode::Params kForceParams{
+    .model = {.modes = kModes,
+              .inputs = {.terms = {{{core::Input::acceleration_x, kSensitivity_rad_s_g},
+                                    {core::Input::acceleration_y, kSensitivity_rad_s_g},
+                                    {core::Input::acceleration_z, kSensitivity_rad_s_g}}}},
+              .white_variance_rad2_s2 = kWhiteVariance,
+              .sample_period = kSamplePeriod},
+    .standstill = {.hold_back = core::Duration::milliseconds(500)}};
 constinit Node node{kParams};
+constinit ForceNode force_node{kForceParams};
 
-void count_node() {
+/// @param has_force whether the samples have an acceleration
+void count_node(auto& node, bool has_force, const char* still, const char* moving) {
   core::GyroSample sample{.time = core::Instant::from_ns(1'000'000'000)};
+  sample.has_acceleration = has_force;
   const auto prepare = [&] {
     sample.time = sample.time + kSamplePeriod;
     for (auto& rate : sample.rate) rate = core::rad_per_s(noisy_rate_rad_s());
+    for (auto& force : sample.acceleration) force = core::m_per_s2(noisy_rate_rad_s());
+    sample.acceleration[2] = core::m_per_s2(core::kStandardGravity_m_s2);
   };
   const auto one = [&] {
     const app::RateMessage message = node.step(sample);
     asm volatile("" ::"r"(&message) : "memory");  // all of it is used
   };
   (void)mean_hundredths(520, prepare, one);
-  emulated::write_line("node_step_still", mean_hundredths(1040, prepare, one));
+  emulated::write_line(still, mean_hundredths(1040, prepare, one));
   node.pulse(sample.time);
-  emulated::write_line("node_step_moving", mean_hundredths(40, prepare, one));
+  emulated::write_line(moving, mean_hundredths(40, prepare, one));
 }
 
 }  // namespace
@@ -205,6 +225,7 @@ int main() {
   SysTick::start();
   count_predictors();
   count_front_end();
-  count_node();
+  count_node(node, false, "node_step_still", "node_step_moving");
+  count_node(force_node, true, "force_step_still", "force_step_moving");
   return 0;
 }
