@@ -45,7 +45,7 @@ double explained_dps(std::size_t axis, const Vector& force_g) {
 /// A vehicle that drives for five seconds and stands for twenty, always in another attitude.
 class LeaningVehicle {
  public:
-  explicit LeaningVehicle(NodeWithForce::Params params) : params_(std::move(params)) {}
+  explicit LeaningVehicle(const NodeWithForce::Params& params) : params_(params) {}
 
   void drive_and_stand(const Vector& force_g) {
     for (int k = 0; k < 2500; ++k) {
@@ -118,7 +118,7 @@ TEST(MessageInputsOfAModelWithoutThem, ExplainNothing) {
 TEST(MessageInputsOfAMovingAverage, ExplainNothing) {
   NodeWithForce::Params params = params_with_force(true);
   params.published = Predictor::moving_average;
-  LeaningVehicle vehicle{std::move(params)};
+  LeaningVehicle vehicle{params};
   vehicle.drive_and_stand({0.0, 0.0, 1.0});
   EXPECT_FALSE(vehicle.message().explained.has_value());
 }

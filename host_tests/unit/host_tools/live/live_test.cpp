@@ -9,6 +9,7 @@
 #include <string>
 
 #include "firmware/boards/linux/outputs/json_line.hpp"
+#include "firmware/wire/explained_shares.hpp"
 #include "host_tests/unit/firmware/wire/messages.hpp"
 #include "host_tests/unit/host_tools/live/messages.hpp"
 #include "host_tools/lib/live/source.hpp"
