@@ -22,44 +22,42 @@ class GivenVertical {
  public:
   /// Axes of a TurnSum beside this vertical, which is one of them.
   static constexpr std::size_t kSummedAxes = Axes;
-  using Rates = std::array<float, Axes>;
-  using SummedRates = Rates;
 
   struct State {
     constexpr bool operator==(const State&) const = default;
   };
 
-  constexpr explicit GivenVertical(const std::optional<UpAxis>& given) : given_(given) {}
+  constexpr explicit GivenVertical(const std::optional<UpAxis>& given)
+      : is_known_(given.has_value()), up_(given.value_or(UpAxis{})) {
+    up_.axis = static_cast<std::uint8_t>(std::min<std::size_t>(up_.axis, Axes - 1));
+  }
   [[nodiscard]] constexpr State state() const { return {}; }
   constexpr void restore(State /*state*/) {}
   [[nodiscard]] static constexpr bool is_possible(State /*state*/) { return true; }
 
-  [[nodiscard]] constexpr bool is_known() const { return given_.has_value(); }
-  [[nodiscard]] constexpr Direction up() const { return assumed().direction(); }
+  [[nodiscard]] constexpr bool is_known() const { return is_known_; }
+  [[nodiscard]] constexpr Direction up() const { return up_.direction(); }
   /// Place of the vertical among the summed axes, and whether that counts turns as seen from above.
-  [[nodiscard]] constexpr std::size_t axis() const {
-    return std::min<std::size_t>(assumed().axis, Axes - 1);
-  }
-  [[nodiscard]] constexpr float sense() const { return assumed().points_down ? -1.0F : 1.0F; }
+  [[nodiscard]] constexpr std::size_t axis() const { return up_.axis; }
+  [[nodiscard]] constexpr float sense() const { return up_.points_down ? -1.0F : 1.0F; }
 
   /// Calls use(axis, share) for each axis of the sensor that measures turns about the vertical.
   template <class Use>
   constexpr void for_each_share(Use use) const {
     use(axis(), sense());
   }
-  /// Rates to sum.
-  [[nodiscard]] static constexpr SummedRates summed(const Rates& rates) { return rates; }
-  /// Likewise of their standard deviations, and of their variances.
-  [[nodiscard]] static constexpr SummedRates summed_sigmas(const Rates& sigmas) { return sigmas; }
-  [[nodiscard]] static constexpr SummedRates summed_variances(const Rates& all) { return all; }
-  [[nodiscard]] static constexpr std::uint8_t summed_saturation(std::uint8_t axes) { return axes; }
-
-  static constexpr void turn(const Rates& /*rate_rad_s*/, float /*interval_s*/) {}
+  /// Variance about the vertical, where of(axis) is that of an axis.
+  template <class Of>
+  [[nodiscard]] constexpr float variance(Of of) const {
+    return of(axis());
+  }
+  /// Fills in what is summed about the vertical, where the axes of the sensor stand before it.
+  static constexpr void complete(auto& /*sample*/) {}
+  static constexpr void complete_variances(auto& /*variances*/) {}
 
  private:
-  [[nodiscard]] constexpr UpAxis assumed() const { return given_.value_or(UpAxis{}); }
-
-  std::optional<UpAxis> given_;
+  bool is_known_;
+  UpAxis up_;
 };
 
 /// The vertical by the specific force at rest, and by the rates since then.
@@ -76,8 +74,6 @@ class GivenVertical {
 class MeasuredVertical {
  public:
   static constexpr std::size_t kSummedAxes = 4;  ///< x, y, z of the sensor, and the vertical
-  using Rates = std::array<float, 3>;
-  using SummedRates = std::array<float, kSummedAxes>;
 
   struct State {
     Direction up{0.0F, 0.0F, 1.0F};  ///< newest one
@@ -117,25 +113,32 @@ class MeasuredVertical {
   constexpr void for_each_share(Use use) const {
     for (std::size_t i = 0; i < 3; ++i) use(i, state_.up[i]);
   }
-  [[nodiscard]] constexpr SummedRates summed(const Rates& rates) const {
-    return {rates[0], rates[1], rates[2], dot(state_.up, rates)};
+  template <class Of>
+  [[nodiscard]] constexpr float variance(Of of) const {
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float share = state_.up[i];
+      // A share of zero of what is unknown is zero.
+      if (share != 0.0F) sum += share * share * of(i);
+    }
+    return sum;
   }
-  [[nodiscard]] constexpr SummedRates summed_sigmas(const Rates& sigmas) const {
-    return {sigmas[0], sigmas[1], sigmas[2],
-            square_root(vertical_variance(
-                {sigmas[0] * sigmas[0], sigmas[1] * sigmas[1], sigmas[2] * sigmas[2]}))};
-  }
-  [[nodiscard]] constexpr SummedRates summed_variances(const Rates& all) const {
-    return {all[0], all[1], all[2], vertical_variance(all)};
-  }
-  /// The turn about the vertical is lost with that of any axis.
-  [[nodiscard]] static constexpr std::uint8_t summed_saturation(std::uint8_t axes) {
+  /// @param sample a TurnSum::Sample. The turn about the vertical is lost with that of any axis.
+  constexpr void complete(auto& sample) const {
     constexpr std::uint8_t kVerticalBit = 1U << kVertical;
-    return axes == 0 ? axes : static_cast<std::uint8_t>(axes | kVerticalBit);
+    const auto& rate = sample.rate_rad_s;
+    const auto& sigma = sample.bias_sigma_rad_s;
+    sample.rate_rad_s[kVertical] = dot(state_.up, {rate[0], rate[1], rate[2]});
+    sample.bias_sigma_rad_s[kVertical] =
+        square_root(variance([&](std::size_t i) { return sigma[i] * sigma[i]; }));
+    if (sample.saturated_axes != 0) sample.saturated_axes |= kVerticalBit;
+  }
+  constexpr void complete_variances(auto& variances) const {
+    variances[kVertical] = variance([&](std::size_t i) { return variances[i]; });
   }
 
   /// The sensor turned for a time: the second order of the rotation.
-  constexpr void turn(const Rates& rate_rad_s, float interval_s) {
+  constexpr void turn(const Direction& rate_rad_s, float interval_s) {
     const Direction first = turned(state_.up, rate_rad_s, interval_s);
     const Direction second = turned(first, rate_rad_s, 0.5F * interval_s);
     for (std::size_t i = 0; i < 3; ++i) state_.up[i] += first[i] + second[i];
@@ -170,16 +173,8 @@ class MeasuredVertical {
     const float square = dot(one, one);
     return square >= 1.0F - kRounding && square <= 1.0F + kRounding;
   }
-  [[nodiscard]] constexpr float vertical_variance(const Rates& variances) const {
-    // A share of zero of an unknown variance is zero.
-    float sum = 0.0F;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (state_.up[i] != 0.0F) sum += state_.up[i] * state_.up[i] * variances[i];
-    }
-    return sum;
-  }
   /// Change of a direction that stays while the sensor turns: n x omega dt.
-  [[nodiscard]] static constexpr Direction turned(const Direction& n, const Rates& rate_rad_s,
+  [[nodiscard]] static constexpr Direction turned(const Direction& n, const Direction& rate_rad_s,
                                                   float interval_s) {
     const auto [x, y, z] = rate_rad_s;
     return {(n[1] * z - n[2] * y) * interval_s, (n[2] * x - n[0] * z) * interval_s,

@@ -34,7 +34,6 @@ class TurnTrack {
  public:
   static constexpr std::size_t kAxes = Ticks::kAxes;
   using Params = typename Ticks::Params;
-  using Rates = typename Ticks::Rates;
   using Vertical = std::conditional_t<Ticks::kMeasuresVertical, core::MeasuredVertical,
                                       core::GivenVertical<kAxes>>;
   using Sum = core::TurnSum<Vertical::kSummedAxes>;
@@ -125,22 +124,18 @@ class TurnTrack {
   /// @param is_learning whether a measurement of the stop that is over will still be learnt
   constexpr void add(const RateMessage& message, core::Duration since_last,
                      std::uint8_t saturated_axes, bool is_learning, Ticks& ticks) {
-    Rates rate_rad_s{};
-    Rates sigma_rad_s{};
+    typename Sum::Sample sample{.since_last = since_last,
+                                .saturated_axes = saturated_axes,
+                                .moves = message.motion != core::Motion::still};
     for (std::size_t i = 0; i < kAxes; ++i) {
-      rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
-      sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
+      sample.rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
+      sample.bias_sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     }
-    const bool moves = message.motion != core::Motion::still;
-    if (moves) {
-      vertical_.turn(rate_rad_s, since_last.in_seconds());
+    if (sample.moves) {
+      turn_vertical(sample);
       follow_motion(message, is_learning, ticks);
     }
-    typename Sum::Sample sample{.since_last = since_last,
-                                .rate_rad_s = vertical_.summed(rate_rad_s),
-                                .bias_sigma_rad_s = vertical_.summed_sigmas(sigma_rad_s),
-                                .saturated_axes = vertical_.summed_saturation(saturated_axes),
-                                .moves = moves};
+    vertical_.complete(sample);
     if constexpr (kTakesReferences) add_to_references(message.time, sample);
     sum_.add(sample);
     take_error(ticks);
@@ -167,9 +162,12 @@ class TurnTrack {
   constexpr void describe(core::Duration silence, RateMessage& message) const {
     message.turn_time = sum_.duration();
     for (std::size_t i = 0; i < kAxes; ++i) message.turn[i] = turn(i, silence);
+    const std::size_t axis = vertical_.axis();
+    if (axis < kAxes && has_learnt_motion()) message.turn[axis] = learnt_turn(silence);
     if (!vertical_.is_known()) return;
     message.up = vertical_.up();
-    message.vertical_turn = turn(vertical_.axis(), silence);
+    message.vertical_turn = axis < kAxes ? message.turn[axis] : turn(axis, silence);
+    if (axis >= kAxes && has_learnt_motion()) message.vertical_turn = learnt_turn(silence);
     if (vertical_.sense() < 0.0F) {
       message.vertical_turn.angle = core::Angle{} - message.vertical_turn.angle;
     }
@@ -198,12 +196,17 @@ class TurnTrack {
   }
   /// Variance of the predicted bias about the vertical.
   [[nodiscard]] constexpr float bias_variance_rad2_s2(const Ticks& ticks) const {
-    Rates variances{};
-    vertical_.for_each_share([&](std::size_t i, float /*share*/) {
-      variances[i] = ticks.predicted()[i].variance_rad2_s2 +
-                     TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
+    return vertical_.variance([&](std::size_t i) {
+      return ticks.predicted()[i].variance_rad2_s2 +
+             TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
     });
-    return vertical_.summed_variances(variances)[vertical_.axis()];
+  }
+  /// Turns the vertical by the rates of a sample.
+  constexpr void turn_vertical(const typename Sum::Sample& sample) {
+    if constexpr (Ticks::kMeasuresVertical) {
+      const auto& rate = sample.rate_rad_s;
+      vertical_.turn({rate[0], rate[1], rate[2]}, sample.since_last.in_seconds());
+    }
   }
   constexpr void follow_vertical(const Ticks& ticks) {
     const core::TickForce force = ticks.inputs().tick_force();
@@ -233,29 +236,36 @@ class TurnTrack {
     if (((sample.saturated_axes >> axis) & 1U) != 0) references_.lose();
     if (sum_.moves() && !sample.moves) references_.stop(at);
   }
-  /// Turn of a summed axis since departure.
+  /// Turn of a summed axis since departure, by the tolerance of its scale factor.
   [[nodiscard]] constexpr AxisTurn turn(std::size_t axis, core::Duration silence) const {
-    if constexpr (kTakesReferences) {
-      const core::HeadingFilter& filter = references_.filter();
-      if (axis == vertical_.axis() && filter.has_learnt()) {
-        return {.angle = core::rad(filter.scaled(sum_.angle(axis).in(core::rad))),
-                .sigma = sum_.sigma(axis, references_.scale_variance_rad2(sum_), silence)};
-      }
-    }
     return {.angle = sum_.angle(axis),
             .sigma = sum_.sigma(axis, sum_.scale_variance_rad2(axis), silence)};
+  }
+  [[nodiscard]] constexpr bool has_learnt_motion() const {
+    if constexpr (kTakesReferences) return references_.filter().has_learnt();
+    return false;
+  }
+  /// Turn of the vertical's axis since departure, by the scale factor that references taught.
+  [[nodiscard]] constexpr AxisTurn learnt_turn(core::Duration silence) const {
+    if constexpr (kTakesReferences) {
+      const std::size_t axis = vertical_.axis();
+      return {.angle = core::rad(references_.filter().scaled(sum_.angle(axis).in(core::rad))),
+              .sigma = sum_.sigma(axis, references_.scale_variance_rad2(sum_), silence)};
+    }
+    return {};
   }
 
   /// Notices a departure. A measurement that is learnt after it belongs to the stop before.
   constexpr void follow_motion(const RateMessage& message, bool is_learning, const Ticks& ticks) {
     if (!sum_.moves() && (is_learning || sum_.has_rested(ticks.measured_ticks()))) {
-      Rates white{};
+      typename Sum::Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
+      vertical_.complete_variances(white);
       if constexpr (kTakesReferences) {
         references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks),
                            temperature_k_of(message));
       }
-      sum_.depart(vertical_.summed_variances(white));
+      sum_.depart(white);
       asked_ticks_ = kShortest;
     }
     sum_.note_measurement(ticks.measured_ticks());
@@ -265,13 +275,13 @@ class TurnTrack {
     if (!drive.is_known) return;
     drive.is_known = false;
     const float length_s = sum_.duration().in_seconds();
-    Rates variances{};
+    typename Sum::Rates variances{};
     for (std::size_t i = 0; i < kAxes; ++i) {
       const float constant = TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
       variances[i] = drive.variance_rad2[i] + constant * length_s * length_s;
     }
-    const auto summed = vertical_.summed_variances(variances);
-    for (std::size_t i = 0; i < summed.size(); ++i) sum_.set_bias_variance(i, summed[i]);
+    vertical_.complete_variances(variances);
+    for (std::size_t i = 0; i < variances.size(); ++i) sum_.set_bias_variance(i, variances[i]);
   }
 
   const Params& params_;

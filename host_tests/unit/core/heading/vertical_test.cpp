@@ -106,8 +106,9 @@ TEST(MeasuredVertical, GivesTheVarianceAboutTheVertical) {
   MeasuredVertical vertical{std::nullopt};
   const Eigen::Vector3d up = Eigen::Vector3d(0.0, 3.0, 4.0).normalized();
   rest(vertical, up);
-  const auto summed = vertical.summed_variances({100.0F, 1.0F, 4.0F});
-  EXPECT_NEAR(summed[3], 0.36F * 1.0F + 0.64F * 4.0F, 1e-4F);
+  std::array<float, 4> variances{100.0F, 1.0F, 4.0F};
+  vertical.complete_variances(variances);
+  EXPECT_NEAR(variances[3], 0.36F * 1.0F + 0.64F * 4.0F, 1e-4F);
 }
 
 TEST(EarthAboutAVertical, HasTheSameRotationInAll) {
