@@ -78,7 +78,7 @@ class Receivers {
 
  private:
   void receive_udp() {
-    std::array<std::uint8_t, 128> bytes{};
+    std::array<std::uint8_t, wire::kMostRateFrameBytes> bytes{};
     for (;;) {
       const ssize_t size = recv(udp_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       if (size < 0) return;

@@ -67,7 +67,7 @@ class Witness {
   void expect_restart() { newest_.reset(); }
 
   void receive() {
-    std::array<std::uint8_t, 128> bytes{};
+    std::array<std::uint8_t, wire::kMostRateFrameBytes> bytes{};
     for (;;) {
       const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       if (size < 0) return;
