@@ -258,9 +258,9 @@ class Run {
   }
   /// Rate over the Earth as the node takes it in, with the bias still in it.
   [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
-    const core::ScaleCorrection& scale = replayed_.params().model.scale;
-    return double{scale.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
-           double{replayed_.params().earth.vertical_rad_s[axis]};
+    const auto& params = replayed_.params();
+    return double{params.model.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
+           double{params.earth.vertical_rad_s[axis]};
   }
   void predict_biases() {
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
