@@ -7,7 +7,7 @@ namespace zerorate::identify {
 
 void LevelsNearZero::take(float value) {
   if (counts_.size() == kMost) {
-    // What lies farther away than all kept values would never come back among the nearest.
+    // A value farther away than all that are kept never comes back among the nearest.
     const auto lowest = counts_.begin();
     const auto highest = std::prev(counts_.end());
     const auto farthest = std::abs(lowest->first) > std::abs(highest->first) ? lowest : highest;

@@ -27,7 +27,7 @@ enum class Steps : std::uint8_t { rounded, cut, finer };
 struct Sensor {
   Steps steps = Steps::rounded;
   double noise_in_steps = 1.5;
-  double bias_in_steps = 1.0;      ///< of x; y and z have others
+  double bias_in_steps = 1.0;      ///< bias of x; y and z have others
   double motion_in_steps = 300.0;  ///< deviation of the rate on the move; 0: always at rest
 };
 

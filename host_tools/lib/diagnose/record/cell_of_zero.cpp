@@ -20,7 +20,7 @@ struct Window {
 
 /// Levels in the tails belong to what moves in a rest, not to its density.
 Window window_of(const LevelsAboutZero& levels) {
-  constexpr double kLeastShare = 0.03;  // of the fullest level beside zero
+  constexpr double kLeastShare = 0.03;  // share of the fullest level beside zero
   constexpr double kFewestHits = 8.0;
   double most = 0.0;
   for (int level = 1; level <= LevelsAboutZero::kReach; ++level) {

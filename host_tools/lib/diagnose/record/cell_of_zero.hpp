@@ -14,7 +14,7 @@ struct LevelsAboutZero {
   static constexpr int kReach = 16;  ///< levels on each side
 
   double step = 0.0;
-  std::vector<double> counts;  ///< of the levels -kReach to kReach
+  std::vector<double> counts;  ///< samples on the levels -kReach to kReach
 
   [[nodiscard]] double count(int level) const {
     return counts[static_cast<std::size_t>(level + kReach)];

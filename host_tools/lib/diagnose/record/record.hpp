@@ -23,7 +23,7 @@ struct Record {
   std::size_t standstills = 1;      ///< standstills of the recording; this is the longest of them
   InputTicks inputs;                ///< ticks of all standstills; none without accelerations
   std::size_t index = 0;            ///< number of the axis in them
-  TruncationEvidence truncation{};  ///< by all axes of the recording; undone where it was found
+  TruncationEvidence truncation{};  ///< evidence of all axes; undone where found
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };

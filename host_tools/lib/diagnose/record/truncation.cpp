@@ -58,7 +58,8 @@ std::vector<Witness> witnesses_of(const identify::RestSamples& samples) {
   return witnesses;
 }
 
-/// Of several: the sum of the surprisals of n independent ones is chi squared of 2 n (Fisher).
+/// Surprisal of several: twice the sum of those of n independent ones is chi squared of 2 n
+/// (Fisher).
 double surprisal_of(const std::vector<Witness>& witnesses) {
   double sum = 0.0;
   for (const auto& [step, rounded, cut] : witnesses) {
