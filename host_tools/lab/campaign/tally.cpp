@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host_tools/lab/campaign/outside_catalogue.hpp"
+#include "host_tools/lab/campaign/standstill_recording.hpp"
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
 namespace zerorate::campaign {
@@ -79,7 +80,8 @@ void Tally::add(std::size_t run, const BlindRecording& blind, const Answer& answ
 
 void Tally::count_certainties(const BlindRecording& blind, const Answer& answer) {
   const auto hidden = [&](const std::string& name) {
-    return std::ranges::find(blind.truth, name) != blind.truth.end();
+    return std::ranges::find(blind.truth, name) != blind.truth.end() ||
+           std::ranges::find(blind.also, name) != blind.also.end();
   };
   for (std::size_t i = 0; i < answer.certainties.size(); ++i) {
     reliability_.count(answer.certainties[i].probability, hidden(answer.causes[i]));
@@ -163,6 +165,7 @@ std::string Tally::matrix() const {
   text += "\n";
   const std::size_t columns = rows.size();
   rows.insert(rows.end(), {"clean", "two effects"});
+  rows.insert(rows.end(), kStandstillEffects.begin(), kStandstillEffects.end());
   for (const sizing::EffectEntry& entry : outside_catalogue()) rows.emplace_back(entry.name);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto found = rows_.find(rows[i]);
