@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::campaign {
 namespace {
@@ -71,12 +72,27 @@ std::optional<double> add_input(const RecordingSetting& setting, const std::vect
   return size;
 }
 
-/// Deviation of the rate on the move. With a cut toward zero it is that at which a level 0 with
-/// twice its share costs the nats: of `expected` samples there 2 log 2 - 1 each.
-double motion_sigma(const RecordingSetting& setting, double step_rad_s, double nats) {
-  const double expected = nats / (2.0 * std::numbers::ln2 - 1.0);
+/// Deviation of the rate on the move at which a cut toward zero costs the nats: of the samples
+/// expected on the level 0, were they rounded, 2 log 2 - 1 each. Nothing where the bias is so large
+/// that zero is hardly ever read.
+std::optional<double> motion_sigma(const RecordingSetting& setting, double step_rad_s,
+                                   double nats) {
+  const double wanted = nats / (2.0 * std::numbers::ln2 - 1.0);
   const double moving = kMovingShare * static_cast<double>(setting.samples);
-  return moving * step_rad_s / (std::sqrt(2.0 * std::numbers::pi) * expected);
+  const auto expected = [&](double sigma) {
+    const double away = setting.bias_rad_s / sigma;
+    return moving * step_rad_s / sigma * statistics::normal_density(away);
+  };
+  double least = std::max(std::abs(setting.bias_rad_s), 2.0 * step_rad_s);
+  if (expected(least) < wanted) return std::nullopt;
+  double most = 2.0 * least;
+  while (expected(most) > wanted) most *= 2.0;
+  constexpr int kHalvings = 30;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (least + most);
+    (expected(middle) > wanted ? least : most) = middle;
+  }
+  return most;
 }
 
 void add_motion(double sigma_rad_s, const random::RandomStream& stream, simulate::Signal& signal) {
@@ -143,7 +159,9 @@ std::optional<BlindRecording> try_recording(const BlindOptions& options, std::si
     if (!size) return std::nullopt;
     blind.figures[effect]["rectification_dps_per_g2"] = *size * sizing::kDegPerRad;
   } else if (effect == "truncation") {
-    motion = motion_sigma(setting, step, options.nats);
+    const auto sigma = motion_sigma(setting, step, options.nats);
+    if (!sigma) return std::nullopt;
+    motion = *sigma;
     blind.figures[effect]["step_dps"] = step * sizing::kDegPerRad;
   }
   add_motion(motion, stream.substream("motion"), signal);

@@ -25,6 +25,18 @@ std::string truth_of(const BlindRecording& blind) {
   return blind.truth.front();
 }
 
+/// Effects of the matrix; "quantization" comes with "truncation", and may be the strongest.
+std::vector<std::string> effects_of(const BlindOptions& options) {
+  std::vector<std::string> names;
+  if (options.standstills) {
+    names.assign(kStandstillEffects.begin(), kStandstillEffects.end());
+    names.emplace_back("quantization");
+    return names;
+  }
+  for (const sizing::EffectEntry& entry : sizing::catalogue()) names.emplace_back(entry.name);
+  return names;
+}
+
 bool is_right(const BlindRecording& blind, const Answer& answer, const Score& result) {
   switch (blind.kind) {
     case Kind::clean:
@@ -155,8 +167,7 @@ std::string Tally::coverage_table() const {
 }
 
 std::string Tally::matrix() const {
-  std::vector<std::string> rows;
-  for (const sizing::EffectEntry& entry : sizing::catalogue()) rows.emplace_back(entry.name);
+  std::vector<std::string> rows = effects_of(options_);
   std::string text = "| hidden | runs | named | alone | rival |";
   for (std::size_t column = 1; column <= rows.size(); ++column)
     text += fmt::format(" {} |", column);
@@ -165,7 +176,6 @@ std::string Tally::matrix() const {
   text += "\n";
   const std::size_t columns = rows.size();
   rows.insert(rows.end(), {"clean", "two effects"});
-  rows.insert(rows.end(), kStandstillEffects.begin(), kStandstillEffects.end());
   for (const sizing::EffectEntry& entry : outside_catalogue()) rows.emplace_back(entry.name);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto found = rows_.find(rows[i]);
