@@ -19,10 +19,10 @@ using sizing::Draws;
 using sizing::RecordingSetting;
 
 constexpr std::size_t kStandstills = 12;
-constexpr double kMovingShare = 0.25;  // of each standstill, at its beginning
+constexpr double kMovingShare = 0.25;  // share of each standstill, at its beginning
 constexpr double kGravity_m_s2 = 9.80665;
 
-/// What the sensor is exposed to, standstill by standstill.
+/// Force and vibration that the sensor is exposed to, standstill by standstill.
 struct Exposure {
   std::vector<std::array<double, 3>> attitude;  ///< specific force [g]
   std::vector<double> vibration_g2;             ///< summed over the axes
