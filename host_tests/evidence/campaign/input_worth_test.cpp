@@ -46,7 +46,7 @@ diagnose::Diagnosis diagnosis_of(const BlindRecording& blind) {
 
 /// Errors of the bias that is predicted for a standstill.
 struct NextStops {
-  double squares = 0.0;  ///< over the square of the white noise of a sample
+  double squares = 0.0;  ///< squared errors over the square of the white noise
   double covered = 0.0;
   double stops = 0.0;
 
