@@ -17,7 +17,8 @@ struct LevelsAboutZero {
   std::vector<double> counts;  ///< samples on the levels -kReach to kReach
 
   [[nodiscard]] double count(int level) const {
-    return counts[static_cast<std::size_t>(level + kReach)];
+    const int place = level + kReach;
+    return counts[static_cast<std::size_t>(place)];
   }
 };
 
