@@ -54,6 +54,7 @@ struct NodeModel {
   /// @param measured  rates of x, y and z
   [[nodiscard]] constexpr ScaleCorrection::Rates corrected(
       const ScaleCorrection::Rates& measured) const {
+    if (!truncation.is_on()) return scale.corrected(measured);
     return scale.corrected(truncation.undone(measured));
   }
   [[nodiscard]] constexpr AngularRate corrected(AngularRate measured, std::size_t axis) const {
