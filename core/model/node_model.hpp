@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/time.hpp"
+#include "core/base/units.hpp"
 #include "core/estimator/gate.hpp"
 #include "core/heading/turn_sum.hpp"
 #include "core/noise/hypotheses.hpp"
@@ -13,6 +14,7 @@
 #include "core/samples/rounding_watch.hpp"
 #include "core/samples/sample_model.hpp"
 #include "core/samples/scale_correction.hpp"
+#include "core/samples/truncation.hpp"
 
 namespace zerorate::core {
 
@@ -40,11 +42,23 @@ struct NodeModel {
   /// Step that samples are rounded to. The filter treats the rounding error as noise, and the two
   /// variances above contain it.
   float quantization_step_rad_s = 0.0F;
+  Truncation truncation{};  ///< samples that are cut toward zero; off by default
 
   constexpr bool operator==(const NodeModel&) const = default;
   [[nodiscard]] constexpr Rounding rounding() const {
     return {.step_rad_s = quantization_step_rad_s,
-            .floor_rad2_s2 = measurement_floor_variance_rad2_s2};
+            .floor_rad2_s2 = measurement_floor_variance_rad2_s2,
+            .is_truncation = truncation.is_on()};
+  }
+  /// Rates without the known errors of the chip: truncation first, then the scale factors.
+  /// @param measured  rates of x, y and z
+  [[nodiscard]] constexpr ScaleCorrection::Rates corrected(
+      const ScaleCorrection::Rates& measured) const {
+    if (!truncation.is_on()) return scale.corrected(measured);
+    return scale.corrected(truncation.undone(measured));
+  }
+  [[nodiscard]] constexpr AngularRate corrected(AngularRate measured, std::size_t axis) const {
+    return scale.corrected(truncation.undone(measured), axis);
   }
   /// Variance of the mean of `count` samples.
   [[nodiscard]] constexpr float measurement_variance(float count) const {

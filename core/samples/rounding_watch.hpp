@@ -33,10 +33,22 @@ namespace zerorate::core {
   return 0.5F * step2 * (sum + rest * damped);
 }
 
+/// Variance of the mean error of samples near zero that were cut toward zero, half a step away from
+/// it. The cell of zero is two steps wide, and noise makes its error small as a power only: step^2
+/// / 3 without noise; 0.12 step^3 / sigma^2 at most, squared, with much. In between an upper limit.
+[[nodiscard]] constexpr float cell_of_zero_variance(float step, float noise_variance) {
+  constexpr float kFalloff = 25.0F;
+  const float step2 = step * step;
+  if (!(step2 > 0.0F)) return 0.0F;
+  const float noise = noise_variance / step2;
+  return step2 * (1.0F / 3.0F) / (1.0F + kFalloff * noise * noise);
+}
+
 /// Rounding of the samples by a model.
 struct Rounding {
   float step_rad_s = 0.0F;     ///< step; 0: not known
   float floor_rad2_s2 = 0.0F;  ///< variance of the error of the mean
+  bool is_truncation = false;  ///< toward zero, and undone: the cell of zero is two steps wide
 };
 
 /// Watches the samples of a gyro for their step, and says how far the mean of rounded samples may
@@ -50,7 +62,8 @@ struct Rounding {
 /// border and the mean: its distance from the mean is between 0 and m, the noise decides where. All
 /// of these are taken for equally likely, which makes the variance m^2 / 3. The noise of the model
 /// is not relied on: where it is higher than the sensor's it would promise a dither that there is
-/// not.
+/// not. Samples that were cut toward zero, half a step away from it, have the levels 0
+/// and 1.5 steps with the border at 1 step: there the variance is (step^2 - 1.5 v) / 3.
 ///
 /// Cost of a sample: 6 floating-point operations; of a window: some 20, and 100 more where the step
 /// is larger than the noise.
@@ -113,7 +126,7 @@ class RoundingWatch {
     for (std::size_t i = 0; i < Axes; ++i) {
       float& shown = state_.shown_rad2_s2[i];
       shown += gain * (0.5F * squares[i] - static_cast<float>(differences) * shown);
-      state_.variance_rad2_s2[i] = variance(step, certain * shown);
+      state_.variance_rad2_s2[i] = variance(step, certain * shown, state_.newest_rad_s[i]);
     }
   }
 
@@ -135,7 +148,7 @@ class RoundingWatch {
   [[gnu::noinline]] constexpr void estimate_without_rest() {
     if (state_.differences > 0) return;
     const float step = step_rad_s();
-    state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F));
+    state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F, 0.0F));
   }
   constexpr void take_change(float change) {
     const float step = step_rad_s();
@@ -144,13 +157,22 @@ class RoundingWatch {
     if (is_first || change < state_.least_change_rad_s) state_.least_change_rad_s = change;
     if (step_rad_s() != step) estimate_without_rest();
   }
-  [[nodiscard]] constexpr float variance(float step, float shown) const {
+  /// @param newest_rad_s  newest sample of the axis
+  [[nodiscard]] constexpr float variance(float step, float shown, float newest_rad_s) const {
     // A sensor that does not change hides its noise in a step, of ten standard deviations at most.
     const float step2 = step > 0.0F ? step * step : 100.0F * white_;
-    const float by_samples = (0.25F * step2 - shown) * (1.0F / 3.0F);
     // Rounding adds less than this to the noise, unless the noise is below a third of a step.
     const float noise = std::max(white_, shown - 0.125F * step2);
+    if (model_.is_truncation && newest_rad_s * newest_rad_s < reach2(step2, shown)) {
+      return std::max((step2 - 1.5F * shown) * (1.0F / 3.0F), cell_of_zero_variance(step, noise));
+    }
+    const float by_samples = (0.25F * step2 - shown) * (1.0F / 3.0F);
     return std::max({model_.floor_rad2_s2, by_samples, rounding_variance(step, noise)});
+  }
+  /// Square of the greatest sample of a rate that reaches into the cell of zero: one step and four
+  /// standard deviations.
+  [[nodiscard]] static constexpr float reach2(float step2, float shown) {
+    return step2 + 16.0F * shown + 8.0F * square_root(step2 * shown);
   }
 
   Rounding model_;

@@ -93,6 +93,7 @@ template <class Node>
   if (params.model.scale.is_on()) {
     for (const float factor : params.model.scale.factor) print.add(factor);
   }
+  if (params.model.truncation.is_on()) print.add(params.model.truncation.half_step_rad_s);
   return print.value();
 }
 

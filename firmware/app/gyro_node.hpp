@@ -134,7 +134,7 @@ class GyroNode {
     RateMessage message{.time = sample.time};
     const bool refused = refuse(sample, message.health);
     const core::Duration since_last = since_newest_sample(sample.time);
-    const Rate rate = refused ? Rate{} : params_.model.scale.corrected(sample.rate);
+    const Rate rate = refused ? Rate{} : params_.model.corrected(sample.rate);
     if (!refused) take_in(sample, rate);
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;

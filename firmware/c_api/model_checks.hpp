@@ -115,8 +115,9 @@ inline constexpr float kLargestStrength = 1e8F;
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
          std::ranges::all_of(model.scale_factor_error, is_scale_error) &&
-         is_magnitude(model.largest_bias_rad_s) && is_magnitude(model.gate_threshold_sigma) &&
-         is_sound(model.temperature) && are_sound_inputs(model) && are_sound_hypotheses(model);
+         is_magnitude(model.truncation_step_rad_s) && is_magnitude(model.largest_bias_rad_s) &&
+         is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&
+         are_sound_inputs(model) && are_sound_hypotheses(model);
 }
 
 inline constexpr std::int64_t kLongest_ns = core::Duration::seconds(3600).ns();

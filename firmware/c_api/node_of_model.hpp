@@ -195,7 +195,10 @@ template <core::ModelShape Shape>
                                                                : core::MotionModel{}.scale_factor,
                .asymmetry = model.asymmetry_sigma},
     .scale = scale_of(model), .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
-    .hypotheses = hypotheses_of<kShape>(model)
+    .hypotheses = hypotheses_of<kShape>(model),
+    .quantization_step_rad_s = model.truncation_step_rad_s, .truncation = {
+      .half_step_rad_s = 0.5F * model.truncation_step_rad_s
+    }
   };
   return {.model = noise,
           .standstill = standstill_of(config),

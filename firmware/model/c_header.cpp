@@ -215,6 +215,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
               : std::string{}) +
          field("scale_factor_sigma", node.motion.scale_factor) +
          field("asymmetry_sigma", node.motion.asymmetry) + scale_factor_error(errors) +
+         (node.truncation.is_on() ? field("truncation_step_rad_s", node.quantization_step_rad_s)
+                                  : std::string{}) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +
          field("gate_longest_knock_ticks", std::to_string(node.gate.longest_knock_ticks)) +
          modes("decaying", node.modes.decaying, decaying) +

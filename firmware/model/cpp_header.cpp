@@ -90,10 +90,13 @@ std::string scale_member(const core::ScaleCorrection& scale) {
   return "    .scale = {.factor = {" + numbers(scale.factor.data(), scale.factor.size()) + "}},\n";
 }
 
-/// Nothing where the model names no step, which is the default.
-std::string step_member(float step_rad_s) {
+/// Nothing where the model names no step, or no truncation, which is the default.
+std::string step_members(float step_rad_s, const core::Truncation& truncation) {
   if (step_rad_s == 0.0F) return {};
-  return "    .quantization_step_rad_s = " + literal(step_rad_s) + ",\n";
+  const std::string step = "    .quantization_step_rad_s = " + literal(step_rad_s) + ",\n";
+  if (!truncation.is_on()) return step;
+  return step + "    .truncation = {.half_step_rad_s = " + literal(truncation.half_step_rad_s) +
+         "},\n";
 }
 
 }  // namespace
@@ -150,7 +153,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
          ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" + scale_member(node.scale) +
          "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
-         hypotheses_member(node.hypotheses, decaying) + step_member(node.quantization_step_rad_s) +
+         hypotheses_member(node.hypotheses, decaying) +
+         step_members(node.quantization_step_rad_s, node.truncation) +
          "}};\n"
          "// clang-format on\n\n"
          "}  // namespace zerorate::exported\n";

@@ -54,6 +54,9 @@ inline constexpr std::array<std::string_view, 6> kInputQuantities{
     "acceleration",   "acceleration_x", "acceleration_y",
     "acceleration_z", "vibration",      "temperature_rate"};
 
+/// Names of QuantizationMethod in a file, in the order of the enumeration.
+inline constexpr std::array<std::string_view, 2> kQuantizationMethods{"rounding", "truncation"};
+
 /// T or const T.
 template <class Type, class T>
 concept MaybeConst = std::same_as<std::remove_const_t<Type>, T>;
@@ -142,8 +145,9 @@ void visit_fields(auto& visitor, MaybeConst<RateRamp> auto& ramp) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<Quantization> auto& quantization) {
-  auto& [step_rad_s, source] = quantization;
+  auto& [step_rad_s, method, source] = quantization;
   visitor.number("step_dps", step_rad_s, FileUnit::degree, kPositive, Presence::required);
+  visitor.name("method", method, kQuantizationMethods);
   visitor.text("source", source, Presence::optional);
 }
 

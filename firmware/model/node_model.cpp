@@ -309,6 +309,9 @@ NodeModel<kWidestLearningShape> make_full_node_model(const SensorModel& model,
   if (model.quantization) {
     const double step = model.quantization->step_rad_s;
     node.quantization_step_rad_s = single(step);
+    if (model.quantization->method == QuantizationMethod::truncation) {
+      node.truncation = {.half_step_rad_s = 0.5F * node.quantization_step_rad_s};
+    }
     const float floor = core::rounding_variance(node.quantization_step_rad_s,
                                                 single(arw * arw / seconds(sample_period)));
     node.measurement_floor_variance_rad2_s2 = single_or_zero(double{floor});

@@ -168,6 +168,7 @@ template <core::ModelShape Shape>
   fitting.scale = full.scale;
   fitting.sample_period = full.sample_period;
   fitting.quantization_step_rad_s = full.quantization_step_rad_s;
+  fitting.truncation = full.truncation;
   if constexpr (Shape.hypotheses > 1) {
     static_assert(Shape.hypotheses == kMostHypotheses);
     fitting.hypotheses.count = full.hypotheses.count;

@@ -132,10 +132,17 @@ struct RateRamp {
   bool operator==(const RateRamp&) const = default;
 };
 
+/// How a chip or a library makes whole steps of a rate.
+enum class QuantizationMethod : std::uint8_t {
+  rounding,   ///< nearest step
+  truncation  ///< step toward zero, which a node undoes
+};
+
 /// Samples come in steps: noise of the variance step^2 / 12, which averaging removes only where
 /// other noise moves the rate from step to step.
 struct Quantization {
   double step_rad_s = 0.0;
+  QuantizationMethod method = QuantizationMethod::rounding;
   std::string source{};
 
   bool operator==(const Quantization&) const = default;

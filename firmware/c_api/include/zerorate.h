@@ -188,7 +188,9 @@ typedef struct zerorate_model {
   /** Known relative error of each scale factor, which is taken off the rate; below 0.2 either way.
       0.01: a turn by 100 deg is measured as 101 deg. Zeros: none is known. */
   float scale_factor_error[ZERORATE_AXES];
-  float gate_threshold_sigma; /**< 0: no gate */
+  float truncation_step_rad_s; /**< step of samples that are cut toward zero, which is undone by
+                                  half a step away from it; 0: they are rounded */
+  float gate_threshold_sigma;  /**< 0: no gate */
   uint16_t gate_longest_knock_ticks;
   zerorate_decaying_mode decaying[ZERORATE_DECAYING_MODES]; /**< unused ones are zero */
 #if ZERORATE_ROTATING_MODES > 0

@@ -32,11 +32,26 @@ constexpr core::ModelShape kShape =
     core::with_hypotheses(core::ModelShape{.decaying = 6}, model::kMostHypotheses);
 using RoundingNode = app::GyroNode<kShape>;
 
+/// How a gyro makes whole steps of a rate.
+enum class Steps : std::uint8_t {
+  rounded,      ///< nearest step
+  lower,        ///< step below
+  toward_zero,  ///< step toward zero, which the node does not undo
+  undone        ///< step toward zero, which the node undoes
+};
+constexpr std::array<const char*, 4> kNames{"rounded", "cut down", "cut toward zero", "undone"};
+
 struct Gyro {
   double noise_in_steps = 1.0;
-  bool truncates = false;
+  Steps steps = Steps::rounded;
   double noise_of_model_in_steps = 1.0;
   bool model_states_step = false;  ///< table [quantization]
+  double largest_bias_in_steps = 10.0;
+
+  [[nodiscard]] double counts_of(double in_steps) const {
+    if (steps == Steps::rounded) return std::round(in_steps);
+    return steps == Steps::lower ? std::floor(in_steps) : std::trunc(in_steps);
+  }
 };
 
 RoundingNode::Params params_of(const Gyro& gyro) {
@@ -46,8 +61,11 @@ RoundingNode::Params params_of(const Gyro& gyro) {
       gyro.noise_of_model_in_steps * kStep_dps * kDps * std::sqrt(kPeriod_s);
   sensor.flicker =
       model::Flicker{.bias_instability_rad_s = kBiasInstability_dph / 3600.0 * kDps, .decades = 6};
-  if (gyro.model_states_step) {
-    sensor.quantization = model::Quantization{.step_rad_s = kStep_dps * kDps};
+  if (gyro.model_states_step || gyro.steps == Steps::undone) {
+    sensor.quantization = model::Quantization{.step_rad_s = kStep_dps * kDps,
+                                              .method = gyro.steps == Steps::undone
+                                                            ? model::QuantizationMethod::truncation
+                                                            : model::QuantizationMethod::rounding};
   }
   const auto tick = core::Duration::milliseconds(500);
   return {.model = model::make_node_model<kShape>(sensor, kPeriod, tick)};
@@ -74,7 +92,9 @@ class World {
       const std::vector<simulate::Effect> slow{
           simulate::ConstantBias{
               .bias_rad_s =
-                  std::uniform_real_distribution<double>{-10.0, 10.0}(random_)*kStep_dps * kDps},
+                  std::uniform_real_distribution<double>{
+                      -gyro.largest_bias_in_steps, gyro.largest_bias_in_steps}(random_)*kStep_dps *
+                  kDps},
           simulate::FlickerNoise{.bias_instability_rad_s = kBiasInstability_dph / 3600.0 * kDps}};
       const random::RandomStream stream{number, axis};
       bias_rad_s_[axis] = simulate::simulate({samples, kPeriod_s}, slow, stream).rate_rad_s;
@@ -118,9 +138,10 @@ class World {
       const double rate_rad_s = drives ? 10.0 * kDps * std::sin(pace * time_s) : 0.0;
       const double in_steps =
           (rate_rad_s + bias_rad_s_[axis][sample_] + white(random_)) / step_rad_s;
-      const double counts = gyro_.truncates ? std::floor(in_steps) : std::round(in_steps);
-      errors[axis] = counts * step_rad_s - rate_rad_s;
-      sample.rate[axis] = core::rad_per_s(static_cast<float>(counts * step_rad_s));
+      sample.rate[axis] =
+          core::rad_per_s(static_cast<float>(gyro_.counts_of(in_steps) * step_rad_s));
+      const core::AngularRate taken = node_.params().model.corrected(sample.rate[axis], axis);
+      errors[axis] = double{taken.in(core::rad_per_s)} - rate_rad_s;
     }
     ++sample_;
     sample.time = now();
@@ -153,11 +174,12 @@ Score score_of(const Gyro& gyro) {
   Score score;
   for (std::uint64_t world = 1; world <= kWorlds; ++world) World{gyro, params, world}.run(score);
   std::printf(
-      "noise %.1f step (model %.1f, %s), %s: %.0f drives, coverage %.3f, rms %.3f deg, "
-      "sigma %.3f deg\n",
+      "noise %.1f step (model %.1f, %s), biases to %.1f steps, %s: %.0f drives, coverage %.3f, "
+      "rms %.3f deg, sigma %.3f deg\n",
       gyro.noise_in_steps, gyro.noise_of_model_in_steps,
-      gyro.model_states_step ? "step stated" : "no step", gyro.truncates ? "truncated" : "rounded",
-      score.drives, score.coverage(), score.rms_deg(), score.sigma_deg());
+      gyro.model_states_step ? "step stated" : "no step", gyro.largest_bias_in_steps,
+      kNames.at(static_cast<std::size_t>(gyro.steps)), score.drives, score.coverage(),
+      score.rms_deg(), score.sigma_deg());
   return score;
 }
 
@@ -170,21 +192,33 @@ void expect_honest(const Score& score) {
 }
 
 TEST(CoarseGyro, HoldsItsHeadingIntervalAtAnyNoise) {
-  for (const double noise : {0.2, 0.5, 1.0}) {
-    for (const bool truncates : {false, true}) {
+  for (const double noise : {0.1, 0.2, 0.5, 1.0}) {
+    for (const Steps steps : {Steps::rounded, Steps::lower}) {
       for (const bool states : {false, true}) {
-        expect_honest(score_of({noise, truncates, noise, states}));
+        expect_honest(score_of({noise, steps, noise, states}));
       }
     }
   }
 }
 TEST(CoarseGyro, HoldsItsHeadingIntervalUnderWrongModels) {
   for (const double noise : {0.1, 0.2, 0.5}) {
-    for (const bool truncates : {false, true}) {
-      expect_honest(score_of({noise, truncates, 2.0 * noise, false}));
-      expect_honest(score_of({noise, truncates, 0.5 * noise, true}));
+    for (const Steps steps : {Steps::rounded, Steps::lower}) {
+      expect_honest(score_of({noise, steps, 2.0 * noise, false}));
+      expect_honest(score_of({noise, steps, 0.5 * noise, true}));
     }
   }
+}
+TEST(GyroThatCutsTowardZero, HoldsItsIntervalWhereThatIsUndone) {
+  for (const double noise : {0.1, 0.2, 0.5, 1.0}) {
+    for (const double bias : {1.0, 10.0}) {
+      expect_honest(score_of({noise, Steps::undone, noise, true, bias}));
+    }
+  }
+}
+TEST(GyroThatCutsTowardZero, DriftsByHalfAStepWhereThatIsNotUndone) {
+  const Score cut = score_of({1.0, Steps::toward_zero, 1.0, true});
+  const Score undone = score_of({1.0, Steps::undone, 1.0, true});
+  EXPECT_GT(cut.rms_deg(), 3.0 * undone.rms_deg());
 }
 
 }  // namespace

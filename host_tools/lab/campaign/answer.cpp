@@ -94,7 +94,9 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
 }
 
 Score score(const BlindRecording& blind, const Answer& answer) {
-  const auto hidden = [&](const std::string& name) { return contains(blind.truth, name); };
+  const auto hidden = [&](const std::string& name) {
+    return contains(blind.truth, name) || contains(blind.also, name);
+  };
   const auto named = [&](const std::string& name) { return contains(answer.causes, name); };
   const auto mentioned = [&](const std::string& name) {
     return named(name) || contains(answer.alternatives, name);

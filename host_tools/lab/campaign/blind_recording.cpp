@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host_tools/lab/campaign/outside_catalogue.hpp"
+#include "host_tools/lab/campaign/standstill_recording.hpp"
 #include "host_tools/lib/recording/writer.hpp"
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
@@ -144,6 +145,7 @@ Kind kind_of_run(std::size_t run) {
 }
 
 BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run) {
+  if (options.standstills) return draw_standstill_recording(options, run);
   const auto stream = random::RandomStream(options.seed).substream(run);
   // Some base noise hides an effect whatever its size: then another is drawn.
   constexpr std::size_t kMostTries = 20;
@@ -158,12 +160,18 @@ BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run
 
 void write_recording(const BlindRecording& blind, const std::filesystem::path& path) {
   const simulate::Signal& signal = blind.signal;
-  recording::Writer writer{path, {.axis_count = 1, .temperature = blind.with_temperature}};
+  recording::Columns columns{.axis_count = 1, .temperature = blind.with_temperature};
+  columns.still = !blind.still.empty();
+  columns.acceleration = !blind.acceleration_m_s2.empty();
+  recording::Writer writer{path, columns};
   for (std::size_t k = 0; k < signal.size(); ++k) {
     if (signal.missing[k]) continue;
-    writer.write({.time_ns = std::llround(signal.time_s(k) * 1e9),
-                  .rate_rad_s = {static_cast<float>(signal.rate_rad_s[k])},
-                  .temperature_degc = static_cast<float>(signal.temperature_degc[k])});
+    recording::Row row{.time_ns = std::llround(signal.time_s(k) * 1e9),
+                       .rate_rad_s = {static_cast<float>(signal.rate_rad_s[k])},
+                       .temperature_degc = static_cast<float>(signal.temperature_degc[k])};
+    if (columns.still) row.still = blind.still[k];
+    if (columns.acceleration) row.acceleration_m_s2 = blind.acceleration_m_s2[k];
+    writer.write(row);
   }
   writer.finish();
 }

@@ -2,6 +2,7 @@
 /// One blind recording: what is hidden in it, drawn from a seed, and the file that tells nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -22,8 +23,11 @@ struct BlindRecording {
   Kind kind = Kind::clean;
   std::vector<std::string> truth;  ///< names of what is hidden, none if clean
   std::map<std::string, std::map<std::string, double>> figures;  ///< effect, figure
-  std::string description;        ///< sample rate, noise and sizes, for who reads of a miss
-  bool with_temperature = false;  ///< whether the recording has the column
+  std::string description;          ///< sample rate, noise and sizes, for who reads of a miss
+  bool with_temperature = false;    ///< whether the recording has the column
+  std::vector<std::string> also{};  ///< effects that come with them, and need not be named
+  std::vector<std::array<float, 3>> acceleration_m_s2{};  ///< one a sample, or none
+  std::vector<bool> still{};                              ///< likewise
   simulate::Signal signal;
 };
 
@@ -37,6 +41,7 @@ struct BlindOptions {
   double outside_factor = 2.5;
   /// Name of the only effect of single recordings to draw; all if empty.
   std::string only;
+  bool standstills = false;  ///< recordings of several standstills, see standstill_recording.hpp
   double finest_step_share =
       0.1;  ///< see RecordingSetting; 1: a quantizer costs the nats as all others do
 };
@@ -55,7 +60,7 @@ struct Round {
 /// A pure function of the options and the number of the run.
 [[nodiscard]] BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run);
 
-/// Time and rate, and temperature if the recording has it; nothing else.
+/// Time and rate; temperature, accelerations and standstills if the recording has them.
 void write_recording(const BlindRecording& blind, const std::filesystem::path& path);
 
 }  // namespace zerorate::campaign

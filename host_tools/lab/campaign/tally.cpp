@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host_tools/lab/campaign/outside_catalogue.hpp"
+#include "host_tools/lab/campaign/standstill_recording.hpp"
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
 namespace zerorate::campaign {
@@ -22,6 +23,18 @@ std::string truth_of(const BlindRecording& blind) {
       break;
   }
   return blind.truth.front();
+}
+
+/// Effects of the matrix; "quantization" comes with "truncation", and may be the strongest.
+std::vector<std::string> effects_of(const BlindOptions& options) {
+  std::vector<std::string> names;
+  if (options.standstills) {
+    names.assign(kStandstillEffects.begin(), kStandstillEffects.end());
+    names.emplace_back("quantization");
+    return names;
+  }
+  for (const sizing::EffectEntry& entry : sizing::catalogue()) names.emplace_back(entry.name);
+  return names;
 }
 
 bool is_right(const BlindRecording& blind, const Answer& answer, const Score& result) {
@@ -79,7 +92,8 @@ void Tally::add(std::size_t run, const BlindRecording& blind, const Answer& answ
 
 void Tally::count_certainties(const BlindRecording& blind, const Answer& answer) {
   const auto hidden = [&](const std::string& name) {
-    return std::ranges::find(blind.truth, name) != blind.truth.end();
+    return std::ranges::find(blind.truth, name) != blind.truth.end() ||
+           std::ranges::find(blind.also, name) != blind.also.end();
   };
   for (std::size_t i = 0; i < answer.certainties.size(); ++i) {
     reliability_.count(answer.certainties[i].probability, hidden(answer.causes[i]));
@@ -153,8 +167,7 @@ std::string Tally::coverage_table() const {
 }
 
 std::string Tally::matrix() const {
-  std::vector<std::string> rows;
-  for (const sizing::EffectEntry& entry : sizing::catalogue()) rows.emplace_back(entry.name);
+  std::vector<std::string> rows = effects_of(options_);
   std::string text = "| hidden | runs | named | alone | rival |";
   for (std::size_t column = 1; column <= rows.size(); ++column)
     text += fmt::format(" {} |", column);

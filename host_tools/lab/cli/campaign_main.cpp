@@ -233,6 +233,8 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
   app.add_option("--json", options.json, "write the counts as JSON; - for standard output");
   app.add_option("--document", options.document,
                  "run at 40 and at 25 nats and write the tables into this document");
+  app.add_flag("--standstills", options.blind.standstills,
+               "recordings of twelve standstills in as many attitudes; a round has 6");
   app.add_flag("--gain", options.gain,
                "measure what the extended models are worth instead: an effect after the other");
   app.add_option("--recordings", options.gain_recordings, "recordings of each effect, with --gain")

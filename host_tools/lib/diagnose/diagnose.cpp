@@ -22,6 +22,7 @@
 #include "host_tools/lib/diagnose/selection/model_export.hpp"
 #include "host_tools/lib/diagnose/selection/node_models.hpp"
 #include "host_tools/lib/diagnose/selection/selection.hpp"
+#include "host_tools/lib/diagnose/truncation_cause.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -254,6 +255,7 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
   diagnosis.drawings = std::move(described.drawings);
   const bool is_single = record.axis == "rate";
   add_inputs(axis.inputs, is_single ? std::nullopt : std::optional{record.index}, diagnosis);
+  add_truncation(record.truncation, diagnosis);
   if (!is_given_enough) {
     doubt_many_slow_causes(choices, hypothesis, diagnosis.extended_adequacy);
   }

@@ -258,8 +258,8 @@ class Run {
   }
   /// Rate over the Earth as the node takes it in, with the bias still in it.
   [[nodiscard]] double measured_rad_s(const app::RateMessage& message, std::size_t axis) const {
-    const core::ScaleCorrection& scale = replayed_.params().model.scale;
-    return double{scale.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
+    const auto& params = replayed_.params();
+    return double{params.model.corrected(message.axes[axis].measured, axis).in(core::rad_per_s)} -
            double{node_.ticks().earth().vertical_rad_s[axis]};
   }
   void predict_biases() {

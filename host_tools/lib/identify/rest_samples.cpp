@@ -24,9 +24,11 @@ class RestFilter {
   void take(const recording::Row& row) {
     ++samples_.rows;
     const core::Instant at = core::Instant::from_ns(row.time_ns);
+    std::int64_t pulses = 0;
     if (has_motion_column()) {
       standstill_.start(at);
-      take_pulses(pulses_in(row), at);
+      pulses = pulses_in(row);
+      take_pulses(pulses, at);
     }
     row_before_ = at;
     if (!is_usable(row, at)) {
@@ -34,6 +36,7 @@ class RestFilter {
     } else if (has_motion_column() && !standstill_.is_settled(at)) {
       ++samples_.moving;
       driven_ = true;
+      if (pulses != 0) take_levels_on_the_move(row);
     } else {
       if (driven_ && !samples_.time.empty()) samples_.after_drives.push_back(samples_.time.size());
       driven_ = false;
@@ -45,6 +48,11 @@ class RestFilter {
   }
 
  private:
+  void take_levels_on_the_move(const recording::Row& row) {
+    for (std::size_t i = 0; i < columns_.axis_count; ++i) {
+      samples_.levels_on_the_move[i].take(row.rate_rad_s[i]);
+    }
+  }
   [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
 
   /// None at rest; a single one may be a creeping vehicle's, which the word of a column is not.

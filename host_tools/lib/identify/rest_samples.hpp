@@ -14,6 +14,7 @@
 #include "core/base/time.hpp"
 #include "core/samples/tick_average.hpp"
 #include "core/standstill/standstill.hpp"
+#include "host_tools/lib/identify/levels_near_zero.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::identify {
@@ -35,6 +36,9 @@ struct RestSamples {
 
   /// The samples, by index, between which and the one before the vehicle moved; ascending.
   std::vector<std::size_t> after_drives;
+
+  /// Values near zero in rows with motion, of each axis.
+  std::array<LevelsNearZero, recording::kMaxAxes> levels_on_the_move;
 
   std::uint64_t rows = 0;    ///< rows of the recording
   std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to

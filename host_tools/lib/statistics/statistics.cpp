@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <complex>
@@ -43,6 +44,11 @@ double log_chi_squared_tail(double x, double freedom) {
 
 double log_chi_squared_lower_tail(double x, double freedom) {
   return std::log(std::max(boost::math::gamma_p(0.5 * freedom, 0.5 * x), kUnderflow));
+}
+
+double log_student_tail(double t, double freedom) {
+  const boost::math::students_t student(freedom);
+  return std::log(std::max(boost::math::cdf(boost::math::complement(student, t)), kUnderflow));
 }
 
 double log_chi_squared_tails(double x, double freedom) {

@@ -25,6 +25,8 @@ namespace zerorate::statistics {
 [[nodiscard]] double log_chi_squared_tail(double x, double freedom);
 /// log P of chi squared below x.
 [[nodiscard]] double log_chi_squared_lower_tail(double x, double freedom);
+/// log P of Student's t above t.
+[[nodiscard]] double log_student_tail(double t, double freedom);
 /// log P of chi squared as far from its middle as x, both sides.
 [[nodiscard]] double log_chi_squared_tails(double x, double freedom);
 /// log P of a Poisson number of at least `count`.

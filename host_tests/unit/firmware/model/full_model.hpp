@@ -72,6 +72,7 @@ slope_sigma_dps_per_s = 1e-06
 
 [quantization]
 step_dps = 0.0125
+method = "truncation"
 
 [outliers]
 probability = 0.001

@@ -74,6 +74,7 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.rate_ramp->slope_rad_s2, 2e-7 * kDeg);
   EXPECT_DOUBLE_EQ(model.rate_ramp->slope_sigma_rad_s2, 1e-6 * kDeg);
   EXPECT_DOUBLE_EQ(model.quantization->step_rad_s, 0.0125 * kDeg);
+  EXPECT_EQ(model.quantization->method, QuantizationMethod::truncation);
   EXPECT_DOUBLE_EQ(model.outliers->probability, 1e-3);
   EXPECT_DOUBLE_EQ(model.motion_contamination->duration_s, 0.8);
   EXPECT_DOUBLE_EQ(model.variable_noise->variance_sigma, 0.2);
@@ -106,6 +107,7 @@ TEST(ModelFileWithTheLeast, HasTheDefaults) {
   EXPECT_DOUBLE_EQ(model.flicker->bias_instability_rad_s, 10.0 / 3600.0 * kDeg);
   EXPECT_FALSE(model.rate_random_walk || model.temperature || model.warm_up || model.rate_ramp);
   EXPECT_FALSE(model.quantization || model.gate);
+  EXPECT_EQ(Quantization{}.method, QuantizationMethod::rounding);
   EXPECT_FALSE(model.outliers || model.motion_contamination || model.variable_noise ||
                model.saturation);
   EXPECT_TRUE(model.gauss_markov.empty() && model.harmonic.empty());
@@ -217,7 +219,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:109:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
+            "m.toml:110:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"

@@ -109,6 +109,22 @@ TEST(AdequacyOfALattice, FailsOnlyWithAFavouriteLevel) {
   EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("than its neighbours let expect")));
 }
 
+/// White noise on steps of 1/32, whose code 5 has taken in some of the codes above it, as a converter
+/// of unequal steps does.
+std::vector<double> with_a_wide_code(int wider) {
+  std::vector<double> values = white(8);
+  for (double& value : values) {
+    const double code = std::round(32.0 * value);
+    value = (code > 5.0 && code <= 5.0 + wider ? 5.0 : code) / 32.0;
+  }
+  return values;
+}
+TEST(AdequacyOfALatticeOfFineSteps, HoldsWithACodeTwiceAsWide) {
+  EXPECT_TRUE(adequacy_of(with_a_wide_code(1)).holds);
+  EXPECT_THAT(adequacy_of(with_a_wide_code(4)).failures,
+              Contains(HasSubstr("than its neighbours let expect")));
+}
+
 TEST(AdequacyOfACoarserLattice, FailsWithoutEveryFourthLevel) {
   std::vector<double> values = white(9);
   for (std::size_t k = 0; k < values.size(); ++k) {

@@ -141,12 +141,30 @@ std::vector<double> expected_counts(const Hypothesis& hypothesis, const LevelLat
   return expected;
 }
 
+/// How many more values than its neighbours let expect a level may hold, as a share of these: codes
+/// of a converter are up to twice as wide as others, and where a step is small beside the noise
+/// that changes nothing but the counts.
+double allowance_for_converter(const Hypothesis& hypothesis, const LevelLattice& lattice) {
+  constexpr double kFinest = 0.05;  // share of the noise; finer steps are no quantization
+  constexpr double kWider = 1.5;
+  const double steps_of_noise = lattice.step * std::sqrt(hypothesis.mean_precision());
+  return steps_of_noise < kFinest ? kWider : 0.0;
+}
+
+/// Standard deviations by which a count lies beyond what is due, from none up to the allowance.
+double beyond(double count, double due, double allowance, double deviation) {
+  const double most = due * (1.0 + allowance);
+  if (count > most) return (count - most) / deviation;
+  return allowance > 0.0 ? 0.0 : (count - due) / deviation;
+}
+
 /// Levels of a lattice, each against what it and two neighbours on each side let expect.
 Tests test_lattice(const Hypothesis& hypothesis, const LevelLattice& lattice, bool is_clipped) {
   constexpr double kFewest = 20.0;  // values, for a count to be as good as normal
   const FitData& data = hypothesis.data();
   std::vector<double> counts;
   const std::vector<double> expected = expected_counts(hypothesis, lattice, counts);
+  const double allowance = allowance_for_converter(hypothesis, lattice);
   // A pile at an end of the range belongs to another effect.
   const std::size_t margin = is_clipped ? 3 : 2;
   double farthest = 0.0;
@@ -162,7 +180,8 @@ Tests test_lattice(const Hypothesis& hypothesis, const LevelLattice& lattice, bo
     if (expected[i] < kFewest || near < kFewest) continue;
     const double share = expected[i] / due;
     places += 1.0;
-    const double z = (counts[i] - share * near) / std::sqrt(share * near * (1.0 + share));
+    const double z =
+        beyond(counts[i], share * near, allowance, std::sqrt(share * near * (1.0 + share)));
     if (std::abs(z) <= std::abs(farthest)) continue;
     farthest = z;
     at = i;

@@ -49,24 +49,43 @@ Hypothetical g_sensitivity(const InputTicks& ticks, const Attitudes& attitudes) 
   return effect;
 }
 
-/// The variance within a tick scatters by itself, as that of noise; a change must stand out of
-/// that.
+/// A change of the variance within a tick must stand out of its scatter so much.
+constexpr double kStandsOut = 3.0;
+
+/// The variance tick by tick, and its mean over each standstill in which it hardly changes. The
+/// variance of a tick scatters by itself, as that of noise, and an input with an error of its own
+/// has too small a coefficient.
+/// @param scatter  standard deviation of the variance of a tick, over the variance
+InputColumn steady_vibration(const InputTicks& ticks, double scatter) {
+  InputColumn column = ticks.vibration_g2;
+  for (std::size_t first = 0; first < column.size();) {
+    std::size_t end = first;
+    while (end < column.size() && ticks.standstill[end] == ticks.standstill[first]) ++end;
+    const auto begin = column.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::vector<double> stop(begin, column.begin() + static_cast<std::ptrdiff_t>(end));
+    const double mean =
+        std::accumulate(stop.begin(), stop.end(), 0.0) / static_cast<double>(stop.size());
+    if (spread_of(stop) < kStandsOut * scatter * mean) std::fill_n(begin, stop.size(), mean);
+    first = end;
+  }
+  return column;
+}
+
 Hypothetical vibration_rectification(const InputTicks& ticks) {
   Hypothetical effect{.name = kVibrationRectification};
   if (ticks.vibration_g2.empty()) {
     effect.obstacle = "too few samples a tick";
     return effect;
   }
-  constexpr double kStandsOut = 3.0;
   const double samples =
       static_cast<double>(ticks.tick.ns()) / static_cast<double>(ticks.sample_period.ns());
-  const double scatter =
-      statistics::median_of(ticks.vibration_g2) * std::sqrt(2.0 / (3.0 * samples));
-  if (!(spread_of(ticks.vibration_g2) > kStandsOut * scatter)) {
+  const double scatter = std::sqrt(2.0 / (3.0 * samples));
+  if (!(spread_of(ticks.vibration_g2) >
+        kStandsOut * scatter * statistics::median_of(ticks.vibration_g2))) {
     effect.obstacle = "the vibration hardly changes";
     return effect;
   }
-  effect.columns.push_back(ticks.vibration_g2);
+  effect.columns.push_back(steady_vibration(ticks, scatter));
   return effect;
 }
 

@@ -39,9 +39,7 @@ Standstill longest_standstill(const identify::RestSamples& samples) {
   return longest;
 }
 
-}  // namespace
-
-Record record_of(const identify::RestSamples& samples, std::size_t axis) {
+Record record_as_it_is(const identify::RestSamples& samples, std::size_t axis) {
   Record record{.axis = samples.axis_name(axis),
                 .sample_period_s = static_cast<double>(samples.sample_period.ns()) * 1e-9,
                 .mean_period_s = static_cast<double>(samples.mean_period.ns()) * 1e-9,
@@ -60,6 +58,17 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
     record.temperature_degc =
         filled_temperatures(std::span{samples.temperature_degc}.subspan(first, end - first));
   }
+  return record;
+}
+
+}  // namespace
+
+Record record_of(const identify::RestSamples& samples, std::size_t axis) {
+  TruncationEvidence truncation = find_truncation(samples);
+  Record record = truncation.found
+                      ? record_as_it_is(without_truncation(samples, *truncation.found), axis)
+                      : record_as_it_is(samples, axis);
+  record.truncation = truncation;
   return record;
 }
 
@@ -91,7 +100,8 @@ Record beginning_of(const Record& record, std::size_t size) {
           .temperature_degc = first(record.temperature_degc),
           .standstills = record.standstills,
           .inputs = record.inputs,
-          .index = record.index};
+          .index = record.index,
+          .truncation = record.truncation};
 }
 
 }  // namespace zerorate::diagnose

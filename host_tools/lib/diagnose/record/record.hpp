@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/input_ticks.hpp"
+#include "host_tools/lib/diagnose/record/truncation.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::diagnose {
@@ -19,16 +20,17 @@ struct Record {
   std::vector<double> time_s;    ///< ascending
   std::vector<double> rate_rad_s;
   std::vector<double> temperature_degc;  ///< one for each value, or none
-  std::size_t standstills = 1;  ///< standstills of the recording; this is the longest of them
-  InputTicks inputs;            ///< ticks of all standstills; none without accelerations
-  std::size_t index = 0;        ///< number of the axis in them
+  std::size_t standstills = 1;      ///< standstills of the recording; this is the longest of them
+  InputTicks inputs;                ///< ticks of all standstills; none without accelerations
+  std::size_t index = 0;            ///< number of the axis in them
+  TruncationEvidence truncation{};  ///< evidence of all axes; undone where found
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
 
 /// One axis of the longest standstill of the samples; time begins at their first one. The time
 /// between standstills counts neither as lost nor as noise. A lost temperature is replaced by that
-/// of the sample before.
+/// of the sample before. A cut toward zero is undone.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
 
 /// Samples of a record in the form for averaging and characterization.
