@@ -21,7 +21,7 @@ struct Truncation {
   float half_step_rad_s = 0.0F;  ///< half a level of the output; 0: the samples are rounded
 
   constexpr bool operator==(const Truncation&) const = default;
-  /// By its bits: a processor without floating point asks at every sample.
+  /// Test of the bits, because a processor without floating point asks at every sample.
   [[nodiscard]] constexpr bool is_on() const {
     return std::bit_cast<std::uint32_t>(half_step_rad_s) != 0;
   }
