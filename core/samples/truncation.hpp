@@ -21,8 +21,7 @@ struct Truncation {
   float half_step_rad_s = 0.0F;  ///< half a level of the output; 0: the samples are rounded
 
   constexpr bool operator==(const Truncation&) const = default;
-  /// Whether samples are cut. Asked of the bits, because a processor without floating point does so
-  /// at every sample.
+  /// Test of the bits, because a processor without floating point asks at every sample.
   [[nodiscard]] constexpr bool is_on() const {
     return std::bit_cast<std::uint32_t>(half_step_rad_s) != 0;
   }
