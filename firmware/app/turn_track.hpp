@@ -109,13 +109,14 @@ class TurnTrack {
   }
   /// A tick is over, and the steps of the next one have not begun.
   constexpr void close_tick(Ticks& ticks) {
-    sum_.close_tick();
     if constexpr (Ticks::kMeasuresVertical) follow_vertical(ticks);
+    sum_.close_tick();
     if constexpr (kTakesReferences) references_.follow(sum_, bias_variance_rad2_s2(ticks));
     if (!sum_.moves() || ticks.drive().ticks > 0) return;
     const auto length = static_cast<std::uint32_t>(sum_.duration() / params_.model.modes.tick) + 1;
-    // Forces come and go: what they add to the error of the turn may be less at its end.
-    const std::uint32_t wait = Ticks::kHasAccelerometer ? 0 : asked_ticks_ / 8;
+    // Forces come and go: what they add to the error of the turn may be less a second later.
+    const std::uint32_t wait =
+        Ticks::kHasAccelerometer ? std::min(asked_ticks_ / 8, second_ticks()) : asked_ticks_ / 8;
     if (length <= asked_ticks_ + wait) return;
     asked_ticks_ = length;
     ticks.drive().ticks = length;
@@ -131,10 +132,7 @@ class TurnTrack {
       sample.rate_rad_s[i] = message.axes[i].corrected.in(core::rad_per_s);
       sample.bias_sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     }
-    if (sample.moves) {
-      turn_vertical(sample);
-      follow_motion(message, is_learning, ticks);
-    }
+    if (sample.moves) follow_motion(message, is_learning, ticks);
     vertical_.complete(sample);
     if constexpr (kTakesReferences) add_to_references(message.time, sample);
     sum_.add(sample);
@@ -182,6 +180,9 @@ class TurnTrack {
     constexpr float kZeroCelsius_k = 273.15F;
     return message.temperature ? kZeroCelsius_k + message.temperature->degc() : 0.0F;
   }
+  [[nodiscard]] constexpr std::uint32_t second_ticks() const {
+    return static_cast<std::uint32_t>(core::Duration::seconds(1) / params_.model.modes.tick);
+  }
   /// Time from a motion without pulses to the verdict of the gyro.
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
@@ -201,14 +202,11 @@ class TurnTrack {
              TickForecast<Ticks>{ticks}.constant_variance_rad2_s2(i);
     });
   }
-  /// Turns the vertical by the rates of a sample.
-  constexpr void turn_vertical(const typename Sum::Sample& sample) {
-    if constexpr (Ticks::kMeasuresVertical) {
-      const auto& rate = sample.rate_rad_s;
-      vertical_.turn({rate[0], rate[1], rate[2]}, sample.since_last.in_seconds());
-    }
-  }
+  /// The vertical turns with the tick that is over. A rotation within it counts as one about a
+  /// steady axis.
   constexpr void follow_vertical(const Ticks& ticks) {
+    const auto& turn_rad = sum_.state().tick_rad;
+    if (sum_.moves()) vertical_.turn({turn_rad[0], turn_rad[1], turn_rad[2]});
     const core::TickForce force = ticks.inputs().tick_force();
     vertical_.close_tick(force.readings > 0 ? &force.mean_g : nullptr, !sum_.moves(),
                          sum_.state().newest_rad_s[vertical_.axis()], params_.model.modes.tick);

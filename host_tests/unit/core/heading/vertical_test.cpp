@@ -47,7 +47,7 @@ TEST(MeasuredVerticalInMotion, FollowsExactRotations) {
   for (int k = 0; k < 6000; ++k) {
     const double t_s = k * kInterval_s;
     const Eigen::Vector3d rate(0.3 * std::sin(t_s), 0.2 * std::cos(0.7 * t_s), 0.5);
-    vertical.turn(direction_of(rate), static_cast<float>(kInterval_s));
+    vertical.turn(direction_of(rate * kInterval_s));
     up = Eigen::AngleAxisd(-rate.norm() * kInterval_s, rate.normalized()) * up;
     if (k % 50 == 49) vertical.close_tick(nullptr, false, 0.5F, kTick);
   }
@@ -61,7 +61,7 @@ TEST(MeasuredVerticalInMotion, ForgetsErrorsOfTheRatesOverMinutes) {
   const Direction force = direction_of(up);
   const auto bias_rad_s = static_cast<float>(0.02 * kRadPerDegree);
   for (int k = 0; k < 600 * 20; ++k) {
-    vertical.turn({bias_rad_s, 0.0F, 0.0F}, 0.05F);
+    vertical.turn({0.05F * bias_rad_s, 0.0F, 0.0F});
     if (k % 10 == 9) vertical.close_tick(&force, false, 0.0F, kTick);
   }
   // The time constant of a minute leaves a minute's error of the rate.
