@@ -71,13 +71,13 @@
   (((20 + (4 * ZERORATE_AXES) + ZERORATE_TICK_INPUT_BYTES + 7) / 8) * 8)
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (912 + (238 * ZERORATE_AXES) + ZERORATE_INPUT_BYTES + (3 * ZERORATE_SPAN_BYTES) +               \
-   (17 * ZERORATE_DECAYING_MODES) + (10 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
+  (896 + (238 * ZERORATE_AXES) + ZERORATE_INPUT_BYTES + (3 * ZERORATE_SPAN_BYTES) +               \
+   (17 * ZERORATE_DECAYING_MODES) + (18 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
    (ZERORATE_HYPOTHESES * (ZERORATE_FILTER_BYTES + 4 + (8 * ZERORATE_DRIFTS))) +                  \
    (ZERORATE_LEARNS *                                                                             \
-    (40 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
+    (56 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
    (ZERORATE_AXES *                                                                               \
     ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))) +               \
    (380 * ZERORATE_TAKES_REFERENCES))
