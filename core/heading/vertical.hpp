@@ -52,6 +52,7 @@ class GivenVertical {
     return of(axis());
   }
   /// Fills in what is summed about the vertical, where the axes of the sensor stand before it.
+  static constexpr void lose() {}
   static constexpr void complete(auto& /*sample*/) {}
   static constexpr void complete_variances(auto& /*variances*/) {}
 
@@ -138,6 +139,11 @@ class MeasuredVertical {
     variances[kVertical] = variance([&](std::size_t i) { return variances[i]; });
   }
 
+  /// Time passed in which the sensor may have been turned: the next force counts alone.
+  constexpr void lose() {
+    state_.is_measured = false;
+    state_.rest_ticks = 0;
+  }
   /// The sensor turned by a small angle: a rotation by Cayley's formula, which keeps the length.
   constexpr void turn(const Direction& turn_rad) {
     const Direction half{0.5F * turn_rad[0], 0.5F * turn_rad[1], 0.5F * turn_rad[2]};

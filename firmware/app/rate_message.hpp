@@ -111,6 +111,9 @@ struct RateMessage {
   AxisTurn vertical_turn;          ///< likewise about the vertical, counter-clockwise from above
   Heading heading;
   std::optional<core::Direction> up;  ///< in the axes of the sensor, where it is known
+  /// Angle between the vertical and its mean over the stops before: the slope of a parking place,
+  /// or of the road. From the second stop on, where the vertical is measured.
+  std::optional<core::Angle> slope;
   std::optional<core::Temperature>
       temperature;  ///< temperature of the sensor, where the chip gave one
   /// Odometer pulses since the start of the loop, lost ones included, modulo 2^32; none without an

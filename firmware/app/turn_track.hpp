@@ -105,6 +105,7 @@ class TurnTrack {
   /// Time passed in which nothing was measured.
   constexpr void lose() {
     sum_.lose();
+    vertical_.lose();
     if constexpr (kTakesReferences) references_.lose();
   }
   /// A tick is over, and the steps of the next one have not begun.
@@ -164,6 +165,7 @@ class TurnTrack {
     if (axis < kAxes && has_learnt_motion()) message.turn[axis] = learnt_turn(silence);
     if (!vertical_.is_known()) return;
     message.up = vertical_.up();
+    if constexpr (Ticks::kMeasuresVertical) message.slope = vertical_.slope();
     message.vertical_turn = axis < kAxes ? message.turn[axis] : turn(axis, silence);
     if (axis >= kAxes && has_learnt_motion()) message.vertical_turn = learnt_turn(silence);
     if (vertical_.sense() < 0.0F) {

@@ -17,7 +17,7 @@
 namespace zerorate::wire {
 
 inline constexpr std::size_t kLeastRateFrameBytes = 120;  ///< without vertical and accelerometer
-inline constexpr std::size_t kMostRateFrameBytes = 192;
+inline constexpr std::size_t kMostRateFrameBytes = 196;
 
 /// Bytes of a frame, as many as its message needs.
 class RateFrame {
@@ -66,6 +66,7 @@ inline constexpr unsigned kHasUp = 1U << 2U;
 inline constexpr unsigned kHasAcceleration = 1U << 3U;
 inline constexpr unsigned kHasVibration = 1U << 4U;
 inline constexpr unsigned kHasExplained = 1U << 5U;
+inline constexpr unsigned kHasSlope = 1U << 6U;
 /// Bits of version 4: the vertical axis.
 inline constexpr unsigned kUpAxisShift = 3;
 inline constexpr unsigned kPointsDown = 1U << 5U;
@@ -89,7 +90,7 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   return (message.temperature ? kHasTemperature : 0U) |
          (message.odometer_pulses ? kHasPulses : 0U) | (message.up ? kHasUp : 0U) |
          (message.acceleration ? kHasAcceleration : 0U) | (message.vibration ? kHasVibration : 0U) |
-         (message.explained ? kHasExplained : 0U);
+         (message.explained ? kHasExplained : 0U) | (message.slope ? kHasSlope : 0U);
 }
 /// Bytes of a frame; 0: of an unknown version.
 [[nodiscard]] constexpr std::size_t bytes_of(std::uint8_t version, unsigned contents) {
@@ -98,7 +99,8 @@ constexpr void put_rate(LittleEndianWriter& out, core::AngularRate rate) {
   if (version <= kOlder.size()) return kOlder[version - 1U];
   const auto has = [&](unsigned what) { return (contents & what) != 0; };
   return kLeastRateFrameBytes + (has(kHasUp) ? 20U : 0U) + (has(kHasAcceleration) ? 12U : 0U) +
-         (has(kHasVibration) ? 4U : 0U) + (has(kHasExplained) ? 36U : 0U);
+         (has(kHasVibration) ? 4U : 0U) + (has(kHasExplained) ? 36U : 0U) +
+         (has(kHasSlope) ? 4U : 0U);
 }
 static_assert(bytes_of(kRateVersion, 0xFF) == kMostRateFrameBytes);
 constexpr void put_angle(LittleEndianWriter& out, core::Angle angle) {
@@ -152,6 +154,7 @@ constexpr void put_blocks(LittleEndianWriter& out, const app::RateMessage& messa
       }
     }
   }
+  if (message.slope) put_angle(out, *message.slope);
 }
 constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateMessage& message) {
   if ((contents & kHasUp) != 0) {
@@ -170,10 +173,11 @@ constexpr void take_blocks(LittleEndianReader& in, unsigned contents, app::RateM
       }
     }
   }
+  if ((contents & kHasSlope) != 0) message.slope = take_angle(in);
 }
 }  // namespace detail
 
-/// Cost: 192 bytes of stack and the checksum of the bytes in use; no heap.
+/// Cost: 196 bytes of stack and the checksum of the bytes in use; no heap.
 [[nodiscard]] constexpr RateFrame encode_rate_frame(std::uint32_t sequence,
                                                     const app::RateMessage& message) {
   const unsigned contents = detail::contents_of(message);

@@ -27,7 +27,8 @@ enum {
   HAS_UP = 0x04,
   HAS_ACCELERATION = 0x08,
   HAS_VIBRATION = 0x10,
-  HAS_EXPLAINED = 0x20
+  HAS_EXPLAINED = 0x20,
+  HAS_SLOPE = 0x40
 };
 /* Health: a fault is reported in messages without a rate, which must not be taken for standstill.
  */
@@ -46,6 +47,7 @@ struct rate_message {
   float vertical_turn_rad[2]; /* about it since departure, and the standard deviation */
   float acceleration_m_s2[3];
   float vibration_m_s2;        /* root mean square */
+  float slope_rad;             /* between the vertical and its mean over the stops before */
   float explained_rad_s[3][3]; /* of each axis: by temperature, acceleration, vibration */
 };
 
@@ -82,7 +84,8 @@ static size_t take_block(const uint8_t* bytes, size_t at, unsigned is_there, flo
 /* Bytes before the checksum. */
 static size_t checked_bytes(unsigned contents) {
   return BLOCKS_AT + (contents & HAS_UP ? 20U : 0U) + (contents & HAS_ACCELERATION ? 12U : 0U) +
-         (contents & HAS_VIBRATION ? 4U : 0U) + (contents & HAS_EXPLAINED ? 36U : 0U);
+         (contents & HAS_VIBRATION ? 4U : 0U) + (contents & HAS_EXPLAINED ? 36U : 0U) +
+         (contents & HAS_SLOPE ? 4U : 0U);
 }
 
 /* False for anything that is not a whole rate frame, such as the learnt frame once a second. */
@@ -105,7 +108,8 @@ static bool decode(const uint8_t* bytes, size_t size, struct rate_message* messa
   at = take_block(bytes, at, contents & HAS_UP, message->vertical_turn_rad, 2);
   at = take_block(bytes, at, contents & HAS_ACCELERATION, message->acceleration_m_s2, 3);
   at = take_block(bytes, at, contents & HAS_VIBRATION, &message->vibration_m_s2, 1);
-  take_block(bytes, at, contents & HAS_EXPLAINED, message->explained_rad_s[0], 9);
+  at = take_block(bytes, at, contents & HAS_EXPLAINED, message->explained_rad_s[0], 9);
+  take_block(bytes, at, contents & HAS_SLOPE, &message->slope_rad, 1);
   return message->motion <= 2;
 }
 

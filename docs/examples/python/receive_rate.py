@@ -19,8 +19,9 @@ HEALTH = ("calibrated", "sample_refused", "time_refused", "saturated", "model_in
           "sensor_fault", "measurement_rejected", "temperature_missing", "odometer_disagreement", "odometer_dead_band", "sample_rate_off",
           "reference_disagreement", "acceleration_missing")
 # Bits of byte 3, and blocks at the end of the frame with their numbers of values.
-HAS_TEMPERATURE, HAS_PULSES, HAS_UP, HAS_ACCELERATION, HAS_VIBRATION, HAS_EXPLAINED = (1 << bit for bit in range(6))
-BLOCKS = {HAS_UP: 5, HAS_ACCELERATION: 3, HAS_VIBRATION: 1, HAS_EXPLAINED: 9}
+(HAS_TEMPERATURE, HAS_PULSES, HAS_UP, HAS_ACCELERATION, HAS_VIBRATION, HAS_EXPLAINED,
+ HAS_SLOPE) = (1 << bit for bit in range(7))
+BLOCKS = {HAS_UP: 5, HAS_ACCELERATION: 3, HAS_VIBRATION: 1, HAS_EXPLAINED: 9, HAS_SLOPE: 1}
 CALIBRATED, NO_RATE = 0x001, 0x002 | 0x004 | 0x040  # sample_refused, time_refused, sensor_fault
 
 
@@ -43,6 +44,7 @@ def decode(datagram):
         return list(struct.unpack_from(f"<{BLOCKS[bit]}f", datagram, at[bit])) if contents & bit else None
 
     vertical, vibration, explained = block(HAS_UP), block(HAS_VIBRATION), block(HAS_EXPLAINED)
+    slope = block(HAS_SLOPE)
     number, time_ns, motion, health = struct.unpack_from("<IqBH", datagram, 4)
     temperature_c, pulses = struct.unpack_from("<fI", datagram, 68)
     turns = [struct.unpack_from("<2f", datagram, 76 + 8 * axis) for axis in range(3)]
@@ -73,6 +75,8 @@ def decode(datagram):
         # Angle about that vector since the vehicle drove off, counter-clockwise from above.
         "vertical_turn_deg": math.degrees(vertical[3]) if vertical else None,
         "vertical_turn_sigma_deg": math.degrees(vertical[4]) if vertical else None,
+        # Angle between the vertical and its mean over the stops before.
+        "slope_deg": math.degrees(slope[0]) if slope else None,
         # Specific force, and the root mean square of its changes within a tenth of a second.
         "acceleration_mps2": block(HAS_ACCELERATION),
         "vibration_mps2": vibration[0] if vibration else None,

@@ -173,6 +173,10 @@ void add_message(Text& text, const app::RateMessage& message) {
   text.rates("bias_dps", "Predicted bias in deg/s.", message, &app::AxisRate::bias);
   text.rates("sigma_dps", "Its standard deviation in deg/s.", message, &app::AxisRate::sigma);
   if (message.up) add_attitude(text, core::attitude_of(*message.up));
+  if (message.slope) {
+    text.gauge("slope_deg", "Angle between the vertical and its mean over the stops before.",
+               message.slope->in(core::deg));
+  }
   if (message.vibration) {
     text.gauge("vibration_mps2", "Root mean square of the newest tick's specific force, in m/s2.",
                message.vibration->in(core::m_per_s2));

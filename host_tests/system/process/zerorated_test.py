@@ -49,7 +49,7 @@ port = {port}
 def decoded(frame):
     """Sequence, health bits and axis x of a frame, checked against its page and zlib."""
     magic, version, sequence, motion, health = struct.unpack_from("<2sBxI8xBH", frame)
-    assert (magic, version) == (b"ZR", 5) and 120 <= len(frame) <= 192, frame
+    assert (magic, version) == (b"ZR", 5) and 120 <= len(frame) <= 196, frame
     assert struct.unpack_from("<I", frame, len(frame) - 4)[0] == zlib.crc32(frame[:-4])
     return {"sequence": sequence, "motion": motion, "health": health,
             "x": struct.unpack_from("<4f", frame, 20)}

@@ -305,6 +305,9 @@ void read_accelerometer(const json& line, app::RateMessage& message) {
 /// Vertical and heading; unknown in lines of older nodes.
 void read_vertical(const json& line, app::RateMessage& message) {
   if (const json up = line.value("up", json{}); !up.is_null()) message.up = read_up(up);
+  if (const json slope = line.value("slope_deg", json{}); !slope.is_null()) {
+    message.slope = core::deg(slope.get<float>());
+  }
   if (const json sigma = line.value("vertical_turn_sigma_deg", json{}); !sigma.is_null()) {
     message.vertical_turn = {.angle = core::deg(line.at("vertical_turn_deg").get<float>()),
                              .sigma = core::deg(sigma.get<float>())};

@@ -75,6 +75,7 @@ std::string attitude_line(const app::RateMessage& message, bool is_heard) {
     words =
         fmt::format("tilt {:.1f} deg (roll {:+.1f}, pitch {:+.1f})", attitude.tilt.in(core::deg),
                     attitude.roll.in(core::deg), attitude.pitch.in(core::deg));
+    if (message.slope) words += fmt::format(", slope {:.1f} deg", message.slope->in(core::deg));
   }
   if (message.vibration && is_heard) {
     words += fmt::format("{}vibration {:.4f} g", words.empty() ? "" : ", ",

@@ -44,6 +44,8 @@ class Line {
     const bool has_rate = message.up && message.has_rate();
     add_number("vertical_rate_dps", has_rate,
                has_rate ? message.vertical_rate().in(core::deg_per_s) : 0.0F);
+    add_number("slope_deg", message.slope.has_value(),
+               message.slope.value_or(core::Angle{}).in(core::deg));
     const float turn_sigma_deg = message.vertical_turn.sigma.in(core::deg);
     const bool has_turn = message.up && core::is_finite(turn_sigma_deg);
     add_number("vertical_turn_deg", has_turn, message.vertical_turn.angle.in(core::deg));

@@ -43,6 +43,7 @@ namespace zerorate::wire::testing {
   if (random() % 4 != 0) {
     for (auto& force : message.acceleration.emplace()) force = core::m_per_s2(4.0F * rate(random));
   }
+  if (random() % 4 != 0) message.slope = core::rad(rate(random));
   if (random() % 4 != 0) message.vibration = core::m_per_s2(rate(random) + 35.0F);
   if (random() % 4 != 0) {
     for (app::ExplainedBias& axis : message.explained.emplace()) {

@@ -79,6 +79,7 @@ TEST(RateFrameWithEveryBlock, HasThemInTheOrderOfItsPage) {
   sent.message.acceleration =
       std::array{core::m_per_s2(6.0F), core::m_per_s2(7.0F), core::m_per_s2(8.0F)};
   sent.message.vibration = core::m_per_s2(9.0F);
+  sent.message.slope = core::rad(19.0F);
   float figure = 10.0F;
   for (app::ExplainedBias& axis : sent.message.explained.emplace()) {
     for (auto* const share : {&axis.temperature, &axis.acceleration, &axis.vibration}) {
@@ -86,10 +87,10 @@ TEST(RateFrameWithEveryBlock, HasThemInTheOrderOfItsPage) {
     }
   }
   const std::vector<std::uint8_t> frame = bytes_of(encode_rate_frame(sent));
-  ASSERT_EQ(frame.size(), 192U);
-  EXPECT_EQ(frame[3], 0x3C);
-  std::array<float, 18> figures{};
-  std::memcpy(figures.data(), &frame[116], 72);  // the test runs on little-endian machines
+  ASSERT_EQ(frame.size(), 196U);
+  EXPECT_EQ(frame[3], 0x7C);
+  std::array<float, 19> figures{};
+  std::memcpy(figures.data(), &frame[116], 76);  // the test runs on little-endian machines
   for (std::size_t i = 0; i < figures.size(); ++i) EXPECT_EQ(figures[i], static_cast<float>(i + 1));
 }
 
@@ -112,6 +113,7 @@ std::vector<std::uint8_t> older(const RateFrame& frame, std::uint8_t version, st
 void without_accelerometer(app::RateMessage& message) {
   message.up.reset();
   message.vertical_turn = {};
+  message.slope.reset();
   message.acceleration.reset();
   message.vibration.reset();
   message.explained.reset();

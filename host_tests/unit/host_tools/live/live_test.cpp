@@ -40,6 +40,10 @@ TEST(JsonMessage, RoundTripsUpToTheRoundingOfDegrees) {
     EXPECT_EQ(read->message.temperature, sent.message.temperature);
     EXPECT_EQ(read->message.odometer_pulses, sent.message.odometer_pulses);
     EXPECT_EQ(read->message.up, sent.message.up);
+    ASSERT_EQ(read->message.slope.has_value(), sent.message.slope.has_value());
+    if (sent.message.slope) {
+      EXPECT_NEAR(read->message.slope->in(core::rad), sent.message.slope->in(core::rad), 1e-5F);
+    }
     EXPECT_NEAR(read->message.vertical_turn.angle.in(core::rad),
                 sent.message.vertical_turn.angle.in(core::rad), 1e-5F);
     EXPECT_EQ(read->message.acceleration, sent.message.acceleration);

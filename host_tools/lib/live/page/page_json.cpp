@@ -55,9 +55,11 @@ json vertical_json(const app::RateMessage& message, bool is_heard) {
 json attitude_json(const app::RateMessage& message, bool is_heard) {
   if (!message.up || !is_heard) return nullptr;
   const core::Attitude attitude = core::attitude_of(*message.up);
+  json slope = message.slope ? json(message.slope->in(core::deg)) : json{};
   return {{"tilt_deg", attitude.tilt.in(core::deg)},
           {"roll_deg", attitude.roll.in(core::deg)},
-          {"pitch_deg", attitude.pitch.in(core::deg)}};
+          {"pitch_deg", attitude.pitch.in(core::deg)},
+          {"slope_deg", std::move(slope)}};
 }
 
 /// Shares of the bias by input, of x, y and z; null where the model has no inputs.

@@ -37,6 +37,7 @@ NumberedMessage widest_message() {
   constexpr float kWidest = -1.17549435e-38F;
   widest.message.vertical_turn = {.angle = core::rad(kWidest), .sigma = core::rad(kWidest)};
   widest.message.up = core::Direction{kWidest, kWidest, kWidest};
+  widest.message.slope = core::rad(kWidest);
   widest.message.vibration = core::m_per_s2(kWidest);
   widest.message.acceleration.emplace().fill(core::m_per_s2(kWidest));
   const core::AngularRate share = core::rad_per_s(kWidest);
@@ -84,6 +85,10 @@ TEST(JsonLineOfAnyMessage, IsOneLineOfJsonWithTheSameBits) {
     EXPECT_EQ(json["heading_sigma_deg"].get<float>(), sent.message.heading.sigma.in(core::deg));
     const bool has_vertical = sent.message.up && sent.message.has_rate();
     expect_list(json["up"], sent.message.up, [](float share) { return share; });
+    EXPECT_EQ(json["slope_deg"].is_null(), !sent.message.slope);
+    if (sent.message.slope) {
+      EXPECT_EQ(json["slope_deg"].get<float>(), sent.message.slope->in(core::deg));
+    }
     EXPECT_EQ(json["vertical_turn_deg"].is_null(), !sent.message.up);
     if (sent.message.up) {
       const app::AxisTurn& turn = sent.message.vertical_turn;
