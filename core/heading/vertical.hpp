@@ -143,9 +143,12 @@ class MeasuredVertical {
   constexpr void lose() {
     state_.is_measured = false;
     state_.rest_ticks = 0;
+    if (given_) state_.up = given_->direction();
   }
-  /// The sensor turned by a small angle: a rotation by Cayley's formula, which keeps the length.
+  /// The sensor turned by a small angle: a rotation by Cayley's formula, which keeps the length. A
+  /// given axis that nothing has measured stays.
   constexpr void turn(const Direction& turn_rad) {
+    if (!state_.is_measured) return;
     const Direction half{0.5F * turn_rad[0], 0.5F * turn_rad[1], 0.5F * turn_rad[2]};
     const Direction first = cross(state_.up, half);
     const Direction second = cross(first, half);

@@ -89,6 +89,15 @@ TEST(MeasuredVerticalOfAForceThatIsNoGravity, StaysUnknownOrGiven) {
   EXPECT_EQ(given.up(), (Direction{0.0F, 0.0F, -1.0F}));
 }
 
+TEST(MeasuredVerticalWithoutReadings, StaysTheGivenAxis) {
+  MeasuredVertical given{UpAxis{.axis = 0}};
+  for (int k = 0; k < 100; ++k) {
+    given.turn({0.1F, 0.2F, 0.3F});
+    given.close_tick(nullptr, k % 2 == 0, 0.3F, kTick);
+  }
+  EXPECT_EQ(given.up(), (Direction{1.0F, 0.0F, 0.0F}));
+}
+
 TEST(MeasuredVerticalOfSeveralStops, GivesTheSlopeOfAParkingPlace) {
   MeasuredVertical vertical{std::nullopt};
   const Eigen::Vector3d level(0.0, 0.0, 1.0);

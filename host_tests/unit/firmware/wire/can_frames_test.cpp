@@ -256,7 +256,7 @@ TEST(CanFramesOfAnAccelerometer, HoldForcesVibrationAndShares) {
       expect_share("ByAcceleration", sent.explained->at(axis).acceleration);
       expect_share("ByVibration", sent.explained->at(axis).vibration);
     }
-    if (!sent.vibration || sent.vibration->in(core::m_per_s2) > 65.5F) {
+    if (!sent.vibration || sent.vibration->in(core::m_per_s2) > 65.534F) {
       EXPECT_EQ(reading.raw("Vibration"), 65535);
     } else {
       EXPECT_NEAR(reading.value("Vibration"), sent.vibration->in(core::m_per_s2), 0.501e-3);
