@@ -12,6 +12,7 @@
 #include "core/base/units.hpp"
 #include "core/heading/turn_sum.hpp"
 #include "core/heading/vertical.hpp"
+#include "core/inputs/accelerometer.hpp"
 #include "core/standstill/standstill.hpp"
 #include "firmware/app/rate_message.hpp"
 #include "firmware/app/reference_track.hpp"
