@@ -117,8 +117,9 @@ class TurnTrack {
     if (!sum_.moves() || ticks.drive().ticks > 0) return;
     const auto length = static_cast<std::uint32_t>(sum_.duration() / params_.model.modes.tick) + 1;
     // Forces come and go: what they add to the error of the turn may be less a second later.
-    const std::uint32_t wait =
-        Ticks::kHasAccelerometer ? std::min(asked_ticks_ / 8, second_ticks()) : asked_ticks_ / 8;
+    const std::uint32_t eighth = asked_ticks_ / 8;
+    const bool follows_forces = params_.model.inputs.follows(core::is_inertial);
+    const std::uint32_t wait = follows_forces ? std::min(eighth, second_ticks()) : eighth;
     if (length <= asked_ticks_ + wait) return;
     asked_ticks_ = length;
     ticks.drive().ticks = length;

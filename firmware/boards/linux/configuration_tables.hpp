@@ -65,7 +65,8 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
 /// Address and port of a datagram's receiver.
 [[nodiscard]] UdpSettings read_udp(toml_file::StrictTable& table);
 /// Axis that points up: z unless given.
-[[nodiscard]] std::optional<core::UpAxis> read_up(toml_file::StrictTable& table, toml_file::Presence presence);
+[[nodiscard]] std::optional<core::UpAxis> read_up(toml_file::StrictTable& table,
+                                                  toml_file::Presence presence);
 /// Path that a Unix socket can have.
 [[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
 

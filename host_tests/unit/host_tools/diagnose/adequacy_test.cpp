@@ -109,8 +109,8 @@ TEST(AdequacyOfALattice, FailsOnlyWithAFavouriteLevel) {
   EXPECT_THAT(adequacy_of(values).failures, Contains(HasSubstr("than its neighbours let expect")));
 }
 
-/// White noise on steps of 1/32, whose code 5 has taken in some of the codes above it, as a converter
-/// of unequal steps does.
+/// White noise on steps of 1/32, whose code 5 has taken in some of the codes above it, as a
+/// converter of unequal steps does.
 std::vector<double> with_a_wide_code(int wider) {
   std::vector<double> values = white(8);
   for (double& value : values) {
