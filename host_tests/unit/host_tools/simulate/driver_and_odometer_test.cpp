@@ -168,7 +168,10 @@ TEST(Scenarios, HaveAReferenceThatIsTheTruth) {
     const ScenarioDrive drive = find_scenario(name).make(1);
     ASSERT_TRUE(drive.columns.ref_heading && drive.columns.ref_rate && drive.columns.ref_speed);
     for (const ScenarioRow& row : drive.rows) {
-      ASSERT_EQ(row.row.ref_rate_rad_s, row.true_rate_rad_s[kYaw]) << name;
+      // A body that leans by a degree measures 0.015 % less.
+      ASSERT_NEAR(row.row.ref_rate_rad_s, row.true_rate_rad_s[kYaw],
+                  1.5e-4F * std::abs(row.row.ref_rate_rad_s))
+          << name;
     }
   }
 }

@@ -103,9 +103,15 @@ TEST(Grade, SharesTheTurnAmongTheAxesOfTheBody) {
   const std::size_t turning = motion.size() - 1;
   const double turn = motion.turn_rad_s[turning];
   const double pitch = std::atan(0.1);
-  EXPECT_NEAR(motion.rate_rad_s[turning][2], turn * std::cos(pitch), 1e-12);
-  // The nose is up, and the body leans by 0.05 of the turn besides.
-  EXPECT_NEAR(motion.rate_rad_s[turning][0], turn * (0.05 + std::sin(pitch)), 1e-12);
+  // The nose is up, and the body leans outwards by 5 deg per g.
+  const double lean = 5.0 * std::numbers::pi / 180.0 * 5.0 * turn / 9.80665;
+  EXPECT_NEAR(motion.rate_rad_s[turning][0], turn * std::sin(pitch), 1e-12);
+  EXPECT_NEAR(motion.rate_rad_s[turning][1], turn * std::cos(pitch) * std::sin(lean), 0.0041);
+  EXPECT_NEAR(motion.rate_rad_s[turning][2], turn * std::cos(pitch) * std::cos(lean), 1e-12);
+  // The force of gravity along the road, and what the turn pushes outwards.
+  EXPECT_NEAR(motion.force_g[turning][0], std::sin(pitch), 1e-12);
+  const double outwards = std::cos(lean) * 5.0 * turn / 9.80665;
+  EXPECT_NEAR(motion.force_g[turning][1], outwards + std::sin(lean) * std::cos(pitch), 1e-12);
 }
 
 TEST(Grade, IsTheIntegralOfThePitch) {
