@@ -93,7 +93,7 @@ std::string scale_member(const core::ScaleCorrection& scale) {
 /// Nothing where the model names no step, or no truncation, which is the default.
 std::string step_members(float step_rad_s, const core::Truncation& truncation) {
   if (step_rad_s == 0.0F) return {};
-  const std::string step = "    .quantization_step_rad_s = " + literal(step_rad_s) + ",\n";
+  std::string step = "    .quantization_step_rad_s = " + literal(step_rad_s) + ",\n";
   if (!truncation.is_on()) return step;
   return step + "    .truncation = {.half_step_rad_s = " + literal(truncation.half_step_rad_s) +
          "},\n";
