@@ -51,7 +51,7 @@ class GivenVertical {
   [[nodiscard]] constexpr float variance(Of of) const {
     return of(axis());
   }
-  /// Fills in what is summed about the vertical, where the axes of the sensor stand before it.
+  /// No-ops: a given axis cannot be lost, and is among the summed ones.
   static constexpr void lose() {}
   static constexpr void complete(auto& /*sample*/) {}
   static constexpr void complete_variances(auto& /*variances*/) {}
@@ -124,9 +124,9 @@ class MeasuredVertical {
     }
     return sum;
   }
-  /// @param sample a TurnSum::Sample. The turn about the vertical is lost with that of any axis,
-  /// and
-  ///   its bias is at most as uncertain as that of the worst.
+  /// Fills in what is summed about the vertical, where the axes of the sensor stand before it. The
+  /// turn is lost with that of any axis, and the bias is at most as uncertain as that of the worst.
+  /// @param sample a TurnSum::Sample
   constexpr void complete(auto& sample) const {
     constexpr std::uint8_t kVerticalBit = 1U << kVertical;
     const auto& rate = sample.rate_rad_s;

@@ -168,8 +168,11 @@ class TurnTrack {
     if (!vertical_.is_known()) return;
     message.up = vertical_.up();
     if constexpr (Ticks::kMeasuresVertical) message.slope = vertical_.slope();
-    message.vertical_turn = axis < kAxes ? message.turn[axis] : turn(axis, silence);
-    if (axis >= kAxes && has_learnt_motion()) message.vertical_turn = learnt_turn(silence);
+    if (axis < kAxes) {
+      message.vertical_turn = message.turn[axis];
+    } else {
+      message.vertical_turn = has_learnt_motion() ? learnt_turn(silence) : turn(axis, silence);
+    }
     if (vertical_.sense() < 0.0F) {
       message.vertical_turn.angle = core::Angle{} - message.vertical_turn.angle;
     }
