@@ -52,7 +52,6 @@ void add_reference(const VehicleMotion& motion, ScenarioDrive& drive) {
 /// road.
 void add_forces(const VehicleMotion& motion, const Tilt& mounting,
                 const random::RandomStream& stream, ScenarioDrive& drive) {
-  constexpr double kGravity_m_s2 = 9.80665;
   constexpr double kNoise_g = 0.001;
   constexpr double kRoad_g_per_m_s = 0.002;
   for (std::size_t k = 0; k < motion.force_g.size(); ++k) {
@@ -61,7 +60,7 @@ void add_forces(const VehicleMotion& motion, const Tilt& mounting,
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double noise = stream.normal(static_cast<std::int64_t>(3 * k + axis));
       drive.rows[k].row.acceleration_m_s2[axis] =
-          static_cast<float>(kGravity_m_s2 * (force_g[axis] + shake_g * noise));
+          static_cast<float>(units::kGravity_m_s2 * (force_g[axis] + shake_g * noise));
     }
   }
 }

@@ -209,8 +209,8 @@ std::vector<Leg> drive_in_traffic(const DriverParams& params, const random::Rand
 }
 
 VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double metres_per_pulse) {
-  constexpr double kGravity_m_s2 = 9.80665;
-  constexpr double kLean_rad_per_m_s2 = 5.0 * units::kRadPerDeg / kGravity_m_s2;  // 5 deg per g
+  constexpr double kLean_rad_per_m_s2 =
+      5.0 * units::kRadPerDeg / units::kGravity_m_s2;  // 5 deg per g
   using units::kRadPerDeg;
   VehicleMotion motion{.sample_period_s = sample_period_s};
   Tilt tilt_before;
@@ -233,8 +233,8 @@ VehicleMotion follow(std::span<const Leg> legs, double sample_period_s, double m
       const auto turn = seen_by(tilt, {0.0, 0.0, yaw});
       const double speed_before = motion.size() == 0 ? speed : motion.speed_m_s.back();
       const double pushed_m_s2 = (speed - speed_before) / sample_period_s;
-      motion.force_g.push_back(
-          seen_by(tilt, {pushed_m_s2 / kGravity_m_s2, speed * yaw / kGravity_m_s2, 1.0}));
+      motion.force_g.push_back(seen_by(
+          tilt, {pushed_m_s2 / units::kGravity_m_s2, speed * yaw / units::kGravity_m_s2, 1.0}));
       const double rolls = (tilt.roll_rad - tilt_before.roll_rad) / sample_period_s;
       const double pitches = (tilt.pitch_rad - tilt_before.pitch_rad) / sample_period_s;
       tilt_before = tilt;

@@ -21,6 +21,9 @@ inline constexpr double kDegRtHPerRadRtS = 60.0 * kDegPerRad;
 /// rad/s/sqrt(s) in deg/h/sqrt(h).
 inline constexpr double kDphRtHPerRadSRtS = 60.0 * kDphPerRadS;
 
+/// Standard gravity (3rd CGPM, 1901).
+inline constexpr double kGravity_m_s2 = 9.80665;
+
 /// Nanoseconds in seconds.
 [[nodiscard]] constexpr double seconds(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
