@@ -151,10 +151,11 @@ class RoundingWatch {
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F, 0.0F));
   }
   constexpr void take_change(float change) {
+    const bool is_least = state_.changes == 0 || change < state_.least_change_rad_s;
+    if (!is_least && state_.changes == kFewestChanges) return;  // what most changes are
     const float step = step_rad_s();
-    const bool is_first = state_.changes == 0;
     if (state_.changes < kFewestChanges) ++state_.changes;
-    if (is_first || change < state_.least_change_rad_s) state_.least_change_rad_s = change;
+    if (is_least) state_.least_change_rad_s = change;
     if (step_rad_s() != step) estimate_without_rest();
   }
   /// @param newest_rad_s  newest sample of the axis
